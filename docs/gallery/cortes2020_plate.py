@@ -33,7 +33,11 @@ lift = lf.lift(plate, chamber.state(pressure), lf.ChannelPump())
 
 fig, ax = plt.subplots()
 ax.axvspan(10.0, 200.0, color="C2", alpha=0.2, label="seen to levitate")
-ax.plot(pressure, lift / lf.weight(plate, chamber.state(pressure)), label="channel-pump, 10 kW/m²")
+ax.plot(
+    pressure,
+    lift / lf.flight.weight(plate, chamber.state(pressure)),
+    label="channel-pump, 10 kW/m²",
+)
 ax.axhline(1.0, color="grey", ls="--", label="weight")
 ax.set(xscale="log", yscale="log", xlabel="pressure [Pa]", ylabel="lift over weight")
 ax.legend()

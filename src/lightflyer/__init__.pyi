@@ -41,12 +41,8 @@ from .film.properties import FilmProperties as FilmProperties
 from .flight import equilibrium as equilibrium
 from .flight import levitate as levitate
 from .flight import levitation_band as levitation_band
-from .flight import levitation_bands as levitation_bands
 from .flight import lift as lift
 from .flight import payload as payload
-from .flight import settling_time as settling_time
-from .flight import sinking_speed as sinking_speed
-from .flight import weight as weight
 from .flyer import AbstractFlyer as AbstractFlyer
 from .flyer import Balloon as Balloon
 from .flyer import Disk as Disk
@@ -62,20 +58,13 @@ from .force import HollowPump as HollowPump
 from .force import Kinetic as Kinetic
 from .force import Lu2023 as Lu2023
 from .force import Schafer2025 as Schafer2025
-from .mission import Ensemble as Ensemble
 from .mission import Release as Release
-from .mission import drift as drift
 from .mission import fly as fly
-from .mission import hanging_stability as hanging_stability
-from .mission import spread as spread
-from .mission import swarm as swarm
-from .mission.mission_file import read_mission_file as read_mission_file
 from .prediction import predict as predict
 from .program.entry_point import entry_point as entry_point
 from .search import optimise as optimise
 from .search import pareto as pareto
 from .search import sensitivity as sensitivity
-from .sweeps import open_sweep as open_sweep
 from .sweeps import sweep as sweep
 from .uncertainty import propagate as propagate
 

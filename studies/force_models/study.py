@@ -166,7 +166,7 @@ def flight(model, environment):
     disk = lf.Disk(FILM, RADIUS)
     state = environment.state(ALTITUDES)
     levitation = lf.levitate(disk, state, model, throw=False)
-    bands = lf.levitation_bands(disk, environment, model)
+    bands = lf.flight.levitation_bands(disk, environment, model)
     return levitation, bands
 
 
@@ -267,7 +267,7 @@ def summary(model, surroundings, irradiance, payload, altitude):
 def best_lift_over_weight(model, environment):
     """Largest lift over weight of the 2-cm disk over altitude, and where [m]."""
     disk, state = lf.Disk(FILM, RADIUS), environment.state(ALTITUDES)
-    found = lf.lift(disk, state, model, throw=False) / lf.weight(disk, state)
+    found = lf.lift(disk, state, model, throw=False) / lf.flight.weight(disk, state)
     return found.max(axis=-1), ALTITUDES[found.argmax(axis=-1)]
 
 

@@ -59,18 +59,18 @@ def rows(
     """Readings, shape (4, count) [K]: a hotplate's own temperature where it is not black."""
     reflectance, transmittance, remainder = truth
     hot = rng.uniform(400.0, 450.0) + WANDER * rng.normal(size=count)
-    cold = np.full(count, camera.seen(ambient))
-    plate = emissivity * camera.seen(hot) + (1.0 - emissivity) * cold
-    own = camera.seen(ambient + warmth)
+    cold = np.full(count, camera.camera_radiance(ambient))
+    plate = emissivity * camera.camera_radiance(hot) + (1.0 - emissivity) * cold
+    own = camera.camera_radiance(ambient + warmth)
     lower = reflectance * plate + transmittance * cold + remainder * own
     upper = transmittance * plate + reflectance * cold + remainder * own
     radiance = np.stack([plate, lower, upper, cold])
     if emissivity < 1.0:
-        shown = camera.shown(radiance)
+        shown = camera.apparent_temperature(radiance)
         shown[0] = hot  # by a thermometer
     else:
         radiance = radiance * (1.0 + GAIN * rng.normal()) + OFFSET * cold[0] * rng.normal()
-        shown = camera.shown(radiance)
+        shown = camera.apparent_temperature(radiance)
     return shown + NOISE * rng.normal(size=shown.shape)
 
 

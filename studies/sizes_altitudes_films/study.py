@@ -76,7 +76,7 @@ def main(folder):
     """Sweep into a folder, which continues what is there; draw; write the numbers."""
     study = read_study(HERE / "study.toml")
     report = sweep_into(study, folder)
-    dataset = lf.open_sweep(folder).load()
+    dataset = lf.sweeps.open_sweep(folder).load()
     payload, altitude = best_over_altitude(dataset, "payload")
     relative, _ = best_over_altitude(dataset, "relative_payload")
     results = {"designs": report.designs, **nominal_numbers(payload, relative, altitude)}

@@ -24,7 +24,9 @@ SHARE = 0.3  # of the film's mass, which the hanging payload has
 
 def fastest(disk, model):
     """Fastest drift that keeps altitude [m/s] and its tilt [rad], NaN where none does."""
-    found = lf.drift(disk, lf.Earth(), model, altitude=ALTITUDES[:, None], tilt=TILTS)
+    found = lf.mission.steady_drift(
+        disk, lf.Earth(), model, altitude=ALTITUDES[:, None], tilt=TILTS
+    )
     climb, speed = found.climb, found.speed
     holds = (climb[:, :-1] >= 0.0) & (climb[:, 1:] < 0.0)
     row, at = np.arange(ALTITUDES.size), np.argmax(holds, axis=1)
@@ -40,7 +42,7 @@ def rods(diameter):
     disk = lf.Disk(FILM, radius=0.5 * diameter)
     disk = lf.Disk(FILM, radius=disk.radius, payload=SHARE * float(disk.own_mass))
     earth = lf.Earth()
-    return np.array([lf.hanging_stability(disk, earth.state(altitude), rod=1e-3).longest_rod
+    return np.array([lf.mission.hanging_stability(disk, earth.state(altitude), rod=1e-3).longest_rod
                      for altitude in ALTITUDES])  # fmt: skip
 
 
@@ -53,8 +55,10 @@ def gram():
             cells = []
             for model in models:
                 try:
-                    found = lf.swarm(lf.Disk(film, radius=0.5 * diameter), lf.Earth(), model,
-                                     payload="1 g", tether=FIBRE)  # fmt: skip
+                    disk = lf.Disk(film, radius=0.5 * diameter)
+                    found = lf.mission.tethered_swarm(
+                        disk, lf.Earth(), model, payload="1 g", tether=FIBRE
+                    )
                     cells.append(f"{found.count} at {found.altitude / 1e3:g} km, "
                                  f"radius {found.layer_radius:.1f} m, tethers "
                                  f"{1e3 * found.tether_mass:.2g} g")  # fmt: skip

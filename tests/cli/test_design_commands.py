@@ -116,7 +116,7 @@ def test_a_reduced_sweep_keeps_what_the_whole_one_has(run, study, tmp_path):
     assert code == 0, errors
     assert "best relative_payload (3 kept)" in text
     assert "front, relative payload against altitude:" in text
-    every, tree = lf.open_sweep(whole), lf.sweeps.open_reduced(out)
+    every, tree = lf.sweeps.open_sweep(whole), lf.sweeps.open_reduced(out)
     ordered = every.relative_payload.stack(design=every.dims).to_pandas().nlargest(3)
     best = tree["best/relative_payload"]
     assert list(best.relative_payload.values) == list(ordered.values)

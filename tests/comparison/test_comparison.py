@@ -166,7 +166,7 @@ def test_what_cannot_be_compared_is_refused(designs, arguments, options, message
 
 
 def test_one_flyer_is_no_comparison(designs):
-    for one in (designs[0], "flyer.toml", designs[0].setup.flyer):
+    for one in (designs[0], "flyer.toml", designs[0].flyer):
         with pytest.raises(lf.ParameterError, match="here are 1"):
             lf.compare(one)
 

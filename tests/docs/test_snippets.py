@@ -159,7 +159,7 @@ def require_readable(text):
     if "mission" in content:
         path = Path("page.toml")
         path.write_text(tomlkit.dumps(base | content), encoding="utf-8")
-        lf.read_mission_file(path)
+        lf.mission.read_mission_file(path)
         return
     merged = {name: {**base.get(name, {}), **content.get(name, {})} for name in {**base, **content}}
     for name, section in content.items():

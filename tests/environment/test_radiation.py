@@ -201,7 +201,7 @@ def test_own_environment_depends_on_place_and_time(film):
     found = lf.predict(disk, Carousel(), model)
     assert found.summary()["at"][0]["altitude_km"] == 50.0
     assert found.best.values["lift_over_weight"] == pytest.approx(
-        lf.lift(disk, noon, model) / lf.weight(disk, noon), rel=1e-9
+        lf.lift(disk, noon, model) / lf.flight.weight(disk, noon), rel=1e-9
     )
 
 

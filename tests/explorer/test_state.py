@@ -31,7 +31,7 @@ def test_address_and_file_hold_the_whole_design(name, workplace, tmp_path):
     path = tmp_path / "flyer.toml"
     path.write_text(to_toml(document), encoding="utf-8")
     if "mission" in document:
-        written, own = lf.read_mission_file(path), workplace.mission(document)
+        written, own = lf.mission.read_mission_file(path), workplace.mission(document)
         assert written.mission == own.mission
         assert written.design == own.design
     else:

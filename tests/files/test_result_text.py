@@ -73,10 +73,10 @@ def test_a_traced_result_has_a_text(film, setup):
 
 
 def test_swarm_and_drift(disk, setup):
-    found = lf.swarm(setup, payload="1 g", altitude="72 km")
+    found = lf.mission.tethered_swarm(setup, payload="1 g", altitude="72 km")
     assert f"flyers {found.count} altitude 72 km" in words(found)
     assert f"spare lift of one {found.spare_lift * 1e6:.4g} µN" in words(found)
-    moved = lf.drift(setup, altitude=70e3, tilt=0.3)
+    moved = lf.mission.steady_drift(setup, altitude=70e3, tilt=0.3)
     assert f"speed along the tilt {moved.speed:.6g} m/s" in words(moved)
     assert f"warning: {moved.warnings[0]}" in words(moved)
 
@@ -117,9 +117,9 @@ def test_missions_are_described(disk):
     text = " ".join(lf.mission.describe(flown).split())
     assert f"{float(flown.end_altitude) / 1e3:.2f} km because it is still flying" in text
     assert "aloft 2.00 h" in text
-    swarm = lf.spread(
+    swarm = lf.mission.disperse_ensemble(
         disk, lf.Earth(), lf.FreeMolecular(), duration="2 h", release=release,
-        ensemble=lf.Ensemble(members=20), areas=[lf.mission.Circle(45.0, 0.0, "300 km")],
+        ensemble=lf.mission.Ensemble(members=20), areas=[lf.mission.Circle(45.0, 0.0, "300 km")],
     )  # fmt: skip
     text = " ".join(lf.mission.describe(swarm).split())
     assert "after 2 h" in text

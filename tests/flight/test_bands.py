@@ -14,10 +14,10 @@ def test_edges_are_where_lift_equals_weight(disk):
     band = lf.levitation_band(disk, earth, model)
     for edge in (band.lower, band.upper):
         state = earth.state(edge)
-        ratio = lf.lift(disk, state, model) / lf.weight(disk, state)
+        ratio = lf.lift(disk, state, model) / lf.flight.weight(disk, state)
         assert ratio == pytest.approx(1.0, abs=1e-8)
     inside = earth.state(0.5 * (band.lower + band.upper))
-    assert lf.lift(disk, inside, model) > lf.weight(disk, inside)
+    assert lf.lift(disk, inside, model) > lf.flight.weight(disk, inside)
 
 
 def test_many_flyers_at_once(film):
@@ -54,7 +54,7 @@ def test_two_bands_are_told_apart(disk):
             near = [jnp.exp(-(jnp.log(state.pressure / centre) ** 2)) for centre in (0.5, 50.0)]
             return 1e-4 * flyer.area * (1e3 * near[0] + 1e5 * near[1]) * excess
 
-    bands = lf.levitation_bands(disk, lf.lu2023_earth(), TwoLayers())
+    bands = lf.flight.levitation_bands(disk, lf.lu2023_earth(), TwoLayers())
     assert bands.exists.shape == (MOST_BANDS,)
     np.testing.assert_array_equal(bands.exists, [True, True, False, False])
     assert bands.upper[0] < bands.lower[1]
@@ -75,7 +75,7 @@ def test_a_chamber_has_a_band_of_pressures(disk):
     band = lf.levitation_band(disk, chamber, model)
     for edge in (band.lower, band.upper):
         state = chamber.state(edge)
-        ratio = lf.lift(disk, state, model) / lf.weight(disk, state)
+        ratio = lf.lift(disk, state, model) / lf.flight.weight(disk, state)
         assert ratio == pytest.approx(1.0, abs=1e-8)
     assert chamber.pressure_range[0] < band.lower < band.upper < chamber.pressure_range[1]
 

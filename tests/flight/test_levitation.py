@@ -23,7 +23,7 @@ def test_at_the_levitation_irradiance_lift_equals_weight(disk, state, model):
     result = lf.levitate(disk, state, model)
     there = with_light(state, result.irradiance)
     lift = lf.lift(disk, there, model)
-    np.testing.assert_allclose(lift, lf.weight(disk, there), rtol=1e-9)
+    np.testing.assert_allclose(lift, lf.flight.weight(disk, there), rtol=1e-9)
     np.testing.assert_allclose(
         lf.equilibrium(disk, there, model).temperature, result.temperature, rtol=1e-9
     )

@@ -134,7 +134,9 @@ def test_levitation_finds_irradiance_and_temperatures_together():
     assert not found.levitates.all()
     there = found.levitates
     lit = state_at(pressures[there], found.irradiance[there])
-    np.testing.assert_allclose(lf.lift(flyer, lit, Push(4.0)), lf.weight(flyer, lit), rtol=1e-9)
+    np.testing.assert_allclose(
+        lf.lift(flyer, lit, Push(4.0)), lf.flight.weight(flyer, lit), rtol=1e-9
+    )
     hottest = lf.equilibrium(flyer, lit, Push(4.0)).temperature
     np.testing.assert_allclose(found.temperature[there], hottest, rtol=1e-9)
     assert np.all(np.isinf(found.irradiance[~there]))

@@ -55,27 +55,27 @@ def test_speed_of_an_independent_calculation(black, monkeypatch):
     state = earth.state(ALTITUDES)
     with jax.disable_jit():  # nothing of this law may stay compiled
         drag = black.drag(state, (0.0,), speeds)
-    np.testing.assert_allclose(drag, lf.weight(black, state), rtol=6e-3)
+    np.testing.assert_allclose(drag, lf.flight.weight(black, state), rtol=6e-3)
 
 
 def test_drag_balances_weight(disk):
     state = lf.Earth().state(ALTITUDES)
-    speed = lf.sinking_speed(disk, state)
+    speed = lf.flight.sinking_speed(disk, state)
     with lf.float64():
         drag = disk.drag(state, (0.0,), speed)
-    np.testing.assert_allclose(drag, lf.weight(disk, state), rtol=1e-10)
+    np.testing.assert_allclose(drag, lf.flight.weight(disk, state), rtol=1e-10)
 
 
 def test_climbs_in_sunlight_and_sinks_in_the_dark(disk):
     state = lf.lu2023_earth().state(72e3)
     model = lf.Lu2023()
-    up = lf.sinking_speed(disk, state, model)
-    down = lf.sinking_speed(disk, lf.flight.in_the_dark(state), model)
+    up = lf.flight.sinking_speed(disk, state, model)
+    down = lf.flight.sinking_speed(disk, lf.flight.in_the_dark(state), model)
     assert up < 0.0 < down
     balance = lf.equilibrium(disk, state, model)
     with lf.float64():
         drag = disk.drag(state, balance.unknowns, -up)
-    missing = lf.lift(disk, state, model) - lf.weight(disk, state)
+    missing = lf.lift(disk, state, model) - lf.flight.weight(disk, state)
     assert drag / missing == pytest.approx(1.0, rel=1e-9)
 
 
@@ -83,7 +83,7 @@ def test_derivative_of_the_speed(disk):
     state = lf.Earth().state(60e3)
 
     def speed(radius):
-        return lf.sinking_speed(lf.Disk(disk.film, radius=radius), state)
+        return lf.flight.sinking_speed(lf.Disk(disk.film, radius=radius), state)
 
     with lf.float64():
         slope = jax.grad(speed)(0.01)
@@ -94,18 +94,18 @@ def test_derivative_of_the_speed(disk):
 
 def test_time_of_a_descent(disk):
     earth = lf.Earth()
-    time = lf.settling_time(disk, earth, start=75e3, end=60e3)
+    time = lf.flight.settling_time(disk, earth, start=75e3, end=60e3)
     grid = np.linspace(60e3, 75e3, 301)
-    speeds = lf.sinking_speed(disk, earth.state(grid))
+    speeds = lf.flight.sinking_speed(disk, earth.state(grid))
     fall = solve_ivp(
         lambda _, z: -np.interp(z, grid, speeds), (0.0, time), [75e3], rtol=1e-8, max_step=100.0
     )
     assert fall.y[0, -1] == pytest.approx(60e3, abs=5.0)
     with pytest.raises(ParameterError, match="not above"):
-        lf.settling_time(disk, earth, start=50e3, end=60e3)
+        lf.flight.settling_time(disk, earth, start=50e3, end=60e3)
 
 
 def test_a_tilted_flyer_glides(disk):
     tilted = lf.Disk(disk.film, 0.01, attitude=lf.environment.Attitude(tilt=0.3))
     with pytest.raises(ParameterError, match="level"):
-        lf.sinking_speed(tilted, lf.Earth().state(60e3))
+        lf.flight.sinking_speed(tilted, lf.Earth().state(60e3))

@@ -115,11 +115,11 @@ def test_the_longest_rod_is_where_oscillations_begin_to_grow():
 
 def test_a_short_rod_keeps_a_disk_level_and_a_long_one_or_a_string_does_not():
     disk, state = lf.Disk(FILM, radius=0.01, payload=1e-7), lf.Earth().state(70e3)
-    found = lf.hanging_stability(disk, state, rod=0.01)
+    found = lf.mission.hanging_stability(disk, state, rod=0.01)
     assert not found.stable
     assert found.growth_rate == pytest.approx(2.8, rel=0.05)
-    assert lf.hanging_stability(disk, state, rod=0.001).stable
-    string = lf.hanging_stability(disk, state, rod=0.0, string=0.05)
+    assert lf.mission.hanging_stability(disk, state, rod=0.001).stable
+    string = lf.mission.hanging_stability(disk, state, rod=0.0, string=0.05)
     assert not string.stable  # nothing rights the disk
     assert abs(string.growth_rate) < 1e-9
     assert any("edgewise" in text for text in found.warnings)
@@ -136,18 +136,20 @@ def test_a_short_rod_keeps_a_disk_level_and_a_long_one_or_a_string_does_not():
 def test_what_cannot_hang_is_refused(arguments, message):
     disk = lf.Disk(FILM, radius=0.01, payload=1e-7)
     with pytest.raises(lf.ParameterError, match=message):
-        lf.hanging_stability(disk, lf.Earth().state(70e3), **arguments)
+        lf.mission.hanging_stability(disk, lf.Earth().state(70e3), **arguments)
 
 
 def test_a_flyer_without_payload_or_without_faces_is_refused():
     state = lf.Earth().state(70e3)
     with pytest.raises(lf.ParameterError, match="payload is zero"):
-        lf.hanging_stability(lf.Disk(FILM, radius=0.01), state, rod=1e-3)
+        lf.mission.hanging_stability(lf.Disk(FILM, radius=0.01), state, rod=1e-3)
     balloon = as_design(DATA / "flyer-balloon.toml").setup.flyer
     with pytest.raises(lf.ParameterError, match="one flyer at one place"):
-        lf.hanging_stability(lf.Disk(FILM, radius=0.01), lf.Earth().state([7e4, 8e4]), rod=1e-3)
+        lf.mission.hanging_stability(
+            lf.Disk(FILM, radius=0.01), lf.Earth().state([7e4, 8e4]), rod=1e-3
+        )
     with pytest.raises(lf.ConfigurationError, match="flat"):
-        lf.hanging_stability(balloon, state, rod=1e-3)
+        lf.mission.hanging_stability(balloon, state, rod=1e-3)
 
 
 def test_a_turning_disk_in_dense_gas_is_a_spheroid_of_jeffery_without_thickness():
@@ -196,7 +198,9 @@ def holding():
 
     def flown(payload):
         disk = lf.Disk(FILM, radius=0.005, payload=payload)
-        return disk, lf.drift(disk, lf.Earth(), lf.Lu2023(), altitude=altitude, tilt=tilt)
+        return disk, lf.mission.steady_drift(
+            disk, lf.Earth(), lf.Lu2023(), altitude=altitude, tilt=tilt
+        )
 
     payload = brentq(lambda payload: flown(payload)[1].climb, 0.0, 1e-6, xtol=1e-15)
     return altitude, tilt, *flown(payload)
@@ -229,9 +233,9 @@ def test_drift_goes_where_the_top_face_is_tilted_and_a_level_disk_does_not_drift
     _, _, disk, _ = holding
     around = lf.Earth(), lf.Lu2023()
     towards, away = (
-        lf.drift(disk, *around, altitude=75e3, tilt=0.1, azimuth=angle).speed
+        lf.mission.steady_drift(disk, *around, altitude=75e3, tilt=0.1, azimuth=angle).speed
         for angle in (1.0, 4.0)
     )
     assert towards == pytest.approx(away, rel=1e-9)
     assert towards > 0.1
-    assert lf.drift(disk, *around, altitude=75e3, tilt=0.0).speed == 0.0
+    assert lf.mission.steady_drift(disk, *around, altitude=75e3, tilt=0.0).speed == 0.0

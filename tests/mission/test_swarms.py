@@ -108,11 +108,11 @@ def flown(tmp_path_factory, closed_form_disk):
             "release": lf.Release("70 km", latitude=80.0, longitude=179.0, time=0.0),
             "duration": HOURS * 3600.0,
             "every": 3.0 * 3600.0,
-            "ensemble": lf.Ensemble(members=MEMBERS, wind=WIND, wind_correlation_time=1e9),
+            "ensemble": lf.mission.Ensemble(members=MEMBERS, wind=WIND, wind_correlation_time=1e9),
             "areas": [Circle(80.0, 179.0, "1 km"), Circle(80.0, 179.0, "5000 km")],
             "folder": folder,
         }
-        return lf.spread(disk, lf.Earth(), lf.Lu2023(), **(given | others))
+        return lf.mission.disperse_ensemble(disk, lf.Earth(), lf.Lu2023(), **(given | others))
 
     yield fly, folder, fly()
     patch.undo()
@@ -171,7 +171,7 @@ def test_a_folder_of_another_swarm_is_refused(flown, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"ensemble": lf.Ensemble(members=0)}, "0 members"),
+        ({"ensemble": lf.mission.Ensemble(members=0)}, "0 members"),
         ({"areas": ["Bavaria"]}, "not str"),
         ({"duration": "-1 h"}, "duration"),
         ({"lowest": 71e3}, "release altitude 70 km"),
@@ -212,10 +212,12 @@ def disk():
 
 def test_a_deep_payload_takes_the_spare_lift_of_every_flyer(disk):
     around = lf.Earth(), lf.Lu2023()
-    found = lf.swarm(disk, *around, payload=1e-4, altitude=72e3, depth="10 km")
+    found = lf.mission.tethered_swarm(disk, *around, payload=1e-4, altitude=72e3, depth="10 km")
     each = lf.payload(disk, lf.Earth().state(72e3), lf.Lu2023())
     assert found.count == int(np.ceil(1e-4 / each))
-    heavier = lf.swarm(disk, *around, payload=1e-4, altitude=72e3, tether=Tether(1e-7))
+    heavier = lf.mission.tethered_swarm(
+        disk, *around, payload=1e-4, altitude=72e3, tether=Tether(1e-7)
+    )
     assert heavier.count > found.count
     assert heavier.tether_mass > 0.5e-7 * heavier.count * heavier.depth
 
@@ -231,4 +233,4 @@ def test_a_deep_payload_takes_the_spare_lift_of_every_flyer(disk):
 )
 def test_what_a_swarm_cannot_carry_is_refused(disk, arguments, message):
     with pytest.raises(lf.ParameterError, match=message):
-        lf.swarm(disk, lf.Earth(), lf.Lu2023(), **arguments)
+        lf.mission.tethered_swarm(disk, lf.Earth(), lf.Lu2023(), **arguments)

@@ -173,7 +173,7 @@ def test_a_stores_own_records_are_never_taken_for_granted(study, tmp_path):
     assert contents(folder) == before
     (folder / "zarr.json").write_text("{")
     with pytest.raises(lf.ConfigurationError, match="cannot be read as a Zarr group"):
-        lf.open_sweep(folder)
+        lf.sweeps.open_sweep(folder)
 
 
 def flip_a_bit(path):
@@ -188,11 +188,11 @@ def flip_a_bit(path):
 def test_descriptions_and_coordinates_that_are_lost_are_written_anew(study, tmp_path, part, damage):
     folder = tmp_path / "results.zarr"
     sweep_into(study, folder, chunk=100, evaluator=StandIn())
-    before, whole = lf.open_sweep(folder).load(), (folder / part).read_bytes()
+    before, whole = lf.sweeps.open_sweep(folder).load(), (folder / part).read_bytes()
     damage(folder / part)
     report = sweep_into(study, folder, evaluator=StandIn(fail_at=0, with_error=AssertionError))
     assert report.computed == 0
-    xr.testing.assert_identical(lf.open_sweep(folder).load(), before)
+    xr.testing.assert_identical(lf.sweeps.open_sweep(folder).load(), before)
     assert (folder / part).read_bytes() == whole  # whether or not a reader needs it
 
 

@@ -85,7 +85,7 @@ class LevitationModel(eqx.Module):
 
 
 @entry_point
-def _linearised(
+def _linearise(
     model: LevitationModel, log_parameters: Any, log_pressure: Any, shifts: Any
 ) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
     # the root is searched once; a loop over directions compiles faster than vmap
@@ -177,7 +177,7 @@ class Problem:
     ) -> Linearised:
         """Log-irradiance of the model at the points, and its derivatives; ``shifts`` (k,)."""
         moved = np.zeros(len(self.inputs.names)) if shifts is None else shifts
-        found = _linearised(self.model, log_parameters, np.log(self.points.pressure), moved)
+        found = _linearise(self.model, log_parameters, np.log(self.points.pressure), moved)
         value, *changes = (np.array(one) for one in found)
         lost = ~np.isfinite(value)
         for change in changes:

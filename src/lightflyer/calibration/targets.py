@@ -50,7 +50,7 @@ def target_of(design: AbstractDesign, name: str, *, describes_flyer: bool = Fals
         if value is None:
             value = _mean(design, _faces(known, name))
         if value is None:
-            value = _computed(design, field)
+            value = _compute(design, field)
         return Target((field,), 1.0, design.quantities[field], value)
     part, dot, last = name.rpartition(".")
     if last in ALIASES:
@@ -59,7 +59,7 @@ def target_of(design: AbstractDesign, name: str, *, describes_flyer: bool = Fals
         if field is not None:
             value = design.number(field)
             own = None if value is None else value / factor
-            return Target((field,), factor, _scaled(design.quantities[field], factor), own)
+            return Target((field,), factor, _scale(design.quantities[field], factor), own)
     faces = _faces(known, name)
     if faces:
         return Target(faces, 1.0, design.quantities[faces[0]], _mean(design, faces))
@@ -81,7 +81,7 @@ def _faces(known: Iterable[str], name: str) -> tuple[str, ...]:
     return tuple(field for field in found if field is not None) if all(found) else ()
 
 
-def _scaled(quantity: Quantity, factor: float) -> Quantity:
+def _scale(quantity: Quantity, factor: float) -> Quantity:
     return replace(quantity, lowest=quantity.lowest / factor, highest=quantity.highest / factor)
 
 
@@ -91,7 +91,7 @@ def _mean(design: AbstractDesign, fields: tuple[str, ...]) -> float | None:
     return math.fsum(given) / len(given) if given and len(given) == len(values) else None
 
 
-def _computed(design: AbstractDesign, field: str) -> float | None:
+def _compute(design: AbstractDesign, field: str) -> float | None:
     """Value in the setup of a number that a file leaves out, such as a property of layers."""
     built, last = ObjectDesign(design.setup), field.rpartition(".")[2]
     found = [name for name in built.quantities if name.rpartition(".")[2] == last]

@@ -27,10 +27,10 @@ def fit_parts(fit: "Calibration") -> Parts:
             f"{fit.total_standard_uncertainties[row]:.2g}",
         )
     yield table
-    yield from _explained(fit)
+    yield from _explain(fit)
 
 
-def _explained(fit: "Calibration") -> list[str]:
+def _explain(fit: "Calibration") -> list[str]:
     """What the intervals of the table contain, in words."""
     kind = "estimated from the scatter" if fit.estimated_scatter else "as stated in the file"
     if fit.error_scale != 1.0:

@@ -147,7 +147,7 @@ class Comparison(PrintedResult):
         """The flyer of the largest payload."""
         return max(self.flyers, key=lambda found: found.prediction.best.values["payload"])
 
-    def shown(self, output: str) -> tuple[float, str]:
+    def display_unit(self, output: str) -> tuple[float, str]:
         """Factor from an output's SI unit, and the unit, that suit the best of all flyers."""
         return OUTPUTS[output].shown_for(
             [found.prediction.best.values[output] for found in self.flyers]

@@ -42,7 +42,7 @@ class Difference:
 def differing_surroundings(setups: Mapping[str, Setup]) -> tuple[Difference, ...]:
     """In what the surroundings of flyers differ; ``setups``: by the flyer's name."""
     surroundings = {name: setup.environment for name, setup in setups.items()}
-    light = tuple(_described({name: found.assumptions() for name, found in surroundings.items()}))
+    light = tuple(_describe({name: found.assumptions() for name, found in surroundings.items()}))
     skipped = (_RADIATION,) if light else ()
     rest = _differences("", surroundings, Quantity(), skipped)
     searched = {name: _range_of(setup) for name, setup in setups.items()}
@@ -55,7 +55,7 @@ def differing_models(setups: Mapping[str, Setup]) -> tuple[Difference, ...]:
     return tuple(_differences("force model", models, Quantity()))
 
 
-def _described(texts: Mapping[str, Sequence[str]]) -> Iterator[Difference]:
+def _describe(texts: Mapping[str, Sequence[str]]) -> Iterator[Difference]:
     """Differences between descriptions whose texts begin with what they are about."""
     told = {
         name: dict(text.partition(": ")[::2] for text in described)

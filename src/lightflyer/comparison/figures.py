@@ -73,7 +73,7 @@ def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
     """Draw one output of all flyers; for a legend, by label; ``output``: one of :data:`PANELS`."""
     where = comparison.coordinate
     places = comparison.coordinates * scale_and_offset(where.unit, where.shown_unit)[0]
-    scale, unit = comparison.shown(output)
+    scale, unit = comparison.display_unit(output)
     handles: dict[str, Any] = {}
     for index, found in enumerate(comparison.flyers):
         colour, style = PALETTE[index % len(PALETTE)], LINES[index % len(LINES)]
@@ -100,7 +100,7 @@ def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
 
 def _limit(comparison: "Comparison", output: str, ax: Axes) -> None:
     """Scale and limits of an axis, so that every flyer's best is seen."""
-    scale, _ = comparison.shown(output)
+    scale, _ = comparison.display_unit(output)
     tops = np.array([_top(found, output) * scale for found in comparison.flyers])
     if output == "temperature":
         coldest = min(float(np.nanmin(found.table[output])) for found in comparison.flyers)

@@ -28,7 +28,7 @@ def comparison_parts(comparison: "Comparison") -> Parts:
 
 def _best_table(comparison: "Comparison") -> Table:
     """Largest payload of each flyer; the best of all is marked."""
-    unit, (scale, mass) = comparison.coordinate.shown_unit, comparison.shown("payload")
+    unit, (scale, mass) = comparison.coordinate.shown_unit, comparison.display_unit("payload")
     table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
     table.add_column("")
     headings = (f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
@@ -90,7 +90,7 @@ def _digits(found: "Compared") -> str:
 
 def _payloads_table(comparison: "Comparison") -> Table:
     """Payload of each flyer at round coordinates; the largest is marked."""
-    where, (scale, mass) = comparison.coordinate, comparison.shown("payload")
+    where, (scale, mass) = comparison.coordinate, comparison.display_unit("payload")
     _, factor = comparison.flyers[0].prediction.coordinate_key
     table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
     heading = f"{where.name} [{where.shown_unit}]; payload [{mass}]"

@@ -377,7 +377,7 @@ class FileDesign(AbstractDesign):
         """See :meth:`AbstractDesign.description`."""
         described = {}
         for part, content in self.file.model_dump(mode="json").items():
-            for key, entry in _flattened(content or {}):
+            for key, entry in _flatten(content or {}):
                 if entry is not None:
                     described[f"flyer file: {part}.{key}"] = json.dumps(entry)
         # what the sections read from elsewhere: materials, spectra, atmospheres
@@ -392,12 +392,12 @@ def _within(section: str, name: str) -> str:
     return name.removeprefix(f"{section}.") if inside else ""
 
 
-def _flattened(content: Mapping[str, Any]) -> list[tuple[str, Any]]:
+def _flatten(content: Mapping[str, Any]) -> list[tuple[str, Any]]:
     """Entries of nested sections by dotted name; a list of sections stays one entry each."""
     found: list[tuple[str, Any]] = []
     for key, entry in content.items():
         if isinstance(entry, Mapping):
-            found += [(f"{key}.{inner}", value) for inner, value in _flattened(entry)]
+            found += [(f"{key}.{inner}", value) for inner, value in _flatten(entry)]
         elif isinstance(entry, list) and entry and isinstance(entry[0], Mapping):
             found += [(f"{key}.{number}", value) for number, value in enumerate(entry)]
         else:

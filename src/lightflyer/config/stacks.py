@@ -68,7 +68,7 @@ class Candidate:
                 context={FOLDER: folder} if folder else None,
             )
         except pydantic.ValidationError as error:
-            lines = [_explained(mistake, end) for mistake in error.errors()]
+            lines = [_explain(mistake, end) for mistake in error.errors()]
             raise ConfigurationError("; ".join(lines)) from None
 
     @property
@@ -78,7 +78,7 @@ class Candidate:
         return float(density)
 
 
-def _explained(mistake: Any, end: str) -> str:
+def _explain(mistake: Any, end: str) -> str:
     name = ".".join(map(str, mistake["loc"])).replace("thickness", end)
     if mistake["type"] == "extra_forbidden":
         known = (*(key for key in LayerSection.model_fields if key != "thickness"), *_BOUNDS)

@@ -51,12 +51,12 @@ def dates_of(seconds: Any) -> np.ndarray:
     return np.where(known, dates, np.datetime64("NaT", "ns"))
 
 
-def written(seconds: float) -> str:
+def date_text(seconds: float) -> str:
     """Date in words for tables; ``seconds``: since the epoch.
 
     Examples
     --------
-    >>> written(0.0)
+    >>> date_text(0.0)
     '2000-01-01 12:00 UTC'
     """
     instant = EPOCH + datetime.timedelta(seconds=float(seconds))

@@ -327,7 +327,7 @@ class ObjectDesign(AbstractDesign):
             self.field(name)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickled, (dumps((self._base, self._uncertainties, self._correlations)),)
+        return _unpickle, (dumps((self._base, self._uncertainties, self._correlations)),)
 
     @cached_property
     def _identity(self) -> tuple[Any, ...]:
@@ -393,7 +393,7 @@ class ObjectDesign(AbstractDesign):
         return described
 
 
-def _unpickled(content: bytes) -> ObjectDesign:
+def _unpickle(content: bytes) -> ObjectDesign:
     return ObjectDesign(*pickle.loads(content))
 
 

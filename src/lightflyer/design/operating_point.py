@@ -18,7 +18,7 @@ from lightflyer.flight.levitation import Levitation, levitate
 from lightflyer.flight.loads import buoyancy, largest_payload, upward_force, weight
 
 
-def _listed(names: Iterable[str]) -> str:
+def _list_names(names: Iterable[str]) -> str:
     return ", ".join(sorted(names)) or "none"
 
 
@@ -76,7 +76,7 @@ class OperatingPoint:
         if set(own) != declared:
             raise ParameterError(
                 f"force model {type(model).__name__} declares the results "
-                f"{_listed(declared)} and computes {_listed(own)}"
+                f"{_list_names(declared)} and computes {_list_names(own)}"
             )
         return self.flows | own
 

@@ -120,7 +120,7 @@ def disk_drag(
     inertia = disk_inertia(reynolds_number(speed_ratio, delta))
     dense = BROADSIDE * inertia * _growth(excess, mean_tac, delta, temperature, gas)
     share = dense_share(delta, mean_tac, gas.molecules)
-    return pressure * speed_ratio * _joined(thin, dense, share * delta, radius)
+    return pressure * speed_ratio * _join(thin, dense, share * delta, radius)
 
 
 @entry_point
@@ -165,7 +165,7 @@ def edgewise_disk_drag(
     dense = EDGEWISE * inertia * _growth(excess, mean_tac, delta, temperature, gas)
     constant, offset = _EDGEWISE_SHARE
     share = 1.0 - constant / (delta + offset)
-    return pressure * speed_ratio * _joined(thin, dense, share * delta, radius)
+    return pressure * speed_ratio * _join(thin, dense, share * delta, radius)
 
 
 def face_means(
@@ -189,7 +189,7 @@ def _growth(
     return viscosity_growth(0.5 * (excess[0] + excess[1]), warmed, temperature, gas)
 
 
-def _joined(thin: Array, dense: Array, met: Array, radius: Numeric) -> Array:
+def _join(thin: Array, dense: Array, met: Array, radius: Numeric) -> Array:
     """Force over pressure and speed ratio of both resistances together [m²]."""
     return math.pi * radius**2 / (1.0 / thin + math.pi * met / dense)
 

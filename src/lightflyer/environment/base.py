@@ -7,7 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 import equinox as eqx
 import numpy as np
 
-from lightflyer.core.clock import seconds_of, written
+from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Checked,
@@ -73,7 +73,7 @@ class Place(NamedTuple):
         latitude, longitude = (float(np.asarray(angle)) / RADIANS_PER_DEGREE for angle in self[:2])
         return (
             f"at {abs(latitude):.4g}° {'N' if latitude >= 0.0 else 'S'}, "
-            f"{abs(longitude):.5g}° {'E' if longitude >= 0.0 else 'W'} on {written(self.time)}"
+            f"{abs(longitude):.5g}° {'E' if longitude >= 0.0 else 'W'} on {date_text(self.time)}"
         )
 
 

@@ -144,7 +144,7 @@ def _state(
         environment.gas.specific_gas_constant / atmosphere.molar_mass_ratio(altitude, place),
     )
     if environment.dust is not None:
-        radiation = _dimmed(environment, environment.dust, radiation, altitude, place)
+        radiation = _dim(environment, environment.dust, radiation, altitude, place)
     gravity = environment.gravity
     return EnvironmentState(
         pressure=atmosphere.pressure(altitude, place),
@@ -156,7 +156,7 @@ def _state(
     )
 
 
-def _dimmed(
+def _dim(
     environment: Planetary,
     dust: Dust,
     radiation: Radiation,

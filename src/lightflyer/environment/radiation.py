@@ -81,7 +81,7 @@ class Exitances(NamedTuple):
     sky: Numeric  # Irradiance of a face that sees nothing else
     ground: Numeric
 
-    def seen(self, view_of_ground: Numeric) -> Array:
+    def mean_over_view(self, view_of_ground: Numeric) -> Array:
         """Irradiance of what sees so much of the ground, and of the sky the rest."""
         return self.sky + view_of_ground * (self.ground - self.sky)
 
@@ -223,8 +223,8 @@ class Radiation(Checked):
         top, bottom = self.views_of_ground(attitude)
         of_beam = self.diffuse_light()[0]
         return FaceLight(
-            beam_top=self._beam(facing) + of_beam.seen(top),
-            beam_bottom=self._beam(-facing) + of_beam.seen(bottom),
+            beam_top=self._beam(facing) + of_beam.mean_over_view(top),
+            beam_bottom=self._beam(-facing) + of_beam.mean_over_view(bottom),
             diffuse_top=self.diffuse_above * (1.0 - top),
             diffuse_bottom=self.diffuse_above * (1.0 - bottom),
         )
@@ -275,12 +275,12 @@ class Radiation(Checked):
         """Light on a sphere, which intercepts a quarter of its surface of the beam."""
         ground = self.sphere_view_of_ground
         reflected, diffuse = self.diffuse_light()
-        beam = self.visible_part(_OF_BEAM) + reflected.seen(ground)
-        return SphereLight(beam, diffuse.seen(ground))
+        beam = self.visible_part(_OF_BEAM) + reflected.mean_over_view(ground)
+        return SphereLight(beam, diffuse.mean_over_view(ground))
 
     def infrared_excess_on_sphere(self, gas_temperature: Numeric) -> Array:
         """Thermal irradiance of a sphere beyond that of black surroundings at gas temperature."""
-        return self.infrared_exitances(gas_temperature).seen(self.sphere_view_of_ground)
+        return self.infrared_exitances(gas_temperature).mean_over_view(self.sphere_view_of_ground)
 
     def infrared_excess(
         self, gas_temperature: Numeric, attitude: Attitude | None = None
@@ -288,7 +288,7 @@ class Radiation(Checked):
         """Thermal irradiance on each face beyond that of black surroundings at gas temperature."""
         exitances = self.infrared_exitances(gas_temperature)
         top, bottom = self.views_of_ground(attitude)
-        return exitances.seen(top), exitances.seen(bottom)
+        return exitances.mean_over_view(top), exitances.mean_over_view(bottom)
 
 
 def sunlight(

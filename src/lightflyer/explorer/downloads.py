@@ -68,7 +68,7 @@ def python_lines(document: Document) -> str:
     if MISSION in document:
         lines += (
             "\n# mission.toml is another download of the explorer\n"
-            'mission = lf.read_mission_file("mission.toml")\n'
+            'mission = lf.mission.read_mission_file("mission.toml")\n'
             "flown = lf.fly(mission.design, **mission.arguments())\n"
             'print(flown.attrs["end"])\n'
         )
@@ -84,7 +84,7 @@ def _python(workplace: Workplace, document: Document) -> Download:
     return Download("explored.py", "text/x-python", python_lines(document).encode())
 
 
-def _written(write: Callable[[Path], object], ending: str) -> bytes:
+def _file_content(write: Callable[[Path], object], ending: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, f"prediction.{ending}")
         write(path)
@@ -93,7 +93,7 @@ def _written(write: Callable[[Path], object], ending: str) -> bytes:
 
 def _csv(workplace: Workplace, document: Document) -> Download:
     prediction = prediction_of(workplace.design(document))
-    content = _written(lambda path: write_csv(prediction, path), "csv")
+    content = _file_content(lambda path: write_csv(prediction, path), "csv")
     return Download("prediction.csv", "text/csv", content)
 
 
@@ -105,7 +105,7 @@ def _netcdf(workplace: Workplace, document: Document) -> Download:
         from lightflyer.uncertainty.figures import add_to_dataset
 
         add_to_dataset(dataset, uncertainty)
-    content = _written(lambda path: dataset.to_netcdf(path, engine="h5netcdf"), "nc")
+    content = _file_content(lambda path: dataset.to_netcdf(path, engine="h5netcdf"), "nc")
     return Download("prediction.nc", "application/x-netcdf", content)
 
 

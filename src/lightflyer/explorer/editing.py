@@ -63,7 +63,7 @@ def slider(text: str, value: Measured, quantity: Quantity) -> Slider:
     """
     found = _UNIT.search(_EXPONENT.sub(r"\1", text.strip()))
     scale, offset = scale_and_offset(found[0], quantity.unit) if found else (1.0, 0.0)
-    own = _rounded((value.value - offset) / scale)
+    own = _round((value.value - offset) / scale)
     lowest, highest = ((end - offset) / scale for end in _limits(quantity))
     if math.isfinite(quantity.highest - quantity.lowest):
         low, high, logarithmic = lowest, highest, False
@@ -75,7 +75,7 @@ def slider(text: str, value: Measured, quantity: Quantity) -> Slider:
     else:
         reach = _TWICE * abs(own) or _FROM_ZERO
         low, high, logarithmic = max(-reach, lowest), min(reach, highest), False
-    return Slider(own, _rounded(low), _rounded(high), logarithmic, text)
+    return Slider(own, _round(low), _round(high), logarithmic, text)
 
 
 def _limits(quantity: Quantity) -> tuple[float, float]:
@@ -89,7 +89,7 @@ def _smallest(value: float, lowest: float) -> float:
     return min(0.01, 0.1 * (value - lowest))
 
 
-def _rounded(number: float) -> float:
+def _round(number: float) -> float:
     return float(f"{number:.12g}")
 
 

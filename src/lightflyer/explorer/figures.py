@@ -44,7 +44,7 @@ def figure_bytes(
         return path.read_bytes()
 
 
-def _predicted(panel: str) -> Drawing:
+def _predict(panel: str) -> Drawing:
     def draw(workplace: Workplace, document: Document, _: Choices) -> "Figure":
         design = workplace.design(document)
         uncertainty = uncertainty_of(design)
@@ -117,9 +117,9 @@ def _sensitivity(workplace: Workplace, document: Document, choices: Choices) -> 
 
 
 DRAWINGS: dict[str, Drawing] = {
-    "irradiance": _predicted("irradiance"),
-    "temperature": _predicted("temperature"),
-    "payload": _predicted("payload"),
+    "irradiance": _predict("irradiance"),
+    "temperature": _predict("temperature"),
+    "payload": _predict("payload"),
     "map": _map,
     "models": _models,
     "film": _film,

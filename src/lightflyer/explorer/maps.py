@@ -77,7 +77,7 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
         moved = design.build({over: float(value)})
         columns.append(Evaluator(moved)(coordinates)["payload"])
     payload = np.stack(columns)
-    best = _refined(design, over, values, coordinates, payload)
+    best = _refine(design, over, values, coordinates, payload)
     return _map_data(design, over, known, values, coordinates, payload, best)
 
 
@@ -100,7 +100,7 @@ def _map_coordinates(design: FileDesign) -> np.ndarray:
     return np.linspace(max(low - reach, first), min(high + reach, last), POINTS)
 
 
-def _refined(
+def _refine(
     design: FileDesign,
     over: str,
     values: np.ndarray,
@@ -156,7 +156,7 @@ def _map_data(
         {"cells": cells, **places},
         x=(float(cells["left"][0]), float(cells["right"][-1])),
         y=(float(cells["bottom"][0]), float(cells["top"][-1])),
-        labels=(f"{words_of(over)}{_bracketed(unit)}", view.axis_label(where)),
+        labels=(f"{words_of(over)}{_bracket(unit)}", view.axis_label(where)),
         colours={"low": 0.0, "high": max(best[2] * scales.payload, _LEAST)},
         words=_words_of_optimum(best, values, scales, where),
         warnings=_warnings_at(design.build({over: best[0]}), best[1]),
@@ -169,7 +169,7 @@ def _map_data(
         best=list(best),
         across=across,
         up=scales.up,
-        **_explained(over, scales, where),
+        **_explain(over, scales, where),
     )
 
 
@@ -222,7 +222,7 @@ def _warnings_at(setup: Setup, place: float) -> list[str]:
     ]
 
 
-def _explained(over: str, scales: _Scales, where: Coordinate) -> dict[str, Any]:
+def _explain(over: str, scales: _Scales, where: Coordinate) -> dict[str, Any]:
     """Legend, and what stands below the pointer."""
     return {
         "legend": (
@@ -260,5 +260,5 @@ def words_of(name: str) -> str:
     return name.replace(".", " ").replace("_", " ")
 
 
-def _bracketed(unit: str) -> str:
+def _bracket(unit: str) -> str:
     return f" [{pretty_unit(unit)}]" if unit else ""

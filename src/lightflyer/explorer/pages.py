@@ -98,7 +98,7 @@ def grammar_of_page(workplace: Workplace, largest_upload: int) -> Answer:
 
 def opened(workplace: Workplace, text: str, name: str) -> Answer:
     """Document of a flyer or mission file that the user gave."""
-    return _shown(workplace.from_toml(text, Path(name).name))
+    return _form_of(workplace.from_toml(text, Path(name).name))
 
 
 def _open(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
@@ -107,18 +107,18 @@ def _open(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     if start:
         if start not in templates():
             raise ConfigurationError(f"there is no start {start[:40]}")
-        return _shown(plain(templates()[start].document))
+        return _form_of(plain(templates()[start].document))
     if not url:
-        return _shown(workplace.initial)
+        return _form_of(workplace.initial)
     try:
         found = from_url(url)
     except LightflyerError as error:
         wrong = mistakes(f"{error}; the first design is shown")
-        return _shown(workplace.initial) | {"errors": wrong}
-    return _shown(found.document or workplace.initial, found.at, found.pins)
+        return _form_of(workplace.initial) | {"errors": wrong}
+    return _form_of(found.document or workplace.initial, found.at, found.pins)
 
 
-def _shown(document: Document, at: str = "", pins: tuple[Document, ...] = ()) -> Answer:
+def _form_of(document: Document, at: str = "", pins: tuple[Document, ...] = ()) -> Answer:
     """A document with what the form needs, at once: results come with the next question."""
     shape = document.get("flyer")
     kind = FlyerSection.alternatives.get(FlyerSection.tag_of(shape))
@@ -135,7 +135,7 @@ def _switch(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     """The document with another alternative of a section."""
     del workplace
     section, tag = str(content.get("section", "")), str(content.get("tag", ""))
-    return _shown(switched(document_of(content), section, tag))
+    return _form_of(switched(document_of(content), section, tag))
 
 
 def _view_of(content: Mapping[str, Any]) -> View:
@@ -149,7 +149,7 @@ def _move(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     """What follows a slider: curves, ends of sliders, address; or what is wrong."""
     shown = _view_of(content)
     answer: Answer = {"url": to_url(shown), "tags": tags_of(shown.document)}
-    design, wrong = _checked(workplace, shown.document)
+    design, wrong = _check(workplace, shown.document)
     if wrong or design is None:
         return answer | {"errors": wrong}
     where = design.setup.environment.coordinate
@@ -182,7 +182,7 @@ def _place(design: FileDesign, place: float) -> Answer:
     return {"x": place * coordinate_factor(design.setup.environment.coordinate), "rows": rows}
 
 
-def _checked(
+def _check(
     workplace: Workplace, document: Document
 ) -> tuple[FileDesign | None, list[dict[str, str]]]:
     """The design, and what is wrong with the document, its mission included."""
@@ -260,19 +260,19 @@ _PINNED = {
 
 def _differences(documents: tuple[Document, ...]) -> list[dict[str, Any]]:
     """Keys in which documents differ, with the texts of each."""
-    flat = [dict(_flattened(document)) for document in documents]
+    flat = [dict(_flatten(document)) for document in documents]
     keys = dict.fromkeys(key for one in flat for key in one if not key.startswith(f"{MISSION}."))
     rows = ({"key": key, "values": [one.get(key, "–") for one in flat]} for key in keys)
     return [row for row in rows if len(set(row["values"])) > 1]
 
 
-def _flattened(content: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+def _flatten(content: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
     found = []
     for key, entry in content.items():
         if isinstance(entry, Mapping):
-            found += _flattened(entry, f"{prefix}{key}.")
+            found += _flatten(entry, f"{prefix}{key}.")
         elif isinstance(entry, list):
-            found += _flattened(
+            found += _flatten(
                 {str(index): part for index, part in enumerate(entry)}, prefix=f"{prefix}{key}."
             )
         elif entry not in ("", None):

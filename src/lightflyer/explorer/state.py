@@ -196,17 +196,17 @@ def to_toml(document: Document) -> str:
     """
     writer = extra("tomli_w", "the explorer", "explorer")
     names = [name for name in (*PARTS, MISSION) if name in document]
-    written: str = writer.dumps({name: _typed(document[name]) for name in names})
+    written: str = writer.dumps({name: _type_text(document[name]) for name in names})
     return written
 
 
-def _typed(content: Any) -> Any:
+def _type_text(content: Any) -> Any:
     """What TOML writes without quotes as such, and nothing where a field is empty."""
     if isinstance(content, Mapping):
-        kept = {key: _typed(entry) for key, entry in content.items()}
+        kept = {key: _type_text(entry) for key, entry in content.items()}
         return {key: entry for key, entry in kept.items() if entry not in ("", None)}
     if isinstance(content, list | tuple):
-        return [_typed(entry) for entry in content if entry is not None]
+        return [_type_text(entry) for entry in content if entry is not None]
     return _value(content.strip()) if isinstance(content, str) else content
 
 

@@ -62,7 +62,7 @@ def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
     if shown:
         factor, unit = scale_and_offset(file_unit(unit), shown)[0], shown.replace("^2", "²")
     elif unit in _SCALES:
-        factor, unit = _shown(unit, np.asarray(array.values, float))
+        factor, unit = _suitable(unit, np.asarray(array.values, float))
     else:
         factor = 1.0
     words = in_words(name) if "." in name else str(array.attrs.get("long_name", name))
@@ -79,7 +79,7 @@ def suitable(unit: str, values: Any) -> tuple[float, str]:
     """
     spelled = dataset_unit(unit)
     if spelled in _SCALES:
-        return _shown(spelled, np.asarray(values, float))
+        return _suitable(spelled, np.asarray(values, float))
     return 1.0, file_unit(unit).replace("^2", "²").replace("^3", "³")
 
 
@@ -105,7 +105,7 @@ def number_text(values: Any, unit: str) -> str:
     return f"{text} {unit}".rstrip()
 
 
-def _shown(unit: str, values: np.ndarray) -> tuple[float, str]:
+def _suitable(unit: str, values: np.ndarray) -> tuple[float, str]:
     """Factor and unit that suit the largest of some values."""
     finite = np.abs(values[np.isfinite(values)])
     largest = float(finite.max(initial=0.0))

@@ -43,7 +43,7 @@ def plain_text(content: bytes, name: str) -> str:
     >>> plain_text("µm".encode("utf-16"), "a.txt"), plain_text("µm".encode("cp1252"), "a.txt")
     ('µm', 'µm')
     """
-    text = _decoded(content, name).removeprefix(_BYTE_ORDER_MARK).removesuffix(_DOS_END)
+    text = _decode(content, name).removeprefix(_BYTE_ORDER_MARK).removesuffix(_DOS_END)
     control = _CONTROL.search(text)
     if control:
         line = len(split_lines(text[: control.start() + 1]))
@@ -64,7 +64,7 @@ def split_lines(text: str) -> list[str]:
     return lines[:-1] if not lines[-1] else lines
 
 
-def _decoded(content: bytes, name: str) -> str:
+def _decode(content: bytes, name: str) -> str:
     marked = next((code for mark, code in _MARKED if content.startswith(mark)), None)
     encoding = marked or _wide(content) or "utf-8"
     try:

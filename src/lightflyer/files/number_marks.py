@@ -95,19 +95,19 @@ def split_number(cell: str) -> Number | None:
     if len(set(marks)) > 2 or (len(marks) > 1 and marks.count(last) > 1 and len(set(marks)) > 1):
         return None
     if len(marks) > 1 and len(set(marks)) == 1:
-        whole = _ungrouped(body, last)
+        whole = _ungroup(body, last)
         return None if whole is None or exponent else Number(sign, whole, "", "", "", last)
     before, after = body.rsplit(last, 1)
     if len(marks) == 1:
         return _one_mark(sign, before, after, exponent, last)
-    whole = _ungrouped(before, marks[0])
+    whole = _ungroup(before, marks[0])
     if whole is None or last not in _NAMES or (last == COMMA and not after):
         return None
     return Number(sign, whole, after, exponent, last, marks[0])
 
 
 def _one_mark(sign: str, before: str, after: str, exponent: str, mark: str) -> Number | None:
-    grouped = not exponent and _ungrouped(f"{before}{mark}{after}", mark) is not None
+    grouped = not exponent and _ungroup(f"{before}{mark}{after}", mark) is not None
     if mark in _NAMES:
         if not (before or after) or (mark == COMMA and not after):
             return None
@@ -121,7 +121,7 @@ def _one_mark(sign: str, before: str, after: str, exponent: str, mark: str) -> N
     return Number(sign, before + after, "", "", thousands=mark)
 
 
-def _ungrouped(body: str, mark: str) -> str | None:
+def _ungroup(body: str, mark: str) -> str | None:
     """Digits of a number in groups of three, None if it is in none."""
     first, *rest = body.split(mark)
     if not 1 <= len(first) <= _GROUP or first.startswith("0"):
@@ -198,7 +198,7 @@ class _Evidence:
     def readings(self, mark: str, *, grouped: bool) -> list[str]:
         """How the first number with an open mark is read in each column."""
         return [
-            f'{self.source}:{line}: {name}: "{_written(one)}" is read as '
+            f'{self.source}:{line}: {name}: "{_number_text(one)}" is read as '
             f"{one.value(grouped=grouped):.15g}"
             for name, ((line, one), *_) in self.open[mark].items()
         ]
@@ -270,7 +270,7 @@ def _refuse(source: str, columns: Mapping[str, Sequence[tuple[int, Number]]], ma
     name, cells = next(iter(columns.items()))
     line, number = cells[0]
     one, two = number.value(grouped=True), number.value()
-    said = f'{source}:{line}: {name}: "{_written(number)}" may be {one:.15g} or '
+    said = f'{source}:{line}: {name}: "{_number_text(number)}" may be {one:.15g} or '
     if mark not in _NAMES:
         raise ConfigurationError(f"{said}two numbers; write {one:.15g}")
     raise ConfigurationError(
@@ -278,5 +278,5 @@ def _refuse(source: str, columns: Mapping[str, Sequence[tuple[int, Number]]], ma
     )
 
 
-def _written(number: Number) -> str:
+def _number_text(number: Number) -> str:
     return f"{number.sign}{number.whole}{number.open}{number.fraction}"

@@ -2,7 +2,7 @@
 
 import io
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
@@ -65,9 +65,9 @@ def width_of(table: "Table") -> "Measurement":
     return Measurement.get(console, console.options, table)
 
 
-def warning_lines(warnings: Iterable[str]) -> list[str]:
+def warning_lines(warnings: Iterable[str]) -> Iterator[str]:
     """A line for each warning."""
-    return [f"warning: {text}" for text in warnings]
+    return (f"warning: {text}" for text in warnings)
 
 
 def open_interval_text(low: float, high: float) -> str:

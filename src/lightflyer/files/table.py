@@ -86,7 +86,7 @@ def read_table(
             delimiter=one.delimiter,
         )  # fmt: skip
 
-    file, found, notes = _chosen(Path(path), read_lines(Path(path)), layout_of)
+    file, found, notes = _choose(Path(path), read_lines(Path(path)), layout_of)
     table = _read(file, found, unique=unique, strict=strict)
     return replace(table, notes=[*notes, *table.notes])
 
@@ -107,7 +107,7 @@ def _read(file: Lines, found: Layout, *, strict: bool, unique: bool = False) -> 
     if not rows:
         raise ConfigurationError(f"{file.name}: has a header but no rows")
     timed = any(one.column.name == "time" for one in found.columns.values())
-    repeated = _repeated(file.name, rows) if unique or timed else {}
+    repeated = _repeat(file.name, rows) if unique or timed else {}
     notes = _require_whole(file, rows, found)
     table = _with_si(file, [row for row in rows if row[0] not in repeated], found, say=not strict)
     rejected = sorted([*table.rejected, *repeated.values()], key=lambda row: row.line)
@@ -143,7 +143,7 @@ def shipped_table(name: str) -> Table:
     return Table(name, np.array([number for number, _ in body]), numbers, texts)
 
 
-def _chosen(
+def _choose(
     path: Path, tables: list[Lines], layout_of: Callable[[Lines], Layout]
 ) -> tuple[Lines, Layout, list[str]]:
     """The one table of a file with known columns, its layout, and what to say of the choice."""
@@ -168,7 +168,7 @@ def _is_left_out(line: str) -> bool:
     return is_comment(line) and not _ERROR_CELL.match(line)
 
 
-def _repeated(name: str, rows: list[Row]) -> dict[int, Rejected]:
+def _repeat(name: str, rows: list[Row]) -> dict[int, Rejected]:
     if len({line for _, line in rows}) == len(rows):
         return {}
     first: dict[str, int] = {}
@@ -236,13 +236,13 @@ def _possible(table: Table, layout: Layout) -> Table:
         for row in np.flatnonzero(~is_possible(values, quantity)):
             why = quantity.implausible(values[row])
             said = why.partition(" ")[2] if why else f"is not {quantity.allowed}"
-            reason = f"{column.name} = {_written(float(values[row]), one)} {said}"
+            reason = f"{column.name} = {_value_text(float(values[row]), one)} {said}"
             if column.outside == "stop":
                 raise ConfigurationError(f"{table.source}:{table.lines[row]}: {reason}")
             out.setdefault(int(row), reason)
     return table.without(out) if out else table
 
 
-def _written(value: float, one: Placed) -> str:
+def _value_text(value: float, one: Placed) -> str:
     """A value in the unit of the file."""
     return f"{(value - one.offset) / one.scale:g} {one.unit}".rstrip()

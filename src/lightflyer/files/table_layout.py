@@ -187,7 +187,7 @@ def _from_option(
     )
     if first is None:
         raise ConfigurationError(f"{path}: has no row that starts with a number")
-    known = _placed(columns, names, f"--columns of {path}", closed=True)
+    known = _place(columns, names, f"--columns of {path}", closed=True)
     return Layout(_delimiter_of_row(lines[first], len(names), delimiter), names, first, known)
 
 
@@ -213,7 +213,7 @@ def _from_first_line(
         raise ConfigurationError(f"{path}: has comments only; known columns: {known}")
     delimiter, names, _ = _header_cells(lines[first], columns, stated)
     names, below = _with_units_below(columns, delimiter, names, lines, first)
-    known_columns = _placed(columns, names, f"{path}:{first + 1}", closed=closed)
+    known_columns = _place(columns, names, f"{path}:{first + 1}", closed=closed)
     return Layout(delimiter, names, below, known_columns)
 
 
@@ -256,7 +256,7 @@ def _from_header(
         )
     delimiter, names, _ = _header_cells(lines[best[1]], columns, stated)
     names, below = _with_units_below(columns, delimiter, names, lines, best[1])
-    return Layout(delimiter, names, below, _placed(columns, names, f"{path}:{best[1] + 1}"))
+    return Layout(delimiter, names, below, _place(columns, names, f"{path}:{best[1] + 1}"))
 
 
 def _with_units_below(
@@ -339,7 +339,7 @@ def _suffix(column: Column, cell: str) -> str | None:
     return unit
 
 
-def _placed(
+def _place(
     columns: Sequence[Column], names: Sequence[str], place: str, *, closed: bool = False
 ) -> dict[int, Placed]:
     """Known columns by position."""

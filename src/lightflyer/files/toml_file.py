@@ -49,7 +49,7 @@ def validate(
         return model.model_validate(document, context={FOLDER: path.parent})
     except pydantic.ValidationError as error:
         mistakes = error.errors()
-        told = _told(mistakes, document, kind)
+        told = _relevant_mistakes(mistakes, document, kind)
         lines = [_explain(mistake, document, text, path, kind) for mistake in told]
         raise ConfigurationError("\n".join(lines)) from None
 
@@ -97,9 +97,11 @@ _GRAMMAR = {
 }
 
 
-def _told(mistakes: Sequence[Any], document: dict[str, Any], kind: FileKind) -> list[Any]:
+def _relevant_mistakes(
+    mistakes: Sequence[Any], document: dict[str, Any], kind: FileKind
+) -> list[Any]:
     """Mistakes worth a line: not that a misspelt key is missing; missing keys of a section once."""
-    meant = set(filter(None, (_meant(mistake, document, kind) for mistake in mistakes)))
+    meant = set(filter(None, (_intended_key(mistake, document, kind) for mistake in mistakes)))
     missing: dict[tuple[Any, ...], Any] = {}
     told = []
     for mistake in mistakes:
@@ -107,7 +109,7 @@ def _told(mistakes: Sequence[Any], document: dict[str, Any], kind: FileKind) -> 
             continue
         if mistake["type"] != "missing":
             told.append(mistake)
-        elif _dotted(mistake) not in meant:
+        elif _dotted_name(mistake) not in meant:
             *section, key = mistake["loc"]
             if section and tuple(section) in missing:
                 missing[tuple(section)]["keys"].append(key)
@@ -123,16 +125,16 @@ def _has_wrong_entries(short: Any, mistakes: Sequence[Any]) -> bool:
     return any(other["loc"][: len(place)] == place and other is not short for other in mistakes)
 
 
-def _dotted(mistake: Any) -> str:
+def _dotted_name(mistake: Any) -> str:
     """Dotted name of the key that a mistake is about."""
     return ".".join(str(part) for part in mistake["loc"] if part not in alternative_tags())
 
 
-def _meant(mistake: Any, document: dict[str, Any], kind: FileKind) -> str:
+def _intended_key(mistake: Any, document: dict[str, Any], kind: FileKind) -> str:
     """Dotted name of the key that a misspelt one stands for, else empty."""
     if mistake["type"] != "extra_forbidden":
         return ""
-    section, _, key = _dotted(mistake).rpartition(".")
+    section, _, key = _dotted_name(mistake).rpartition(".")
     near = nearest(key, kind.keys_of(section, document))
     return ".".join(filter(None, (section, near)))
 

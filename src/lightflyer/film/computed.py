@@ -326,15 +326,15 @@ def _beside(shares: Shares, absorptance: Measured | None) -> Average:
     """Transmittance beside a measured absorptance, or the computed one."""
     if absorptance is None:
         return shares.transmittance
-    return _scaled(shares.transmittance, _kept(shares, absorptance))
+    return _scale(shares.transmittance, _keep(shares, absorptance))
 
 
-def _kept(shares: Shares, absorptance: Measured) -> Any:
+def _keep(shares: Shares, absorptance: Measured) -> Any:
     """How much less is not absorbed by a measured absorptance than by the computed one."""
     return _ratio(1.0 - absorptance.value, 1.0 - shares.absorptance.value)
 
 
-def _scaled(mean: Average, factor: Any) -> Average:
+def _scale(mean: Average, factor: Any) -> Average:
     within = None if mean.within is None else mean.within * factor
     return dataclasses.replace(mean, value=mean.value * factor, within=within)
 
@@ -355,10 +355,10 @@ def _of_heat(film: Film, measured: dict[str, Measured]) -> dict[str, Average]:
         for side, share, value in zip(_FACES, shares, given, strict=True)
         if value is None
     }
-    factors = [_kept(share, value) for share, value in zip(shares, given, strict=True) if value]
+    factors = [_keep(share, value) for share, value in zip(shares, given, strict=True) if value]
     mean = shares[0].transmittance
     if factors:
-        mean = _scaled(mean, reduce(_where(*factors).minimum, factors))
+        mean = _scale(mean, reduce(_where(*factors).minimum, factors))
     return found | {_IN_INFRARED: mean}
 
 

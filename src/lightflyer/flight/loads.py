@@ -100,7 +100,7 @@ def lift(
     >>> import lightflyer as lf
     >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     >>> disk, state = lf.Disk(film, radius=0.01), lf.lu2023_earth().state(72e3)
-    >>> print(f"{lf.lift(disk, state, lf.Lu2023()) / lf.weight(disk, state):.6f}")
+    >>> print(f"{lf.lift(disk, state, lf.Lu2023()) / lf.flight.weight(disk, state):.6f}")
     1.589948
     """
     require_suitable(flyer, state, model)

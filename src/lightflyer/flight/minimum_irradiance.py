@@ -77,7 +77,7 @@ def find_least_light(
 
     def advance(at: tuple[LeastLight, Array]) -> tuple[LeastLight, Array]:
         search, steps = at
-        return _advanced(search, look, brightest, load), steps + 1
+        return _advance(search, look, brightest, load), steps + 1
 
     def unfinished(at: tuple[LeastLight, Array]) -> Array:
         search, steps = at
@@ -103,7 +103,7 @@ def _start(brightest: Array, unknowns: tuple[Array, ...]) -> LeastLight:
     )
 
 
-def _advanced(at: LeastLight, look: Look, brightest: Array, load: Array) -> LeastLight:
+def _advance(at: LeastLight, look: Look, brightest: Array, load: Array) -> LeastLight:
     """The search after a look at its light."""
     force, slope, unknowns = look(at.light, at.unknowns)
     looking, searching = at.stage <= _AT_PEAK, at.stage == _IN_BRACKET

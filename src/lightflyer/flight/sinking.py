@@ -104,7 +104,7 @@ def sinking_speed(
     >>> import lightflyer as lf
     >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     >>> disk, state = lf.Disk(film, radius=0.01), lf.Earth().state(70e3)
-    >>> print(f"{lf.sinking_speed(disk, state):.2f} m/s")
+    >>> print(f"{lf.flight.sinking_speed(disk, state):.2f} m/s")
     1.38 m/s
     """
     _require_level(flyer)
@@ -212,7 +212,7 @@ def settling_time(
     --------
     >>> import lightflyer as lf
     >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    >>> time = lf.settling_time(lf.Disk(film, radius=0.01), lf.Earth(), start=75e3, end=50e3)
+    >>> time = lf.flight.settling_time(lf.Disk(film, radius=0.01), lf.Earth(), start=75e3, end=50e3)
     >>> print(f"{time / 3600:.2f} h")
     5.80 h
     """

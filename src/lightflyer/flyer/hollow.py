@@ -334,8 +334,8 @@ class HollowBody(AbstractFlyer):
         self, exitances: Exitances, closed: Numeric, outlet: Numeric
     ) -> tuple[Array, Array]:
         """Power that falls on the wall and into the outlet, by their views of the ground [W]."""
-        into_outlet = self.outlet_area * exitances.seen(outlet)
-        onto_both = (self.surface + self.outlet_area) * exitances.seen(closed)
+        into_outlet = self.outlet_area * exitances.mean_over_view(outlet)
+        onto_both = (self.surface + self.outlet_area) * exitances.mean_over_view(closed)
         return onto_both - into_outlet, into_outlet
 
     def _absorbed(

@@ -113,7 +113,7 @@ class Solution:
             "gas": case.gas.name,
             "wall": case.wall,
             "boundary": self.boundary if np.isfinite(self.boundary) else None,
-            **_described(case.molecule),
+            **_describe(case.molecule),
         }
 
     @property
@@ -371,7 +371,7 @@ def _require_resolved(knudsen: float, boundary: float) -> None:
         )
 
 
-def _described(molecule: "Molecule | None") -> dict[str, Any]:
+def _describe(molecule: "Molecule | None") -> dict[str, Any]:
     if molecule is None:
         return {"collisions": "shakhov"}
     described = {"collisions": "vhs", "viscosity_exponent": molecule.viscosity_exponent}

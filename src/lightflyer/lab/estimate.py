@@ -127,7 +127,7 @@ def weighted_mean(estimates: Sequence[Estimate], *, common: float = 0.0) -> Esti
     0.835 (0.7199 to 0.9501)
     """
     if len(estimates) == 1:
-        return _widened(estimates[0], common)
+        return _widen(estimates[0], common)
     if not estimates or not all(one.uncertainty for one in estimates):
         raise ParameterError("a weighted mean needs estimates with uncertainties above zero")
     values = np.array([one.value for one in estimates])
@@ -141,7 +141,7 @@ def weighted_mean(estimates: Sequence[Estimate], *, common: float = 0.0) -> Esti
     return Estimate.covering(mean, half, estimates[0].unit)
 
 
-def _widened(one: Estimate, common: float) -> Estimate:
+def _widen(one: Estimate, common: float) -> Estimate:
     """An estimate with a further, independent standard uncertainty."""
     if not common:
         return one

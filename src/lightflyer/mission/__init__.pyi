@@ -1,12 +1,13 @@
 from .fleet import Ensemble as Ensemble
 from .mission import fly as fly
 from .mission import trajectory as trajectory
+from .mission_file import read_mission_file as read_mission_file
 from .path.attitude import AbstractAttitudeRule as AbstractAttitudeRule
 from .path.attitude import FollowSun as FollowSun
 from .path.attitude import Level as Level
 from .path.attitude import Own as Own
 from .path.drifting import Drift as Drift
-from .path.drifting import drift as drift
+from .path.drifting import steady_drift as steady_drift
 from .path.dynamics import Inertia as Inertia
 from .path.integration import Track as Track
 from .path.release import Release as Release
@@ -18,7 +19,7 @@ from .report.text import describe as describe
 from .swarms.areas import AbstractArea as AbstractArea
 from .swarms.areas import Circle as Circle
 from .swarms.areas import Polygon as Polygon
-from .swarms.spreading import spread as spread
+from .swarms.spreading import disperse_ensemble as disperse_ensemble
 from .swarms.tethers import Swarm as Swarm
 from .swarms.tethers import Tether as Tether
-from .swarms.tethers import swarm as swarm
+from .swarms.tethers import tethered_swarm as tethered_swarm

@@ -84,13 +84,13 @@ def flights_of(
     delays: Sequence[float] = (),
 ) -> Flights:
     """The flyer as it is stated, the members of an ensemble, and further launches."""
-    setup, varied = _separated(design, ensemble, len(delays))
+    setup, varied = _separate(design, ensemble, len(delays))
     radius = float(planet_of(design.setup.environment).radius)
     starts = _starts(start, ensemble, delays, radius)
     return Flights(setup, varied, starts, _wind_errors(ensemble, len(delays)), rule)
 
 
-def _separated(
+def _separate(
     design: AbstractDesign, ensemble: Ensemble | None, launches: int
 ) -> tuple[Setup, Setup]:
     """Setup without the numbers that differ from flight to flight, and those alone."""
@@ -152,13 +152,13 @@ def _starts(
         normal = spread * generator.standard_normal((ensemble.members, 4))
     north, east, higher, later = _among_others(normal, len(delays)).T
     later[later.size - len(delays) :] = delays
-    place = _moved(start.place, north, east)
+    place = _move(start.place, north, east)
     altitude, time = float(start.altitude), float(start.place.time)
     return Start(altitude + higher, Place(*place, time + later))
 
 
 @entry_point
-def _moved(place: Place, north: Any, east: Any) -> tuple[Array, Array]:
+def _move(place: Place, north: Any, east: Any) -> tuple[Array, Array]:
     """Latitudes and longitudes some angles to the north and east of a place."""
     to_east, to_north = directions(place.latitude, place.longitude)
     here = unit_vector(place.latitude, place.longitude)
@@ -183,7 +183,7 @@ def fly_all(flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Acc
     found: list[Track] = []
 
     def compute(start: int) -> Track:
-        return _tracks(_taken(flights, start, size), limits, elapsed, accuracy)
+        return _tracks(_take(flights, start, size), limits, elapsed, accuracy)
 
     report("flying", 0, flights.count, "flights")
     found.append(compute(0))  # and is compiled once
@@ -195,7 +195,7 @@ def fly_all(flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Acc
     return jax.tree.map(lambda *parts: np.concatenate(parts)[: flights.count], *found)
 
 
-def _taken(flights: Flights, start: int, size: int) -> Flights:
+def _take(flights: Flights, start: int, size: int) -> Flights:
     """Some of the flights, filled up with the last one."""
     rows = np.minimum(np.arange(start, start + size), flights.count - 1)
     parts = (flights.varied, flights.starts, flights.wind_errors)

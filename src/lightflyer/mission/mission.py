@@ -138,13 +138,13 @@ def fly(
     first = _rows(tracks, 0)
     if inertia is not None:
         first = _track_with_inertia(mission.craft, mission.start, plan.course, inertia)
-    dataset = _flown(mission, plan, first)
+    dataset = _fly(mission, plan, first)
     if ensemble is not None:
         members = Several("ensemble_", "member", {}, _rows(tracks, slice(1, 1 + ensemble.members)))
         add_several(dataset, members)
         add_survival(dataset, members)
     if len(launches) > 0:
-        add_several(dataset, _launched(tracks, launches))
+        add_several(dataset, _launch(tracks, launches))
     dataset.attrs |= _record(mission, ensemble, inertia)
     return dataset
 
@@ -259,7 +259,7 @@ def _seconds(name: str, value: Any) -> float:
     return number
 
 
-def _launched(tracks: Track, launches: Sequence[float]) -> Several:
+def _launch(tracks: Track, launches: Sequence[float]) -> Several:
     """The release itself, and the later ones."""
     count = len(tracks.end_altitude)
     rows = [0, *range(count - len(launches), count)]
@@ -280,7 +280,7 @@ def _track_with_inertia(
     return track_with_inertia(craft, start, *plan, inertia)
 
 
-def _flown(mission: _Mission, plan: _Plan, track: Track) -> "xr.Dataset":
+def _fly(mission: _Mission, plan: _Plan, track: Track) -> "xr.Dataset":
     """The flight over time, with what the flyer is like at each moment."""
     craft, released = mission.craft, float(mission.release.time)
     known = np.isfinite(track.altitude)

@@ -82,16 +82,16 @@ def mission_of_text(text: str, path: Path) -> MissionFile:
     document = parsed(text, path, MISSION_FILE)
     rest = {name: content for name, content in document.items() if name != _MISSION}
     part = {name: content for name, content in document.items() if name == _MISSION}
-    mission, missions_mistakes = _checked(_MissionPart, part, text, path)
+    mission, missions_mistakes = _check(_MissionPart, part, text, path)
     # the place of a mission that is mistaken would be found mistaken again
-    placed = _placed(rest, {} if mission is None else part[_MISSION])
-    file, mistakes = _checked(flyer_file_type(), placed, text, path)
+    placed = _place(rest, {} if mission is None else part[_MISSION])
+    file, mistakes = _check(flyer_file_type(), placed, text, path)
     if mission is None or file is None:
         raise ConfigurationError("\n".join([*mistakes, *missions_mistakes]))
     return MissionFile(file.design(text), mission.mission)
 
 
-def _checked(
+def _check(
     kind: type[_Kind], content: dict[str, Any], text: str, path: Path
 ) -> tuple[_Kind | None, list[str]]:
     """Part of the file, or None, and the mistakes in it."""
@@ -101,7 +101,7 @@ def _checked(
         return None, [str(error)]
 
 
-def _placed(document: dict[str, Any], mission: dict[str, Any]) -> dict[str, Any]:
+def _place(document: dict[str, Any], mission: dict[str, Any]) -> dict[str, Any]:
     """A flyer file whose sun moves and whose place is the release's, where it says nothing else."""
     given = document.get("environment", {})
     kind = section_at("environment", document)

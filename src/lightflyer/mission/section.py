@@ -122,7 +122,7 @@ class MissionSection(Section):
             given["largest"] = self.largest_tilt.value * RADIANS_PER_DEGREE
         return FollowSun(**given)
 
-    def drawn(self) -> Ensemble | None:
+    def build_ensemble(self) -> Ensemble | None:
         """What is varied from flight to flight."""
         section = self.ensemble
         if section is None:
@@ -145,7 +145,7 @@ class MissionSection(Section):
             "duration": self.duration.value,
             "attitude": self.rule(),
             "every": None if self.every is None else self.every.value,
-            "ensemble": self.drawn(),
+            "ensemble": self.build_ensemble(),
             "launches": [] if self.launches is None else self.launches.delays,
             "lowest": None if self.lowest_altitude is None else self.lowest_altitude.value,
             "highest": None if self.highest_altitude is None else self.highest_altitude.value,

@@ -258,11 +258,11 @@ def implicit_root(
     equation, parameters = with_parameters(residual, jnp.zeros(shape))
     search, around = with_parameters(solve)
     root, outcome = search(*map(jax.lax.stop_gradient, around))
-    return _attached(equation, jnp.broadcast_to(root, shape), *parameters), outcome
+    return _attach(equation, jnp.broadcast_to(root, shape), *parameters), outcome
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _attached(
+def _attach(
     residual: Callable[..., Array],  # noqa: ARG001
     root: Array,
     *parameters: Array,  # noqa: ARG001
@@ -271,12 +271,12 @@ def _attached(
     return root
 
 
-@_attached.defjvp
-def _moved(
+@_attach.defjvp
+def _move(
     residual: Callable[..., Array], primals: tuple[Array, ...], tangents: tuple[Array, ...]
 ) -> tuple[Array, Array]:
     (start, *parameters), (_, *changes) = primals, tangents
-    root = _attached(residual, start, *parameters)
+    root = _attach(residual, start, *parameters)
     _, slope = _with_slope(lambda point: residual(point, *parameters), root)
     _, change = jax.jvp(partial(residual, root), tuple(parameters), tuple(changes))
     return root, -change / slope

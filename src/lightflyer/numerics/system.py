@@ -85,11 +85,11 @@ def implicit_system(residual: Callable[[Unknowns], Unknowns], root: Unknowns) ->
         return tuple(jnp.broadcast_to(entry, root[0].shape) for entry in residual(point))
 
     converted, parameters = with_parameters(equations, root)
-    return _attached(converted, root, *parameters)
+    return _attach(converted, root, *parameters)
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _attached(
+def _attach(
     equations: Callable[..., Unknowns],  # noqa: ARG001
     root: Unknowns,
     *parameters: Array,  # noqa: ARG001
@@ -98,12 +98,12 @@ def _attached(
     return root
 
 
-@_attached.defjvp
-def _moved(
+@_attach.defjvp
+def _move(
     equations: Callable[..., Unknowns], primals: tuple[Any, ...], tangents: tuple[Any, ...]
 ) -> tuple[Unknowns, Unknowns]:
     (start, *parameters), (_, *changes) = primals, tangents
-    root = _attached(equations, start, *parameters)
+    root = _attach(equations, start, *parameters)
     _, moved = jax.jvp(partial(equations, root), tuple(parameters), tuple(changes))
     _, linear = jax.linearize(lambda point: equations(point, *parameters), root)
     return root, _invert(linear, tuple(-entry for entry in moved))

@@ -318,7 +318,7 @@ def predict_design(
     setup = design.setup if searched is None else replace(design.setup, search_range=searched)
     evaluate, where = Evaluator(setup), setup.environment.coordinate
     coordinates = search_grid(setup, POINTS)
-    asked = _asked(where, coordinates, at)
+    asked = _reported_coordinates(where, coordinates, at)
     table = evaluate(coordinates)
     best = _optimum(evaluate, coordinates, table, "payload", +1.0)
     bands = _bands(evaluate, coordinates, table, best)
@@ -360,7 +360,9 @@ def search_grid(setup: Setup, points: int) -> np.ndarray:
     return np.geomspace(low, high, points) if where.logarithmic else np.linspace(low, high, points)
 
 
-def _asked(where: Coordinate, searched: np.ndarray, at: Sequence[float] | None) -> np.ndarray:
+def _reported_coordinates(
+    where: Coordinate, searched: np.ndarray, at: Sequence[float] | None
+) -> np.ndarray:
     if at is None:
         low, high = searched[[0, -1]]
         return np.array([point for point in where.points if low <= point <= high])

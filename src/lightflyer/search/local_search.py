@@ -92,7 +92,7 @@ def maximise_in_full(
     ends = []
     for number, found in enumerate(rivals[:_RIVALS]):
         report("computing films in full", number, min(len(rivals), _RIVALS))
-        ends.append(_repeated(function, found, scale))
+        ends.append(_repeat(function, found, scale))
     satisfying = [found for found in ends if found.violation <= FEASIBLE]
     best = max(satisfying or ends, key=lambda found: found.score)
     if len(ends) > 1:
@@ -100,7 +100,7 @@ def maximise_in_full(
     return best
 
 
-def _repeated(function: ObjectiveFunction, found: LocalOptimum, scale: float) -> LocalOptimum:
+def _repeat(function: ObjectiveFunction, found: LocalOptimum, scale: float) -> LocalOptimum:
     for _ in range(_REPEATS):
         function.match(found.point)
         again = maximise_from(function, found.point, scale)

@@ -100,7 +100,7 @@ class ObjectiveFunction:
     def _given_film(self, point: np.ndarray) -> dict[str, float]:
         """Values at a point, without the coordinate."""
         coordinate = self.problem.design.coordinate_name
-        given = self.given(point).items()
+        given = self.all_values(point).items()
         return {name: float(value) for name, value in given if name != coordinate}
 
     def match(self, point: np.ndarray) -> None:
@@ -113,10 +113,10 @@ class ObjectiveFunction:
 
     @cached_property
     def _quick_films(self) -> Callable[[Mapping[str, Any]], Any]:
-        compiled = _compiled(lambda values, tables: self._quick(values, tables))  # type: ignore[misc]
+        compiled = _compile(lambda values, tables: self._quick(values, tables))  # type: ignore[misc]
         return lambda values: compiled(values, self._context.tables)
 
-    def given(self, point: Any, changed: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    def all_values(self, point: Any, changed: Mapping[str, Any] | None = None) -> dict[str, Any]:
         """Values of all numbers that are free, fixed or uncertain, at a point; may be traced."""
         problem = self.problem
         free = {
@@ -215,7 +215,7 @@ class ObjectiveFunction:
         self, point: Any, changed: Mapping[str, Any] | None = None, context: "Context | None" = None
     ) -> Any:
         """Objectives, larger is better, then constraints, positive where satisfied; traced."""
-        given = self.given(point, changed)
+        given = self.all_values(point, changed)
         context = self._context if context is None else context
         return self._scores(given, self._films(given, context), context)
 
@@ -295,7 +295,7 @@ class ObjectiveFunction:
         return self._in_context(both)
 
     def _in_context(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        compiled = _compiled(function)
+        compiled = _compile(function)
         return lambda *arguments: compiled(*arguments, self._context)
 
     @cached_property
@@ -334,7 +334,7 @@ class ObjectiveFunction:
         }
 
 
-def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+def _compile(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function compiled for NumPy arrays in double precision."""
     compiled: Any = jax.jit(function)
 

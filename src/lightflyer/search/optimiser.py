@@ -37,7 +37,7 @@ from lightflyer.search.local_search import (
 from lightflyer.search.objectives import SCREENED, ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
 from lightflyer.search.stacks import Ranking, choose_stack, merit
-from lightflyer.search.tolerance import AsMade, made
+from lightflyer.search.tolerance import AsMade, simulate_making
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -361,7 +361,7 @@ def _describe(
         agreeing=agreeing,
         evaluations=evaluations,
         warnings=(*warnings, *_does_not_lift(problem, best.score)),
-        as_made=made(function, best.point),
+        as_made=simulate_making(function, best.point),
     )
 
 

@@ -110,20 +110,20 @@ def choose_stack(problem: Problem) -> tuple[Problem, Ranking]:
     assert choice is not None  # the caller looked
     ends = time.monotonic() + choice.time_limit
     function = ObjectiveFunction(problem)
-    entries, scale = _screened(function, choice, ends)
+    entries, scale = _screen(function, choice, ends)
     if not entries or entries[0].merit <= -INFEASIBLE:
         raise LightflyerError(
             f"none of {len(choice.stacks.sequences)} stacks has a {problem.objectives[0].name} "
             "within the constraints; widen the bounds or the limits"
         )
     screened = len(entries)
-    better = list(_improved(function, choice, entries[:IMPROVED], scale, ends))
+    better = list(_improve(function, choice, entries[:IMPROVED], scale, ends))
     better.sort(key=lambda entry: -entry.merit)
     best = list(_computed_in_full(function, choice, better[:IN_FULL], scale, ends))
     best.sort(key=lambda entry: -entry.merit)
     rest = better[len(best) :]
     sign = problem.objectives[0].sign
-    ranked = tuple(_ranked(choice, entry, sign) for entry in (*best, *rest) if entry.found)
+    ranked = tuple(_rank(choice, entry, sign) for entry in (*best, *rest) if entry.found)
     notes = [*choice.stacks.notes]
     if time.monotonic() > ends:
         notes.append(
@@ -143,9 +143,7 @@ def _turn(function: ObjectiveFunction, choice: Choice, sequence: tuple[int, ...]
     )
 
 
-def _screened(
-    function: ObjectiveFunction, choice: Choice, ends: float
-) -> tuple[list[_Entry], float]:
+def _screen(function: ObjectiveFunction, choice: Choice, ends: float) -> tuple[list[_Entry], float]:
     """Stacks by the best of a sample of films, the best first, and the scale of the objective."""
     problem, sequences = function.problem, choice.stacks.sequences
     points = qmc.Sobol(len(problem.bounds), rng=problem.seed).random(POINTS)
@@ -176,7 +174,7 @@ def merit(scores: np.ndarray, scale: float) -> np.ndarray:
     return np.where(np.isfinite(found), found, -np.inf)
 
 
-def _improved(
+def _improve(
     function: ObjectiveFunction, choice: Choice, entries: list[_Entry], scale: float, ends: float
 ) -> Iterator[_Entry]:
     """Stacks with the best thicknesses on the coarse grid."""
@@ -211,7 +209,7 @@ def _merit_of(found: LocalOptimum, scale: float) -> float:
     return found.score / scale - penalty
 
 
-def _ranked(choice: Choice, entry: _Entry, sign: float) -> RankedStack:
+def _rank(choice: Choice, entry: _Entry, sign: float) -> RankedStack:
     assert entry.found is not None  # as asked
     return RankedStack(
         materials=choice.stacks.labels(entry.sequence),

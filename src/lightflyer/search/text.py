@@ -170,7 +170,7 @@ def indices_parts(found: "Indices") -> Parts:
             "\n".join(found.groups[row]),
             _share(found.first[row], found.first_interval[row]),
             _share(found.total[row], found.total_interval[row]),
-            "\n".join(_signed(found.elasticity[name]) for name in found.groups[row]),
+            "\n".join(_sign_text(found.elasticity[name]) for name in found.groups[row]),
             _short(factor * found.low[row]),
             _short(factor * found.high[row]),
         )
@@ -197,5 +197,5 @@ def _short(value: float) -> str:
     return f"{value:.3g}" if "e" in text else text
 
 
-def _signed(elasticity: float) -> str:
+def _sign_text(elasticity: float) -> str:
     return "–" if math.isnan(elasticity) else f"{elasticity:+.3g}"

@@ -81,7 +81,7 @@ class AsMade:
         }
 
 
-def made(function: ObjectiveFunction, point: np.ndarray) -> AsMade | None:
+def simulate_making(function: ObjectiveFunction, point: np.ndarray) -> AsMade | None:
     """What becomes of a design that is made with errors; ``point`` (k,)."""
     # The errors are normal and independent. Each flyer's films are computed with all errors at
     # once.
@@ -89,7 +89,7 @@ def made(function: ObjectiveFunction, point: np.ndarray) -> AsMade | None:
     tolerances = tolerances_of(problem)
     if not tolerances or problem.objectives[0].name == PROBABILITY:
         return None
-    given = {name: float(value) for name, value in function.given(point).items()}
+    given = {name: float(value) for name, value in function.all_values(point).items()}
     spreads = {name: float(one.spread(given[name])) for name, one in tolerances.items()}
     table = _designs(given, spreads, problem.seed)
     values = problem.objectives[0].sign * function.without_errors().scores_of_designs(table)[:, 0]

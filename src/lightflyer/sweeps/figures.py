@@ -73,7 +73,7 @@ def _axis(ax: Axes, side: str, array: "xr.DataArray") -> np.ndarray:
     return values
 
 
-def _fixed(ax: Axes, dataset: "xr.Dataset", drawn: tuple[str, ...]) -> None:
+def _fix_text(ax: Axes, dataset: "xr.Dataset", drawn: tuple[str, ...]) -> None:
     """Say above the axes what the fields that are not drawn are fixed at."""
     said = []
     for name, array in dataset.coords.items():
@@ -104,7 +104,7 @@ def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axe
     if not np.isfinite(flying).any():
         flying = values
     handles = []
-    _fixed(ax, dataset, (x, y))
+    _fix_text(ax, dataset, (x, y))
     if np.isfinite(flying).any():
         levels = MaxNLocator(_LEVELS).tick_values(np.nanmin(flying), np.nanmax(flying))
         filled = ax.contourf(
@@ -195,7 +195,7 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
     horizontal = _axis(ax, "x", dataset[x])
     factor, label = scale_and_label(array)
     ax.set_ylabel(wrapped(label))
-    _fixed(ax, dataset, (x,))
+    _fix_text(ax, dataset, (x,))
     # few designs are seen one by one, straight lines between them
     marker = "o" if horizontal.size <= _MARKED else ""
     if SAMPLE in array.dims:

@@ -215,13 +215,13 @@ def reduce_into(
             f"{path}: a reduced sweep is a NetCDF file; let its name end with {_SUFFIX}"
         )
     kept = plan_reductions(study)
-    description = _described(study, kept, blocks)
+    description = _describe(study, kept, blocks)
     start = time.perf_counter()
     with ExitStack() as stack:
         client = stack.enter_context(connected(scheduler)) if scheduler else None
-        folder = stack.enter_context(_unfinished(path))
+        folder = stack.enter_context(_unfinished_report(path))
         if path.exists():
-            return _found(study, path, description)
+            return _finished_report(study, path, description)
         progress = Progress(folder, kept, len(blocks), description)
         missing = [int(block) for block in np.flatnonzero(~progress.done)]
         left = sum(map(blocks.count, missing))
@@ -321,7 +321,7 @@ def sweep_reduced(
     return open_reduced(out)
 
 
-def _described(study: Study, kept: list[ReductionSpec], blocks: Blocks) -> dict[str, str]:
+def _describe(study: Study, kept: list[ReductionSpec], blocks: Blocks) -> dict[str, str]:
     """All that decides the result, in words."""
     return (
         study.description()
@@ -332,7 +332,7 @@ def _described(study: Study, kept: list[ReductionSpec], blocks: Blocks) -> dict[
 
 
 @contextmanager
-def _unfinished(path: Path) -> Iterator[Path]:
+def _unfinished_report(path: Path) -> Iterator[Path]:
     """The folder of an unfinished result, locked for one writer; removed once there is a result."""
     import filelock
 
@@ -358,7 +358,7 @@ def _unfinished(path: Path) -> Iterator[Path]:
         ) from None
 
 
-def _found(study: Study, path: Path, description: dict[str, str]) -> SweepReport:
+def _finished_report(study: Study, path: Path, description: dict[str, str]) -> SweepReport:
     """A finished result of the same study."""
     attributes = open_reduced(path).attrs
     require_same(path, json.loads(attributes[_DESCRIPTION]), description)

@@ -105,7 +105,7 @@ class Best(AbstractReduction):
 
     def merged(self, one: Partial, other: Partial) -> Partial:
         """See :meth:`AbstractReduction.merged`."""
-        both = _joined(one, other)
+        both = _join(one, other)
         return self._first(both["designs"], both["values"])
 
     @property
@@ -190,7 +190,7 @@ class Front(AbstractReduction):
 
     def merged(self, one: Partial, other: Partial) -> Partial:
         """See :meth:`AbstractReduction.merged`."""
-        both = _joined(one, other)
+        both = _join(one, other)
         return self._unbeaten(both["designs"], both["gain"], both["cost"])
 
     @property
@@ -349,7 +349,7 @@ def histogram(spread: Partial, edges: Any) -> np.ndarray:
     return np.rint(found).astype(np.int64)
 
 
-def _joined(one: Partial, other: Partial) -> Partial:
+def _join(one: Partial, other: Partial) -> Partial:
     """The rows of two partials but for padding."""
     both = {
         name: np.concatenate([np.asarray(one[name]), np.asarray(other[name])])

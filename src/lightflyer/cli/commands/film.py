@@ -312,11 +312,11 @@ def _show_layers(console: Console, section: "SampleSection", summary: "FilmSumma
         for side, mean in averages.items():
             interval = _interval(summary, f"{kind}_absorptance_{side}")
             console.print(f"absorptance       {mean.value:.4f}{interval} of {light}, {side}"
-                          f"{_bounded(mean)}", soft_wrap=True)  # fmt: skip
+                          f"{_bound_text(mean)}", soft_wrap=True)  # fmt: skip
         passing = summary.passing[kind]
         interval = _interval(summary, f"{kind}_transmittance")
         console.print(f"transmittance     {passing.value:.4f}{interval} of {light}"
-                      f"{_bounded(passing)}", soft_wrap=True)  # fmt: skip
+                      f"{_bound_text(passing)}", soft_wrap=True)  # fmt: skip
 
 
 def _interval(summary: "FilmSummary", name: str) -> str:
@@ -328,7 +328,7 @@ def _span(ends: Any) -> str:
     return "" if ends is None else f" ({ends[0]:.4g} to {ends[1]:.4g})"
 
 
-def _bounded(mean: Any) -> str:
+def _bound_text(mean: Any) -> str:
     """Bounds of an absorptance, and why, where some of the light lies outside the data."""
     outside = 1.0 - float(mean.covered)
     if outside < _LEAST_SHARE:

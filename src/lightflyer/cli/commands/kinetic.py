@@ -161,7 +161,7 @@ def kinetic_command(
         }
         film = {"film": "local" if local_balance else "isothermal", "radiation": radiation}
         faces = kn, tac_top, tac_bottom
-        solution = _solved(faces, heated, others, film, chamber)
+        solution = _solve(faces, heated, others, film, chamber)
         if stage is not None:
             report("drawing the flow")
             written = _write(stage, solution, figures)
@@ -174,7 +174,7 @@ def kinetic_command(
         figures.tell(console, [] if out is None else [out / name for name in written], hint)
 
 
-def _solved(
+def _solve(
     faces: tuple[float, float, float],
     heated: dict[str, Any],
     others: dict[str, Any],

@@ -63,7 +63,7 @@ def map_command(
     console = printer()
     if not dataset.attrs.get("complete", True):
         console.print("the sweep is not finished; missing designs are left blank", soft_wrap=True)
-    sliced, chosen = choose_slice(dataset, output, fields, _asked(at))
+    sliced, chosen = choose_slice(dataset, output, fields, _parse_places(at))
     names = [*fields, output]
     written = _write(out, lambda: _draw(dataset, sliced, names, pareto=pareto), figures)
     for name, (number, unit) in chosen.items():
@@ -71,7 +71,7 @@ def map_command(
     figures.tell(console, written)
 
 
-def _asked(at: str | None) -> dict[str, str]:
+def _parse_places(at: str | None) -> dict[str, str]:
     asked = {}
     for part in (at or "").split(","):
         name, equals, text = (piece.strip() for piece in part.partition("="))

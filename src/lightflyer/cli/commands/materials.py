@@ -36,7 +36,7 @@ def materials_command(
     from lightflyer.film.media.database import search_pages
 
     known = [material(name) for name in material_names()]
-    described = [_described(one) for one in known]
+    described = [_describe(one) for one in known]
     pages: list[DatabasePage] = []
     if search is not None:
         pages = search_pages(search)
@@ -56,7 +56,7 @@ def materials_command(
     console.print('a CSV file works too: material = "mine.csv", columns wavelength [um],n,k')
 
 
-def _described(one: "Medium") -> dict[str, Any]:
+def _describe(one: "Medium") -> dict[str, Any]:
     from lightflyer.film.media.library import ALIASES
     from lightflyer.film.media.materials import MICROMETRE
 

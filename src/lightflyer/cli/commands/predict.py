@@ -74,7 +74,7 @@ def predict_command(
         require_samples(samples, seed, "--")
     loading = _load_in_background() if out is not None else None
     where = design.setup.environment.coordinate
-    prediction = predict_design(design, _asked(at, where))
+    prediction = predict_design(design, _parse_coordinates(at, where))
     uncertainty = None
     if uncertain:
         uncertainty = propagate(design, prediction=prediction, samples=samples, seed=seed)
@@ -104,7 +104,7 @@ def _load_in_background() -> threading.Thread:
     return thread
 
 
-def _asked(at: str | None, where: "Coordinate") -> list[float] | None:
+def _parse_coordinates(at: str | None, where: "Coordinate") -> list[float] | None:
     """The coordinates of ``--at`` in SI units."""
     from lightflyer.core.units import parse
 

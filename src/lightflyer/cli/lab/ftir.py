@@ -122,7 +122,7 @@ def ftir_command(
     )  # fmt: skip
     if update is not None:
         _require_radiating(result)
-    computed, extrapolated = _computed(film, result)
+    computed, extrapolated = _compute(film, result)
     warnings = [*result.warnings, *extrapolated]
     document = (
         result.summary()
@@ -174,7 +174,7 @@ def _read(spectrum: "MeasuredSpectrum") -> dict[str, Any]:
     }
 
 
-def _computed(film: Path | None, result: "Ftir") -> tuple[dict[str, Any], list[str]]:
+def _compute(film: Path | None, result: "Ftir") -> tuple[dict[str, Any], list[str]]:
     """Computed spectra of the film, and warnings."""
     if film is None:
         return {}, []
@@ -242,10 +242,10 @@ def _show(console: Console, result: "Ftir") -> None:
         "weighted with Planck's spectrum over the measured wavenumbers; total: nothing or\n"
         "everything is emitted outside them"
     )
-    console.print(_weighted(result))
+    console.print(_weigh(result))
 
 
-def _weighted(result: "Ftir") -> Table:
+def _weigh(result: "Ftir") -> Table:
     """Table of Planck-weighted means, and of bounds with what lies outside the data."""
     measured = result.reflectance is not None
     table = Table(box=None, padding=(0, 1))

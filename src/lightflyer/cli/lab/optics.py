@@ -115,10 +115,10 @@ def _show_read(console: Console, result: "OpticsFit") -> None:
 
 
 def _show(console: Console, result: "OpticsFit") -> None:
-    from lightflyer.lab.optics.diagnostics import written
+    from lightflyer.lab.optics.diagnostics import display_unit
 
     rows: list[tuple[str, Any, float, str]] = [
-        (name, one, *written(one.unit)) for name, one in result.numbers.items()
+        (name, one, *display_unit(one.unit)) for name, one in result.numbers.items()
     ]
     console.print(_table("fitted", rows))
     if result.predictions:

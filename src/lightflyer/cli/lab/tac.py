@@ -131,7 +131,7 @@ def tac_command(
 
     _require_face(update, face)
     thermometer = None if calibration is None else read_resistance_calibration(calibration)
-    width, stated = _stated(
+    width, stated = _stated_value(
         diameter, gauge_accuracy, gauge_zero, power_accuracy, temperature_accuracy,
         plateau_accuracy,
     )  # fmt: skip
@@ -190,7 +190,7 @@ def _law(reading: str, wall: str | None) -> "AbstractHeatLaw":
     return KineticLaw(distance)
 
 
-def _stated(
+def _stated_value(
     diameter: str | None, gauge: str | None, zero: str | None, power: str | None,
     temperature: str | None, plateau: str | None,
 ) -> tuple[float | None, dict[str, float]]:  # fmt: skip
@@ -317,13 +317,17 @@ def _parameters_table(fit: "TacFit") -> Table:
     rows = {_NAMES[name]: (one, fit.statistical[name]) for name, one in fit.estimates().items()}
     for name, (one, scatter) in rows.items():
         table.add_row(
-            name, f"{one.value:.4g}", interval_text(one), interval_text(scatter), _shown(one.unit)
+            name,
+            f"{one.value:.4g}",
+            interval_text(one),
+            interval_text(scatter),
+            _unit_text(one.unit),
         )
     table.add_row("slope δα", f"{fit.slope.value:.4g}", interval_text(fit.slope), "", "1")
     return table
 
 
-def _shown(unit: str) -> str:
+def _unit_text(unit: str) -> str:
     return unit.replace("^2", "²") or "1"
 
 

@@ -161,7 +161,7 @@ def _words(field: _Field) -> str:
 
 def _read(array: Any, name: str) -> _Field:
     names = _dimensions(array, name)
-    values = _checked(array.transpose(*names.values()), name)
+    values = _check(array.transpose(*names.values()), name)
     time, period, ends = np.zeros(1), None, None
     if names.get("time") == "month":
         time, period = _months(array["month"], name), _YEAR
@@ -211,7 +211,7 @@ def _dimensions(array: Any, name: str) -> dict[str, str]:
     return {kind: there[0] for kind, there in found.items() if there}
 
 
-def _checked(array: Any, name: str) -> np.ndarray:
+def _check(array: Any, name: str) -> np.ndarray:
     quantity = quantity_of(_KINDS[name])
     assert quantity is not None
     unit = str(array.attrs.get("units", quantity.unit))

@@ -133,7 +133,7 @@ def _unit(array: Any, name: str, example: str) -> str:
     return unit
 
 
-def _scaled(array: Any, name: str, target: str) -> np.ndarray:
+def _scale(array: Any, name: str, target: str) -> np.ndarray:
     unit = _unit(array, name, target)
     try:
         scale, offset = scale_and_offset(unit, target)
@@ -150,11 +150,11 @@ def _degrees(array: Any, name: str) -> np.ndarray:
 
 
 def _metres(array: Any, name: str) -> np.ndarray:
-    return _scaled(array, name, "m")
+    return _scale(array, name, "m")
 
 
 def _minus_log(array: Any, name: str) -> np.ndarray:
-    values = _scaled(array, name, "Pa")
+    values = _scale(array, name, "Pa")
     if not np.all(values > 0.0):
         raise ConfigurationError(f"winds: {name} must be positive")
     return -np.log(values)
@@ -179,7 +179,7 @@ def _field(dataset: Any, name: str, order: list[Any], sorting: list[np.ndarray])
             f"winds: {name} is in Pa/s, a change of pressure; convert it to m/s upwards (divide by "
             "minus density times gravity) or drop it"
         )
-    values = _scaled(array.transpose(*present), name, "m/s")
+    values = _scale(array.transpose(*present), name, "m/s")
     missing = int(np.sum(~np.isfinite(values)))
     if missing:
         raise ConfigurationError(

@@ -121,7 +121,7 @@ class GriddedWind(AbstractWind):
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
         """See :meth:`AbstractWind.velocity`."""
         level, longitude = self._level(altitude, place), self._longitude(place)
-        wind = _interpolated(self.table, self.axes, level, place, longitude)
+        wind = _interpolate(self.table, self.axes, level, place, longitude)
         return self._within(altitude, place, wind)
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
@@ -225,7 +225,7 @@ def _minus_log_pressure(atmosphere: AbstractAtmosphere, altitude: Numeric, place
 
 
 @entry_point
-def _interpolated(
+def _interpolate(
     table: Any,
     axes: tuple[Axis, ...],
     level: Numeric,

@@ -66,7 +66,7 @@ def bruggeman(
     >>> print(f"{n:.4f} {k:.1f}")
     1.2418 0.0
     """
-    index, fraction = _pair(n, k), _aligned(fraction, jnp.ndim(n))
+    index, fraction = _pair(n, k), _align(fraction, jnp.ndim(n))
     solve = _bruggeman_of_two if index[0].shape[0] == 2 else _bruggeman_of_many
     return _index(solve(index, fraction, depolarisation))
 
@@ -155,7 +155,7 @@ def maxwell_garnett(
     >>> print(f"{n:.4f}")
     1.0445
     """
-    index, fraction = _pair(n, k), _aligned(fraction, jnp.ndim(n))
+    index, fraction = _pair(n, k), _align(fraction, jnp.ndim(n))
     permittivity = times(index, index)
     host = permittivity[0][0], permittivity[1][0]
     rest = permittivity[0][1:] - host[0], permittivity[1][1:] - host[1]
@@ -204,7 +204,7 @@ def parallel(
     """
     del depolarisation
     index = _pair(n, k)
-    return _index(summed(scaled(times(index, index), _aligned(fraction, jnp.ndim(n)))))
+    return _index(summed(scaled(times(index, index), _align(fraction, jnp.ndim(n)))))
 
 
 @entry_point
@@ -241,7 +241,7 @@ def series(
     1.1767
     """
     del depolarisation
-    index, fraction = _pair(n, k), _aligned(fraction, jnp.ndim(n))
+    index, fraction = _pair(n, k), _align(fraction, jnp.ndim(n))
     shares = over((fraction, jnp.zeros_like(fraction)), times(index, index))
     inverse = summed(shares)
     return _index(over((jnp.ones_like(inverse[0]), jnp.zeros_like(inverse[0])), inverse))
@@ -322,7 +322,7 @@ def _pair(n: Numeric, k: Numeric) -> Pair:
     return jnp.asarray(n), jnp.asarray(k)
 
 
-def _aligned(fraction: Numeric, axes: int) -> Array:
+def _align(fraction: Numeric, axes: int) -> Array:
     """Fractions with the axes of the indices behind the first."""
     fraction = jnp.asarray(fraction)
     return fraction.reshape(fraction.shape + (1,) * (axes - fraction.ndim))

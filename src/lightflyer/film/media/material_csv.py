@@ -76,7 +76,7 @@ def read_index_csv(path: Path) -> Indices:
         return _of_page(path)
     blocks = _blocks(path)
     if blocks:
-        return _joined(path, *blocks)
+        return _join(path, *blocks)
     table = read_table(path, _INDEX_COLUMNS, strict=True, preamble=True)
     wavelength = _wavelength(table)
     n, k = _n_and_k(table)
@@ -175,7 +175,7 @@ def _blocks(path: Path) -> list[Lines]:
     ]
 
 
-def _joined(path: Path, *blocks: Lines) -> Indices:
+def _join(path: Path, *blocks: Lines) -> Indices:
     """Values of two blocks over the wavelengths that both cover."""
     tables = [
         table_of(block, (_BLOCK_WAVELENGTH, column))
@@ -243,10 +243,10 @@ def _tables(path: Path, page: object) -> Iterator[tuple[str, np.ndarray]]:
             rows = np.array([line.split() for line in lines if line.strip()], float).T
         except ValueError:
             raise ConfigurationError(f"{path}: its table of {name} is damaged") from None
-        yield name, _checked(path, name, rows)
+        yield name, _check(path, name, rows)
 
 
-def _checked(path: Path, name: str, rows: np.ndarray) -> np.ndarray:
+def _check(path: Path, name: str, rows: np.ndarray) -> np.ndarray:
     whole = rows.ndim == 2 and len(rows) == len(name) + 1 and rows.shape[1] > 1
     if not (whole and np.isfinite(rows).all()):
         raise ConfigurationError(f"{path}: its table of {name} is damaged")

@@ -82,7 +82,7 @@ class TemperatureDependentMedium(Compound):
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
         """See :meth:`Medium.index`."""
         n, k = indices(self.parts, np.asarray(wavelength, float))
-        return _interpolated(n, k, np.array(self.temperatures), self.temperature)
+        return _interpolate(n, k, np.array(self.temperatures), self.temperature)
 
     @property
     def diagnostics(self) -> tuple[str, ...]:
@@ -141,7 +141,7 @@ def _timeless(part: Medium) -> Medium:
 
 
 @entry_point
-def _interpolated(
+def _interpolate(
     n: Numeric, k: Numeric, temperatures: Numeric, temperature: Numeric
 ) -> tuple[Numeric, Numeric]:
     steps = jnp.searchsorted(temperatures, temperature, side="right") - 1

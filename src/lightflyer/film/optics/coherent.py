@@ -135,7 +135,7 @@ def respond(
         Fields(
             one.ratio,
             one.passed,
-            jnp.zeros((0, *shape)) if one.met is None else _absorbed(layers, number, one),
+            jnp.zeros((0, *shape)) if one.met is None else _absorption(layers, number, one),
         )
         for number, one in enumerate(risen)
     )
@@ -227,7 +227,7 @@ def _sweep(
         found.append(_Risen(ratio, wave.power * gain, gain if inside else None, own))
     none = jnp.zeros((1, *shape))
     nothing: Any = ((none, none), (none, none))  # comes up from below the stack
-    return (found[0], found[1]), _stacked(shape, ratios, nothing)
+    return (found[0], found[1]), _stack(shape, ratios, nothing)
 
 
 def _smooth_sweep(
@@ -297,8 +297,8 @@ def _rows(
     )
     # no layer is above the topmost interface
     none = jnp.zeros((1, *shape))
-    round_trips = _stacked(shape, (none + 1.0, none), primals[1].round_trip)
-    exponents = _stacked(shape, (none, none), tangents[1].exponent)
+    round_trips = _stack(shape, (none + 1.0, none), primals[1].round_trip)
+    exponents = _stack(shape, (none, none), tangents[1].exponent)
     return (tops, bottoms, ratios, moved), round_trips, exponents
 
 
@@ -307,7 +307,7 @@ def _faces(
 ) -> tuple[tuple[Complex, Complex], tuple[Complex, Complex]]:
     """Admittances above each interface, and below each, for s and p polarisation."""
     first, last = (jax.tree.map(lambda part: part[None], one) for one in (above, below))
-    upper, lower = _stacked(shape, first, layers.half), _stacked(shape, layers.half, last)
+    upper, lower = _stack(shape, first, layers.half), _stack(shape, layers.half, last)
     return upper.admittances, lower.admittances
 
 
@@ -331,7 +331,7 @@ def _change(
     return upward, (2.0 * change[0], 2.0 * change[1]), 2.0 * gain
 
 
-def _stacked(shape: tuple[int, ...], *parts: Any) -> Any:
+def _stack(shape: tuple[int, ...], *parts: Any) -> Any:
     """Arrays whose first axis is the layer, broadcast behind it and put one upon the other."""
 
     def wide(part: Array) -> Array:
@@ -342,7 +342,7 @@ def _stacked(shape: tuple[int, ...], *parts: Any) -> Any:
     return jax.tree.map(lambda *rows: jnp.concatenate([wide(one) for one in rows]), *parts)
 
 
-def _absorbed(layers: Sheets, number: int, risen: _Risen) -> Array:
+def _absorption(layers: Sheets, number: int, risen: _Risen) -> Array:
     """Power that enters each layer less what leaves it, from the top down."""
     assert risen.met is not None
     assert risen.gain is not None

@@ -42,15 +42,15 @@ def film_warnings(
         found += _shares(average, name, "absorptance", "")
     heat = f" ({_range(temperatures, 'g')} K)"
     found += _shares(thermal["top"], "a black body's radiation", "emittance", heat)
-    found += _scattered(solar["top"], "sunlight (AM0)", "absorptance", "")
-    found += _scattered(thermal["top"], "a black body's radiation", "emittance", heat)
+    found += _scatter_lines(solar["top"], "sunlight (AM0)", "absorptance", "")
+    found += _scatter_lines(thermal["top"], "a black body's radiation", "emittance", heat)
     found += [*medium_warnings(film), *thick_warnings(film), *roughness_warnings(film)]
     found += _surroundings(film)
     if film.open_fraction is not None and film.hole_diameter is not None:
         found += narrow_holes(0.5 * film.hole_diameter, temperatures)
     if film.unknown_density is not None:
         found.append(f"no areal density: {film.unknown_density}")
-    return (*found, *_unstated(film, thickness_uncertainty))
+    return (*found, *_unstated_lines(film, thickness_uncertainty))
 
 
 def property_warnings(name: str, mean: Average, film: Film) -> Iterator[str]:
@@ -76,7 +76,7 @@ def property_warnings(name: str, mean: Average, film: Film) -> Iterator[str]:
         )
 
 
-def _scattered(average: Average, spectrum: str, quantity: str, where: str) -> list[str]:
+def _scatter_lines(average: Average, spectrum: str, quantity: str, where: str) -> list[str]:
     """What rough interfaces scatter, and where it may be missing."""
     if np.min(average.scattered) < -_ROUNDING:
         return [_unphysical(average)]
@@ -183,7 +183,7 @@ def medium_warnings(film: Film) -> list[str]:
     return [*dict.fromkeys(said), *sheet_warnings(film)]
 
 
-def _unstated(film: Film, uncertainty: Sequence[float | None]) -> list[str]:
+def _unstated_lines(film: Film, uncertainty: Sequence[float | None]) -> list[str]:
     names = [layer.material.name for layer, spread in zip(film.layers, uncertainty, strict=True)
              if spread is None]  # fmt: skip
     if not names or len(names) == len(film.layers):

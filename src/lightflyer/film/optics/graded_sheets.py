@@ -52,10 +52,10 @@ def sheet_error(film: Film) -> float | None:
 
 def _finer(film: Film) -> Film:
     """The film with twice as many sheets."""
-    return dataclasses.replace(film, layers=tuple(map(_halved, film.layers)))
+    return dataclasses.replace(film, layers=tuple(map(_halve, film.layers)))
 
 
-def _halved(layer: Layer) -> Layer:
+def _halve(layer: Layer) -> Layer:
     medium = layer.material
     if not isinstance(medium, Graded):
         return layer

@@ -195,7 +195,7 @@ class Film(Checked):
         wavelength = np.asarray(wavelength, float)
         pairs = [layer.material.index(wavelength) for layer in self.layers]
         empty = np.empty((0, *wavelength.shape))
-        stack = _stacked if is_traced(pairs) else np.stack
+        stack = _stack if is_traced(pairs) else np.stack
         n = stack(tuple(pair[0] for pair in pairs)) if pairs else empty
         k = stack(tuple(pair[1] for pair in pairs)) if pairs else empty
         return n, k
@@ -268,5 +268,5 @@ def _column(values: list[Numeric]) -> Numeric:
 
 
 @entry_point
-def _stacked(values: tuple[Numeric, ...]) -> Numeric:
+def _stack(values: tuple[Numeric, ...]) -> Numeric:
     return jnp.stack(jnp.broadcast_arrays(*values))

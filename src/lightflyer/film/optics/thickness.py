@@ -79,7 +79,7 @@ def thickness_uncertainty(
     middle = quantity(film)
     total = jax.tree.map(lambda one: np.zeros_like(one, float), middle)
     pairs = [
-        (_changed(film, number, spread), _changed(film, number, -spread))
+        (_change(film, number, spread), _change(film, number, -spread))
         for number, spread in enumerate(uncertainty)
         if spread > 0.0
     ]
@@ -93,7 +93,7 @@ def _add(total: np.ndarray, middle: np.ndarray, above: np.ndarray, below: np.nda
     return np.asarray(total + first**2 + _SECOND_ORDER * second**2)
 
 
-def _changed(film: Film, number: int, change: float) -> Film:
+def _change(film: Film, number: int, change: float) -> Film:
     layers = list(film.layers)
     thickness = layers[number].thickness + change
     layers[number] = dataclasses.replace(layers[number], thickness=thickness)

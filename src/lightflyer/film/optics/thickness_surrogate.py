@@ -46,7 +46,7 @@ class Sampled(eqx.Module):
     def of(cls, film: Film, grid: Grid, points: int) -> "Sampled":
         """The points of a fine grid that matter most, with the weights of those between them."""
         n, k = film.index(grid.wavelength)
-        chosen = _chosen(n, k, grid, points)
+        chosen = _choose(n, k, grid, points)
         left = np.searchsorted(chosen, np.arange(grid.wavelength.size), side="right") - 1
         left = np.minimum(left, chosen.size - 2)
         ends = grid.wavelength[chosen]
@@ -81,8 +81,8 @@ class ThicknessSurrogate(eqx.Module):
         )
         missing = max(0, layers - len(film.layers))
         return cls(
-            _padded(Sampled.of(film, light, LIGHT_POINTS), missing),
-            _padded(Sampled.of(film, heat, THERMAL_POINTS), missing),
+            _pad(Sampled.of(film, light, LIGHT_POINTS), missing),
+            _pad(Sampled.of(film, heat, THERMAL_POINTS), missing),
         )
 
     def properties(
@@ -140,7 +140,7 @@ def padded_thickness(thickness: np.ndarray, layers: int) -> np.ndarray:
     return np.pad(thickness, (0, layers - len(thickness)), constant_values=_ABSENT)
 
 
-def _padded(sampled: Sampled, missing: int) -> Sampled:
+def _pad(sampled: Sampled, missing: int) -> Sampled:
     rows = [(0, missing), (0, 0)]
     n = np.pad(sampled.n, rows, constant_values=1.0)
     return Sampled(n, np.pad(sampled.k, rows), sampled.wavelength, sampled.weight)
@@ -157,7 +157,7 @@ def _hemisphere() -> tuple[np.ndarray, np.ndarray]:
     return cosine, weights * cosine
 
 
-def _chosen(n: np.ndarray, k: np.ndarray, grid: Grid, points: int) -> np.ndarray:
+def _choose(n: np.ndarray, k: np.ndarray, grid: Grid, points: int) -> np.ndarray:
     """Places in a fine grid, dense where the means have their weight and where indices change."""
     if grid.wavelength.size <= points:
         return np.arange(grid.wavelength.size)

@@ -59,7 +59,7 @@ class StackOptics(eqx.Module):
     def merged(self, sizes: Sequence[int]) -> "StackOptics":
         """The absorptances of neighbouring layers added up."""
         groups = np.repeat(np.eye(len(sizes)), sizes, axis=1)
-        absorptance = _summed(groups, self.layer_absorptance)
+        absorptance = _sum(groups, self.layer_absorptance)
         return StackOptics(self.reflectance, self.transmittance, absorptance, self.scattered)
 
     def with_holes(self, share: Numeric) -> "StackOptics":
@@ -84,7 +84,7 @@ class StackOptics(eqx.Module):
 
 
 @entry_point
-def _summed(groups: Numeric, parts: Numeric) -> Numeric:
+def _sum(groups: Numeric, parts: Numeric) -> Numeric:
     return jnp.tensordot(groups, parts, axes=1)
 
 
@@ -297,12 +297,12 @@ def _shares_of_powers(
         beams.append(entered * decay)
     outside = admittances[0][0]
     passed = beams[-1] * down[-1].passed * admittances[-1][0] / outside
-    absorbed = _absorbed(down, up, admittances, beams, rising) if inside else []
+    absorbed = _absorption(down, up, admittances, beams, rising) if inside else []
     rows = [jnp.zeros((0, *reflected.shape)), *(part / outside for part in absorbed)]
     return reflected, passed, jnp.concatenate(rows)
 
 
-def _absorbed(
+def _absorption(
     down: list[Fields],
     up: list[Fields],
     admittances: list[Complex],

@@ -198,8 +198,8 @@ class FilmSummary:
             found |= {f"lamp_absorptance_{side}": mean for side, mean in self.lamp.items()}
         found |= {f"emittance_{side}": mean for side, mean in self.thermal.items()}
         found |= {f"emittance_normal_{side}": mean for side, mean in self.thermal_normal.items()}
-        found |= _named(self.passing, self.light)
-        return {name: _covered(average, self._described) for name, average in found.items()}
+        found |= _name_parts(self.passing, self.light)
+        return {name: _coverage(average, self._described) for name, average in found.items()}
 
 
 def _number(value: Any) -> float | None:
@@ -244,7 +244,7 @@ def _averages(
     }
 
 
-def _named(passing: Mapping[str, Average], light: Spectrum) -> dict[str, Average]:
+def _name_parts(passing: Mapping[str, Average], light: Spectrum) -> dict[str, Average]:
     """Transmittances by their names among the values."""
     found = {"solar_transmittance": passing["solar"]}
     if light is not am0():
@@ -264,7 +264,7 @@ def _values(film: Film, light: Spectrum, averages: dict[str, dict[str, Average]]
     for side, thermal in averages["thermal"].items():
         entries[f"emittance_{side}"] = thermal.value
         entries[f"emittance_normal_{side}"] = averages["thermal_normal"][side].value
-    entries |= {name: mean.value for name, mean in _named(averages["passing"], light).items()}
+    entries |= {name: mean.value for name, mean in _name_parts(averages["passing"], light).items()}
     return entries | {"selectivity": _selectivity(averages["lamp"], averages["thermal"])}
 
 
@@ -300,7 +300,7 @@ def _uncertainty(
     return found | {_MASS: float(np.hypot(found[_MASS], np.linalg.norm(parts)))}
 
 
-def _covered(average: Average, described: Callable[[Any], Any]) -> dict[str, Any]:
+def _coverage(average: Average, described: Callable[[Any], Any]) -> dict[str, Any]:
     return {
         "covered": described(average.covered),
         "extrapolated_share": described(average.extrapolated_share),

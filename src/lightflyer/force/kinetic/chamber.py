@@ -137,7 +137,7 @@ def resisted(opened: Numeric, kept: Numeric) -> Array:
     return jnp.asarray(opened / (opened + kept * (1.0 - opened)))
 
 
-def _kept(factor: Numeric, opened: Numeric) -> Array:
+def _keep(factor: Numeric, opened: Numeric) -> Array:
     """Share of the resistance that is left where a factor is on force or heat [1]."""
     return (1.0 / factor - opened) / jnp.maximum(1.0 - opened, _LEAST_RESISTANCE)
 
@@ -173,7 +173,7 @@ class ChamberFit:
         factor = beside * resisted(heat, heat_kept) / heat
         lift = value(self.lift, _terms(near, _ODD, -1.0))
         lift *= beyond * dense * tac / REFERENCE_TAC
-        return SolidWalls(_kept(factor, force), heat_kept, lift)
+        return SolidWalls(_keep(factor, force), heat_kept, lift)
 
     def diagnostics(
         self, chamber: Chamber, knudsen: Numeric, pressure: Numeric, molecules: str

@@ -134,7 +134,7 @@ class KineticDisk(AbstractForceModel):
             ratio = scaled_heat_ratio(ratio, _resistance(state, excess))
         resisting = (_kind(state.gas), knudsen, ratio)
         ratio = kinetic_walls.heat_ratio(flyer, excess, resisting, self.walls)
-        ratio *= _kept(flyer, state, excess, knudsen, ratio, self.film_balance).heat
+        ratio *= _keep(flyer, state, excess, knudsen, ratio, self.film_balance).heat
         if self.heat_error is not None:
             own = heat_error(fit.table_errors(knudsen)[1], ratio, self.collisions)
             ratio *= 1.0 + self.heat_error * _with_scaling(own, _SCALED_HEAT_ERROR, state.gas)
@@ -153,7 +153,7 @@ class KineticDisk(AbstractForceModel):
             ratio *= scaled_heat_ratio(heat, _resistance(state, excess)) / heat
         resisting = (_kind(state.gas), knudsen, ratio)
         found = kinetic_walls.force(flyer, state, excess, resisting, self.walls)
-        found *= _kept(flyer, state, excess, knudsen, heat, self.film_balance).force
+        found *= _keep(flyer, state, excess, knudsen, heat, self.film_balance).force
         push = around.push(flyer, state, excess)
         if self.force_error is not None:
             own = force_error(fit.table_errors(knudsen)[0], ratio, self.collisions)
@@ -255,7 +255,7 @@ def _around(
     return Reservoir(*fit.wall_factors(knudsen, state.wall_distance / disk.radius, *faces))
 
 
-def _kept(
+def _keep(
     disk: Disk,
     state: EnvironmentState,
     excess: Numeric,

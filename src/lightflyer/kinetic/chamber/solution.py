@@ -288,7 +288,7 @@ def solve_in_chamber(
         chamber,
         linear=temperature_ratio is None,
     )
-    return _solved(case, knudsen)
+    return _solve(case, knudsen)
 
 
 def _perturbations(
@@ -330,7 +330,7 @@ def _chamber_case(
     return ChamberCase(float(np.sqrt(np.pi) / (4.0 * knudsen)), film, model, chamber, linear)
 
 
-def _solved(case: "ChamberCase", knudsen: float) -> ChamberSolution:
+def _solve(case: "ChamberCase", knudsen: float) -> ChamberSolution:
     from lightflyer.kinetic.chamber.cases import meshes, solve_chamber_case
 
     began = time.perf_counter()

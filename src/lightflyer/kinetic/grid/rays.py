@@ -148,7 +148,7 @@ def trace_between(radius, height, direction, longest, optical_scale, meshes, cut
 
 
 @kernel
-def _tabulated(depth, table, scale, values):
+def _tabulate(depth, table, scale, values):
     """Fill J₁ to J₈ at an optical depth below the largest of the table."""
     position = np.sqrt(depth) * scale
     cell = int(position)
@@ -166,7 +166,7 @@ def maxwellian_integrals(depth, temperature, table, scale, values):
     if reduced >= _SHORTENED * LARGEST_DEPTH:
         values[:] = 0.0
         return
-    _tabulated(reduced, table, scale, values)
+    _tabulate(reduced, table, scale, values)
     factor = 1.0 / root
     for p in range(NUMBER):
         values[p] *= factor

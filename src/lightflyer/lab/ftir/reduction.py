@@ -346,7 +346,7 @@ def _uncovered_band(band: tuple[float, float], low: float, high: float, source: 
     return 0.0 if covered > 1.0 - _ROUNDING else 1.0 - covered
 
 
-def _said(spectrum: MeasuredSpectrum) -> dict[str, str]:
+def _metadata_of(spectrum: MeasuredSpectrum) -> dict[str, str]:
     """What the file says of its spectrum, without what it leaves open."""
     metadata = {name: text for name, text in asdict(spectrum.metadata).items() if text}
     return metadata | ({"collection": spectrum.collection} if spectrum.collection else {})
@@ -374,7 +374,7 @@ def to_dataset(result: Ftir) -> "xr.Dataset":
             )  # fmt: skip
             variables[name] = (
                 dimension, one.value,
-                {"units": "1", "long_name": one.quantity, "file": one.source} | _said(one),
+                {"units": "1", "long_name": one.quantity, "file": one.source} | _metadata_of(one),
             )  # fmt: skip
     files = [one.source for one in (*result.spectra, *result.reflectances)]
     return dataset("infrared spectra", variables, files, warnings=result.warnings)

@@ -72,7 +72,7 @@ def minimum(
         spread = np.sqrt(np.maximum(spread**2 - rounding**2, 0.0))
     simulated = fitted + spread[:, None] * rng.normal(size=(draws, x.size))
     if step:
-        simulated = _stepped(simulated, step, rng)
+        simulated = _step_lines(simulated, step, rng)
     places, values, edges = _least(grid, simulated @ twice.T)
     smoothing = abs(place - smoothed) * rng.normal(size=draws)
     return Minimum(
@@ -97,7 +97,7 @@ def _spreads(
     return np.asarray(np.sqrt(variance * freedom / rng.chisquare(freedom, draws)))
 
 
-def _stepped(y: np.ndarray, step: float, rng: np.random.Generator) -> np.ndarray:
+def _step_lines(y: np.ndarray, step: float, rng: np.random.Generator) -> np.ndarray:
     """Log-irradiance in the middle of the steps in which each is met."""
     start = step * rng.random((len(y), 1))
     first = start + step * np.ceil((np.exp(y) - start) / step)

@@ -35,8 +35,8 @@ def diagnose(
 ) -> tuple[str, ...]:
     """Warnings of a fit, one line each; ``correlation`` (free, free)."""
     return (
-        *_undetermined(sample, numbers, open_ends),
-        *_tied(list(numbers), correlation),
+        *_undetermined_lines(sample, numbers, open_ends),
+        *_tied_lines(list(numbers), correlation),
         *_rivals(fit),
         *_beforehand(sample, numbers),
         *_misfits(sample, fit),
@@ -51,7 +51,7 @@ def diagnose(
     )
 
 
-def _undetermined(
+def _undetermined_lines(
     sample: OpticsSample,
     numbers: Mapping[str, Estimate],
     open_ends: Mapping[str, tuple[bool, bool]],
@@ -65,7 +65,7 @@ def _undetermined(
             )
         elif any(open_ends[one.name]):
             ends = " and ".join(
-                f"{name} bound {shown(end, one.unit)}"
+                f"{name} bound {amount_text(end, one.unit)}"
                 for name, end, is_open in zip(
                     ("lower", "upper"), (one.lowest, one.highest), open_ends[one.name], strict=True
                 )
@@ -75,7 +75,7 @@ def _undetermined(
     return found
 
 
-def _tied(names: list[str], correlation: np.ndarray) -> list[str]:
+def _tied_lines(names: list[str], correlation: np.ndarray) -> list[str]:
     return [
         f"{names[i]} and {names[j]} are hardly told apart: their errors have a correlation of "
         f"{correlation[i, j]:+.3f}"
@@ -93,7 +93,7 @@ def _rivals(fit: Fit) -> list[str]:
             continue
         values = fit.problem.model.values(solution.position)
         told = ", ".join(
-            f"{one.name} = {shown(value, one.unit)}"
+            f"{one.name} = {amount_text(value, one.unit)}"
             for one, value in zip(fit.problem.free, values, strict=True)
         )
         found.append(
@@ -109,10 +109,11 @@ def _beforehand(sample: OpticsSample, numbers: Mapping[str, Estimate]) -> list[s
         if one.prior is None:
             continue
         value = numbers[one.name]
-        known = f"{shown(one.start, one.unit)} ± {shown(one.prior, one.unit)}"
+        known = f"{amount_text(one.start, one.unit)} ± {amount_text(one.prior, one.unit)}"
         if abs(value.value - one.start) > _FAR * one.prior:
             found.append(
-                f"{one.name} = {shown(value.value, one.unit)} contradicts what was stated, {known}"
+                f"{one.name} = {amount_text(value.value, one.unit)} contradicts what was stated, "
+                f"{known}"
             )
         elif (value.uncertainty or 0.0) > TIED * one.prior:
             found.append(f"{one.name} is as stated, {known}: the spectra tell nothing of it")
@@ -166,13 +167,13 @@ def _rough(sample: OpticsSample, film: Film) -> list[str]:
     ]
 
 
-def shown(value: float, unit: str) -> str:
+def amount_text(value: float, unit: str) -> str:
     """A number with its unit, lengths in nanometres and energies in electronvolts."""
-    scale, name = written(unit)
+    scale, name = display_unit(unit)
     return f"{value / scale:.4g} {name}".rstrip()
 
 
-def written(unit: str) -> tuple[float, str]:
+def display_unit(unit: str) -> tuple[float, str]:
     """Unit that people write an SI unit's numbers of films in, with its size."""
     return _WRITTEN.get(unit, (1.0, unit))
 

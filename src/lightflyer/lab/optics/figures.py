@@ -30,10 +30,10 @@ _MANTISSAS = (1.0, 2.0, 3.0, 5.0, 7.0)
 def spectra(result: "OpticsFit", ax: Axes) -> Axes:
     """Draw spectra over wavelength with what the instruments read by the fit."""
     for number, one in enumerate(result.spectra):
-        x, measured = _drawn(one, one.measured.spectrum.value)
+        x, measured = _thinned_points(one, one.measured.spectrum.value)
         colour = PALETTE[number % len(PALETTE)]
         ax.plot(x, measured, ".", ms=2.5, color=colour, alpha=0.6)
-        x, fitted = _drawn(one, one.reading)
+        x, fitted = _thinned_points(one, one.reading)
         ax.plot(x, fitted, ls=LINES[number % len(LINES)], lw=1.2, color=colour,
                 label=one.measured.label)  # fmt: skip
     ax.plot([], [], ".", ms=4, color=GREY, label="measured")
@@ -50,7 +50,7 @@ def residuals(result: "OpticsFit", ax: Axes) -> Axes:
     """Draw measured less fitted ordinates over wavelength."""
     ax.axhline(0.0, color="black", lw=0.6)
     for number, one in enumerate(result.spectra):
-        x, residual = _drawn(one, one.residual)
+        x, residual = _thinned_points(one, one.residual)
         colour = PALETTE[number % len(PALETTE)]
         label = f"{one.measured.label}: as {one.scatter.independent:.0f} independent points"
         ax.plot(x, residual, lw=0.8, ls=LINES[number % len(LINES)], color=colour, label=label)
@@ -74,7 +74,7 @@ def constants(result: "OpticsFit", n_ax: Axes, k_ax: Axes) -> None:
         legend_below(ax, most=2)
 
 
-def _drawn(one: "FittedSpectrum", value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _thinned_points(one: "FittedSpectrum", value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     step = max(1, len(value) // _MOST_POINTS)
     return one.measured.spectrum.wavelength[::step] / MICROMETRE, value[::step]
 

@@ -219,7 +219,7 @@ def fit_optics(
     numbers, covariance = _estimates(fit, ends)
     spreads = np.sqrt(np.diag(covariance))
     rivals = tuple(_rival(fit, solution, excess) for solution, excess in fit.rivals)
-    spectra = _fitted(sample, fit)
+    spectra = _fit(sample, fit)
     correlation = covariance / np.outer(spreads, spreads)
     open_ends = {
         one.name: (low <= 0.0, high >= 1.0)
@@ -280,7 +280,7 @@ def _rival(fit: Fit, solution: Any, excess: float) -> Rival:
     )
 
 
-def _fitted(sample: OpticsSample, fit: Fit) -> tuple[FittedSpectrum, ...]:
+def _fit(sample: OpticsSample, fit: Fit) -> tuple[FittedSpectrum, ...]:
     shares, _ = fit.problem.model.shares(fit.best.position)
     readings = fit.problem.readings(fit.best)
     accuracy = np.array([one.errors for one in sample.spectra])

@@ -15,7 +15,7 @@ from lightflyer.core.text import read_text
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.optics.data import OpticsSample, names_of_layers
-from lightflyer.lab.optics.diagnostics import written
+from lightflyer.lab.optics.diagnostics import display_unit
 from lightflyer.lab.optics.fit import OpticsFit
 
 _DIGITS = 3  # of an uncertainty: correlated numbers round less
@@ -86,7 +86,7 @@ def _aliases(sample: OpticsSample, name: str) -> tuple[str, ...]:
 
 
 def _in_written_unit(one: Estimate) -> Estimate:
-    scale, unit = written(one.unit)
+    scale, unit = display_unit(one.unit)
     low, high = one.interval
     spread = (one.uncertainty or 0.0) / scale
     return Estimate(one.value / scale, (low / scale, high / scale), unit, spread)

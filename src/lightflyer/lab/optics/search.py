@@ -131,11 +131,11 @@ def search(problem: Problem, *, starts: int = STARTS, seed: int = 0) -> Fit:
         raise ConvergenceError(
             "no film between the bounds has optical constants at all wavelengths of the spectra"
         )
-    alone, minima = _settled(alone, _distinct(found))
+    alone, minima = _settle(alone, _distinct(found))
     scatter, told = scatter_of(alone, minima[0]), alone.numbers_told(minima[0])
     problem = replace(alone, informed=True)
     if any(one.prior is not None for one in problem.free):
-        minima = _refitted(problem, [*minima, replace(minima[0], position=own)])
+        minima = _refit(problem, [*minima, replace(minima[0], position=own)])
     return _fit(problem, minima, scatter, told)
 
 
@@ -153,19 +153,19 @@ def _fit(
     )
 
 
-def _settled(problem: Problem, minima: Sequence[Solution]) -> tuple[Problem, list[Solution]]:
+def _settle(problem: Problem, minima: Sequence[Solution]) -> tuple[Problem, list[Solution]]:
     """The minima with errors of the points that fit the residuals of the best."""
     for _ in range(_ROUNDS):
         before = np.array(problem.spread)
         scatter = scatter_of(problem, minima[0])
         problem = problem.with_spread([one.error for one in scatter])
-        minima = _refitted(problem, minima)
+        minima = _refit(problem, minima)
         if np.allclose(before, problem.spread, rtol=_SETTLED):
             break
     return problem, list(minima)
 
 
-def _refitted(problem: Problem, minima: Sequence[Solution]) -> list[Solution]:
+def _refit(problem: Problem, minima: Sequence[Solution]) -> list[Solution]:
     return _distinct([problem.minimise(_inside(one.position), one.errors) for one in minima])
 
 
@@ -196,7 +196,7 @@ def intervals(fit: Fit) -> tuple[Fit, list[tuple[float, float]]]:
             break
         minima = [profile.better, fit.best, *(one for one, _ in fit.rivals)]
         told = fit.problem.numbers_told(profile.better)
-        fit = _fit(fit.problem, _refitted(fit.problem, minima), fit.scatter, told)
+        fit = _fit(fit.problem, _refit(fit.problem, minima), fit.scatter, told)
     return fit, ends
 
 

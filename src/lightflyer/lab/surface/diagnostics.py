@@ -30,7 +30,7 @@ def warnings_of(
     share = float(masked.mean())
     if np.ptp(raw) == 0.0:
         said.append("all heights are equal: this is no map of a surface")
-    elif (clipped := _clipped(source.height)) > _MOST_CLIPPED:
+    elif (clipped := _clip_share(source.height)) > _MOST_CLIPPED:
         said.append(
             f"{_PERCENT * clipped:.1f} % of the heights are exactly the highest or the lowest: "
             "the range of the scanner or of the file may cut the surface off; measure with a "
@@ -72,7 +72,7 @@ def _of_pixels(source: HeightMap) -> list[str]:
     return said
 
 
-def _clipped(height: np.ndarray) -> float:
+def _clip_share(height: np.ndarray) -> float:
     height = height[np.isfinite(height)]
     ends = (height == height.max()).mean(), (height == height.min()).mean()
     return float(max(ends))

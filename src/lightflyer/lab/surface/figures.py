@@ -77,7 +77,7 @@ def _draw_masks(
 ) -> None:
     """Particles and holes in plain colours."""
     for _, mask, colour in _masks(result):
-        image = np.ma.masked_equal(_thinned(mask, step), 0)
+        image = np.ma.masked_equal(_thin(mask, step), 0)
         ax.imshow(image, extent=extent, cmap=ListedColormap([colour]), interpolation="nearest")
 
 
@@ -86,7 +86,7 @@ def _masks(result: "Roughness") -> tuple[tuple[str, np.ndarray, str], ...]:
     return ("particles", result.particles, VERMILION), ("holes", result.holes, SKY)
 
 
-def _thinned(mask: np.ndarray, step: int) -> np.ndarray:
+def _thin(mask: np.ndarray, step: int) -> np.ndarray:
     """Mask of every so many pixels, in which none that is masked gets lost."""
     return ndimage.maximum_filter(mask, step, origin=-((step - 1) // 2))[::step, ::step]
 

@@ -48,27 +48,10 @@ def spread(
     rng: np.random.Generator,
     pixel_aspect: float = 1.0,
 ) -> Spread:
-    """How far a surface's rms and mean absolute height may be from those of its map.
-
-    Parameters
-    ----------
-    height : array, shape (rows, columns)
-        Levelled height [m], of mean zero outside the mask, not zero everywhere.
-    mask : bool array, shape (rows, columns)
-        Pixels that do not count.
-    kept : array, shape (modes, modes)
-        Share of the power of each mode that levelling keeps.
-    rng : numpy.random.Generator
-    pixel_aspect : float
-        Width of a pixel over its length; the surface is taken to be isotropic.
-
-    Returns
-    -------
-    Spread
-    """
+    """How far a surface's rms and mean absolute height may be from those of its map."""
     values = height[~mask]
     rms, mean = np.sqrt(np.mean(values**2)), np.abs(values).mean()
-    lost = _lost(np.where(mask, 0.0, height / rms), kept, rng, pixel_aspect)
+    lost = _loss(np.where(mask, 0.0, height / rms), kept, rng, pixel_aspect)
     # levelling takes low frequencies from the squares too
     missing = 1.0 + min(_LOST_IN_SQUARES * float(np.median(lost)), _MOST_LOST_IN_SQUARES)
     scaled = np.stack([(height / rms) ** 2 - 1.0, 2.0 * (np.abs(height) / mean - 1.0)])
@@ -101,7 +84,7 @@ def _cosine_power(values: np.ndarray) -> np.ndarray:
     return fft.dct(along, axis=1, norm="ortho")[:, :modes] ** 2
 
 
-def _lost(
+def _loss(
     scaled: np.ndarray, kept: np.ndarray, rng: np.random.Generator, pixel_aspect: float
 ) -> np.ndarray:
     r"""Draws of the power that levelling took, over the power left."""

@@ -100,7 +100,7 @@ def _stand_out(
     even = _symmetric(levelled)
     if even is None:  # half of the map is exactly flat
         rest = levelled - np.median(levelled)
-        return _widened(rest > smallest), _widened(rest < -smallest)
+        return _widen(rest > smallest), _widen(rest < -smallest)
     far = np.abs(levelled - np.median(levelled)) > smallest
     rows, columns = levelled.shape
     above, below = np.zeros((rows, columns), bool), np.zeros((rows, columns), bool)
@@ -115,7 +115,7 @@ def _stand_out(
                 if found.any():
                     whole = np.repeat(np.repeat(found, step, axis=0), step, axis=1)
                     mask |= whole[:rows, :columns]
-    return _widened(above), _widened(below)
+    return _widen(above), _widen(below)
 
 
 def _without(even: np.ndarray, others: np.ndarray) -> np.ndarray:
@@ -139,7 +139,7 @@ def _objects(relief: np.ndarray, far: np.ndarray, threshold: float) -> np.ndarra
     return ndimage.binary_propagation(peaks, mask=flanks, structure=_EIGHT)
 
 
-def _widened(mask: np.ndarray) -> np.ndarray:
+def _widen(mask: np.ndarray) -> np.ndarray:
     if not mask.any():
         return mask
     return ndimage.binary_dilation(ndimage.binary_fill_holes(mask), iterations=_MARGIN)

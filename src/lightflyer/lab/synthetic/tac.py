@@ -46,7 +46,7 @@ def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
     lines = label("tac", said)
     return {
         "tac-raw.csv": _raw(rng, truth, lines),
-        "tac-reduced.txt": _reduced(rng, truth, lines),
+        "tac-reduced.txt": _reduce(rng, truth, lines),
         "tac-resistance.csv": _calibration(lines),
     }
 
@@ -95,7 +95,7 @@ def _raw(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
     return faulty_table(lines, header, rows, rng)
 
 
-def _reduced(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
+def _reduce(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
     pressure, power, heater, ambient = _run(rng, truth, 60)
     rows = [
         [f"{p:.5g}", f"{w * 1e3:.5f}", f"{t - _ZERO:.3f}", f"{a - _ZERO:.3f}"]

@@ -26,16 +26,16 @@ _METER_GAIN, _METER_LINEARITY, _METER_NOISE = 0.03, 0.01, 0.005  # over a readin
 _WAVELENGTH = np.linspace(*BAND, 400)
 
 
-def seen(temperature: float) -> float:
+def camera_radiance(temperature: float) -> float:
     """Radiance of a black body that the synthetic camera sees [W/(m² sr)]."""
     x = PLANCK * SPEED_OF_LIGHT / (_WAVELENGTH * BOLTZMANN * temperature)
     spectral = 2.0 * PLANCK * SPEED_OF_LIGHT**2 / _WAVELENGTH**5 / np.expm1(x)
     return float(np.trapezoid(spectral, _WAVELENGTH))
 
 
-def shown(radiance: float) -> float:
+def apparent_temperature(radiance: float) -> float:
     """Apparent temperature that the synthetic camera shows [K]; ``radiance`` [W/(m² sr)]."""
-    return float(optimize.brentq(lambda kelvin: seen(kelvin) - radiance, 100.0, 2000.0))
+    return float(optimize.brentq(lambda kelvin: camera_radiance(kelvin) - radiance, 100.0, 2000.0))
 
 
 def thermography_files(seed: int = 0) -> dict[str, str]:
@@ -62,12 +62,14 @@ def thermography_files(seed: int = 0) -> dict[str, str]:
 
 def _of_camera(rng: np.random.Generator) -> list[list[str]]:
     """Rows of apparent temperatures [°C]."""
-    source, background = seen(_HOTPLATE), seen(_AMBIENT)
+    source, background = camera_radiance(_HOTPLATE), camera_radiance(_AMBIENT)
     span = source - background
     scene = np.array([source, background + REFLECTANCE * span, background + TRANSMITTANCE * span,
                       background])  # fmt: skip
     read = scene * (1.0 + _GAIN * rng.normal()) + _OFFSET * background * rng.normal()
-    apparent = np.array([shown(one) for one in read]) + _DRIFT * rng.normal(size=4) - _ZERO
+    apparent = (
+        np.array([apparent_temperature(one) for one in read]) + _DRIFT * rng.normal(size=4) - _ZERO
+    )
     return [[f"{one + _NOISE * rng.normal():.2f}" for one in apparent] for _ in range(_ROWS)]
 
 

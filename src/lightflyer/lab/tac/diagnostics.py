@@ -71,7 +71,7 @@ def rows_off_the_curve(problem: Problem, lines: np.ndarray) -> np.ndarray:
     # A robust fit (soft L1 of the logarithms, from a running median) finds suspects. A suspect is
     # off if its deviation from the least-squares fit of the others is significant at 0.001 for the
     # whole run (Student's, Bonferroni's correction), and more than 3 %.
-    problem = problem.held([0.0] * len(problem.errors.names))
+    problem = problem.with_common_errors([0.0] * len(problem.errors.names))
     robust = _robust_fit(problem)
     deviations = _log_deviations(problem, robust)
     freedom = max(len(deviations) - len(PARAMETERS), 1)

@@ -28,7 +28,7 @@ _MOST_POINTS = 3_000  # drawn of one run
 _HEIGHT = 4.8
 
 
-def _ordered(fit: "TacFit", most: int = _MOST_POINTS) -> np.ndarray:
+def _order(fit: "TacFit", most: int = _MOST_POINTS) -> np.ndarray:
     """Rows in the order of pressure, thinned evenly if there are very many."""
     return fit.order[:: max(1, len(fit.order) // most)]
 
@@ -37,7 +37,7 @@ def effective_conductance(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
     """Draw the conductance per effective area against pressure, with the fit."""
     _shade(fits[0], ax, with_offset=True)
     for number, fit in enumerate(fits):
-        rows, style = _ordered(fit), _style(number)
+        rows, style = _order(fit), _style(number)
         ratio = fit.area_ratio.value
         ax.plot(fit.pressure[rows], fit.conductance[rows] / ratio, ls="", mfc="none", ms=4,
                 rasterized=len(rows) > 1000, **style)  # fmt: skip
@@ -63,7 +63,7 @@ def _label(fit: "TacFit", count: int) -> str:
 
 
 def _shade(fit: "TacFit", ax: Axes, *, with_offset: bool) -> None:
-    rows = _ordered(fit)
+    rows = _order(fit)
     ends = [
         fit.limits.conductance(tac)[rows] + with_offset * (fit.offset.value + fit.radiation[rows])
         for tac in _SHADED
@@ -80,7 +80,7 @@ def gas_part(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
     bottom = max(0.1 * noise, 1e-4)
     below = "at or below the axis"
     for number, fit in enumerate(fits):
-        rows, style = _ordered(fit), _style(number)
+        rows, style = _order(fit), _style(number)
         taken = fit.offset.value + fit.radiation[rows]
         gas = fit.conductance[rows] / fit.area_ratio.value - taken
         low = gas < bottom
@@ -93,7 +93,7 @@ def gas_part(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
             below = ""
         modelled = fit.limits.conductance(fit.tac.value)[rows]
         ax.plot(fit.pressure[rows], modelled, color=style["color"], lw=1.2)
-    rows = _ordered(first)
+    rows = _order(first)
     pressure, alpha = first.pressure[rows], first.tac.value
     ax.plot(pressure, alpha * first.free_molecular[rows], color=BLUE, ls="--", lw=1,
             label="free-molecular")  # fmt: skip

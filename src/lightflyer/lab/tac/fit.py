@@ -350,7 +350,7 @@ def fit_tac(
     if off.any():
         problem, kept = problem.rows(~off), kept & ~off_curve
         _require_rows(run, kept)
-    problem, guess = _weighted(problem)
+    problem, guess = _weigh(problem)
     others = {
         name: _coefficient(_problem(run, kept, diameter, emissivity, other, gas, accuracy))
         for name, other in HEAT_LAWS.items()
@@ -379,13 +379,13 @@ def _problem(
     )  # fmt: skip
 
 
-def _weighted(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
+def _weigh(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
     """The problem with its residuals over the conductance of a first fit, and that fit."""
     guess = first_guess(problem.grouped())
     for _ in range(_WEIGHTINGS):
         problem = problem.weighted(1.0 / problem.model(*guess))
         require_distinct(problem, guess)
-        plain = problem.held([0.0] * len(problem.errors.names)).grouped()
+        plain = problem.with_common_errors([0.0] * len(problem.errors.names)).grouped()
         found = minimise(plain, guess)[1].params
         guess = (float(found["tac"]), float(found["area_ratio"]), float(found["offset"]))
     return problem, guess
@@ -394,7 +394,7 @@ def _weighted(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
 def _coefficient(problem: Problem) -> float | None:
     """Coefficient by another law; None where the fit fails."""
     try:
-        return best_tac(*_weighted(problem.grouped()))
+        return best_tac(*_weigh(problem.grouped()))
     except LightflyerError:
         return None
 

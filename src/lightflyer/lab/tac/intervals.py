@@ -121,7 +121,7 @@ def _minimise_both(
     start, total = [*guess], None
     common = [0.0] * len(problem.errors.names)
     for _ in range(_ROUNDS):
-        held = problem.held(common)
+        held = problem.with_common_errors(common)
         plain = minimise(held, start)
         start = _values(plain[1], PARAMETERS)
         if not common:

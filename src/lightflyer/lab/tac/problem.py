@@ -73,7 +73,7 @@ class Problem:
         """The same problem with another measured conductance."""
         return replace(self, conductance=conductance, weight=1.0 / conductance)
 
-    def held(self, common: Sequence[float]) -> "Problem":
+    def with_common_errors(self, common: Sequence[float]) -> "Problem":
         """The problem of the three parameters alone, at given errors of all rows."""
         given = np.array(common, float)
         shift = float(given @ self.errors.log_pressure)
@@ -215,7 +215,7 @@ def first_guess(problem: Problem) -> tuple[float, float, float]:
 
 def require_distinct(problem: Problem, values: Sequence[float]) -> None:
     """Raise unless the pressures determine all three parameters."""
-    jacobian = problem.held([0.0] * len(problem.errors.names)).jacobian(*values)
+    jacobian = problem.with_common_errors([0.0] * len(problem.errors.names)).jacobian(*values)
     scaled = jacobian / np.maximum(np.linalg.norm(jacobian, axis=1, keepdims=True), 1e-300)
     singular = np.sqrt(np.maximum(np.linalg.eigvalsh(scaled @ scaled.T), 0.0))
     if singular[0] < _RANK_TOLERANCE * singular[-1]:

@@ -172,7 +172,7 @@ def read_readings(
         One line that names file and line or column.
     """
     table = read_table(path, columns_of(method), layout=columns)
-    given = _checked(given or {}, method)
+    given = _check(given or {}, method)
     if method == LIGHT and "dark" not in table.numbers:
         given.setdefault("dark", Measured(0.0, 0.0))
     values, stated = [], []
@@ -183,7 +183,7 @@ def read_readings(
         values.append(table.numbers.get(name, np.full(len(table), one.value)))
         own = table.numbers.get(f"{name}_uncertainty")
         stated.append(one.uncertainty if own is None else float(own.max()))
-    readings = _completed(method, np.stack(values), stated, accuracy, scene)
+    readings = _complete(method, np.stack(values), stated, accuracy, scene)
     places = tuple(f"{path}:{line}" for line in table.lines)
     _require_possible(readings, places)
     return dataclasses.replace(readings, places=places), table
@@ -218,10 +218,10 @@ def given_readings(
     missing = [name for name in method.readings if name not in given]
     if missing:
         raise ConfigurationError(f"give a file, or also {', '.join(missing)}")
-    checked = _checked(given, method)
+    checked = _check(given, method)
     picked = [checked[name] for name in method.readings]
     values = np.array([[one.value] for one in picked])
-    readings = _completed(method, values, [one.uncertainty for one in picked], accuracy, scene)
+    readings = _complete(method, values, [one.uncertainty for one in picked], accuracy, scene)
     _require_possible(readings, ("",))
     return readings
 
@@ -296,7 +296,7 @@ def with_accuracy(
     return {name: Measured(one.value, total(one)) for name, one in found.items()}
 
 
-def _checked(given: Mapping[str, Measured], method: Method) -> dict[str, Measured]:
+def _check(given: Mapping[str, Measured], method: Method) -> dict[str, Measured]:
     """The given readings, each possible."""
     for name, quantity in zip(method.readings, method.quantities, strict=True):
         if name in given:
@@ -307,7 +307,7 @@ def _checked(given: Mapping[str, Measured], method: Method) -> dict[str, Measure
     return dict(given)
 
 
-def _completed(
+def _complete(
     method: Method, values: np.ndarray, stated: list[float | None], accuracy: float | None,
     scene: Scene | None,
 ) -> Readings:  # fmt: skip

@@ -214,7 +214,7 @@ def reduce_readings(
         name: Estimate(float(one.mean()), tuple(central_interval(one)), "", float(one.std()))
         for name, one in zip(PROPERTIES, cloud, strict=True)
     }
-    return _judged(readings, each, first, second)
+    return _judge(readings, each, first, second)
 
 
 def to_dataset(result: RadiativeProperties, files: Sequence[str]) -> "xr.Dataset":
@@ -309,7 +309,7 @@ def _derivatives(readings: Readings, mean: np.ndarray) -> np.ndarray:
     return np.asarray(by_radiation * slopes)
 
 
-def _judged(
+def _judge(
     readings: Readings, rows: np.ndarray, first: dict[str, Estimate], second: dict[str, Estimate]
 ) -> RadiativeProperties:
     """The result within physical bounds, with its warnings."""

@@ -75,7 +75,7 @@ class Drift(PrintedResult, eqx.Module):
         yield from warning_lines(self.warnings)
 
 
-def drift(
+def steady_drift(
     what: Any,
     environment: AbstractEnvironment | None = None,
     model: AbstractForceModel | None = None,
@@ -121,7 +121,7 @@ def drift(
     --------
     >>> import lightflyer as lf
     >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    >>> found = lf.drift(
+    >>> found = lf.mission.steady_drift(
     ...     lf.Disk(film, radius=0.01), lf.Earth(), lf.Lu2023(), altitude=70e3, tilt=0.3
     ... )
     >>> print(f"{found.speed:.2f} m/s along, {found.climb:.2f} m/s up")

@@ -143,7 +143,7 @@ def hanging_stability(
     >>> import lightflyer as lf
     >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     >>> disk, state = lf.Disk(film, radius=0.01, payload=1e-7), lf.Earth().state(70e3)
-    >>> found = lf.hanging_stability(disk, state, rod=0.01)
+    >>> found = lf.mission.hanging_stability(disk, state, rod=0.01)
     >>> print(f"{found.growth_rate:.1f} /s, stable up to {1e3 * found.longest_rod:.1f} mm")
     2.7 /s, stable up to 2.1 mm
     """

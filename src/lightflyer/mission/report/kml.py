@@ -31,7 +31,7 @@ def write_kml(dataset: "xr.Dataset", path: Path) -> None:
     for date in dates:
         _add(track, "when", f"{date}Z")
     for place in places:
-        _add(track, "coord", " ".join(_written(place)), space=_EXTENSION)
+        _add(track, "coord", " ".join(_coordinates_text(place)), space=_EXTENSION)
     end = (dataset.end_longitude, dataset.end_latitude, dataset.end_altitude)
     _point(document, "release", places[0])
     _point(document, f"end: {dataset.attrs['end']}", np.array([float(part) for part in end]))
@@ -50,7 +50,7 @@ def _lines(document: ET.Element, dataset: "xr.Dataset", prefix: str, dimension: 
         string = _add(_placemark(folder, f"{dimension} {number}"), "LineString")
         _add(string, "altitudeMode", "absolute")
         known = line[np.isfinite(line).all(axis=1)]
-        _add(string, "coordinates", " ".join(",".join(_written(place)) for place in known))
+        _add(string, "coordinates", " ".join(",".join(_coordinates_text(place)) for place in known))
 
 
 def _places(dataset: "xr.Dataset", prefix: str) -> np.ndarray:
@@ -59,7 +59,7 @@ def _places(dataset: "xr.Dataset", prefix: str) -> np.ndarray:
     return np.stack([dataset[prefix + name].values for name in names], axis=-1)
 
 
-def _written(place: np.ndarray) -> tuple[str, str, str]:
+def _coordinates_text(place: np.ndarray) -> tuple[str, str, str]:
     longitude, latitude, altitude = place
     return f"{longitude:.6f}", f"{latitude:.6f}", f"{altitude:.1f}"
 
@@ -67,7 +67,7 @@ def _written(place: np.ndarray) -> tuple[str, str, str]:
 def _point(document: ET.Element, name: str, place: np.ndarray) -> None:
     point = _add(_placemark(document, name), "Point")
     _add(point, "altitudeMode", "absolute")
-    _add(point, "coordinates", ",".join(_written(place)))
+    _add(point, "coordinates", ",".join(_coordinates_text(place)))
 
 
 def _placemark(parent: ET.Element, name: str) -> ET.Element:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.core.clock import seconds_of, written
+from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.mission.path.position import unit_vector
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.dataset import ELAPSED
@@ -75,7 +75,7 @@ def texts_of(dataset: "xr.Dataset", name: str) -> list[str]:
 
 def date_after(dataset: "xr.Dataset", elapsed: float) -> str:
     """Date some time after the release, in words."""
-    return written(seconds_of(dataset.time.values[0]) + elapsed)
+    return date_text(seconds_of(dataset.time.values[0]) + elapsed)
 
 
 def day_and_night(dataset: "xr.Dataset") -> list[tuple[float, float, bool]]:

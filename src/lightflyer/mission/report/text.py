@@ -67,7 +67,7 @@ def describe(dataset: "xr.Dataset") -> str:
     Parameters
     ----------
     dataset : xarray.Dataset
-        From :func:`lightflyer.fly` or :func:`lightflyer.spread`.
+        From :func:`lightflyer.fly` or :func:`lightflyer.mission.disperse_ensemble`.
 
     Returns
     -------

@@ -73,7 +73,7 @@ class Circle(AbstractArea):
 
     def describe(self) -> str:
         """See :meth:`AbstractArea.describe`."""
-        place = _described(float(self.latitude), float(self.longitude))
+        place = _describe(float(self.latitude), float(self.longitude))
         return f"within {float(self.radius) / 1e3:g} km of {place}"
 
 
@@ -121,7 +121,7 @@ class Polygon(AbstractArea):
     def describe(self) -> str:
         """See :meth:`AbstractArea.describe`."""
         corners = zip(np.asarray(self.latitudes), np.asarray(self.longitudes), strict=True)
-        return "polygon of " + "; ".join(_described(*map(float, corner)) for corner in corners)
+        return "polygon of " + "; ".join(_describe(*map(float, corner)) for corner in corners)
 
 
 def _units(latitude: Any, longitude: Any) -> np.ndarray:
@@ -137,7 +137,7 @@ def _middle(units: np.ndarray) -> np.ndarray:
     return np.asarray(total / max(float(np.linalg.norm(total)), _EDGE))
 
 
-def _described(latitude: float, longitude: float) -> str:
+def _describe(latitude: float, longitude: float) -> str:
     north, east = "N" if latitude >= 0.0 else "S", "E" if longitude >= 0.0 else "W"
     return f"{abs(latitude):g}° {north}, {abs(longitude):g}° {east}"
 

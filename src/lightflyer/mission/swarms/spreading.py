@@ -96,7 +96,7 @@ class _Swarm:
         return int(sequence.generate_state(1)[0])
 
 
-def spread(
+def disperse_ensemble(
     what: Any,
     environment: AbstractEnvironment | None = None,
     model: AbstractForceModel | None = None,
@@ -156,10 +156,10 @@ def spread(
     --------
     >>> import lightflyer as lf
     >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    >>> swarm = lf.spread(
+    >>> swarm = lf.mission.disperse_ensemble(
     ...     lf.Disk(film, radius=0.005), lf.Earth(), lf.Lu2023(), duration="6 h", every="3 h",
     ...     release=lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z"),
-    ...     ensemble=lf.Ensemble(members=50, wind=15.0),
+    ...     ensemble=lf.mission.Ensemble(members=50, wind=15.0),
     ...     areas=[lf.mission.Circle(45.0, 0.0, "300 km")],
     ... )
     >>> f"{float(swarm.inside[0, -1]):.2f}"
@@ -176,7 +176,7 @@ def spread(
         setup.environment.state(float(release.altitude), start.place)
     accuracy = Accuracy.lasting(float(elapsed[-1]), tolerance)
     swarm = _Swarm(design, rule, start, ensemble, tuple(areas), limits, elapsed, accuracy)
-    counts = _counted(swarm, None if folder is None else Path(folder), scheduler)
+    counts = _count(swarm, None if folder is None else Path(folder), scheduler)
     dataset = _dataset(swarm, counts)
     dataset.attrs |= {
         "title": "lightflyer spread",
@@ -237,13 +237,13 @@ def _release(swarm: _Swarm) -> np.ndarray:
     return np.asarray(_unit_vector(place.latitude, place.longitude))
 
 
-def _counted(swarm: _Swarm, folder: Path | None, scheduler: str | None) -> Counts:
+def _count(swarm: _Swarm, folder: Path | None, scheduler: str | None) -> Counts:
     """Sums over all batches: those that a folder has, and those that are flown now."""
-    found = {} if folder is None else _kept(swarm, folder)
+    found = {} if folder is None else _keep(swarm, folder)
     missing = [batch for batch in range(swarm.batches) if batch not in found]
     done = sum(swarm.size(batch) for batch in found)
     counted = Counted("flying", swarm.ensemble.members, "flights", done)
-    for batch, counts in _flown(swarm, missing, scheduler):
+    for batch, counts in _fly(swarm, missing, scheduler):
         if folder is not None:
             with output_directory(folder) as path:
                 np.savez(path(_name(batch)), **counts._asdict())
@@ -254,9 +254,7 @@ def _counted(swarm: _Swarm, folder: Path | None, scheduler: str | None) -> Count
     return Counts(*(np.sum(parts, axis=0) for parts in zip(*ordered, strict=True)))
 
 
-def _flown(
-    swarm: _Swarm, missing: list[int], scheduler: str | None
-) -> Iterator[tuple[int, Counts]]:
+def _fly(swarm: _Swarm, missing: list[int], scheduler: str | None) -> Iterator[tuple[int, Counts]]:
     if scheduler is None:
         yield from ((batch, count_batch(swarm, batch)) for batch in missing)
     elif missing:
@@ -272,7 +270,7 @@ def _flown_on_dask(swarm: _Swarm, missing: list[int], client: Any) -> Iterator[t
     waiting = iter(missing)
 
     def submit(batch: int) -> Any:
-        return client.submit(_numbered, shared, batch, pure=False, retries=_RETRIES)
+        return client.submit(_number, shared, batch, pure=False, retries=_RETRIES)
 
     threads = max(sum(client.nthreads().values()), 1)
     first = [submit(batch) for batch in itertools.islice(waiting, _AHEAD * threads)]
@@ -283,7 +281,7 @@ def _flown_on_dask(swarm: _Swarm, missing: list[int], client: Any) -> Iterator[t
         yield found
 
 
-def _numbered(swarm: _Swarm, batch: int) -> tuple[int, Counts]:
+def _number(swarm: _Swarm, batch: int) -> tuple[int, Counts]:
     return batch, count_batch(swarm, batch)
 
 
@@ -291,9 +289,9 @@ def _name(batch: int) -> str:
     return f"batch-{batch:06d}.npz"
 
 
-def _kept(swarm: _Swarm, folder: Path) -> dict[int, Counts]:
+def _keep(swarm: _Swarm, folder: Path) -> dict[int, Counts]:
     """Counts that a folder has of this swarm; the folder is made if there is none."""
-    described = _described(swarm)
+    described = _describe(swarm)
     record = folder / _STUDY
     try:
         if not record.exists():
@@ -328,7 +326,7 @@ def _read(path: Path) -> Counts | None:
         return None
 
 
-def _described(swarm: _Swarm) -> dict[str, str]:
+def _describe(swarm: _Swarm) -> dict[str, str]:
     """Everything that decides the counts, in words that can be compared."""
     arrays = {
         "release": swarm.start,

@@ -114,7 +114,7 @@ class Swarm(PrintedResult):
         yield from warning_lines(self.warnings)
 
 
-def swarm(
+def tethered_swarm(
     what: Any,
     environment: AbstractEnvironment | None = None,
     model: AbstractForceModel | None = None,
@@ -165,7 +165,8 @@ def swarm(
     --------
     >>> import lightflyer as lf
     >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    >>> found = lf.swarm(lf.Disk(film, radius=0.01), lf.Earth(), lf.Lu2023(), payload="1 g")
+    >>> setup = lf.Setup(lf.Disk(film, radius=0.01), lf.Earth(), lf.Lu2023())
+    >>> found = lf.mission.tethered_swarm(setup, payload="1 g")
     >>> print(f"{found.count} flyers at {found.altitude / 1e3:g} km")
     3267 flyers at 72 km
     """

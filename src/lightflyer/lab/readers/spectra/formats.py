@@ -63,15 +63,15 @@ def read_raw(source: Source, kind: Format, options: ReadOptions) -> RawSpectrum:
         raise ConfigurationError(
             f"{source.path}: is damaged and cannot be read as {kind.name}: {said}"
         ) from None
-    return _chosen(source, spectra, options)
+    return _choose(source, spectra, options)
 
 
-def _chosen(source: Source, spectra: list[RawSpectrum], options: ReadOptions) -> RawSpectrum:
+def _choose(source: Source, spectra: list[RawSpectrum], options: ReadOptions) -> RawSpectrum:
     fit = [one for one in spectra if readable(one)]
     if options.quantity is not None:
         fit = [one for one in fit if shows(one, options.quantity)] or fit
     if options.spectrum is not None:
-        return _named(source, spectra, options.spectrum)
+        return _name_parts(source, spectra, options.spectrum)
     if len(spectra) == 1:
         return spectra[0]
     if not fit:
@@ -83,12 +83,12 @@ def _chosen(source: Source, spectra: list[RawSpectrum], options: ReadOptions) ->
     if len(fit) > 1:
         source.refuse(
             f'holds {len(fit)} spectra; choose one with --spectrum (spectrum="1"): '
-            f"{_listed(spectra, fit)}"
+            f"{_list_names(spectra, fit)}"
         )
     return fit[0]
 
 
-def _listed(spectra: list[RawSpectrum], fit: list[RawSpectrum]) -> str:
+def _list_names(spectra: list[RawSpectrum], fit: list[RawSpectrum]) -> str:
     names = [
         f"{number} {one.ordinate_name} of {one.metadata.sample[:_TITLE] or 'no title'}"
         for number, one in enumerate(spectra, start=1)
@@ -98,13 +98,13 @@ def _listed(spectra: list[RawSpectrum], fit: list[RawSpectrum]) -> str:
     return ", ".join(names[:_LISTED]) + more
 
 
-def _named(source: Source, spectra: list[RawSpectrum], spectrum: str) -> RawSpectrum:
+def _name_parts(source: Source, spectra: list[RawSpectrum], spectrum: str) -> RawSpectrum:
     """The spectrum of this number or title."""
     if spectrum.isascii() and spectrum.isdigit() and 1 <= int(spectrum[:9]) <= len(spectra):
         return spectra[int(spectrum[:9]) - 1]
     titled = [one for one in spectra if one.metadata.sample == spectrum.strip()]
     if len(titled) != 1:
         source.refuse(
-            f'has {len(titled)} spectra "{spectrum[:40]}"; it holds {_listed(spectra, spectra)}'
+            f'has {len(titled)} spectra "{spectrum[:40]}"; it holds {_list_names(spectra, spectra)}'
         )
     return titled[0]

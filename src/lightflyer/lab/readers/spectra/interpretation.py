@@ -95,7 +95,7 @@ class ReadOptions(NamedTuple):
 def measured(source: Source, raw: RawSpectrum, options: ReadOptions) -> MeasuredSpectrum:
     """The spectrum in SI units, with what was decided on the way."""
     notes = list(raw.notes)
-    shown = _shown(source, raw, options)
+    shown = _ordinate_of(source, raw, options)
     wavenumber, ordinate = _points(source, raw, notes)
     quantity = _quantity(shown, options, notes)
     with np.errstate(over="ignore"):
@@ -107,7 +107,7 @@ def measured(source: Source, raw: RawSpectrum, options: ReadOptions) -> Measured
             value = _fraction(source, ordinate, raw, shown, options, notes)
     wavenumber, value = _possible(source, quantity, wavenumber, value, notes)
     metadata = replace(raw.metadata, ordinate=raw.ordinate_name)
-    collection = options.collection or _collected(metadata)
+    collection = options.collection or _collection_of(metadata)
     notes += _accessory_notes(metadata, shown, quantity, options)
     distinct, place, count = np.unique(wavenumber, return_inverse=True, return_counts=True)
     if distinct.size < 2:
@@ -136,7 +136,7 @@ def shows(raw: RawSpectrum, quantity: Ordinate) -> bool:
     )
 
 
-def _shown(source: Source, raw: RawSpectrum, options: ReadOptions) -> OrdinateUnit:
+def _ordinate_of(source: Source, raw: RawSpectrum, options: ReadOptions) -> OrdinateUnit:
     shown = parse_ordinate(raw.ordinate_name)
     if isinstance(shown, str):
         source.refuse(shown)
@@ -147,7 +147,7 @@ def _shown(source: Source, raw: RawSpectrum, options: ReadOptions) -> OrdinateUn
             f"does not name its ordinate{said}; if it is transmittance or reflectance, say which "
             '(quantity="reflectance"), and --scale % or --scale 1 (scale="%" or "1")'
         )
-    if shown.quantity == "absorbance" and options.quantity is None and _collected(raw.metadata):
+    if shown.quantity == "absorbance" and options.quantity is None and _collection_of(raw.metadata):
         source.refuse(
             f'shows absorbance, measured with "{raw.metadata.accessory[:60]}": say whether it is '
             'that of transmittance or reflectance (quantity="reflectance")'
@@ -266,7 +266,7 @@ def _possible(
 def _accessory_notes(
     metadata: SpectrumMetadata, shown: OrdinateUnit, quantity: Ordinate, options: ReadOptions
 ) -> list[str]:
-    collection = _collected(metadata)
+    collection = _collection_of(metadata)
     if shown.quantity == "absorbance" and quantity == "transmittance" and collection:
         return [
             "absorbance is taken as that of transmittance, but its accessory "
@@ -280,7 +280,7 @@ def _accessory_notes(
     return []
 
 
-def _collected(metadata: SpectrumMetadata) -> Collection | None:
+def _collection_of(metadata: SpectrumMetadata) -> Collection | None:
     """Collected light that the name of an accessory tells."""
     said = metadata.accessory.casefold()
     if any(word in said for word in _SPHERE):

@@ -38,7 +38,7 @@ def read_jasco_text(source: Source) -> list[RawSpectrum]:
     lines = source.text.splitlines()
     start = next(at for at, line in enumerate(lines) if _TABLE.match(line))
     header = _labels(lines[:start])
-    count = _declared(source, header)
+    count = _declaration(source, header)
     x, y, end = _rows(source, lines, start + 1, count)
     if count is not None and len(x) != count:
         source.refuse(f"has {len(x)} points; its header says NPOINTS {count}", end)
@@ -76,7 +76,7 @@ def _first(said: dict[str, str], keys: tuple[str, ...]) -> str:
     return one_line(next((said[key] for key in keys if said.get(key)), ""))[:80]
 
 
-def _declared(source: Source, header: dict[str, str]) -> int | None:
+def _declaration(source: Source, header: dict[str, str]) -> int | None:
     text = header.get("NPOINTS")
     if text is None:
         return None

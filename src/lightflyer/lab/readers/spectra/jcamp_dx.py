@@ -45,7 +45,7 @@ class _Block:
     line: int
     entries: dict[str, _Entry] = field(default_factory=dict)
 
-    def said(self, label: str) -> str:
+    def entry_of(self, label: str) -> str:
         entry = self.entries.get(label)
         return one_line(entry.text) if entry else ""
 
@@ -104,7 +104,7 @@ def _blocks(source: Source, lines: list[str]) -> Iterator[_Block]:
 
 def _what(block: _Block) -> str:
     """What a block holds; empty for one that only links others."""
-    kind = f"{block.said('DATATYPE')} {block.said('DATACLASS')}".upper()
+    kind = f"{block.entry_of('DATATYPE')} {block.entry_of('DATACLASS')}".upper()
     tables = [what for label, what in _TABLES.items() if label in block.entries]
     named = [what for word, what in _KINDS if word in kind]
     return named[0] if tables and named else next(iter(tables), "")
@@ -128,19 +128,19 @@ def _spectrum(source: Source, block: _Block) -> RawSpectrum:
             source.refuse(f'"{said}" is not (X++(Y..Y)) or (XY..XY)', table.line)
     except Fault as fault:
         source.refuse(str(fault), table.line + 1 + fault.row)
-    unit = block.said("XUNITS")
-    resolution = block.said("RESOLUTION")[:40]
+    unit = block.entry_of("XUNITS")
+    resolution = block.entry_of("RESOLUTION")[:40]
     if resolution.replace(".", "").isdigit():
         resolution += f" {unit}"
     return RawSpectrum(
-        x, y, unit, block.said("YUNITS"),
+        x, y, unit, block.entry_of("YUNITS"),
         SpectrumMetadata(
             FORMAT,
-            instrument=(block.said("SPECTROMETERDATASYSTEM") or block.said("ORIGIN"))[:80],
+            instrument=(block.entry_of("SPECTROMETERDATASYSTEM") or block.entry_of("ORIGIN"))[:80],
             resolution=resolution,
-            accessory=block.said("SAMPLINGPROCEDURE")[:80],
-            sample=block.said("TITLE")[:80],
-            measured=(block.said("LONGDATE") or block.said("DATE"))[:40],
+            accessory=block.entry_of("SAMPLINGPROCEDURE")[:80],
+            sample=block.entry_of("TITLE")[:80],
+            measured=(block.entry_of("LONGDATE") or block.entry_of("DATE"))[:40],
         ),
         notes=tuple(_extremes(source, block, y)),
     )  # fmt: skip
@@ -148,7 +148,7 @@ def _spectrum(source: Source, block: _Block) -> RawSpectrum:
 
 def _number(source: Source, block: _Block, label: str) -> float | None:
     """Number of a label, None if the label is missing."""
-    text = block.said(label)
+    text = block.entry_of(label)
     if not text:
         return None
     try:
@@ -169,7 +169,7 @@ def _factor(source: Source, block: _Block, label: str) -> float:
 
 def _count(source: Source, block: _Block, count: int) -> None:
     """The stated number of points, if any, is that of the table."""
-    text = block.said("NPOINTS")
+    text = block.entry_of("NPOINTS")
     if not text:
         return
     stated = float(text) if re.fullmatch(r"\d{1,12}(?:\.0*)?", text) else np.nan
@@ -223,7 +223,7 @@ def _extremes(source: Source, block: _Block, y: np.ndarray) -> list[str]:
             "MINY": (np.nanmin(y), np.nanmax(y))}  # fmt: skip
     for label, values in ends.items():
         said = _number(source, block, label)
-        tolerance = _ROUNDED * float(np.nanmax(np.abs(y))) + last_digit(block.said(label))
+        tolerance = _ROUNDED * float(np.nanmax(np.abs(y))) + last_digit(block.entry_of(label))
         if said is not None and not any(abs(said - value) <= tolerance for value in values):
             found.append(f"it says ##{label}= {said:g}, the data {values[0]:g}: was it edited?")
     return found

@@ -112,7 +112,7 @@ def _spectrum(
     return RawSpectrum(
         np.linspace(said["fxv"], said["lxv"], count), y,
         _ABSCISSAE.get(str(said.get("dxu")), str(said.get("dxu"))), name,
-        _dated(metadata, said), percent=False if name in ("transmittance", "reflectance") else None,
+        _date(metadata, said), percent=False if name in ("transmittance", "reflectance") else None,
     )  # fmt: skip
 
 
@@ -126,6 +126,6 @@ def _require_extremes(source: Source, name: str, y: np.ndarray, said: dict[str, 
             )
 
 
-def _dated(metadata: SpectrumMetadata, said: dict[str, Any]) -> SpectrumMetadata:
+def _date(metadata: SpectrumMetadata, said: dict[str, Any]) -> SpectrumMetadata:
     words = [str(said[key]) for key in ("dat", "tim") if key in said]
     return replace(metadata, measured=one_line(" ".join(words)))

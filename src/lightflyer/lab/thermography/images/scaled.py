@@ -69,7 +69,7 @@ def read_matrix(
     matrix = read_number_matrix(path, "temperatures")
     above = "\n".join(matrix.above)
     if scale is None:
-        found = {_spelled(text) for text in _IN_HEADING.findall(above)}
+        found = {_spell(text) for text in _IN_HEADING.findall(above)}
         if len(found) != 1:
             said = f"its heading names {' and '.join(sorted(found))}" if found else "it has no unit"
             raise ConfigurationError(f'{path}: {said}; state the unit by --image-unit "°C"')
@@ -79,7 +79,7 @@ def read_matrix(
     return matrix.values * scale.step + scale.zero, stated, matrix.notes
 
 
-def _spelled(text: str) -> str:
+def _spell(text: str) -> str:
     letters = re.sub(r"deg|[^a-z℃℉]", "", text.lower()).replace("℃", "c").replace("℉", "f")
     return _UNITS[letters[0]]
 

@@ -12,7 +12,6 @@ from lightflyer.environment.earth import Lu2023Section
 from lightflyer.film.section import MeasuredFilmSection
 from lightflyer.force.lu2023 import Lu2023ForceSection
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
-from lightflyer.uncertainty.monte_carlo import crossing, least_light, optimum, widest_band
 
 FILM = {
     "areal_density": "1.0 g/m^2",
@@ -202,44 +201,6 @@ def test_objects_with_uncertainties_give_what_the_file_gives():
         assert ours.first_order[name] == pytest.approx(value, rel=1e-9), name
     with pytest.raises(lf.ConfigurationError, match="did you mean"):
         lf.design.ObjectDesign(setup, {"flyer.film.tac_botom": 0.02})
-
-
-def test_edges_and_optimum_of_known_curves():
-    x = np.linspace(0.0, 10.0, 201)[None]
-    curve = np.exp(1.0 - (x - 5.2) ** 2 / 4.0)
-    both = np.vstack([x, x]), np.vstack([curve, 0.1 * curve])
-    lower, upper = (crossing(*(rows[:, ::way] for rows in both)) for way in (1, -1))
-    assert lower[0] == pytest.approx(3.2, abs=1e-3)
-    assert upper[0] == pytest.approx(7.2, abs=1e-3)
-    assert np.isnan(lower[1])
-    assert crossing(x[:, 100:], curve[:, 100:]) == 5.0  # flies from the first place on
-    place, there = optimum(x, curve, {"square": x**2, "curve": curve})
-    assert place[0] == pytest.approx(5.2, abs=1e-3)
-    assert there["square"][0] == pytest.approx(5.2**2, abs=0.01)
-    assert there["curve"][0] == pytest.approx(np.e, rel=1e-4)
-
-
-def test_the_widest_band_counts_in_coordinates_not_in_points():
-    place = np.array([0.0, 1.0, 2.0, 3.0, 10.0, 20.0])
-    flies = np.array([[1, 1, 1, 0, 1, 1], [1, 1, 0, 0, 0, 1], [0, 0, 0, 1, 0, 0]], bool)
-    np.testing.assert_array_equal(widest_band(place, flies), [[4, 0, 3], [5, 1, 3]])
-
-
-def test_an_optimum_at_an_end_is_the_end_though_the_curve_bends_upwards():
-    x = np.tile(np.linspace(0.0, 10.0, 21), (2, 1))
-    falling = np.exp([[-1.0], [1.0]] * x - [[0.0], [10.0]])
-    place, there = optimum(x, falling, {"curve": falling})
-    np.testing.assert_array_equal(place, [0.0, 10.0])
-    np.testing.assert_allclose(there["curve"], 1.0, rtol=1e-12)
-
-
-def test_samples_that_need_no_light_need_none():
-    x = np.tile(np.linspace(0.0, 1.0, 5), (2, 1))
-    needed = np.array([[3.0, 2.0, 1.0, 2.0, 3.0], [3.0, 0.0, 0.0, 2.0, np.inf]])
-    place, there = least_light(x, {"levitation_irradiance": needed, "heat": x})
-    np.testing.assert_allclose(place, [0.5, 0.25])
-    np.testing.assert_allclose(there["levitation_irradiance"], [1.0, 0.0])
-    np.testing.assert_allclose(there["heat"], [0.5, 0.25])
 
 
 def strong(model, tac_bottom, environment=None):

@@ -53,7 +53,6 @@ _NANOMETRE = 1e-9
 _DISK = 2.0 * _CENTIMETRE
 _GRAMS = 1e3
 _LAYERS = (("alumina", 50.0), ("germanium", 20.0), ("mylar", 500.0), ("germanium", 20.0))
-_LOOKS = 4  # each narrows a search some hundred times
 _LOOK_POINTS = POINTS // 4
 
 
@@ -75,17 +74,14 @@ def bands(
         return table["lift_over_weight"] - 1.0
 
     best, height = _maximum(margin, *SEARCHED_ALTITUDES)
-    edges = [
-        crossing(margin, np.full_like(best, end), best, points=POINTS // 2, looks=_LOOKS)
-        for end in SEARCHED_ALTITUDES
-    ]
+    edges = [crossing(margin, np.full_like(best, end), best) for end in SEARCHED_ALTITUDES]
     flies = height >= 0.0
     lower, best, upper = (np.where(flies, place, np.nan) for place in (edges[0], best, edges[1]))
     return lower, best, upper
 
 
 def _maximum(function: Function, low: Numeric, high: Numeric) -> tuple[np.ndarray, np.ndarray]:
-    return peak(function, low, high, points=_LOOK_POINTS, looks=_LOOKS)
+    return peak(function, low, high, points=_LOOK_POINTS)
 
 
 def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ from lightflyer.flight.balance import require_converged
 from lightflyer.numerics.rootfind import Ending
 
 POINTS = 301
-"""Places that a search looks at at a time."""
+"""Coordinates of a prediction's table."""
 
 Table: TypeAlias = dict[str, np.ndarray]
 """Outputs by name, each an array over the same coordinates, in SI units."""
@@ -32,7 +32,3 @@ class Evaluator:
         require_converged("prediction", ending, table.pop("residual"))
         # in the order in which they are listed: JAX sorts them by name
         return {name: table[name] for name in predicted_names(self.setup)}
-
-    def column(self, coordinates: np.ndarray, name: str) -> np.ndarray:
-        """One output at coordinates of shape (n, 1), as the search wants it."""
-        return self(coordinates[:, 0])[name][:, None]

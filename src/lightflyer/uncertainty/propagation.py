@@ -17,9 +17,10 @@ from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
 from lightflyer.design.outputs import outputs_of
-from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Place, Prediction, predict_design, search_grid
+from lightflyer.prediction.search import Found
 from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.derivatives import Derivatives, derivatives
 from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs
@@ -50,6 +51,9 @@ BANDS = (
     "payload_per_area",
 )
 """Outputs that have bands over the coordinate, besides those of the force model's own."""
+
+EDGES = ("lower", "upper")
+"""Names of the edges of a band."""
 
 _POSITIVE = "levitation_irradiance"  # goes with the inverse of the TACs' difference
 _MARGIN = 10  # points of the prediction's table searched beyond the nominal range
@@ -260,15 +264,14 @@ def propagate(
         told = _cautions(drawn)
         coordinates = np.concatenate([coordinates, search_grid(prediction.setup, _SEARCHED_POINTS)])
         table = monte_carlo.tabulate_samples(inputs, drawn.samples, coordinates)
-        found = monte_carlo.search(
-            inputs,
-            drawn.samples,
-            coordinates,
-            table,
-            (prediction.coordinates[0], prediction.coordinates[-1]),
-            logarithmic=prediction.coordinate.logarithmic,
+        searched = prediction.coordinates[0], prediction.coordinates[-1]
+        where = prediction.coordinate
+        found = monte_carlo.search_samples(
+            inputs, drawn.samples, coordinates, table, searched, where
         )
-        sampled = {target.name: _sampled(target, found, table, grid.size) for target in targets}
+        sampled = {
+            target.name: _sampled(target, found, where, table, grid.size) for target in targets
+        }
         bands = _quantiles({name: table[name][:, : grid.size] for name in names})
     else:
         bands = _normal_bands(slopes, names, grid.size)
@@ -282,7 +285,7 @@ def propagate(
         seed=seed,
         coordinate=grid,
         endless=frozenset(target.name for target in targets if target.quantity == _POSITIVE),
-        edges=frozenset(target.name for target in targets if target.mover in ("lower", "upper")),
+        edges=frozenset(target.name for target in targets if target.mover in EDGES),
         low=bands[0],
         high=bands[1],
         warnings=told,
@@ -367,7 +370,7 @@ def _targets(prediction: Prediction) -> tuple[list[_Target], np.ndarray]:
     unit = key.removeprefix(prediction.coordinate.name)
     widest = prediction.widest
     if widest is not None:
-        for edge, coordinate in zip(("lower", "upper"), prediction.bands[widest], strict=True):
+        for edge, coordinate in zip(EDGES, prediction.bands[widest], strict=True):
             if coordinate not in found.ends:  # else it is not the flyer's own edge
                 found.at(coordinate)
                 found.add_coordinate(f"{prediction.coordinate.name}_band{unit}.{edge}", edge)
@@ -405,8 +408,9 @@ def _even_grid(prediction: Prediction) -> np.ndarray:
         lower, upper = np.searchsorted(coordinates, prediction.bands[prediction.widest])
         low, high = min(low, lower - _MARGIN), max(high, upper + _MARGIN)
     if prediction.coordinate.logarithmic:
-        return np.geomspace(coordinates[0], coordinates[-1], BAND_POINTS)
-    return np.linspace(coordinates[max(low, 0)], coordinates[min(high, last)], BAND_POINTS)
+        low, high = 0, last
+    ends = coordinates[max(low, 0)], coordinates[min(high, last)]
+    return prediction.coordinate.evenly(*ends, BAND_POINTS)
 
 
 def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
@@ -424,7 +428,7 @@ def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
 def _spread(target: _Target, slopes: Derivatives, before: int) -> float:
     """Standard uncertainty of a result to first order."""
     point = before + target.point
-    if target.mover in ("lower", "upper"):
+    if target.mover in EDGES:
         moving = slopes.edge(point)
     elif target.mover and not target.at_end:
         moving = slopes.optimum(target.mover, point)
@@ -435,14 +439,20 @@ def _spread(target: _Target, slopes: Derivatives, before: int) -> float:
     return target.scale * slopes.spread(moving)
 
 
-def _sampled(target: _Target, found: monte_carlo.Found, table: Table, before: int) -> np.ndarray:
+def _sampled(
+    target: _Target, found: Found, where: Coordinate, table: Table, before: int
+) -> np.ndarray:
     """One result in each sample, shape (samples,); fixed points follow ``before`` columns."""
     if not target.mover:
         values = table[target.quantity][:, before + target.point]
-    elif target.quantity:
-        values = found.table[target.mover][target.quantity]
+    elif target.mover in EDGES:
+        values = where.of_place(found.edges[EDGES.index(target.mover), 0])
     else:
-        values = found.coordinate[target.mover]
+        optimal = target.mover == "payload"
+        place, outputs = (
+            (found.best, found.at_best) if optimal else (found.easiest, found.at_easiest)
+        )
+        values = outputs[target.quantity] if target.quantity else where.of_place(place)
     return target.scale * values
 
 

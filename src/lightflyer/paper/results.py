@@ -54,6 +54,8 @@ _DISK = 2.0 * _CENTIMETRE
 _GRAMS = 1e3
 _LAYERS = (("alumina", 50.0), ("germanium", 20.0), ("mylar", 500.0), ("germanium", 20.0))
 _LOOK_POINTS = POINTS // 4
+_MILLIMETRES = 3  # decimals of an optimum's place: further ones are rounding of the payload
+_DIAMETER_DIGITS = 5  # of a diameter in cm, to which it is searched
 
 
 def band(column: Column, incidence_deg: float = 0.0) -> tuple[float, float]:
@@ -81,7 +83,8 @@ def bands(
 
 
 def _maximum(function: Function, low: Numeric, high: Numeric) -> tuple[np.ndarray, np.ndarray]:
-    return peak(function, low, high, points=_LOOK_POINTS)
+    place, height = peak(function, low, high, points=_LOOK_POINTS)
+    return np.round(place, _MILLIMETRES), height
 
 
 def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -173,9 +176,9 @@ def _payload_values(column: Column) -> dict[str, float]:
         "payload_05cm": float(relative[0] * film_mass(small)),
         "relative_payload_05cm": float(relative[0]),
         "altitude_05cm": float(altitude[0] / _KILOMETRE),
-        "diameter_most_payload": float(most.x / _CENTIMETRE),
-        "diameter_largest": float(largest),
-        "diameter_own_weight": float(own_weight),
+        "diameter_most_payload": round(most.x / _CENTIMETRE, _DIAMETER_DIGITS),
+        "diameter_largest": round(largest, _DIAMETER_DIGITS),
+        "diameter_own_weight": round(own_weight, _DIAMETER_DIGITS),
     }
 
 

@@ -176,7 +176,7 @@ def _payload_values(column: Column) -> dict[str, float]:
         "payload_05cm": float(relative[0] * film_mass(small)),
         "relative_payload_05cm": float(relative[0]),
         "altitude_05cm": float(altitude[0] / _KILOMETRE),
-        "diameter_most_payload": round(most.x / _CENTIMETRE, _DIAMETER_DIGITS),
+        "diameter_most_payload": round(float(most.x) / _CENTIMETRE, _DIAMETER_DIGITS),
         "diameter_largest": round(largest, _DIAMETER_DIGITS),
         "diameter_own_weight": round(own_weight, _DIAMETER_DIGITS),
     }

@@ -1,36 +1,13 @@
 """Why a mission ended."""
 
-import enum
+from lightflyer.numerics.rootfind import Reason
 
 
-class MissionEnd(enum.IntEnum):
+class MissionEnd(Reason):
     """Why a mission ended."""
 
-    STILL_FLYING = 0
-    LOWEST_ALTITUDE = 1
-    HIGHEST_ALTITUDE = 2
-    NO_DATA = 3
-    STEP_LIMIT = 4
-
-    def describe(self) -> str:
-        """Phrase for tables and messages.
-
-        Returns
-        -------
-        str
-
-        Examples
-        --------
-        >>> MissionEnd.STILL_FLYING.describe()
-        'is still flying at the end of its time'
-        """
-        return _REASONS[self]
-
-
-_REASONS = {
-    MissionEnd.STILL_FLYING: "is still flying at the end of its time",
-    MissionEnd.LOWEST_ALTITUDE: "reached the lowest altitude",
-    MissionEnd.HIGHEST_ALTITUDE: "reached the highest altitude",
-    MissionEnd.NO_DATA: "met a place or a time without data",
-    MissionEnd.STEP_LIMIT: "reached the limit of steps",
-}
+    STILL_FLYING = 0, "is still flying at the end of its time"
+    LOWEST_ALTITUDE = 1, "reached the lowest altitude"
+    HIGHEST_ALTITUDE = 2, "reached the highest altitude"
+    NO_DATA = 3, "met a place or a time without data"
+    STEP_LIMIT = 4, "reached the limit of steps"

@@ -83,8 +83,7 @@ def bands(
 
 
 def _maximum(function: Function, low: Numeric, high: Numeric) -> tuple[np.ndarray, np.ndarray]:
-    place, height = peak(function, low, high, points=_LOOK_POINTS)
-    return np.round(place, _MILLIMETRES), height
+    return peak(function, low, high, points=_LOOK_POINTS)
 
 
 def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -95,7 +94,8 @@ def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]
         table = over_altitude(column, altitude, diameters, constants.SOLAR_CONSTANT_LU2023)
         return table["relative_payload"]
 
-    return _maximum(relative, *SEARCHED_ALTITUDES)
+    best, payload = _maximum(relative, *SEARCHED_ALTITUDES)
+    return np.round(best, _MILLIMETRES), payload
 
 
 def film_mass(diameter: Any) -> Any:

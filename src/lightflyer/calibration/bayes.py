@@ -15,7 +15,7 @@ none (times the start for parameters with a unit), and of the scatter from 1e-4 
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -25,9 +25,7 @@ from lightflyer.calibration.calibration import Calibration
 from lightflyer.core.errors import ConvergenceError, MissingExtraError, ParameterError
 from lightflyer.core.precision import float64
 from lightflyer.core.progress import report
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from lightflyer.files.figure_method import figure_method
 
 SCATTER = "scatter"
 """Name of the scatter of log-irradiance among the draws, where it is estimated."""
@@ -90,16 +88,10 @@ class Posterior:
         """Draws of one parameter, one chain after another, shape (chains · draws,)."""
         return self.draws[..., self.names.index(name)].ravel()
 
-    def plot(self) -> "Figure":
-        """Draw histograms of the parameters, chain by chain.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.calibration.figures import posterior_figure
-
-        return posterior_figure(self)
+    plot = figure_method(
+        "lightflyer.calibration.figures.posterior_figure",
+        "histograms of the parameters, chain by chain",
+    )
 
     def require_converged(self) -> None:
         """Raise :class:`ConvergenceError` if chains disagree or too many draws diverged."""

@@ -12,7 +12,7 @@ residuals.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.special import chdtrc, chdtri, fdtri
@@ -34,11 +34,8 @@ from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConvergenceError, ParameterError
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.files.figure_method import figure_method
 from lightflyer.force.base import AbstractForceModel
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 CONFIDENCE = 0.95
 """Probability of an interval."""
@@ -149,21 +146,11 @@ class Calibration:
         model = self.problem.model
         return model.design.build(shared, model.prepared)
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the points with the fit, and the residuals.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Gets points and fit alone; by default a new figure has the residuals too.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.calibration.figures import plot_calibration
-
-        return plot_calibration(self, ax)
+    plot = figure_method(
+        "lightflyer.calibration.figures.plot_calibration",
+        "the points with the fit, and the residuals",
+        "Gets points and fit alone; by default a new figure has the residuals too.",
+    )
 
     def summary(self) -> dict[str, Any]:
         """The fit as a JSON object; what is infinite or unknown is null."""

@@ -11,13 +11,11 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.extras import extra
 from lightflyer.core.progress import report
 from lightflyer.core.quantity import HIGHEST_OPEN_FRACTION
+from lightflyer.files.figure_method import NEW_AXES, figure_method
 from lightflyer.kinetic.model_gases import gas_model
 from lightflyer.kinetic.walls import WALLS, require_wall
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from lightflyer.kinetic.collisions.brackets import Molecule
     from lightflyer.kinetic.disk.cases import Case, Outcome
 
@@ -134,21 +132,11 @@ class Solution:
             f"{WALLS[case.wall]}, {holes}{gas}, {heated}, {where}"
         )
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw temperature and streamlines of the gas in a plane through the axis.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            By default that of a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.kinetic.figures import flow_figure
-
-        return flow_figure(self, ax)
+    plot = figure_method(
+        "lightflyer.kinetic.figures.flow_figure",
+        "temperature and streamlines of the gas in a plane through the axis",
+        NEW_AXES,
+    )
 
     def to_json(self) -> dict[str, Any]:
         """The solution as a JSON object."""

@@ -11,6 +11,7 @@ from lightflyer.core.extras import extra
 from lightflyer.core.progress import Counted
 from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.files.figure_method import figure_method
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import PROBABILITY, Problem, as_problem
@@ -18,7 +19,6 @@ from lightflyer.search.range_check import cautions_about
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 POPULATION, GENERATIONS = 100, 150
 """Size of the genetic algorithm by default."""
@@ -67,16 +67,10 @@ class Front:
         attributes = {"title": "lightflyer Pareto front", "warnings": "; ".join(self.warnings)}
         return xr.Dataset(variables, coordinates, attributes)
 
-    def plot(self) -> "Figure":
-        """Draw the objectives, each against the first.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.search.figures import front_figure
-
-        return front_figure(self)
+    plot = figure_method(
+        "lightflyer.search.figures.front_figure",
+        "the objectives, each against the first",
+    )
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""

@@ -13,7 +13,7 @@ theorem), although the best design moves with it.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.stats import qmc
@@ -23,6 +23,7 @@ from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.core.progress import report
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.display_units import amount
+from lightflyer.files.figure_method import figure_method
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Prediction, predict_design
 from lightflyer.search.local_search import AGREEMENT, FEASIBLE, Found, climb, climb_in_full
@@ -31,9 +32,6 @@ from lightflyer.search.problem import Problem, as_problem
 from lightflyer.search.range_check import cautions_about, require_within_range
 from lightflyer.search.stacks import Ranking, choose_stack, merit
 from lightflyer.search.tolerance import AsMade, made
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SCREENED_FILMS = 256
 """The same where each design has a film of its own: gradients do the rest."""
@@ -102,16 +100,10 @@ class Optimum:
         coordinate = self.problem.fixed.get(name, self.design.get(name))
         return predict_design(as_design(setup), () if coordinate is None else (coordinate,))
 
-    def plot(self) -> "Figure":
-        """Draw the elasticities; ``prediction.plot()`` draws what the best design does.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.search.figures import elasticity_figure
-
-        return elasticity_figure(self)
+    plot = figure_method(
+        "lightflyer.search.figures.elasticity_figure",
+        "the elasticities; ``prediction",
+    )
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""

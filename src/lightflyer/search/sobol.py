@@ -27,6 +27,7 @@ from lightflyer.core.units import file_unit
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.outputs import check_outputs, outputs_of
 from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.files.figure_method import figure_method
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.search.sobol_estimates import REPLICATES, indices_with_intervals
 from lightflyer.study.axes import Axis, read_entry
@@ -44,7 +45,6 @@ from lightflyer.uncertainty.correlation import correlate, correlated_groups
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 _ENDS = (0.025, 0.975)
 _STEP = 1e-4  # of an input's 95 % range, for elasticities
@@ -144,16 +144,10 @@ class Indices:
     warnings: tuple[str, ...]
     shown: tuple[float, str] = (1.0, "")
 
-    def plot(self) -> "Figure":
-        """Draw the effect of each input, and the shares of the variance.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.search.figures import tornado_figure
-
-        return tornado_figure(self)
+    plot = figure_method(
+        "lightflyer.search.figures.tornado_figure",
+        "the effect of each input, and the shares of the variance",
+    )
 
     @property
     def unit(self) -> str:

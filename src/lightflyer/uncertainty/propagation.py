@@ -123,24 +123,7 @@ class PredictionUncertainty:
     warnings: tuple[str, ...] = ()
 
     def plot(self, what: str | None = None, ax: "Axes | None" = None) -> "Figure":
-        """Draw the prediction with its 95 % bands.
-
-        Parameters
-        ----------
-        what : str, optional
-            One of ``"irradiance"``, ``"temperature"``, ``"payload"``, ``"map"``; by default all.
-        ax : matplotlib.axes.Axes, optional
-            For one of them; by default those of a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        ParameterError
-            If there is no such drawing, or axes are given for several.
-        """
+        """Draw the prediction with its 95 % bands; see :meth:`Prediction.plot`."""
         from lightflyer.uncertainty.figures import plot_uncertainty
 
         return plot_uncertainty(self, what, ax)

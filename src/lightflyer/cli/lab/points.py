@@ -4,17 +4,7 @@ import math
 
 
 def open_interval_text(low: float, high: float) -> str:
-    """An interval of a positive number in words, where an end is open.
-
-    Parameters
-    ----------
-    low, high : float
-        Zero and infinity are open ends.
-
-    Returns
-    -------
-    str
-    """
+    """An interval of a positive number in words; zero and infinity are open ends."""
     if math.isinf(high):
         return f"above {low:.4g}" if low > 0.0 else "unknown"
     return f"{low:.4g} to {high:.4g}" if low > 0.0 else f"below {high:.4g}"

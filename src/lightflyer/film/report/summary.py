@@ -2,13 +2,14 @@
 
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
+from lightflyer.files.figure_method import figure_method
 from lightflyer.film.media.materials import MICROMETRE
 from lightflyer.film.optics.averages import (
     POINTS_PER_E_FOLD,
@@ -22,10 +23,6 @@ from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.optics.thickness import COARSE_POINTS_PER_E_FOLD, thickness_uncertainty
 from lightflyer.film.optics.transfer_matrix import StackOptics
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SPECTRUM_POINTS = 1000
 
@@ -178,21 +175,11 @@ class FilmSummary:
         highest = 1.0 if "tance" in name else np.inf  # absorptance and emittance
         return possible_interval(self.values()[name], self.uncertainty[name], highest)
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the spectra, and what each layer absorbs.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Gets the spectra alone; by default a new figure has the layers too.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.film.report.figures import plot_film
-
-        return plot_film(self, ax)
+    plot = figure_method(
+        "lightflyer.film.report.figures.plot_film",
+        "the spectra, and what each layer absorbs",
+        "Gets the spectra alone; by default a new figure has the layers too.",
+    )
 
     def to_json(self) -> dict[str, Any]:
         """The summary as a JSON object, with a unit at the end of each name."""

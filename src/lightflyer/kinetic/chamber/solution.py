@@ -11,6 +11,7 @@ from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.extras import extra
 from lightflyer.core.progress import report
+from lightflyer.files.figure_method import NEW_AXES, figure_method
 from lightflyer.kinetic.chamber.enclosure import Chamber, Film
 from lightflyer.kinetic.disk.free_molecular import FreeMolecularDisk
 from lightflyer.kinetic.model_gases import gas_model
@@ -18,9 +19,6 @@ from lightflyer.kinetic.solver import KNUDSEN_RANGE, TEMPERATURE_RATIOS, furthes
 from lightflyer.kinetic.walls import WALLS, require_wall
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from lightflyer.kinetic.chamber.cases import ChamberCase, ChamberOutcome
     from lightflyer.kinetic.chamber.linear import Totals
 
@@ -173,11 +171,11 @@ class ChamberSolution:
             f"{WALLS[film.wall]}, {gas}, {heated}, {balance}{where}"
         )
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw temperature and streamlines of the gas in a plane through the axis."""
-        from lightflyer.kinetic.figures import flow_figure
-
-        return flow_figure(self, ax)
+    plot = figure_method(
+        "lightflyer.kinetic.figures.flow_figure",
+        "temperature and streamlines of the gas in a plane through the axis",
+        NEW_AXES,
+    )
 
     def flow(self, radius: Any, height: Any) -> dict[str, np.ndarray]:
         """Fields of the gas at points, as of :meth:`Solution.flow`; NaN outside the chamber."""

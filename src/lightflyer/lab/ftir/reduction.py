@@ -18,6 +18,7 @@ from scipy.special import ndtri
 
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ParameterError
+from lightflyer.files.figure_method import NEW_AXES, figure_method
 from lightflyer.lab.estimate import CONFIDENCE, Estimate
 from lightflyer.lab.ftir.checks import (
     Bounds,
@@ -40,8 +41,6 @@ from lightflyer.lab.spectrum_noise import noise_density
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 BAND = (500.0 * PER_CENTIMETRE, 1300.0 * PER_CENTIMETRE)
 """Band of the paper, 900 ± 400 cm⁻¹ [1/m]."""
@@ -145,21 +144,11 @@ class Ftir:
             found[temperature] = (inside * low, 1.0 - inside * (1.0 - high))
         return found
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the spectra with the band and the spectrum of a black body.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            By default that of a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.lab.ftir.figures import plot_spectra
-
-        return plot_spectra(self, ax)
+    plot = figure_method(
+        "lightflyer.lab.ftir.figures.plot_spectra",
+        "the spectra with the band and the spectrum of a black body",
+        NEW_AXES,
+    )
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""

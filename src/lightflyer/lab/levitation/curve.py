@@ -17,6 +17,7 @@ from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
+from lightflyer.files.figure_method import NEW_AXES, figure_method
 from lightflyer.lab.estimate import CONFIDENCE, Estimate
 from lightflyer.lab.levitation.data import LiftOffs
 from lightflyer.lab.levitation.minimum import DEGREE, Minimum, minimum
@@ -24,8 +25,6 @@ from lightflyer.lab.record import dataset, joint_warnings
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SPAN = 0.75
 """Fraction of a sample's points in each local fit; the default of LOESS."""
@@ -83,21 +82,11 @@ class LevitationCurve:
     step: float = 0.0
     warnings: tuple[str, ...] = ()
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw points, curve with its 99 % band, and minimum.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            By default that of a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.lab.levitation.figures import plot_curve
-
-        return plot_curve(self, ax)
+    plot = figure_method(
+        "lightflyer.lab.levitation.figures.plot_curve",
+        "points, curve with its 99 % band, and minimum",
+        NEW_AXES,
+    )
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.core.errors import ParameterError
+from lightflyer.files.figure_method import NEW_AXES, figure_method
 from lightflyer.film.optics.averages import absorptance, emittance
 from lightflyer.film.optics.stack import Film
 from lightflyer.lab.estimate import Estimate
@@ -31,8 +32,6 @@ from lightflyer.lab.record import dataset
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 DRAWS = 200
 """Number of films drawn for the bands of n and k."""
@@ -125,21 +124,11 @@ class OpticsFit:
     freedom: float
     warnings: tuple[str, ...] = ()
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the spectra with their fits.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            By default that of a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.lab.optics.figures import plot_spectra
-
-        return plot_spectra(self, ax)
+    plot = figure_method(
+        "lightflyer.lab.optics.figures.plot_spectra",
+        "the spectra with their fits",
+        NEW_AXES,
+    )
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""

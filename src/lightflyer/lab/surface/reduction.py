@@ -18,6 +18,7 @@ from scipy import ndimage
 from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.figure_method import figure_method
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.readers.height_map import NANOMETRE, HeightMap
 from lightflyer.lab.record import dataset, joint_warnings
@@ -28,8 +29,6 @@ from lightflyer.lab.surface.particles import THRESHOLD, Objects, find_particles
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 __all__ = [
     "HEIGHT_ACCURACY",
@@ -107,21 +106,11 @@ class Roughness:
         """Share of the map on particles and in holes."""
         return float(self.mask.mean())
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the levelled map, as it is and with its mask.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Gets the map with its mask; by default a new figure has both.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.lab.surface.figures import plot_roughness
-
-        return plot_roughness(self, ax)
+    plot = figure_method(
+        "lightflyer.lab.surface.figures.plot_roughness",
+        "the levelled map, as it is and with its mask",
+        "Gets the map with its mask; by default a new figure has both.",
+    )
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""

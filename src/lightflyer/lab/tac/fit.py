@@ -16,13 +16,14 @@ the plateau is taken to grow with :math:`\delta`, as the slope does, can the thr
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from lightflyer.core import constants
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ConfigurationError, LightflyerError
+from lightflyer.files.figure_method import figure_method
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.estimate import Estimate
@@ -54,10 +55,6 @@ from lightflyer.lab.tac.problem import (
     minimise,
     require_distinct,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 LU2023_HEATER_DIAMETER = 24e-3
 """Diameter of the paper's heater [m]; [Lu2023]_ supplement."""
@@ -215,21 +212,11 @@ class TacFit:
         """The three estimates by name."""
         return {name: getattr(self, name) for name in PARAMETERS}
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the conductance against pressure with the fit, and that of the gas.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Gets the first of both; by default a new figure has both.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.lab.tac.figures import plot_tac
-
-        return plot_tac(self, ax)
+    plot = figure_method(
+        "lightflyer.lab.tac.figures.plot_tac",
+        "the conductance against pressure with the fit, and that of the gas",
+        "Gets the first of both; by default a new figure has both.",
+    )
 
     def summary(self) -> dict[str, Any]:
         """The fit as a JSON object."""

@@ -27,6 +27,7 @@ from scipy import optimize
 from lightflyer.core.checks import require_range
 from lightflyer.core.constants import STEFAN_BOLTZMANN
 from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.files.figure_method import figure_method
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, central_interval, student_factor
 from lightflyer.lab.record import dataset
 from lightflyer.lab.thermography.camera import MICROMETRE, UNCOOLED, flat_band
@@ -34,7 +35,6 @@ from lightflyer.lab.thermography.data import LIGHT, THERMAL, Readings, Scene
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 DRAWS = 100_000
 """Number of Monte Carlo draws."""
@@ -99,16 +99,10 @@ class RadiativeProperties:
         remainder = self.readings.method.remainder
         return {remainder if key == "emissivity" else key: one for key, one in values.items()}
 
-    def plot(self) -> "Figure":
-        """Draw the rows and the means with their intervals.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.lab.thermography.figures import plot_properties
-
-        return plot_properties(self)
+    plot = figure_method(
+        "lightflyer.lab.thermography.figures.plot_properties",
+        "the rows and the means with their intervals",
+    )
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""

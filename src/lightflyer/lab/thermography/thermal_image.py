@@ -4,19 +4,17 @@ import dataclasses
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.units import Measured
+from lightflyer.files.figure_method import figure_method
 from lightflyer.lab.thermography.data import THERMAL, ZERO_CELSIUS
 from lightflyer.lab.thermography.images import flir, radiometry, scaled
 from lightflyer.lab.thermography.images.scaled import Scale
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 UNIFORM = 2.0
 """Scatter of a region's pixels above which it is not called uniform [K]; an assumption."""
@@ -65,16 +63,10 @@ class ThermalImage:
     reflected_temperature: float | None = None
     notes: tuple[str, ...] = ()
 
-    def plot(self) -> "Figure":
-        """Draw the temperatures.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        from lightflyer.lab.thermography.thermal_image_figures import plot_image
-
-        return plot_image(self)
+    plot = figure_method(
+        "lightflyer.lab.thermography.thermal_image_figures.plot_image",
+        "the temperatures",
+    )
 
     def summary(self) -> dict[str, Any]:
         """What the file states, as a JSON object."""

@@ -139,21 +139,12 @@ class Linearised(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Points, model and parameters of a calibration.
-
-    Attributes
-    ----------
-    points : Points
-    model : LevitationModel
-    parameters : tuple of Parameter
-    inputs : FitInputs
-        Uncertain numbers that are not fitted.
-    """
+    """Points, model and parameters of a calibration."""
 
     points: Points
     model: LevitationModel
     parameters: tuple[Parameter, ...]
-    inputs: FitInputs
+    inputs: FitInputs  # Uncertain numbers that are not fitted
 
     @property
     def names(self) -> list[str]:
@@ -175,19 +166,9 @@ class Problem:
     def linearised(
         self, log_parameters: np.ndarray, shifts: np.ndarray | None = None
     ) -> Linearised:
-        """Log-irradiance of the model at the points, and its derivatives.
-
-        Parameters
-        ----------
-        log_parameters : array, shape (p,)
-        shifts : array, shape (k,), optional
-            Errors of the inputs in their standard uncertainties.
-
-        Returns
-        -------
-        Linearised
-            Without derivatives where no irradiance levitates the flyer.
-        """
+        """Log-irradiance of the model at the points, and its derivatives."""
+        # ``shifts``, shape (k,): errors of the inputs in their standard uncertainties. Without
+        # derivatives where no irradiance levitates the flyer.
         moved = np.zeros(len(self.inputs.names)) if shifts is None else shifts
         found = _linearised(self.model, log_parameters, np.log(self.points.pressure), moved)
         value, *changes = (np.array(one) for one in found)

@@ -100,7 +100,7 @@ class ResultOptions(FigureOptions):
 
     def folder(self, out: Path | None) -> Path | None:
         """Folder to write into; begins the report where one is asked for."""
-        # to be called before anything is computed; only a report may need a folder for the time being
+        # before anything is computed; for the time being where only the report needs a folder
         self.check(out)
         if self.report is None:
             return out

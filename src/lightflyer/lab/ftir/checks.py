@@ -25,38 +25,13 @@ _ADVICE = {
 
 
 class Bounds:
-    """Cuts estimates of shares at 0 and 1 and remembers what it did.
-
-    Attributes
-    ----------
-    warnings : list of str
-        What was cut, one line each.
-    """
+    """Cuts estimates of shares at 0 and 1 and says what it cut in ``warnings``, one line each."""
 
     def __init__(self) -> None:
         self.warnings: list[str] = []
 
     def cut(self, quantity: str, where: str, estimate: Estimate) -> Estimate:
-        """The estimate with what is possible of it.
-
-        Parameters
-        ----------
-        quantity : {"transmittance", "reflectance", "emissivity"}
-        where : str
-            Spectrum of the mean, such as "over the band".
-        estimate : Estimate
-            Of a share, with its uncut interval.
-
-        Returns
-        -------
-        Estimate
-            Its uncertainty is unchanged.
-
-        Raises
-        ------
-        ParameterError
-            If the whole interval is below 0 or above 1.
-        """
+        """The estimate of a share with what is possible of it; its uncertainty is unchanged."""
         low, high = estimate.interval
         if high < 0.0 or low > 1.0:
             beyond = "below 0" if high < 0.0 else "above 1"

@@ -131,59 +131,29 @@ def _shares(film: Film, spectra: Sequence[FilmSpectrum], side: Side) -> dict[int
 
 @dataclass(frozen=True)
 class Solution:
-    """A minimum.
+    """A minimum."""
 
-    Attributes
-    ----------
-    position : array, shape (free,)
-        Of the free numbers between their bounds.
-    errors : array, shape (spectra, 2)
-        Errors of scale and zero, in their standard uncertainties.
-    cost : float
-        Sum of squared residuals, priors included.
-    """
-
-    position: np.ndarray
+    position: np.ndarray  # Of the free numbers between their bounds, shape (free,)
+    # Errors of scale and zero, in their standard uncertainties, shape (spectra, 2)
     errors: np.ndarray
-    cost: float
+    cost: float  # Sum of squared residuals, priors included
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Residuals of all spectra in standard errors.
-
-    Attributes
-    ----------
-    model : OpticalModel
-    free : tuple of FreeNumber
-    spectra : tuple of FilmSpectrum
-    spread : tuple of float
-        Standard error of a point of each spectrum, as if points were independent [1].
-    informed : bool
-        Whether what is known of the free numbers beforehand counts.
-    """
+    """Residuals of all spectra in standard errors."""
 
     model: OpticalModel
     free: tuple[FreeNumber, ...]
     spectra: tuple[FilmSpectrum, ...]
+    # Standard error of a point of each spectrum, as if points were independent [1]
     spread: tuple[float, ...]
-    informed: bool = True
+    informed: bool = True  # Whether what is known of the free numbers beforehand counts
 
     @classmethod
     def of(cls, sample: OpticsSample, model: OpticalModel | None = None) -> "Problem":
-        """The problem with the noise of neighbouring points as standard error.
-
-        Parameters
-        ----------
-        sample : OpticsSample
-        model : OpticalModel, optional
-            That of a sample with the same film, bounds and wavelengths.
-
-        Raises
-        ------
-        ParameterError
-            If the model is another one's.
-        """
+        """The problem with the noise of neighbouring points as standard error."""
+        # ``model``: that of a sample with the same film, bounds and wavelengths.
         model = OpticalModel(sample) if model is None else model
         model.require_fit(sample)
         spread = [max(point_noise(one.spectrum.value), LEAST_ERROR) for one in sample.spectra]
@@ -219,13 +189,8 @@ class Problem:
         return [share * (1.0 + s) + o for share, s, o in zip(shares, scale, zero, strict=True)]
 
     def residuals(self, vector: np.ndarray) -> np.ndarray:
-        """Residuals in standard errors, those of priors last.
-
-        Parameters
-        ----------
-        vector : array, shape (size,)
-            Positions of the free numbers, then errors of scale and zero of each spectrum.
-        """
+        """Residuals in standard errors, those of priors last; ``vector`` (size,)."""
+        # Positions of the free numbers, then errors of scale and zero of each spectrum.
         found = self._solution(vector)
         parts = [
             (reading - one.spectrum.value) / spread
@@ -273,24 +238,7 @@ class Problem:
         errors: np.ndarray | None = None,
         held: Mapping[int, float] | None = None,
     ) -> Solution:
-        """The minimum near a position.
-
-        Parameters
-        ----------
-        position : array, shape (free,)
-        errors : array, shape (spectra, 2), optional
-        held : mapping of int to float, optional
-            Positions of free numbers that are not fitted.
-
-        Returns
-        -------
-        Solution
-
-        Raises
-        ------
-        MissingExtraError
-            If lmfit is not installed.
-        """
+        """The minimum near a position, shape (free,); ``held``: numbers that are not fitted."""
         lmfit = extra("lmfit", "fitting spectra", "lab")
         held = held or {}
         errors = np.zeros((len(self.spectra), 2)) if errors is None else errors

@@ -48,24 +48,10 @@ def spread(
     rng: np.random.Generator,
     pixel_aspect: float = 1.0,
 ) -> Spread:
-    """How far a surface's rms and mean absolute height may be from those of its map.
-
-    Parameters
-    ----------
-    height : array, shape (rows, columns)
-        Levelled height [m], of mean zero outside the mask, not zero everywhere.
-    mask : bool array, shape (rows, columns)
-        Pixels that do not count.
-    kept : array, shape (modes, modes)
-        Share of the power of each mode that levelling keeps.
-    rng : numpy.random.Generator
-    pixel_aspect : float
-        Width of a pixel over its length; the surface is taken to be isotropic.
-
-    Returns
-    -------
-    Spread
-    """
+    """How far a surface's rms and mean absolute height may be from those of its map."""
+    # ``height`` [m] is levelled, of mean zero outside the ``mask`` of pixels that do not count, and
+    # not zero everywhere; ``kept`` is the share of the power of each mode that levelling keeps. The
+    # surface is taken to be isotropic.
     values = height[~mask]
     rms, mean = np.sqrt(np.mean(values**2)), np.abs(values).mean()
     lost = _lost(np.where(mask, 0.0, height / rms), kept, rng, pixel_aspect)

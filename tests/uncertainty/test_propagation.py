@@ -122,6 +122,22 @@ def test_chamber():
     assert np.all(found.low["temperature"] < found.high["temperature"])
 
 
+def test_samples_over_mars_whose_atmosphere_is_a_table():
+    mars = {"kind": "mars", "dust_optical_depth": 0.0}
+    uncertain = configure({**mars, "surface_pressure": "610 Pa ± 60 Pa"})
+    found = propagate(uncertain, samples=100)
+    drawn = draw(uncertain_inputs(uncertain.design()), 100, 0)[:, 0]
+    for sample in (0, int(np.argmax(drawn))):
+        truth = lf.predict(
+            configure({**mars, "surface_pressure": f"{drawn[sample]:.17g} Pa"})
+        ).summary()
+        for name, expected in {
+            "altitude_band_km.lower": truth["altitude_band_km"][0],
+            "best.payload_mg": truth["best"]["payload_mg"],
+        }.items():
+            assert found.sampled[name][sample] == pytest.approx(expected, rel=1e-7), name
+
+
 def test_best_at_an_end_of_the_range_stays_there():
     # pushed down by the light, it does best on the ground, where there is no force
     dark = {"atmosphere": "us1976", "albedo": 0.0, "surroundings": "gas"}

@@ -12,6 +12,7 @@ from lightflyer.core.quantity import (
     AccommodationCoefficient,
     Density,
     Fraction,
+    Roughness,
     Temperature,
     Thickness,
 )
@@ -112,6 +113,8 @@ class LayerSection(_Named, of=Layer):
     density: Density | None = None
     tac: AccommodationCoefficient | None = None
     extrapolation: Policy | None = None
+    coherent: bool = True
+    roughness: Roughness | None = None
 
     @pydantic.field_validator("thickness")
     @classmethod

@@ -34,9 +34,8 @@ def at(table: Any, index: Any) -> Any:
 def first_largest(table: Any) -> Any:
     """Index of the largest entry of each column, in 32 bits in either of JAX's precisions."""
     # Inside a caller's own single-precision ``jit`` JAX cannot lower an argmax of double precision.
-    xp, last = table.__array_namespace__(), np.int32(table.shape[0] - 1)
-    largest = table == xp.max(table, axis=0)
-    return xp.min(xp.where(largest, _rows(last + 1, table.ndim), last), axis=0)
+    xp, rows = table.__array_namespace__(), _rows(table.shape[0], table.ndim)
+    return xp.min(xp.where(table == xp.max(table, axis=0), rows, rows[-1]), axis=0)
 
 
 def best_of(values: Any) -> tuple[Any, Any, Any]:

@@ -46,7 +46,9 @@ class FlyerSection(Alternative):
     @classmethod
     def keys_of(cls, described: type) -> dict[str, tuple[Any, Any]]:
         """See :meth:`Section.keys_of`."""
-        films = {name: (AnyFilmSection, ...) for name in described.film_names() if name != _FILM}
+        films = {
+            name: (AnyFilmSection, ...) for name in cls.flyer_type.film_names() if name != _FILM
+        }
         return super().keys_of(described) | films
 
     def build(self, film: FilmProperties | None, incidence: float) -> AbstractFlyer:

@@ -12,6 +12,8 @@ from lightflyer.core.quantity import (
     Altitude,
     Duration,
     Fraction,
+    Latitude,
+    Longitude,
     Tilt,
 )
 from lightflyer.files.section import Section, Spelling
@@ -62,10 +64,10 @@ class LaunchesSection(Section):
 class MissionSection(Section, of=Release):
     """``[mission]``: from where and when, for how long, and how the flyer lies."""
 
-    first_keys: ClassVar[tuple[str, ...]] = ("date", "latitude", "longitude", "altitude")
-    left_out: ClassVar[tuple[str, ...]] = ("time",)
-
     date: datetime.datetime
+    latitude: Latitude
+    longitude: Longitude
+    altitude: Altitude
     duration: Duration
     every: Duration | None = None
     attitude: Literal[_RULES] = "own"  # type: ignore[valid-type]

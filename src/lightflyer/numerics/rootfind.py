@@ -43,7 +43,7 @@ class Reason(enum.IntEnum):
 
     phrase: str
 
-    def __new__(cls, code: int, phrase: str) -> "Reason":
+    def __new__(cls, code: int, phrase: str = "") -> "Reason":
         """A member of a number and a phrase."""
         member = int.__new__(cls, code)
         member._value_, member.phrase = code, phrase

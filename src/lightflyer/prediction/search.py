@@ -68,7 +68,8 @@ def search(tabulate: Tabulate, place: np.ndarray, table: Table, *, widest: bool 
         return tabulate(spread)[_LIFT].reshape(places.shape) - 1.0
 
     edges = crossing(margins, outside, inside, exists & ~is_open)
-    return Found(np.where(exists, edges, np.nan), *optima, best, easiest)
+    edges = np.where(exists, edges, np.nan)
+    return Found(edges, optima[0], optima[1], at_best=best, at_easiest=easiest)
 
 
 def _objectives(lift: np.ndarray, light: np.ndarray) -> np.ndarray:

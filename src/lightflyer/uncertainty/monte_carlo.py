@@ -39,7 +39,8 @@ def tabulate_samples(inputs: Inputs, samples: np.ndarray, coordinate: np.ndarray
 
 def _in_a_row(leaf: Any, shape: tuple[int, int]) -> Any:
     """A number of each sample, shape (samples, 1), for each of its coordinates."""
-    return np.broadcast_to(leaf, shape).ravel() if np.ndim(leaf) == 2 else leaf
+    own = np.shape(leaf) in ((shape[0], 1), shape)  # and no table of an atmosphere
+    return np.broadcast_to(leaf, shape).ravel() if own else leaf
 
 
 def search_samples(

@@ -12,7 +12,6 @@ from lightflyer.environment.earth import Lu2023Section
 from lightflyer.film.section import MeasuredFilmSection
 from lightflyer.force.lu2023 import Lu2023ForceSection
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
-from lightflyer.uncertainty.monte_carlo import crossing, least_light, optimum, widest_band
 
 FILM = {
     "areal_density": "1.0 g/m^2",
@@ -123,6 +122,22 @@ def test_chamber():
     assert np.all(found.low["temperature"] < found.high["temperature"])
 
 
+def test_samples_over_mars_whose_atmosphere_is_a_table():
+    mars = {"kind": "mars", "dust_optical_depth": 0.0}
+    uncertain = configure({**mars, "surface_pressure": "610 Pa ± 60 Pa"})
+    found = propagate(uncertain, samples=100)
+    drawn = draw(uncertain_inputs(uncertain.design()), 100, 0)[:, 0]
+    for sample in (0, int(np.argmax(drawn))):
+        truth = lf.predict(
+            configure({**mars, "surface_pressure": f"{drawn[sample]:.17g} Pa"})
+        ).summary()
+        for name, expected in {
+            "altitude_band_km.lower": truth["altitude_band_km"][0],
+            "best.payload_mg": truth["best"]["payload_mg"],
+        }.items():
+            assert found.sampled[name][sample] == pytest.approx(expected, rel=1e-7), name
+
+
 def test_best_at_an_end_of_the_range_stays_there():
     # pushed down by the light, it does best on the ground, where there is no force
     dark = {"atmosphere": "us1976", "albedo": 0.0, "surroundings": "gas"}
@@ -202,36 +217,6 @@ def test_objects_with_uncertainties_give_what_the_file_gives():
         assert ours.first_order[name] == pytest.approx(value, rel=1e-9), name
     with pytest.raises(lf.ConfigurationError, match="did you mean"):
         lf.design.ObjectDesign(setup, {"flyer.film.tac_botom": 0.02})
-
-
-def test_edges_and_optimum_of_known_curves():
-    x = np.linspace(0.0, 10.0, 201)[None]
-    curve = np.exp(1.0 - (x - 5.2) ** 2 / 4.0)
-    both = np.vstack([x, x]), np.vstack([curve, 0.1 * curve])
-    lower, upper = (crossing(*(rows[:, ::way] for rows in both)) for way in (1, -1))
-    assert lower[0] == pytest.approx(3.2, abs=1e-3)
-    assert upper[0] == pytest.approx(7.2, abs=1e-3)
-    assert np.isnan(lower[1])
-    assert crossing(x[:, 100:], curve[:, 100:]) == 5.0  # flies from the first place on
-    assert optimum(x, curve)[0] == pytest.approx(5.2, abs=1e-3)
-
-
-def test_the_widest_band_counts_in_coordinates_not_in_points():
-    place = np.array([0.0, 1.0, 2.0, 3.0, 10.0, 20.0])
-    flies = np.array([[1, 1, 1, 0, 1, 1], [1, 1, 0, 0, 0, 1], [0, 0, 0, 1, 0, 0]], bool)
-    np.testing.assert_array_equal(widest_band(place, flies), [[4, 0, 3], [5, 1, 3]])
-
-
-def test_an_optimum_at_an_end_is_the_end_though_the_curve_bends_upwards():
-    x = np.tile(np.linspace(0.0, 10.0, 21), (2, 1))
-    falling = np.exp([[-1.0], [1.0]] * x - [[0.0], [10.0]])
-    np.testing.assert_array_equal(optimum(x, falling), [0.0, 10.0])
-
-
-def test_samples_that_need_no_light_need_none():
-    x = np.tile(np.linspace(0.0, 1.0, 5), (2, 1))
-    needed = np.array([[3.0, 2.0, 1.0, 2.0, 3.0], [3.0, 0.0, 0.0, 2.0, np.inf]])
-    np.testing.assert_allclose(least_light(x, needed), [0.5, 0.25])
 
 
 def strong(model, tac_bottom, environment=None):

@@ -139,21 +139,12 @@ class Linearised(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Points, model and parameters of a calibration.
-
-    Attributes
-    ----------
-    points : Points
-    model : LevitationModel
-    parameters : tuple of Parameter
-    inputs : FitInputs
-        Uncertain numbers that are not fitted.
-    """
+    """Points, model and parameters of a calibration."""
 
     points: Points
     model: LevitationModel
     parameters: tuple[Parameter, ...]
-    inputs: FitInputs
+    inputs: FitInputs  # Uncertain numbers that are not fitted
 
     @property
     def names(self) -> list[str]:

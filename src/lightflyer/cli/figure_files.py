@@ -39,17 +39,7 @@ class FigureOptions:
     style: str | None = None
 
     def check(self, out: Path | None) -> None:
-        """Raise before anything is computed where an option cannot be used.
-
-        Parameters
-        ----------
-        out : Path or None
-            Folder of the figures; without one, options of figures have no effect.
-
-        Raises
-        ------
-        ParameterError
-        """
+        """Raise before anything is computed where an option cannot be used; ``out``: of figures."""
         given = {"--format": "formats", "--dpi": "dpi", "--style": "style"}
         default = AS_USUAL
         used = [name for name, key in given.items() if getattr(self, key) != getattr(default, key)]
@@ -79,20 +69,7 @@ class FigureOptions:
         stage: Callable[[str], Path],
         draw: "Callable[[], Mapping[str, Figure]]",
     ) -> list[str]:
-        """Draw figures and write each in every format.
-
-        Parameters
-        ----------
-        stage : callable
-            See :func:`~lightflyer.core.atomic_files.output_directory`.
-        draw : callable
-            Returns figures by file name without ending.
-
-        Returns
-        -------
-        list of str
-            Names of the files.
-        """
+        """Draw figures, write each in every format, and return the names of the files."""
         from lightflyer.files.drawing import save, styled
 
         names = []
@@ -122,27 +99,8 @@ class ResultOptions(FigureOptions):
     report: Path | None = None
 
     def folder(self, out: Path | None) -> Path | None:
-        """Folder to write into; begins the report where one is asked for.
-
-        To be called before anything is computed.
-
-        Parameters
-        ----------
-        out : Path or None
-            Folder that the user names.
-
-        Returns
-        -------
-        Path or None
-            The same; or one for the time being, if only the report needs figures.
-
-        Raises
-        ------
-        ParameterError
-            If an option of figures cannot be used.
-        OutputError
-            If the report cannot be written.
-        """
+        """Folder to write into; begins the report where one is asked for."""
+        # before anything is computed; for the time being where only the report needs a folder
         self.check(out)
         if self.report is None:
             return out
@@ -150,15 +108,7 @@ class ResultOptions(FigureOptions):
         return begun.folder if out is None else out
 
     def tell(self, console: "Console", written: Sequence[Path], otherwise: str = "") -> None:
-        """Print which files were written.
-
-        Parameters
-        ----------
-        console : rich.console.Console
-        written : sequence of Path
-        otherwise : str
-            What to print where none was.
-        """
+        """Print which files were written; ``otherwise``: what to print where none was."""
         begun = reports.current
         kept = [path for path in written if begun is None or not path.is_relative_to(begun.folder)]
         for path in kept:

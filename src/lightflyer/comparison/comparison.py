@@ -372,7 +372,7 @@ def _common_grid(
             raise ConfigurationError(f"the flyers are searched over no {where.name} in common")
     else:
         low, high = searched
-    return np.geomspace(low, high, POINTS) if where.logarithmic else np.linspace(low, high, POINTS)
+    return where.evenly(low, high, POINTS)
 
 
 def _round_coordinates(where: Coordinate, low: float, high: float) -> np.ndarray:

@@ -160,6 +160,19 @@ class Coordinate:
             return Quantity(self.unit, 0.0, open_below=True)
         return Quantity(self.unit, self.lowest, self.highest)
 
+    def place(self, coordinate: Numeric) -> Any:
+        """Place on an axis: the coordinate, or its logarithm."""
+        return np.log(coordinate) if self.logarithmic else coordinate
+
+    def of_place(self, place: Numeric) -> Any:
+        """Coordinate of a place on an axis."""
+        return np.exp(place) if self.logarithmic else place
+
+    def evenly(self, low: float, high: float, points: int) -> np.ndarray:
+        """Coordinates at even places from low to high, shape (points,)."""
+        spaced = np.geomspace if self.logarithmic else np.linspace
+        return spaced(low, high, points)
+
 
 class AbstractEnvironment(Checked):
     """Somewhere a flyer can be, described along one coordinate. Subclasses are final.

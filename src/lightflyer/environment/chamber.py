@@ -1,13 +1,14 @@
 """A vacuum chamber with a lamp."""
 
-from typing import Any, ClassVar, Literal
+from collections.abc import Callable
+from typing import ClassVar, Literal
 
 import numpy as np
 import pydantic
 
 from lightflyer.core import constants
 from lightflyer.core.checks import require_positive, require_range
-from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
     Acceleration,
     Irradiance,
@@ -41,6 +42,23 @@ DEFAULT_PRESSURES = tuple(digit * 10.0**decade for decade in range(-4, 6) for di
 """Pressures reported one by one where none are asked for, if in the chamber's range [Pa]."""
 
 _PRESSURE = quantity_of(Pressure) or Quantity()
+
+
+def _contradiction(
+    floor_temperature: Numeric | None,
+    floor: Numeric | None,
+    lid: Numeric | None,
+    radius: Numeric | None,
+) -> str | None:
+    """Why it is not known where between a warm floor and cold walls the gas is, or None."""
+    if floor_temperature is not None and floor is None:
+        return "floor_temperature needs the distance of the floor; give floor"
+    if floor_temperature is not None and lid is None and radius is None:
+        return (
+            "floor_temperature needs a wall of another temperature; give lid or radius, or the "
+            "gas is as warm as the floor"
+        )
+    return None
 
 
 class Chamber(AbstractEnvironment):
@@ -81,6 +99,7 @@ class Chamber(AbstractEnvironment):
     """
 
     dimmable_light: ClassVar[bool] = True
+    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     temperature: Temperature = 293.0
     gas: AbstractGas = AIR
@@ -94,8 +113,6 @@ class Chamber(AbstractEnvironment):
 
     def __check_init__(self) -> None:
         lowest, highest = self.pressure_range
-        if self.floor_temperature is not None:
-            _require_distances(self.floor, self.lid, self.radius)
         require_positive(pressure_range=lowest)
         require_range("upper end of pressure_range", highest, lowest, open_below=True)
 
@@ -158,18 +175,7 @@ class Chamber(AbstractEnvironment):
         return over_warm_floor(state, self.floor_temperature)
 
 
-def _require_distances(floor: Any, lid: Any, radius: Any) -> None:
-    """Raise unless it is known where between a warm floor and cold walls the gas is."""
-    if floor is None:
-        raise ParameterError("floor_temperature needs the distance of the floor; give floor")
-    if lid is None and radius is None:
-        raise ParameterError(
-            "floor_temperature needs a wall of another temperature; give lid or radius, or the "
-            "gas is as warm as the floor"
-        )
-
-
-class ChamberSection(EnvironmentSection):
+class ChamberSection(EnvironmentSection, of=Chamber):
     """``[environment]``: a vacuum chamber with a lamp."""
 
     search_keys: ClassVar[tuple[str, str]] = ("pressure_min", "pressure_max")
@@ -179,16 +185,6 @@ class ChamberSection(EnvironmentSection):
     temperature: Temperature
     pressure_min: Pressure = Measured(1e-2)
     pressure_max: Pressure = Measured(1e3)
-    radius: Length | None = None
-    floor: Length | None = None
-    lid: Length | None = None
-    floor_temperature: Temperature | None = None
-
-    @pydantic.model_validator(mode="after")
-    def _complete(self) -> "ChamberSection":
-        if self.floor_temperature is not None:
-            _require_distances(self.floor, self.lid, self.radius)
-        return self
 
     @pydantic.model_validator(mode="after")
     def _ordered(self) -> "ChamberSection":
@@ -199,18 +195,10 @@ class ChamberSection(EnvironmentSection):
     def build(self) -> Chamber:
         """The chamber."""
         gravity = constants.STANDARD_GRAVITY if self.gravity is None else self.gravity.value
-        return Chamber(
-            temperature=self.temperature.value,
+        chamber: Chamber = self.make(
             gas=GASES[self.gas or AIR.name],
             gravity=gravity,
             radiation=self.build_radiation(),
-            pressure_range=(self.pressure_min.value, self.pressure_max.value),
-            radius=_value(self.radius),
-            floor=_value(self.floor),
-            lid=_value(self.lid),
-            floor_temperature=_value(self.floor_temperature),
+            pressure_range=self.search_range,
         )
-
-
-def _value(given: Measured | None) -> Numeric | None:
-    return None if given is None else given.value
+        return chamber

@@ -2,7 +2,7 @@
 
 import datetime
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import equinox as eqx
 import pydantic
@@ -168,40 +168,6 @@ class Lu2023Section(EarthSection):
         return Lu2023Atmosphere()
 
 
-class NrlmsisSection(EarthSection):
-    """``[environment]``: Earth with NRLMSIS 2.1 for a day and place."""
-
-    not_varied: ClassVar[Mapping[str, str]] = {
-        **EarthSection.not_varied,
-        **dict.fromkeys(("latitude", "longitude"), _TABLE.format("place")),
-        **dict.fromkeys(("f107", "f107a", "ap"), _TABLE.format("activity")),
-    }
-
-    place_matters: ClassVar[bool] = True
-
-    atmosphere: Literal["nrlmsis"]
-    date: datetime.datetime
-    latitude: Latitude
-    longitude: Longitude
-    f107: SolarFlux
-    f107a: SolarFlux | None = None
-    ap: GeomagneticIndex
-
-    @property
-    def indices(self) -> Indices:
-        """See :attr:`EarthSection.indices`."""
-        return _indices_of(self)
-
-    def build_atmosphere(self) -> AbstractAtmosphere:
-        """NRLMSIS at the given place, time and activity."""
-        return NRLMSIS(
-            date=self.date,
-            latitude=self.latitude.value,
-            longitude=self.longitude.value,
-            **self.indices._asdict(),
-        )
-
-
 class GlobalNrlmsisSection(EarthSection):
     """``[environment]``: Earth with NRLMSIS 2.1 of every place and time, for missions."""
 
@@ -218,13 +184,30 @@ class GlobalNrlmsisSection(EarthSection):
     @property
     def indices(self) -> Indices:
         """See :attr:`EarthSection.indices`."""
-        return _indices_of(self)
+        mean = None if self.f107a is None else self.f107a.value
+        return Indices.of(self.f107.value, mean, self.ap.value)
 
     def build_atmosphere(self) -> AbstractAtmosphere:
         """NRLMSIS with the given activity."""
         return GlobalNRLMSIS(**self.indices._asdict())
 
 
-def _indices_of(section: Any) -> Indices:
-    mean = None if section.f107a is None else section.f107a.value
-    return Indices.of(section.f107.value, mean, section.ap.value)
+class NrlmsisSection(GlobalNrlmsisSection):
+    """``[environment]``: Earth with NRLMSIS 2.1 for a day and place."""
+
+    not_varied: ClassVar[Mapping[str, str]] = {
+        **GlobalNrlmsisSection.not_varied,
+        **dict.fromkeys(("latitude", "longitude"), _TABLE.format("place")),
+    }
+
+    place_matters: ClassVar[bool] = True
+
+    atmosphere: Literal["nrlmsis"]  # type: ignore[assignment]
+    date: datetime.datetime
+    latitude: Latitude
+    longitude: Longitude
+
+    def build_atmosphere(self) -> AbstractAtmosphere:
+        """NRLMSIS at the given place, time and activity."""
+        place = self.latitude.value, self.longitude.value
+        return NRLMSIS(self.date, *place, **self.indices._asdict())

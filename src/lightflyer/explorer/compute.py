@@ -43,26 +43,15 @@ class Quick(NamedTuple):
 
 @dataclass(frozen=True)
 class Reading:
-    """A result in words and numbers.
+    """A result in words and numbers."""
 
-    Attributes
-    ----------
-    name : str
-        As in the prediction's JSON, such as ``"best.payload_mg"``.
-    label : str
-    text : str
-        Value and unit.
-    value : float or None
-        In the JSON's unit; None where there is none, and for a band, which has two.
-    spread : str
-        95 % interval to first order; empty where no ± is stated. Edges of the band have none to
-        first order: for them it is the standard uncertainty.
-    """
-
-    name: str
+    name: str  # As in the prediction's JSON, such as ``"best.payload_mg"``
     label: str
-    text: str
+    text: str  # Value and unit
+    # In the JSON's unit; None where there is none, and for a band, which has two
     value: float | None
+    # 95 % interval to first order; empty where no ± is stated. Edges of the band have none to
+    # first order: for them it is the standard uncertainty
     spread: str = ""
 
 

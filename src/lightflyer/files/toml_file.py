@@ -17,6 +17,13 @@ from lightflyer.files.validation_messages import choosing_key, format_error, nea
 FOLDER = "folder"
 """Key of the validation context: the folder that file names in the file are relative to."""
 
+
+def file_beside(name: str, info: pydantic.ValidationInfo) -> str:
+    """Path of a file that is named relative to the file that names it."""
+    folder = (info.context or {}).get(FOLDER)
+    return str(Path(folder, name)) if folder else name
+
+
 _File = TypeVar("_File", bound=Section)
 
 

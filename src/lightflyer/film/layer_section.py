@@ -1,7 +1,6 @@
 """An entry of ``layers`` in ``[film]``: a material, a mixture, tables, or a formula."""
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import pydantic
@@ -19,7 +18,7 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
-from lightflyer.files.toml_file import FOLDER
+from lightflyer.files.toml_file import file_beside
 from lightflyer.film.media.catalogue import material
 from lightflyer.film.media.database import database_page, looks_like_page
 from lightflyer.film.media.dispersion_section import DispersionSection
@@ -39,12 +38,6 @@ _MOST_SHEETS = 200
 _KINDS = ("material", "parts", "tables", "dispersion")
 _OF_NO_MEDIUM = ("thickness", "density", "tac")  # numbers of a layer
 _OF_MIXTURES = ("rule", "shape", "grain", "sheets")
-
-
-def file_beside(name: str, info: ValidationInfo) -> str:
-    """Path of a file that is named relative to the file that names it."""
-    folder = (info.context or {}).get(FOLDER)
-    return str(Path(folder, name)) if folder else name
 
 
 class _Named(Section):
@@ -100,7 +93,7 @@ class TableSection(_Named):
         return float(stated)
 
 
-class LayerSection(_Named):
+class LayerSection(_Named, of=Layer):
     """An entry of ``layers``."""
 
     material: str | None = None
@@ -244,8 +237,8 @@ class LayerSection(_Named):
     def build(self, policy: str) -> Layer:
         """The layer; ``policy`` is the film's extrapolation policy."""
         chosen = Extrapolation(self.extrapolation or policy)
-        roughness = None if self.roughness is None else self.roughness.value
-        return Layer(self.medium(chosen), self.thickness.value, self.coherent, roughness)
+        layer: Layer = self.make(material=self.medium(chosen))
+        return layer
 
     def medium(self, policy: Extrapolation) -> Medium:
         """What the layer is made of."""

@@ -20,8 +20,9 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
+from lightflyer.files.toml_file import file_beside
 from lightflyer.film.computed import ComputedFilm, with_measured
-from lightflyer.film.layer_section import LayerSection, Policy, file_beside, is_varied
+from lightflyer.film.layer_section import LayerSection, Policy, is_varied
 from lightflyer.film.optics.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.properties import FilmProperties

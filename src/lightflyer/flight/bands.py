@@ -1,7 +1,6 @@
 """Bands of altitude or pressure in which flyers levitate, many at once and differentiable.
 
-Whatever is searched over a coordinate is searched here. Each look evaluates a function at evenly
-spaced points between the neighbours of the last look's best; four looks narrow a kilometre to a
+The search of :mod:`lightflyer.flight.grid_refinement` for JAX. Four looks narrow a kilometre to a
 millimetre. Edges are then roots of their own equation.
 """
 
@@ -19,6 +18,14 @@ from lightflyer.core.quantity import require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flight.balance import require_converged, require_suitable
+from lightflyer.flight.grid_refinement import (
+    EDGE_TOLERANCE,
+    at,
+    band_brackets,
+    best_of,
+    first_largest,
+    with_point,
+)
 from lightflyer.flight.loads import lift, weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
@@ -33,7 +40,6 @@ from lightflyer.program.entry_point import entry_point
 MOST_BANDS = 4
 """Greatest number of separate bands of one flyer."""
 
-_EDGE_TOLERANCE = 1e-10  # of lift over weight; about a micrometre of altitude
 _STAGES = 4  # each narrows the search for the peak some fifty times, to millimetres
 _POINTS = 151  # of the first look where a coordinate has no step of its own
 
@@ -184,8 +190,8 @@ def _levitation_bands(searched: _Searched, grid: Array) -> Band:
     # the table only chooses brackets: the edges' derivative comes from their own equation
     frozen = jax.lax.stop_gradient(searched)
     margins, peak, height = scan(frozen.margin, grid)
-    places, margins = _with_point(grid, margins, peak, height)
-    found = [_band(places, margins > 0.0, number) for number in range(1, MOST_BANDS + 1)]
+    places, margins = with_point(grid, margins, peak, height)
+    found = [band_brackets(places, margins > 0.0, number) for number in range(1, MOST_BANDS + 1)]
     outside, inside, exists, is_open = (
         jnp.stack(part, axis=1) for part in zip(*found, strict=True)
     )
@@ -215,61 +221,12 @@ def scan(function: Callable[[Array], Array], grid: Array) -> tuple[Array, Array,
         lower, upper = ends
         points = lower + fractions * (upper - lower)
         values = function(points)
-        best = _first_largest(jnp.where(jnp.isnan(values), -jnp.inf, values))
-
-        def at(table: Array, index: Array) -> Array:
-            return jnp.take_along_axis(table, index[None], axis=0)[0]
-
-        last = grid.size - 1
-        ends = at(points, jnp.maximum(best - 1, 0)), at(points, jnp.minimum(best + 1, last))
-        return ends, (values, at(points, best), at(values, best))
+        best, before, after = best_of(values)
+        return (at(points, before), at(points, after)), (values, at(points, best), at(values, best))
 
     whole = jnp.full(shape, grid[0]), jnp.full(shape, grid[-1])
     _, (values, peaks, heights) = jax.lax.scan(look, whole, None, length=_STAGES)
     return values[0], peaks[-1], heights[-1]
-
-
-def _with_point(grid: Array, values: Array, point: Array, value: Array) -> tuple[Array, Array]:
-    """Insert one more coordinate and value into each element's table."""
-    columns = jnp.broadcast_to(grid.reshape(-1, *[1] * point.ndim), values.shape)
-    place = jnp.sum(columns < point, axis=0, dtype=jnp.int32)
-    rows = np.arange(grid.size + 1, dtype=np.int32).reshape(-1, *[1] * point.ndim)
-
-    def inserted(table: Array, entry: Array) -> Array:
-        before = jnp.concatenate([table, table[-1:]])
-        after = jnp.concatenate([table[:1], table])
-        return jnp.where(rows < place, before, jnp.where(rows == place, entry, after))
-
-    return inserted(columns, point), inserted(values, value)
-
-
-def _first_largest(table: Array) -> Array:
-    """Index of the largest entry of each column, in 32 bits in either of JAX's precisions."""
-    # Inside a caller's own single-precision ``jit`` JAX cannot lower an argmax of double precision.
-    count = table.shape[0]
-    rows = np.arange(count, dtype=np.int32).reshape(-1, *[1] * (table.ndim - 1))
-    largest = table == jnp.max(table, axis=0)
-    return jnp.min(jnp.where(largest, rows, np.int32(count - 1)), axis=0)
-
-
-def _band(places: Array, flies: Array, number: int) -> tuple[Array, Array, Array, Array]:
-    """Find where the band of the given number begins and ends in the table."""
-    # Returns, for lower and upper edge stacked, the places just outside and just inside, and
-    # whether the band exists and is open at that end.
-    size = places.shape[0]
-    before = jnp.concatenate([jnp.zeros_like(flies[:1]), flies[:-1]])
-    member = flies & (jnp.cumsum(flies & ~before, axis=0, dtype=jnp.int32) == number)
-    first = _first_largest(member)
-    last = size - 1 - _first_largest(member[::-1])
-    exists = jnp.any(member, axis=0)
-
-    def at(index: Array) -> Array:
-        return jnp.take_along_axis(places, index[None], axis=0)[0]
-
-    outside = jnp.stack([at(jnp.maximum(first - 1, 0)), at(jnp.minimum(last + 1, size - 1))])
-    inside = jnp.stack([at(first), at(last)])
-    is_open = jnp.stack([first == 0, last == size - 1])
-    return outside, inside, jnp.stack([exists, exists]), is_open & exists
 
 
 def _edges(
@@ -286,7 +243,7 @@ def _edges(
     half = jnp.full(width.shape, 0.5)
 
     def search() -> tuple[Array, RootOutcome]:
-        return bracketed_newton(residual, half - 0.5, half + 0.5, half, _EDGE_TOLERANCE)
+        return bracketed_newton(residual, half - 0.5, half + 0.5, half, EDGE_TOLERANCE)
 
     way, outcome = implicit_root(residual, search, width.shape)
     return outside + way * width, outcome
@@ -295,7 +252,7 @@ def _edges(
 @entry_point
 def _widest(bands: Band) -> Band:
     width = jnp.where(bands.exists, bands.upper - bands.lower, -jnp.inf)
-    widest = _first_largest(width)
+    widest = first_largest(width)
     numbers = np.arange(width.shape[0], dtype=np.int32).reshape(-1, *[1] * widest.ndim)
 
     def of_widest(field: Array) -> Array:

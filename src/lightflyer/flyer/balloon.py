@@ -11,13 +11,13 @@ from jax import Array
 from lightflyer.core import constants
 from lightflyer.core.quantity import Distance, Length, Mass, MolarMass, Tension
 from lightflyer.core.types import Numeric
-from lightflyer.drag.convex import convex_diagnostics, convex_drag, sphere_outline
+from lightflyer.drag.convex import Outline, sphere_outline
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.properties import FilmProperties, excess_of_growth
-from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.bodies import AbstractClosedFlyer
 from lightflyer.flyer.section import FlyerSection
 
 _MOLAR_GAS_CONSTANT = constants.BOLTZMANN * constants.AVOGADRO  # [J/(mol K)]
@@ -46,7 +46,7 @@ def _contradiction(
     return None
 
 
-class Balloon(AbstractFlyer):
+class Balloon(AbstractClosedFlyer):
     r"""A spherical envelope of film around warm gas.
 
     An **open** envelope has an opening at its lower end. Gas comes and goes through it, so that
@@ -137,9 +137,14 @@ class Balloon(AbstractFlyer):
         return self.film_area * self.film.areal_density
 
     @property
-    def highest_temperature(self) -> Numeric | None:
-        """See :attr:`AbstractFlyer.highest_temperature`."""
-        return self.film.highest_temperature
+    def outer_film(self) -> tuple[FilmProperties, int]:
+        """See :attr:`AbstractClosedFlyer.outer_film`."""
+        return self.film, 0
+
+    def outline(self, direction: Direction) -> Outline:
+        """See :meth:`AbstractClosedFlyer.outline`: whichever way it moves."""
+        del direction
+        return sphere_outline(self.radius)
 
     def filling(self, state: EnvironmentState, excess: Numeric) -> Filling:
         r"""Volume, mass and pressure of the gas within."""
@@ -195,41 +200,6 @@ class Balloon(AbstractFlyer):
         outer = eqx.tree_at(lambda film: film.emittance_bottom, self.film, 0.0)
         black = self.film_area * state.radiation.stefan_boltzmann * state.temperature**4
         return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, power / black)))
-
-    def drag(
-        self,
-        state: EnvironmentState,
-        unknowns: tuple[Array, ...],
-        speed: Numeric,
-        direction: Direction = "broadside",
-    ) -> Array:
-        """See :meth:`AbstractFlyer.drag`: that of a closed sphere, whichever way it moves."""
-        del direction
-        return convex_drag(
-            speed,
-            sphere_outline(self.radius),
-            state.pressure,
-            state.temperature,
-            state.gas,
-            self.film.tac_top,
-            unknowns[0],
-        )
-
-    def drag_diagnostics(
-        self,
-        state: EnvironmentState,
-        speed: Numeric,
-        direction: Direction = "broadside",
-        temperature: Numeric | None = None,
-    ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_diagnostics`."""
-        del direction
-        gas = (state.pressure, state.temperature, state.gas)
-        return tuple(
-            convex_diagnostics(
-                speed, sphere_outline(self.radius), *gas, self.film.tac_top, temperature
-            )
-        )
 
     def describe(self) -> str:
         """See :meth:`AbstractFlyer.describe`."""

@@ -1,6 +1,7 @@
 """Base class of flyers: what the heat balance and the force models need of them."""
 
 import abc
+import dataclasses
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import equinox as eqx
@@ -12,6 +13,7 @@ from lightflyer.core.types import Numeric
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
+from lightflyer.film.properties import FilmProperties
 
 HIGHEST_TEMPERATURE = 3000.0
 """Highest temperature of the search [K]: no film survives it, and the gas correlations end
@@ -120,8 +122,15 @@ class AbstractFlyer(Checked):
 
     @property
     def highest_temperature(self) -> Numeric | None:
-        """Temperature that the flyer's materials bear [K]; None where it is not known."""
-        return None
+        """Temperature that all its films bear [K]; None where it is not known."""
+        limits = [getattr(self, name).highest_temperature for name in self.film_names()]
+        return min((limit for limit in limits if limit is not None), default=None)
+
+    @classmethod
+    def film_names(cls) -> tuple[str, ...]:
+        """Names of the fields that are films."""
+        fields = dataclasses.fields(cls)
+        return tuple(field.name for field in fields if field.type is FilmProperties)
 
     @property
     def mass(self) -> Numeric:

@@ -4,23 +4,19 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from lightflyer.core.quantity import Length, Mass
 from lightflyer.core.types import Numeric
-from lightflyer.drag.disk import Direction, disk_diagnostics, disk_drag, edgewise_disk_drag
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.flyer.section import FlyerSection
 
-_CENTIMETRE = 1e-2
 
-
-class Disk(AbstractFlyer):
+class Disk(AbstractThinFlyer):
     """A thin flat disk of one temperature.
 
     Attributes
@@ -54,19 +50,14 @@ class Disk(AbstractFlyer):
     attitude: Attitude | None = None
 
     @property
-    def area(self) -> Numeric:
-        """Area of one face [m²]."""
-        return jnp.pi * self.radius**2
+    def faces(self) -> tuple[FilmProperties, FilmProperties]:
+        """See :attr:`AbstractThinFlyer.faces`."""
+        return self.film, self.film
 
     @property
     def own_mass(self) -> Numeric:
         """Mass of the film [kg]."""
         return self.area * self.film.areal_density
-
-    @property
-    def highest_temperature(self) -> Numeric | None:
-        """See :attr:`AbstractFlyer.highest_temperature`."""
-        return self.film.highest_temperature
 
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
         """See :meth:`AbstractFlyer.beam_areas`."""
@@ -100,42 +91,6 @@ class Disk(AbstractFlyer):
         root = jnp.sqrt(jnp.sqrt(jnp.maximum(1.0 + bound, 0.0)))
         # solves (1 + θ)⁴ = 1 + bound without cancellation
         return jnp.abs(bound / ((root + 1.0) * (root**2 + 1.0)))
-
-    def drag(
-        self,
-        state: EnvironmentState,
-        unknowns: tuple[Array, ...],
-        speed: Numeric,
-        direction: Direction = "broadside",
-    ) -> Array:
-        """See :meth:`AbstractFlyer.drag` and :mod:`lightflyer.drag.disk`."""
-        excess, film = unknowns[0], self.film
-        law = edgewise_disk_drag if direction == "edgewise" else disk_drag
-        return law(
-            speed,
-            self.radius,
-            state.pressure,
-            state.temperature,
-            state.gas,
-            (film.tac_top, film.tac_bottom),
-            (excess, excess),
-        )
-
-    def drag_diagnostics(
-        self,
-        state: EnvironmentState,
-        speed: Numeric,
-        direction: Direction = "broadside",
-        temperature: Numeric | None = None,
-    ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_diagnostics`."""
-        faces = (self.film.tac_top, self.film.tac_bottom)
-        gas = (state.pressure, state.temperature, state.gas)
-        return tuple(disk_diagnostics(speed, self.radius, *gas, faces, direction, temperature))
-
-    def describe(self) -> str:
-        """See :meth:`AbstractFlyer.describe`."""
-        return f"disk of {2.0 * float(np.asarray(self.radius)) / _CENTIMETRE:g} cm"
 
     def _black_power(self, state: EnvironmentState) -> Array:
         """Power that one black face would radiate at the gas temperature [W]."""

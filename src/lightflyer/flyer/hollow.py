@@ -19,14 +19,14 @@ from lightflyer.core.quantity import (
     OpenFraction,
 )
 from lightflyer.core.types import Numeric
-from lightflyer.drag.convex import Outline, convex_diagnostics, convex_drag
+from lightflyer.drag.convex import Outline
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude, Exitances, Radiation
 from lightflyer.files.section import Spelling
 from lightflyer.film.optics.diffraction import narrow_channels
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.bodies import AbstractClosedFlyer
 from lightflyer.flyer.hollow_geometry import FORMS, Form, HollowForm, seen_below_horizon
 from lightflyer.flyer.hollow_outline import hollow_outline
 from lightflyer.flyer.section import FlyerSection
@@ -78,7 +78,7 @@ def _contradiction(
     return next((text for wrong, text in found if wrong), None)
 
 
-class HollowBody(AbstractFlyer):
+class HollowBody(AbstractClosedFlyer):
     """A hollow body whose wall is two films held apart by the walls of open channels.
 
     The inner film is to be warmer than the outer one. Gas creeps through the channels towards the
@@ -204,13 +204,6 @@ class HollowBody(AbstractFlyer):
             wall = wall + self.sheet_density * self.sheet_fraction * between
         return self.surface * wall
 
-    @property
-    def highest_temperature(self) -> Numeric | None:
-        """See :attr:`AbstractFlyer.highest_temperature`: that of the film which bears less."""
-        limits = (film.highest_temperature for film in self._films)
-        known = [limit for limit in limits if limit is not None]
-        return min(known) if known else None
-
     def buoyancy(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Numeric:
         r"""See :meth:`AbstractFlyer.buoyancy`: that of the warm gas within."""
         # .. math:: \rho_c\,g\,V\left(1 - T_c/T_i\right)
@@ -274,24 +267,6 @@ class HollowBody(AbstractFlyer):
         length = self.channel_aspect * self.channel_width
         return tuple(narrow_channels(self.channel_width, length, coldest))
 
-    def drag(
-        self,
-        state: EnvironmentState,
-        unknowns: tuple[Array, ...],
-        speed: Numeric,
-        direction: Direction = "broadside",
-    ) -> Array:
-        """See :meth:`AbstractFlyer.drag`: that of a closed body of this shape."""
-        return convex_drag(
-            speed,
-            self._outline(direction),
-            state.pressure,
-            state.temperature,
-            state.gas,
-            self.outer.tac_top,
-            unknowns[1],
-        )
-
     def drag_diagnostics(
         self,
         state: EnvironmentState,
@@ -300,16 +275,19 @@ class HollowBody(AbstractFlyer):
         temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
         """See :meth:`AbstractFlyer.drag_diagnostics`."""
-        gas = (state.pressure, state.temperature, state.gas)
         return (
-            *convex_diagnostics(
-                speed, self._outline(direction), *gas, self.outer.tac_top, temperature
-            ),
+            *super().drag_diagnostics(state, speed, direction, temperature),
             "drag is that of a closed body: what flows through its wall and outlet is left out",
             *(() if self.form == "sphere" else (f"drag of a {self.form} is an estimate",)),
         )
 
-    def _outline(self, direction: Direction) -> Outline:
+    @property
+    def outer_film(self) -> tuple[FilmProperties, int]:
+        """See :attr:`AbstractClosedFlyer.outer_film`."""
+        return self.outer, 1
+
+    def outline(self, direction: Direction) -> Outline:
+        """See :meth:`AbstractClosedFlyer.outline`."""
         with float64():
             return hollow_outline(self.form, self.size, self.outlet_radius, direction)
 

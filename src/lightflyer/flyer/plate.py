@@ -3,31 +3,21 @@
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from lightflyer.core.quantity import ArealDensity, Conductivity, Density, Length, Mass
 from lightflyer.core.types import Numeric
-from lightflyer.drag.disk import (
-    Direction,
-    disk_diagnostics,
-    disk_drag,
-    edgewise_disk_drag,
-    wide_hole_diagnostics,
-)
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.optics.diffraction import narrow_channels
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import net_gains, sheet_in_light
 from lightflyer.gas.transmission_probability import slot_transmission
-
-_MILLIMETRE = 1e-3
 
 
 def _contradiction(
@@ -47,7 +37,7 @@ def _contradiction(
     return None
 
 
-class Plate(AbstractFlyer):
+class Plate(AbstractThinFlyer):
     r"""A plate of two films, whose open channels have walls that join the films.
 
     Seen from above the channels are rectangles in rows, with film between them. Light passes the
@@ -101,6 +91,7 @@ class Plate(AbstractFlyer):
     drag_law: ClassVar[str] = (
         "of a thin disk by the kinetic equation, less the molecules that pass, with inertia"
     )
+    shown_unit: ClassVar[str] = "mm"
     contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     top: FilmProperties
@@ -118,9 +109,14 @@ class Plate(AbstractFlyer):
     areal_density: ArealDensity | None = None
 
     @property
-    def area(self) -> Numeric:
-        """Area of the outline, channels included [m²]."""
-        return jnp.pi * self.radius**2
+    def faces(self) -> tuple[FilmProperties, FilmProperties]:
+        """See :attr:`AbstractThinFlyer.faces`."""
+        return self.top, self.bottom
+
+    @property
+    def widest_holes(self) -> tuple[Numeric, Numeric]:
+        """See :attr:`AbstractThinFlyer.widest_holes`."""
+        return 0.5 * self.channel_width, self.open_fraction
 
     @property
     def cell_area(self) -> Numeric:
@@ -167,11 +163,6 @@ class Plate(AbstractFlyer):
             return self.area * self.areal_density
         return self.sheets.own_mass
 
-    @property
-    def highest_temperature(self) -> Numeric | None:
-        """See :attr:`AbstractFlyer.highest_temperature`: that of the film which bears less."""
-        return self.sheets.highest_temperature
-
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
         """See :meth:`AbstractFlyer.beam_areas`."""
         # Light on the top face that enters a channel leaves it at the other end.
@@ -209,45 +200,6 @@ class Plate(AbstractFlyer):
         """Share of the free molecules arriving at the plate that pass its channels [1]."""
         length = self.height / self.channel_width
         return self.open_fraction * slot_transmission(length).through
-
-    def drag(
-        self,
-        state: EnvironmentState,
-        unknowns: tuple[Array, ...],
-        speed: Numeric,
-        direction: Direction = "broadside",
-    ) -> Array:
-        """See :meth:`AbstractFlyer.drag`: that of a disk which lets a share of the gas pass."""
-        law = edgewise_disk_drag if direction == "edgewise" else disk_drag
-        return law(
-            speed,
-            self.radius,
-            state.pressure,
-            state.temperature,
-            state.gas,
-            (self.top.tac_top, self.bottom.tac_bottom),
-            (unknowns[0], unknowns[1]),
-            self.passing_share,
-        )
-
-    def drag_diagnostics(
-        self,
-        state: EnvironmentState,
-        speed: Numeric,
-        direction: Direction = "broadside",
-        temperature: Numeric | None = None,
-    ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_diagnostics`."""
-        faces = (self.top.tac_top, self.bottom.tac_bottom)
-        gas = (state.pressure, state.temperature, state.gas)
-        return (
-            *disk_diagnostics(speed, self.radius, *gas, faces, direction, temperature),
-            *wide_hole_diagnostics(0.5 * self.channel_width, self.radius, self.open_fraction, *gas),
-        )
-
-    def describe(self) -> str:
-        """See :meth:`AbstractFlyer.describe`."""
-        return f"plate of {2.0 * float(np.asarray(self.radius)) / _MILLIMETRE:g} mm"
 
 
 class PlateSection(FlyerSection, of=Plate):

@@ -17,19 +17,12 @@ from lightflyer.core.quantity import (
     OpenFraction,
 )
 from lightflyer.core.types import Numeric
-from lightflyer.drag.disk import (
-    Direction,
-    disk_diagnostics,
-    disk_drag,
-    edgewise_disk_drag,
-    wide_hole_diagnostics,
-)
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.optics.diffraction import narrow_holes
 from lightflyer.film.properties import FilmProperties, excess_of_growth
-from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import (
     DARK,
@@ -40,8 +33,6 @@ from lightflyer.flyer.sheets import (
     sheet_in_light,
 )
 from lightflyer.gas.transmission_probability import coaxial_share
-
-_CENTIMETRE = 1e-2
 
 
 def _contradiction(
@@ -55,7 +46,7 @@ def _contradiction(
     return None
 
 
-class Sandwich(AbstractFlyer):
+class Sandwich(AbstractThinFlyer):
     """Two parallel membranes with holes, held apart by supports.
 
     Light passes the upper membrane, through its holes or its film, and warms the lower one. Gas
@@ -121,9 +112,14 @@ class Sandwich(AbstractFlyer):
     support_density: Density | None = None
 
     @property
-    def area(self) -> Numeric:
-        """Area of the outline, holes included [m²]."""
-        return jnp.pi * self.radius**2
+    def faces(self) -> tuple[FilmProperties, FilmProperties]:
+        """See :attr:`AbstractThinFlyer.faces`."""
+        return self.top, self.bottom
+
+    @property
+    def widest_holes(self) -> tuple[Numeric, Numeric]:
+        """See :attr:`AbstractThinFlyer.widest_holes`."""
+        return self.hole_radius, self.open_fraction
 
     @property
     def solid_fraction(self) -> Numeric:
@@ -137,13 +133,6 @@ class Sandwich(AbstractFlyer):
         if self.support_density is not None:
             films = films + self.support_density * self.support_fraction * self.gap
         return self.area * films
-
-    @property
-    def highest_temperature(self) -> Numeric | None:
-        """See :attr:`AbstractFlyer.highest_temperature`: that of the membrane which bears less."""
-        both = (self.top.highest_temperature, self.bottom.highest_temperature)
-        known = [limit for limit in both if limit is not None]
-        return min(known) if known else None
 
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
         """See :meth:`AbstractFlyer.beam_areas`."""
@@ -201,45 +190,6 @@ class Sandwich(AbstractFlyer):
         # forget where they came from.
         direct = coaxial_share(self.gap / self.hole_radius)
         return self.open_fraction * (direct + (1.0 - direct) / (2.0 - self.open_fraction))
-
-    def drag(
-        self,
-        state: EnvironmentState,
-        unknowns: tuple[Array, ...],
-        speed: Numeric,
-        direction: Direction = "broadside",
-    ) -> Array:
-        """See :meth:`AbstractFlyer.drag`: that of a disk which lets a share of the gas pass."""
-        law = edgewise_disk_drag if direction == "edgewise" else disk_drag
-        return law(
-            speed,
-            self.radius,
-            state.pressure,
-            state.temperature,
-            state.gas,
-            (self.top.tac_top, self.bottom.tac_bottom),
-            (unknowns[0], unknowns[1]),
-            self.passing_share,
-        )
-
-    def drag_diagnostics(
-        self,
-        state: EnvironmentState,
-        speed: Numeric,
-        direction: Direction = "broadside",
-        temperature: Numeric | None = None,
-    ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_diagnostics`."""
-        faces = (self.top.tac_top, self.bottom.tac_bottom)
-        gas = (state.pressure, state.temperature, state.gas)
-        return (
-            *disk_diagnostics(speed, self.radius, *gas, faces, direction, temperature),
-            *wide_hole_diagnostics(self.hole_radius, self.radius, self.open_fraction, *gas),
-        )
-
-    def describe(self) -> str:
-        """See :meth:`AbstractFlyer.describe`."""
-        return f"sandwich of {2.0 * float(np.asarray(self.radius)) / _CENTIMETRE:g} cm"
 
     def _sheets_in_light(self) -> tuple[Sheet, Sheet]:
         top, bottom = (sheet_in_light(film, self.open_fraction) for film in (self.top, self.bottom))

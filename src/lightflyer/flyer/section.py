@@ -1,6 +1,5 @@
 """``[flyer]`` of a flyer file: what all its alternatives share."""
 
-import dataclasses
 from typing import Any, ClassVar
 
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Azimuth, Mass, Tilt
@@ -41,21 +40,22 @@ class FlyerSection(Alternative):
     def __init_subclass__(cls, of: type[AbstractFlyer] | None = None, **options: Any) -> None:
         if of is not None:
             cls.flyer_type = of
-            if _films(of) and _FILM not in _films(of):
-                cls.needs_film = False
+            cls.needs_film = _FILM in of.film_names() or not of.film_names()
         super().__init_subclass__(of=of, **options)
 
     @classmethod
     def keys_of(cls, described: type) -> dict[str, tuple[Any, Any]]:
         """See :meth:`Section.keys_of`."""
-        films = {name: (AnyFilmSection, ...) for name in _films(described) if name != _FILM}
+        films = {
+            name: (AnyFilmSection, ...) for name in cls.flyer_type.film_names() if name != _FILM
+        }
         return super().keys_of(described) | films
 
     def build(self, film: FilmProperties | None, incidence: float) -> AbstractFlyer:
         """The flyer; ``film`` [film]; ``film``: what ```` says, where :attr:`needs_film`."""
         films = {
             name: film if name == _FILM else getattr(self, name).build(incidence)
-            for name in _films(self.flyer_type)
+            for name in self.flyer_type.film_names()
         }
         return self.make(**films, attitude=self.attitude())
 
@@ -67,7 +67,3 @@ class FlyerSection(Alternative):
         return Attitude(
             self.tilt.value * RADIANS_PER_DEGREE, self.azimuth.value * RADIANS_PER_DEGREE
         )
-
-
-def _films(flyer: type) -> list[str]:
-    return [field.name for field in dataclasses.fields(flyer) if field.type is FilmProperties]

@@ -1,25 +1,22 @@
 """``[mission]`` of a mission file: release, duration, attitude, launches, ensemble."""
 
 import datetime
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 import pydantic
 
-from lightflyer.core.clock import seconds_of
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Altitude,
-    Distance,
     Duration,
     Fraction,
     Latitude,
     Longitude,
-    Speed,
     Tilt,
 )
-from lightflyer.core.units import Measured
-from lightflyer.files.section import Section
+from lightflyer.files.section import Section, Spelling
 from lightflyer.mission.fleet import Ensemble
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, FollowSun, Level, Own
 from lightflyer.mission.path.release import Release
@@ -37,15 +34,18 @@ _RULES = ("own", "level", "follow-sun")
 _EXACT = ("latitude", "longitude", "duration")
 
 
-class EnsembleSection(Section):
+class EnsembleSection(Section, of=Ensemble):
     """``[mission.ensemble]``: flights within every ±."""
+
+    spelled: ClassVar[Mapping[str, Spelling]] = {
+        "wind": Spelling("wind_uncertainty"),
+        "vertical_wind": Spelling("vertical_wind_uncertainty"),
+        "distance": Spelling("position_uncertainty"),
+    }
+    left_out: ClassVar[tuple[str, ...]] = ("altitude", "time")
 
     members: _Members = 200
     seed: _Seed = 0
-    wind_uncertainty: Speed = Measured(0.0)
-    vertical_wind_uncertainty: Speed = Measured(0.0)
-    wind_correlation_time: Duration = Measured(86_400.0)
-    position_uncertainty: Distance = Measured(0.0)
     time_uncertainty: Duration | None = None
 
 
@@ -61,7 +61,7 @@ class LaunchesSection(Section):
         return [self.every.value * (1 + number) for number in range(self.count)]
 
 
-class MissionSection(Section):
+class MissionSection(Section, of=Release):
     """``[mission]``: from where and when, for how long, and how the flyer lies."""
 
     date: datetime.datetime
@@ -104,12 +104,8 @@ class MissionSection(Section):
     @property
     def release(self) -> Release:
         """Where and when."""
-        return Release(
-            altitude=self.altitude.value,
-            latitude=self.latitude.value,
-            longitude=self.longitude.value,
-            time=seconds_of(self.date),
-        )
+        found: Release = self.make(time=self.date)
+        return found
 
     def rule(self) -> AbstractAttitudeRule:
         """How the flyer lies."""
@@ -127,16 +123,9 @@ class MissionSection(Section):
         section = self.ensemble
         if section is None:
             return None
-        return Ensemble(
-            members=section.members,
-            seed=section.seed,
-            wind=section.wind_uncertainty.value,
-            vertical_wind=section.vertical_wind_uncertainty.value,
-            wind_correlation_time=section.wind_correlation_time.value,
-            altitude=self.altitude.uncertainty or 0.0,
-            distance=section.position_uncertainty.value,
-            time=0.0 if section.time_uncertainty is None else section.time_uncertainty.value,
-        )
+        time = 0.0 if section.time_uncertainty is None else section.time_uncertainty.value
+        drawn: Ensemble = section.make(altitude=self.altitude.uncertainty or 0.0, time=time)
+        return drawn
 
     def arguments(self) -> dict[str, Any]:
         """Arguments of :func:`lightflyer.fly` beside the design."""

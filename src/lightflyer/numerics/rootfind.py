@@ -38,35 +38,37 @@ balances of random disks in ``benchmarks/solver.py``. On processors this loses.
 """
 
 
-class SolverStatus(enum.IntEnum):
-    """Why a search ended."""
+class Reason(enum.IntEnum):
+    """Why something ended: a number, and a phrase for tables and messages."""
 
-    CONVERGED = 0
-    STEP_LIMIT = 1
-    NOT_FINITE = 2
-    TOLERANCE_MISSED = 3
-    SINGULAR = 4
-    STALLED = 5
+    phrase: str
+
+    def __new__(cls, code: int, phrase: str = "") -> "Reason":
+        """A member of a number and a phrase."""
+        member = int.__new__(cls, code)
+        member._value_, member.phrase = code, phrase
+        return member
 
     def describe(self) -> str:
-        """Phrase for messages.
+        """The phrase.
 
         Examples
         --------
         >>> SolverStatus.STEP_LIMIT.describe()
         'reached the limit of steps'
         """
-        return _REASONS[self]
+        return self.phrase
 
 
-_REASONS = {
-    SolverStatus.CONVERGED: "converged",
-    SolverStatus.STEP_LIMIT: "reached the limit of steps",
-    SolverStatus.NOT_FINITE: "met a number that is not finite",
-    SolverStatus.TOLERANCE_MISSED: "missed the tolerance",
-    SolverStatus.SINGULAR: "met a singular Jacobian",
-    SolverStatus.STALLED: "stalled where no step reduces the residual",
-}
+class SolverStatus(Reason):
+    """Why a search ended."""
+
+    CONVERGED = 0, "converged"
+    STEP_LIMIT = 1, "reached the limit of steps"
+    NOT_FINITE = 2, "met a number that is not finite"
+    TOLERANCE_MISSED = 3, "missed the tolerance"
+    SINGULAR = 4, "met a singular Jacobian"
+    STALLED = 5, "stalled where no step reduces the residual"
 
 
 def describe_status(status: ArrayLike) -> str:

@@ -52,19 +52,7 @@ def facts() -> dict[str, Any]:
 
 
 def film(coating: str, areal_density_g_m2: float | None = None) -> FilmProperties:
-    """Film of the paper's model with a coating.
-
-    Parameters
-    ----------
-    coating : str
-        ``"ge"`` or ``"cnt"``.
-    areal_density_g_m2 : float, optional
-        In place of the stated one [g/m²].
-
-    Returns
-    -------
-    FilmProperties
-    """
+    """Film of the paper's model with a coating, ``"ge"`` or ``"cnt"``."""
     stated = facts()["film"][coating]
     emittance = stated["emittance"]
     grams = stated["areal_density_g_m2"] if areal_density_g_m2 is None else areal_density_g_m2

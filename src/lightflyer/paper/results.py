@@ -53,8 +53,9 @@ _NANOMETRE = 1e-9
 _DISK = 2.0 * _CENTIMETRE
 _GRAMS = 1e3
 _LAYERS = (("alumina", 50.0), ("germanium", 20.0), ("mylar", 500.0), ("germanium", 20.0))
-_LOOKS = 4  # each narrows a search some hundred times
 _LOOK_POINTS = POINTS // 4
+_MILLIMETRES = 3  # decimals of an optimum's place: further ones are rounding of the payload
+_DIAMETER_DIGITS = 5  # of a diameter in cm, to which it is searched
 
 
 def band(column: Column, incidence_deg: float = 0.0) -> tuple[float, float]:
@@ -75,17 +76,14 @@ def bands(
         return table["lift_over_weight"] - 1.0
 
     best, height = _maximum(margin, *SEARCHED_ALTITUDES)
-    edges = [
-        crossing(margin, np.full_like(best, end), best, points=POINTS // 2, looks=_LOOKS)
-        for end in SEARCHED_ALTITUDES
-    ]
+    edges = [crossing(margin, np.full_like(best, end), best) for end in SEARCHED_ALTITUDES]
     flies = height >= 0.0
     lower, best, upper = (np.where(flies, place, np.nan) for place in (edges[0], best, edges[1]))
     return lower, best, upper
 
 
 def _maximum(function: Function, low: Numeric, high: Numeric) -> tuple[np.ndarray, np.ndarray]:
-    return peak(function, low, high, points=_LOOK_POINTS, looks=_LOOKS)
+    return peak(function, low, high, points=_LOOK_POINTS)
 
 
 def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -96,7 +94,8 @@ def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]
         table = over_altitude(column, altitude, diameters, constants.SOLAR_CONSTANT_LU2023)
         return table["relative_payload"]
 
-    return _maximum(relative, *SEARCHED_ALTITUDES)
+    best, payload = _maximum(relative, *SEARCHED_ALTITUDES)
+    return np.round(best, _MILLIMETRES), payload
 
 
 def film_mass(diameter: Any) -> Any:
@@ -177,9 +176,9 @@ def _payload_values(column: Column) -> dict[str, float]:
         "payload_05cm": float(relative[0] * film_mass(small)),
         "relative_payload_05cm": float(relative[0]),
         "altitude_05cm": float(altitude[0] / _KILOMETRE),
-        "diameter_most_payload": float(most.x / _CENTIMETRE),
-        "diameter_largest": float(largest),
-        "diameter_own_weight": float(own_weight),
+        "diameter_most_payload": round(float(most.x) / _CENTIMETRE, _DIAMETER_DIGITS),
+        "diameter_largest": round(largest, _DIAMETER_DIGITS),
+        "diameter_own_weight": round(own_weight, _DIAMETER_DIGITS),
     }
 
 

@@ -8,7 +8,7 @@ from lightflyer.design.outputs import predicted_names, table_of
 from lightflyer.design.setup import Setup
 
 POINTS = 301
-"""Places that a search looks at at a time."""
+"""Coordinates of a prediction's table."""
 
 Table: TypeAlias = dict[str, np.ndarray]
 """Outputs by name, each an array over the same coordinates, in SI units."""
@@ -31,7 +31,3 @@ class Evaluator:
         light = np.full(coordinates.shape, self.irradiance) if irradiance is None else irradiance
         # in the order in which they are listed: JAX sorts them by name
         return table_of(self.setup, coordinates, light, names or predicted_names(self.setup))
-
-    def column(self, coordinates: np.ndarray, name: str) -> np.ndarray:
-        """One output at coordinates of shape (n, 1), as the search wants it."""
-        return self(coordinates[:, 0], names=(name,))[name][:, None]

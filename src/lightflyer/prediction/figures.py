@@ -216,17 +216,7 @@ def temperature(prediction: "Prediction", ax: Axes) -> Axes:
 
 
 def payload(prediction: "Prediction", ax: Axes) -> Axes:
-    """Draw the largest payload, with the relative payload on the right.
-
-    Parameters
-    ----------
-    prediction : Prediction
-    ax : matplotlib.axes.Axes
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Draw the largest payload, with the relative payload on the right."""
     factor, (scale, unit) = across(prediction), shown_for_best(prediction, "payload")
     values = prediction.best.values
     best, point = values["payload"] * scale, factor * prediction.best.coordinate

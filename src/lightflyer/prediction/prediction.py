@@ -25,9 +25,9 @@ from lightflyer.design.outputs import (
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.files.result_text import Parts, PrintedResult
-from lightflyer.flight.grid_refinement import bands_of, crossing, peak
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
+from lightflyer.prediction.search import Names, search
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,7 +57,6 @@ AT_THE_BEST = (
 """Outputs reported at the coordinate of the largest payload, besides those of the force model and
 of a payload's budget."""
 
-_LOOKS = 3  # after the first table: each narrows the search a hundred and fifty times
 _MAP_POINTS = (91, 61)  # pressures and irradiances of the temperature map
 _MAP_TOP = 2.0  # its largest irradiance, over the lamp's or the least that levitates
 
@@ -162,8 +161,7 @@ class Prediction(PrintedResult):
         """Index of the widest band; None where there is none."""
         if not self.bands:
             return None
-        bands = np.array(self.bands)
-        ends = np.log(bands) if self.coordinate.logarithmic else bands
+        ends = self.coordinate.place(np.array(self.bands))
         return int(np.argmax(ends[:, 1] - ends[:, 0]))
 
     @cached_property
@@ -320,15 +318,11 @@ def predict_design(
     coordinates = search_grid(setup, POINTS)
     asked = _reported_coordinates(where, coordinates, at)
     table = evaluate(coordinates)
-    best = _optimum(evaluate, coordinates, table, "payload", +1.0)
-    bands = _bands(evaluate, coordinates, table, best)
+    bands, best, easiest = _search(evaluate, where, coordinates, table)
     edges = np.array(bands).reshape(-1, 2)
     pressures = edges
     if bands:
         pressures = evaluate(edges.ravel(), names=("pressure",))["pressure"].reshape(-1, 2)
-    easiest = None
-    if np.isfinite(table["levitation_irradiance"]).any():
-        easiest = _optimum(evaluate, coordinates, table, "levitation_irradiance", -1.0)
     flying = [coordinates[(coordinates >= low) & (coordinates <= high)] for low, high in bands]
     explicit = asked[:0] if at is None else asked
     reported = np.unique(np.concatenate([*flying, edges.ravel(), explicit, [best.coordinate]]))
@@ -357,7 +351,7 @@ def search_grid(setup: Setup, points: int) -> np.ndarray:
     where = setup.environment.coordinate
     low, high = (float(end) for end in setup.searched)
     where.quantity.check(f"searched {where.name} [{where.unit}]", np.array([low, high]))
-    return np.geomspace(low, high, points) if where.logarithmic else np.linspace(low, high, points)
+    return where.evenly(low, high, points)
 
 
 def _reported_coordinates(
@@ -371,44 +365,30 @@ def _reported_coordinates(
     return asked
 
 
-def _optimum(
-    evaluate: Evaluator, coordinates: np.ndarray, table: Table, name: str, sign: float
-) -> Place:
-    """Coordinate of the largest ``sign * output``, and the outputs there."""
-    best = int(np.nanargmax(sign * table[name]))
-    ends = coordinates[max(best - 1, 0)], coordinates[min(best + 1, coordinates.size - 1)]
-    place, _ = peak(
-        lambda points: sign * evaluate.column(points, name), *ends, points=POINTS, looks=_LOOKS
-    )
-    values = evaluate(place)
-    return Place(float(place[0]), {key: float(column[0]) for key, column in values.items()})
+def _search(
+    evaluate: Evaluator, where: Coordinate, coordinates: np.ndarray, table: Table
+) -> tuple[list[tuple[float, float]], Place, Place | None]:
+    """Bands, place of the largest payload, and of the least light where any lifts the flyer."""
+    place = where.place(coordinates)
 
-
-def _bands(
-    evaluate: Evaluator, coordinates: np.ndarray, table: Table, best: Place
-) -> list[tuple[float, float]]:
-    """Bands; the point of most payload is added so as not to miss a narrow one."""
-    position = int(np.searchsorted(coordinates, best.coordinate))
-    points = np.insert(coordinates, position, best.coordinate)
-    margins = np.insert(table["lift_over_weight"], position, best.values["lift_over_weight"])
-    last = points.size - 1
-
-    def edge(outside: int, inside: int) -> float:
-        if not 0 <= outside <= last:
-            return float(points[inside])  # the end of the range, not of the flyer's ability
-        found = crossing(
-            lambda places: evaluate.column(places, "lift_over_weight") - 1.0,
-            points[outside],
-            points[inside],
-            points=POINTS,
-            looks=_LOOKS,
+    def of_place(places: np.ndarray) -> np.ndarray:
+        ends = {0: places == place[0], -1: places == place[-1]}  # exactly, however rounded
+        return np.select(
+            [*ends.values()], [coordinates[end] for end in ends], where.of_place(places)
         )
-        return float(found[0])
 
-    return [
-        (edge(first - 1, first), edge(final + 1, final))
-        for first, final in bands_of(margins >= 1.0)
-    ]
+    def tabulate(places: np.ndarray, names: Names = None) -> Table:
+        found = evaluate(of_place(places).ravel(), names=names)
+        return {name: values.reshape(places.shape) for name, values in found.items()}
+
+    found = search(tabulate, place, {name: values[:, None] for name, values in table.items()})
+    edges = of_place(found.edges[:, :, 0])
+    bands = [(float(lower), float(upper)) for lower, upper in edges.T if lower == lower]
+    best, easiest = (
+        Place(float(of_place(place)[0]), {name: float(one[0]) for name, one in values.items()})
+        for place, values in ((found.best, found.at_best), (found.easiest, found.at_easiest))
+    )
+    return bands, best, None if np.isnan(easiest.coordinate) else easiest
 
 
 def _map(evaluate: Evaluator, coordinates: np.ndarray, easiest: Place | None) -> TemperatureMap:

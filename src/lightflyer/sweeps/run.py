@@ -220,22 +220,12 @@ def open_sweep(folder: str | Path) -> "xr.Dataset":
 
 @dataclass(frozen=True)
 class Estimate:
-    """Time and space that a study needs.
+    """Time and space that a study needs."""
 
-    Attributes
-    ----------
-    designs, size : int
-        Number of designs, and space on the disk [bytes].
-    seconds : float
-        Time on this machine [s].
-    free : int
-        Free space on the disk [bytes].
-    """
-
-    designs: int
+    designs: int  # Number of designs, and space on the disk [bytes]
     size: int
-    seconds: float
-    free: int
+    seconds: float  # Time on this machine [s]
+    free: int  # Free space on the disk [bytes]
 
 
 def estimate(study: Study, folder: str | Path) -> Estimate:

@@ -8,7 +8,6 @@ distributions, cut off where a value is impossible, and repeats the prediction.
 """
 
 from dataclasses import dataclass, field
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,10 +17,11 @@ from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
 from lightflyer.design.outputs import outputs_of
-from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.files.result_text import NARROW, Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Place, Prediction, predict_design, search_grid
+from lightflyer.prediction.search import Found
 from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.derivatives import Derivatives, derivatives
 from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs
@@ -53,10 +53,13 @@ BANDS = (
 )
 """Outputs that have bands over the coordinate, besides those of the force model's own."""
 
+EDGES = ("lower", "upper")
+"""Names of the edges of a band."""
+
 _POSITIVE = "levitation_irradiance"  # goes with the inverse of the TACs' difference
 _MARGIN = 10  # points of the prediction's table searched beyond the nominal range
 _LIGHT_SPAN = 30.0  # irradiance, over the least, up to which the nominal range reaches
-_SEARCHED_POINTS = 61  # over the whole searched range, besides those of the bands
+_SEARCHED_POINTS = 31  # over the whole searched range, besides those of the bands
 
 Table = dict[str, np.ndarray]
 
@@ -249,9 +252,18 @@ def propagate(
         report("bands by Monte Carlo")
         drawn = draw_possible(inputs, samples, seed)
         told = _diagnostics(drawn)
-        table, at_movers = _tables(prediction, inputs, drawn.samples, targets, (points, grid))
-        sampled = {target.name: _sampled(target, table, at_movers) for target in targets}
-        bands = _quantiles({name: table[name][:, points.size :] for name in names})
+        asked = {target.quantity for target in targets} - {""}
+        wanted = tuple(dict.fromkeys((*names, *sorted(asked))))
+        whole = search_grid(prediction.setup, _SEARCHED_POINTS)
+        coordinates = np.concatenate([points, grid, whole])
+        table = monte_carlo.tabulate_samples(inputs, drawn.samples, coordinates, wanted)
+        searched, where = (whole[0], whole[-1]), prediction.coordinate
+        found = monte_carlo.search_samples(
+            inputs, drawn.samples, coordinates, table, searched, where
+        )
+        sampled = {target.name: _sampled(target, found, where, table) for target in targets}
+        shown = slice(points.size, points.size + grid.size)
+        bands = _quantiles({name: table[name][:, shown] for name in names})
     else:
         bands = _normal_bands(slopes, names, points.size)
     return PredictionUncertainty(
@@ -264,7 +276,7 @@ def propagate(
         seed=seed,
         coordinate=grid,
         endless=frozenset(target.name for target in targets if target.quantity == _POSITIVE),
-        edges=frozenset(target.name for target in targets if target.mover in ("lower", "upper")),
+        edges=frozenset(target.name for target in targets if target.mover in EDGES),
         low=bands[0],
         high=bands[1],
         warnings=told,
@@ -349,7 +361,7 @@ def _targets(prediction: Prediction) -> tuple[list[_Target], np.ndarray]:
     unit = key.removeprefix(prediction.coordinate.name)
     widest = prediction.widest
     if widest is not None:
-        for edge, coordinate in zip(("lower", "upper"), prediction.bands[widest], strict=True):
+        for edge, coordinate in zip(EDGES, prediction.bands[widest], strict=True):
             if coordinate not in found.ends:  # else it is not the flyer's own edge
                 found.at(coordinate)
                 found.add_coordinate(f"{prediction.coordinate.name}_band{unit}.{edge}", edge)
@@ -387,8 +399,9 @@ def _even_grid(prediction: Prediction) -> np.ndarray:
         lower, upper = np.searchsorted(coordinates, prediction.bands[prediction.widest])
         low, high = min(low, lower - _MARGIN), max(high, upper + _MARGIN)
     if prediction.coordinate.logarithmic:
-        return np.geomspace(coordinates[0], coordinates[-1], BAND_POINTS)
-    return np.linspace(coordinates[max(low, 0)], coordinates[min(high, last)], BAND_POINTS)
+        low, high = 0, last
+    ends = coordinates[max(low, 0)], coordinates[min(high, last)]
+    return prediction.coordinate.evenly(*ends, BAND_POINTS)
 
 
 def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
@@ -406,7 +419,7 @@ def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
 def _spread(target: _Target, slopes: Derivatives) -> float:
     """Standard uncertainty of a result to first order."""
     point = target.point
-    if target.mover in ("lower", "upper"):
+    if target.mover in EDGES:
         moving = slopes.edge(point)
     elif target.mover and not target.at_end:
         moving = slopes.optimum(target.mover, point)
@@ -417,42 +430,19 @@ def _spread(target: _Target, slopes: Derivatives) -> float:
     return target.scale * slopes.spread(moving)
 
 
-def _tables(
-    prediction: Prediction,
-    inputs: Inputs,
-    samples: np.ndarray,
-    targets: list[_Target],
-    where: tuple[np.ndarray, np.ndarray],
-) -> tuple[Table, dict[str, Table]]:
-    """Outputs of the samples at points and grid, and by mover, at the edges and optima of each."""
-    asked = {target.quantity for target in targets} - {""}
-    names = tuple(dict.fromkeys((*BANDS, *prediction.own_names, *sorted(asked))))
-    look = partial(monte_carlo.tabulate_samples, inputs, samples)
-    coordinates = np.concatenate(where)
-    table = look(coordinates, names)
-    found = monte_carlo.search(
-        look,
-        coordinates,
-        table,
-        search_grid(prediction.setup, _SEARCHED_POINTS),
-        logarithmic=prediction.coordinate.logarithmic,
-    )
-    at_movers = {}
-    for mover, places in found.items():
-        moved = tuple({target.quantity for target in targets if target.mover == mover} - {""})
-        known = np.isfinite(places)
-        there = look(np.where(known, places, coordinates[0])[:, None], moved) if moved else {}
-        at_movers[mover] = {"": places} | {
-            name: np.where(known, values[:, 0], np.nan) for name, values in there.items()
-        }
-    return table, at_movers
-
-
-def _sampled(target: _Target, table: Table, at_movers: dict[str, Table]) -> np.ndarray:
+def _sampled(target: _Target, found: Found, where: Coordinate, table: Table) -> np.ndarray:
     """One result in each sample, shape (samples,)."""
-    if target.mover:
-        return target.scale * at_movers[target.mover][target.quantity]
-    return target.scale * table[target.quantity][:, target.point]
+    if not target.mover:
+        values = table[target.quantity][:, target.point]
+    elif target.mover in EDGES:
+        values = where.of_place(found.edges[EDGES.index(target.mover), 0])
+    else:
+        optimal = target.mover == "payload"
+        place, outputs = (
+            (found.best, found.at_best) if optimal else (found.easiest, found.at_easiest)
+        )
+        values = outputs[target.quantity] if target.quantity else where.of_place(place)
+    return target.scale * values
 
 
 def _quantiles(table: Table) -> tuple[Table, Table]:

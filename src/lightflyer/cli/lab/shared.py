@@ -28,25 +28,7 @@ _SHOWN_REJECTED = 10
 
 
 def quantity(option: str, text: str, unit: str) -> "Measured":
-    """Value of an option such as ``--diameter "24 mm"``.
-
-    Parameters
-    ----------
-    option : str
-        Name of the option, for messages.
-    text : str
-    unit : str
-        SI unit of the value.
-
-    Returns
-    -------
-    Measured
-
-    Raises
-    ------
-    ConfigurationError
-        Naming the option.
-    """
+    """Value of an option such as ``--diameter "24 mm"``; ``unit``: SI unit of the value."""
     from lightflyer.core.units import parse
 
     try:
@@ -56,25 +38,7 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
 
 
 def difference(option: str, text: str, unit: str) -> float:
-    """Value of an option that is a difference, for which 1 °C is 1 K.
-
-    Parameters
-    ----------
-    option : str
-        Name of the option, for messages.
-    text : str
-    unit : str
-        SI unit of the value.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    ConfigurationError
-        Naming the option.
-    """
+    """Value of an option that is a difference, for which 1 °C is 1 K."""
     from lightflyer.core.units import parse, scale_and_offset
 
     quantity(option, text, unit)
@@ -87,26 +51,7 @@ def difference(option: str, text: str, unit: str) -> float:
 
 
 def share(option: str, text: str) -> float:
-    """Value of an option that is a share of something, such as ``--gauge-accuracy "5 %"``.
-
-    Parameters
-    ----------
-    option : str
-        Name of the option, for messages.
-    text : str
-
-    Returns
-    -------
-    float
-        [1].
-
-    Raises
-    ------
-    ConfigurationError
-        Naming the option.
-    ParameterError
-        If it is not between 0 and 1.
-    """
+    """Value of an option that is a share, such as ``--gauge-accuracy "5 %"`` [1]."""
     from lightflyer.core.checks import require_range
 
     value = quantity(option, text, "").value
@@ -115,18 +60,7 @@ def share(option: str, text: str) -> float:
 
 
 def optional_share(option: str, text: str | None) -> float | None:
-    """The same of an option without a default, None where it is not given.
-
-    Parameters
-    ----------
-    option : str
-    text : str or None
-
-    Returns
-    -------
-    float or None
-        [1].
-    """
+    """The same of an option without a default, None where it is not given [1]."""
     return None if text is None else share(option, text)
 
 
@@ -189,16 +123,7 @@ def estimate_table(rows: Sequence[tuple[str, "Estimate"]], first: str = "") -> T
 
 
 def interval_text(estimate: "Estimate") -> str:
-    """95 % interval of an estimate, as tables show it.
-
-    Parameters
-    ----------
-    estimate : Estimate
-
-    Returns
-    -------
-    str
-    """
+    """95 % interval of an estimate, as tables show it."""
     low, high = estimate.interval
     return f"{low:.4g} to {high:.4g}"
 
@@ -213,31 +138,8 @@ def write_record(
     figures: FigureOptions,
     tables: Mapping[str, str] | None = None,
 ) -> tuple[list[Path], list[str]]:
-    """Write the record (JSON, NetCDF) and figures of a measurement, or nothing.
-
-    Parameters
-    ----------
-    out : Path or None
-        Folder; None writes no record.
-    name : str
-        Name of the files without suffix.
-    document : dict
-        JSON record.
-    dataset : xarray.Dataset
-    draw : callable
-        Returns the figures by file name without ending.
-    update : callable
-        Updates the flyer file after all files are prepared; if it fails, nothing is written.
-    figures : FigureOptions
-    tables : mapping of str to str, optional
-        Text of further files, by name.
-
-    Returns
-    -------
-    written : list of Path
-    updated : list of str
-        Entries written into the flyer file.
-    """
+    """Write a measurement's record and figures; return what was written and what was updated."""
+    # the flyer file is changed after all files are prepared; if that fails, nothing is written
     if out is None:
         return [], update()
     from lightflyer.core.atomic_files import output_directory
@@ -260,24 +162,7 @@ def updating(
     name: str,
     files: Sequence[Path],
 ) -> Callable[[], list[str]]:
-    """Function that writes values into a flyer file, for :func:`write_record`.
-
-    It does nothing if no flyer file is named.
-
-    Parameters
-    ----------
-    flyer : Path or None
-    values : mapping of (str, str) to Estimate
-        By section and key.
-    name : str
-        Name of the measurement, with the reading where it matters.
-    files : sequence of Path
-        Measured files.
-
-    Returns
-    -------
-    callable
-    """
+    """Function that writes values into a flyer file, if one is named; see :func:`write_record`."""
 
     def update() -> list[str]:
         if flyer is None:

@@ -35,21 +35,11 @@ def _check(name: str, value: float, kind: Any) -> None:
 
 
 class Indices(NamedTuple):
-    """Activity of the sun and of the geomagnetic field, as NRLMSIS takes it.
+    """Activity of the sun and of the geomagnetic field, as NRLMSIS takes it."""
 
-    Attributes
-    ----------
-    f107 : float
-        Solar flux at 10.7 cm of the previous day [sfu].
-    f107a : float
-        Its mean over 81 days [sfu].
-    ap : float
-        Daily geomagnetic index.
-    """
-
-    f107: float
-    f107a: float
-    ap: float
+    f107: float  # Solar flux at 10.7 cm of the previous day [sfu]
+    f107a: float  # Its mean over 81 days [sfu]
+    ap: float  # Daily geomagnetic index
 
     @classmethod
     def of(cls, f107: float, f107a: float | None, ap: float) -> "Indices":

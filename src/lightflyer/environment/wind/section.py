@@ -22,7 +22,7 @@ from lightflyer.environment.wind.gridded import GriddedWind
 from lightflyer.environment.wind.hwm14 import HWM14
 from lightflyer.environment.wind.uniform import SumOfWinds, UniformWind
 from lightflyer.files.section import Alternative
-from lightflyer.files.toml_file import FOLDER
+from lightflyer.files.toml_file import file_beside
 
 _NO_ACTIVITY = (
     "the gradient wind is that of NRLMSIS: give wind.f107 and wind.ap, or an atmosphere with them"
@@ -53,12 +53,10 @@ class WindSection(Alternative, abc.ABC):
         return SumOfWinds(horizontal, upwards) if "up" in self.model_fields_set else horizontal
 
 
-class UniformWindSection(WindSection):
+class UniformWindSection(WindSection, of=UniformWind):
     """The same wind everywhere."""
 
     kind: Literal["uniform"] = "uniform"
-    east: Velocity = Measured(0.0)
-    north: Velocity = Measured(0.0)
 
     def build_horizontal(
         self,
@@ -66,7 +64,8 @@ class UniformWindSection(WindSection):
         indices: Indices | None,  # noqa: ARG002
     ) -> AbstractWind:
         """A uniform wind."""
-        return UniformWind(east=self.east.value, north=self.north.value)
+        wind: UniformWind = self.make(up=0.0)
+        return wind
 
 
 class GradientWindSection(WindSection):
@@ -119,7 +118,7 @@ class DataWindSection(WindSection):
     @pydantic.field_validator("file")
     @classmethod
     def _usable(cls, name: str, info: ValidationInfo) -> str:
-        path = _beside(name, info)
+        path = file_beside(name, info)
         _grid(path)  # raises here, where the line of the flyer file is known
         return path
 
@@ -141,7 +140,7 @@ class Hwm14WindSection(WindSection):
     @pydantic.field_validator("file")
     @classmethod
     def _usable(cls, name: str, info: ValidationInfo) -> str:
-        path = _beside(name, info)
+        path = file_beside(name, info)
         HWM14(path)  # raises here, where the line of the flyer file is known
         return path
 
@@ -152,12 +151,6 @@ class Hwm14WindSection(WindSection):
     ) -> AbstractWind:
         """HWM14."""
         return HWM14(self.file)
-
-
-def _beside(name: str, info: ValidationInfo) -> str:
-    """Path of a file that is named relative to the flyer file."""
-    folder = (info.context or {}).get(FOLDER)
-    return str(Path(folder, name)) if folder else name
 
 
 def _grid(path: str) -> WindGrid:

@@ -21,19 +21,8 @@ _THERMAL = ("polarisation", "angle", "temperature")
 
 
 def to_dataset(summary: "AngularSummary") -> "xr.Dataset":
-    """Optics by angle as an xarray dataset.
-
-    Parameters
-    ----------
-    summary : AngularSummary
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``polarisation`` (s, p and their mean), ``angle`` [degree], ``wavelength`` [m] and
-        ``temperature`` [K]. Names without addition are spectral, those with ``light_`` and
-        ``thermal_`` averages.
-    """
+    """Optics by angle as an xarray dataset."""
+    # Names without addition are spectral, those with ``light_`` and ``thermal_`` averages.
     import xarray as xr
 
     groups = (
@@ -70,13 +59,7 @@ def to_dataset(summary: "AngularSummary") -> "xr.Dataset":
 
 
 def write_csv(summary: "AngularSummary", path: Path) -> None:
-    """Write the averages, one row an angle, polarisation and spectrum.
-
-    Parameters
-    ----------
-    summary : AngularSummary
-    path : Path
-    """
+    """Write the averages, one row an angle, polarisation and spectrum."""
     spectra = [(summary.light.name, table_of(summary.lit))]
     for number, temperature in enumerate(summary.temperatures):
         shares = DirectionalShares(*(part[..., number] for part in summary.thermal))

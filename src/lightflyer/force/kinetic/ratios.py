@@ -38,26 +38,16 @@ beyond which a heat balance may step."""
 
 
 class Place(NamedTuple):
-    r"""A place in the table.
+    """A place in the table."""
 
-    Attributes
-    ----------
-    thinness, hot_thinness : array, shape (...)
-        Where the Knudsen number is among those of the linear and of the non-linear problem, from
-        −1 to 1.
-    dense : array, shape (...)
-        Knudsen number over that of the table's end where it lies below it, else 1.
-    heating : array, shape (...)
-        :math:`\ln(T_h/T_c)`.
-    tac, tac_variable : array, shape (...)
-        Mean TAC, and the logarithm of it plus :data:`TAC_OFFSET`.
-    """
-
+    # Where the Knudsen number is among those of the linear and of the non-linear problem, from −1
+    # to 1, shape (...)
     thinness: Array
     hot_thinness: Array
+    # Knudsen number over that of the table's end where it lies below it, else 1, shape (...)
     dense: Array
-    heating: Array
-    tac: Array
+    heating: Array  # ln(T_h/T_c), shape (...)
+    tac: Array  # Mean TAC, and the logarithm of it plus TAC_OFFSET, shape (...)
     tac_variable: Array
 
 

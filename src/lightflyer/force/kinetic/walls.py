@@ -173,23 +173,9 @@ def force(
     resisting: tuple[str, Array, Array],
     walls: Walls,
 ) -> Array:
-    """Force of gas in open space on a disk [N].
-
-    Parameters
-    ----------
-    disk : Disk
-    state : EnvironmentState
-    excess : array, shape (...)
-        Relative temperature excess [1].
-    resisting : tuple of str, array and array
-        Gas of the table, Knudsen number, and the force over that of free molecules at Maxwell walls
-        [1].
-    walls : Walls
-
-    Returns
-    -------
-    array, broadcast shape
-    """
+    """Force of gas in open space on a disk [N]."""
+    # ``resisting``: gas of the table, Knudsen number, and the force over that of free molecules at
+    # Maxwell walls.
     kind, knudsen, ratio = resisting
     film, pressure = disk.film, state.pressure
     maxwell = ratio * maxwell_force(disk.area, film.tac_difference, pressure, excess)

@@ -1,30 +1,15 @@
 """The model of Celenza, Eskenazi and Bargatin for hollow bodies, as published."""
 
-from collections.abc import Mapping
 from typing import ClassVar, Literal
 
-from jax import Array
-
-from lightflyer.core.types import Numeric
-from lightflyer.environment.base import EnvironmentState
-from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.flyer.hollow import HollowBody
-from lightflyer.force.base import AbstractForceModel, ModelResult
 from lightflyer.force.pumps.celenza2023_laws import require_air
-from lightflyer.force.pumps.hollow_flow import (
-    AS_PUBLISHED,
-    FLOW_RESULTS,
-    pump_diagnostics,
-    pump_force,
-    pump_results,
-)
-from lightflyer.force.pumps.hollow_heat import pump_heat
+from lightflyer.force.pumps.hollow_flow import AS_PUBLISHED, Corrections
+from lightflyer.force.pumps.hollow_model import AbstractHollowModel
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import AbstractGas
-from lightflyer.program.entry_point import entry_point
 
 
-class Celenza2023(AbstractForceModel):
+class Celenza2023(AbstractHollowModel):
     r"""Force of a hollow body as published, with the published code's constants.
 
     .. math::
@@ -50,46 +35,19 @@ class Celenza2023(AbstractForceModel):
     [Celenza2023]_
     """
 
-    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (HollowBody,)
     feels_walls: ClassVar[bool] = False
     molecules: ClassVar[tuple[str, ...]] = ("diatomic",)
-    results: ClassVar[Mapping[str, ModelResult]] = FLOW_RESULTS
     adds_buoyancy: ClassVar[bool] = False
+
+    @property
+    def corrections(self) -> Corrections:
+        """See :attr:`AbstractHollowModel.corrections`: none."""
+        return AS_PUBLISHED
 
     def require_gas(self, gas: AbstractGas) -> None:
         """See :meth:`AbstractForceModel.require_gas`: air of whatever correlations."""
         super().require_gas(gas)
         require_air("Celenza2023", gas)
-
-    @entry_point
-    def heat_loss(
-        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
-    ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
-        return pump_heat(flyer, state, unknowns, AS_PUBLISHED)
-
-    @entry_point
-    def force(
-        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
-    ) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
-        return pump_force(flyer, state, unknowns, AS_PUBLISHED)
-
-    @entry_point
-    def own_results(
-        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
-    ) -> dict[str, Array]:
-        """See :meth:`AbstractForceModel.own_results`."""
-        return pump_results(flyer, state, unknowns, AS_PUBLISHED)
-
-    def diagnostics(
-        self,
-        flyer: HollowBody,
-        state: EnvironmentState,
-        temperature: Numeric,  # noqa: ARG002
-    ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
-        return pump_diagnostics(flyer, state, AS_PUBLISHED)
 
 
 class Celenza2023Section(ForceSection, of=Celenza2023):

@@ -1,31 +1,16 @@
 """Hollow bodies as pumps: the published model, corrected."""
 
-from collections.abc import Mapping
-from typing import ClassVar, Literal
+from typing import Literal
 
 import equinox as eqx
 import jax.numpy as jnp
-from jax import Array
 
 from lightflyer.core.quantity import StandardErrors
-from lightflyer.core.types import Numeric
-from lightflyer.environment.base import EnvironmentState
-from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.flyer.hollow import HollowBody
-from lightflyer.force.base import AbstractForceModel, ModelResult
 from lightflyer.force.pumps.celenza2023_laws import require_air
-from lightflyer.force.pumps.hollow_flow import (
-    FLOW_RESULTS,
-    Corrections,
-    Errors,
-    pump_diagnostics,
-    pump_force,
-    pump_results,
-)
-from lightflyer.force.pumps.hollow_heat import pump_heat
+from lightflyer.force.pumps.hollow_flow import Corrections, Errors
+from lightflyer.force.pumps.hollow_model import AbstractHollowModel
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import AbstractGas
-from lightflyer.program.entry_point import entry_point
 
 _SCATTER = Errors(wall=0.10, outlet=0.25, force=0.15, heat=0.10)
 """Standard errors, relative [1].
@@ -43,7 +28,7 @@ _SCATTER = Errors(wall=0.10, outlet=0.25, force=0.15, heat=0.10)
 """
 
 
-class HollowPump(AbstractForceModel):
+class HollowPump(AbstractHollowModel):
     """Force and heat of a hollow body from thin gas to the continuum.
 
     Each of its nine corrections to :class:`~lightflyer.Celenza2023` is on, unless it is switched
@@ -90,9 +75,6 @@ class HollowPump(AbstractForceModel):
     [Celenza2023]_ for the equations that are corrected.
     """
 
-    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (HollowBody,)
-    results: ClassVar[Mapping[str, ModelResult]] = FLOW_RESULTS
-
     short_channels: bool = eqx.field(static=True, default=True)
     projected_light: bool = eqx.field(static=True, default=True)
     energy_balance: bool = eqx.field(static=True, default=True)
@@ -115,12 +97,12 @@ class HollowPump(AbstractForceModel):
 
     @property
     def corrections(self) -> Corrections:
-        """What is on."""
+        """See :attr:`AbstractHollowModel.corrections`."""
         return Corrections(*(getattr(self, name) for name in Corrections._fields))
 
     @property
     def errors(self) -> Errors:
-        """Factors of what the model may be off by."""
+        """See :attr:`AbstractHollowModel.errors`."""
         given = (getattr(self, f"{name}_error") for name in Errors._fields)
         return Errors(
             *(
@@ -128,36 +110,6 @@ class HollowPump(AbstractForceModel):
                 for error, scatter in zip(given, _SCATTER, strict=True)
             )
         )
-
-    @entry_point
-    def heat_loss(
-        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
-    ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
-        return pump_heat(flyer, state, unknowns, self.corrections, self.errors)
-
-    @entry_point
-    def force(
-        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
-    ) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
-        return pump_force(flyer, state, unknowns, self.corrections, self.errors)
-
-    @entry_point
-    def own_results(
-        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
-    ) -> dict[str, Array]:
-        """See :meth:`AbstractForceModel.own_results`."""
-        return pump_results(flyer, state, unknowns, self.corrections, self.errors)
-
-    def diagnostics(
-        self,
-        flyer: HollowBody,
-        state: EnvironmentState,
-        temperature: Numeric,  # noqa: ARG002
-    ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
-        return pump_diagnostics(flyer, state, self.corrections)
 
 
 class HollowPumpSection(ForceSection, of=HollowPump):

@@ -122,31 +122,19 @@ class Chamber:
 
 @dataclass(frozen=True)
 class Film:
-    """The disk; pairs are top, bottom, and temperatures perturbations.
-
-    Attributes
-    ----------
-    tac : tuple of float
-    temperature : tuple of float
-        Of each face; with ``local`` the mean of the first is that of the film.
-    wall : {"maxwell", "accommodated"}
-    local : bool
-        Whether each spot of the film balances the heat that it absorbs and loses, with the same
-        temperature on both sides and no conduction along it.
-    radiation : float
-        Heat that the film radiates per unit area and perturbation [p √(2RT_c)].
-    velocity : float
-        Upwards [√(2RT_c)].
-    absorbed : float or None
-        Heat that each spot of a ``local`` film absorbs [p √(2RT_c)]; its mean temperature follows.
-    """
+    """The disk; pairs are top, bottom, and temperatures perturbations."""
 
     tac: tuple[float, float]
+    # Of each face; with ``local`` the mean of the first is that of the film
     temperature: tuple[float, float]
     wall: Wall = "maxwell"
+    # Whether each spot of the film balances the heat that it absorbs and loses, with the same
+    # temperature on both sides and no conduction along it
     local: bool = False
+    # Heat that the film radiates per unit area and perturbation [p √(2RT_c)]
     radiation: float = 0.0
-    velocity: float = 0.0
+    velocity: float = 0.0  # Upwards [√(2RT_c)]
+    # Heat that each spot of a ``local`` film absorbs [p √(2RT_c)]; its mean temperature follows
     absorbed: float | None = None
 
     def diffuse_share(self, face: int) -> float:

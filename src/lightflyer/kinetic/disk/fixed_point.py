@@ -15,23 +15,14 @@ _THIN_GAS = 1.0  # δ up to which the linear problem's factors precondition as w
 
 
 class Problem(NamedTuple):
-    """A state of the gas is looked for of which nothing is missing.
+    """A state of the gas is looked for of which nothing is missing."""
 
-    Attributes
-    ----------
-    missing : callable
-        What follows from a state, less that state; of its shape.
-    precondition : callable
-        From what is missing, the step that would leave nothing missing in the linear problem.
-    renew : callable
-        Precondition by the equation linearised about a state.
-    damped : callable
-        From a state and a new one, one on the way where what must stay positive at most halves.
-    """
-
+    # What follows from a state, less that state; of its shape
     missing: Callable[[np.ndarray], np.ndarray]
+    # From what is missing, the step that would leave nothing missing in the linear problem
     precondition: Callable[[np.ndarray], np.ndarray]
-    renew: Callable[[np.ndarray], None]
+    renew: Callable[[np.ndarray], None]  # Precondition by the equation linearised about a state
+    # From a state and a new one, one on the way where what must stay positive at most halves
     damped: Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 

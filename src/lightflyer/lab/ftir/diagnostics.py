@@ -25,13 +25,7 @@ _ADVICE = {
 
 
 class Bounds:
-    """Cuts estimates of shares at 0 and 1 and remembers what it did.
-
-    Attributes
-    ----------
-    warnings : list of str
-        What was cut, one line each.
-    """
+    """Cuts estimates of shares at 0 and 1 and says what it cut in ``warnings``, one line each."""
 
     def __init__(self) -> None:
         self.warnings: list[str] = []

@@ -353,16 +353,7 @@ def _metadata_of(spectrum: MeasuredSpectrum) -> dict[str, str]:
 
 
 def to_dataset(result: Ftir) -> "xr.Dataset":
-    """Dataset of the spectra, each over its own wavenumbers.
-
-    Parameters
-    ----------
-    result : Ftir
-
-    Returns
-    -------
-    xarray.Dataset
-    """
+    """Dataset of the spectra, each over its own wavenumbers."""
     variables: dict[str, Any] = {}
     for group in (result.spectra, result.reflectances):
         for number, one in enumerate(group):

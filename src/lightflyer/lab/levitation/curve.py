@@ -323,19 +323,7 @@ def warnings_of(curves: Sequence[LevitationCurve]) -> list[str]:
 
 
 def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.Dataset":
-    """Points and curves of all samples.
-
-    Parameters
-    ----------
-    curves : sequence of LevitationCurve
-    files : sequence of str
-        Names of the files read.
-
-    Returns
-    -------
-    xarray.Dataset
-        Points over ``point``, curves over ``sample`` and ``node``.
-    """
+    """Points of all samples over ``point``, curves over ``sample`` and ``node``."""
     light = ("W m-2", "irradiance at lift-off")
     names = [curve.points.name for curve in curves]
 

@@ -20,8 +20,8 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
-from lightflyer.files.toml_file import FileKind, place_of, read_file
-from lightflyer.film.layer_section import LayerSection, file_beside
+from lightflyer.files.toml_file import FileKind, file_beside, place_of, read_file
+from lightflyer.film.layer_section import LayerSection
 from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.film.sample_section import SampleSection
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum

@@ -385,16 +385,7 @@ def _drawn_index(
 
 
 def to_dataset(result: OpticsFit) -> "xr.Dataset":
-    """Dataset of the spectra with their fits, each over its own wavenumbers.
-
-    Parameters
-    ----------
-    result : OpticsFit
-
-    Returns
-    -------
-    xarray.Dataset
-    """
+    """Dataset of the spectra with their fits, each over its own wavenumbers."""
     variables: dict[str, Any] = {}
     for number, one in enumerate(result.spectra):
         spectrum = one.measured.spectrum

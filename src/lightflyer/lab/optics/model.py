@@ -116,43 +116,24 @@ def _shares(film: Film, spectra: Sequence[FilmSpectrum], side: Side) -> dict[int
 
 @dataclass(frozen=True)
 class Solution:
-    """A minimum.
+    """A minimum."""
 
-    Attributes
-    ----------
-    position : array, shape (free,)
-        Of the free numbers between their bounds.
-    errors : array, shape (spectra, 2)
-        Errors of scale and zero, in their standard uncertainties.
-    cost : float
-        Sum of squared residuals, priors included.
-    """
-
-    position: np.ndarray
+    position: np.ndarray  # Of the free numbers between their bounds, shape (free,)
+    # Errors of scale and zero, in their standard uncertainties, shape (spectra, 2)
     errors: np.ndarray
-    cost: float
+    cost: float  # Sum of squared residuals, priors included
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Residuals of all spectra in standard errors.
-
-    Attributes
-    ----------
-    model : OpticalModel
-    free : tuple of FreeNumber
-    spectra : tuple of FilmSpectrum
-    spread : tuple of float
-        Standard error of a point of each spectrum, as if points were independent [1].
-    informed : bool
-        Whether what is known of the free numbers beforehand counts.
-    """
+    """Residuals of all spectra in standard errors."""
 
     model: OpticalModel
     free: tuple[FreeNumber, ...]
     spectra: tuple[FilmSpectrum, ...]
+    # Standard error of a point of each spectrum, as if points were independent [1]
     spread: tuple[float, ...]
-    informed: bool = True
+    informed: bool = True  # Whether what is known of the free numbers beforehand counts
 
     @classmethod
     def of(cls, sample: OpticsSample, model: OpticalModel | None = None) -> "Problem":

@@ -102,25 +102,8 @@ def scatter_of(problem: Problem, solution: Solution) -> tuple[Scatter, ...]:
 
 
 def search(problem: Problem, *, starts: int = STARTS, seed: int = 0) -> Fit:
-    """Find the minima from several starts, and the points' errors from the residuals.
-
-    Parameters
-    ----------
-    problem : Problem
-    starts : int
-        How many; the first is the numbers' own.
-    seed : int
-        Of the others.
-
-    Returns
-    -------
-    Fit
-
-    Raises
-    ------
-    ConvergenceError
-        If no film between the bounds has optical constants.
-    """
+    """Find the minima from several starts, and the points' errors from the residuals."""
+    # The first start is the numbers' own.
     own = problem.model.positions(np.array([one.start for one in problem.free]))
     others = qmc.LatinHypercube(len(own), rng=np.random.default_rng(seed)).random(starts - 1)
     # what is known beforehand may be wrong: it has no say in how well the spectra can be fitted

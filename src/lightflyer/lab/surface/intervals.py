@@ -49,6 +49,9 @@ def spread(
     pixel_aspect: float = 1.0,
 ) -> Spread:
     """How far a surface's rms and mean absolute height may be from those of its map."""
+    # ``height`` [m] is levelled, of mean zero outside the ``mask`` of pixels that do not count, and
+    # not zero everywhere; ``kept`` is the share of the power of each mode that levelling keeps. The
+    # surface is taken to be isotropic.
     values = height[~mask]
     rms, mean = np.sqrt(np.mean(values**2)), np.abs(values).mean()
     lost = _loss(np.where(mask, 0.0, height / rms), kept, rng, pixel_aspect)

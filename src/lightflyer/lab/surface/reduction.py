@@ -296,18 +296,7 @@ def _mean_of_maps(estimates: Sequence[Estimate], accuracy: float) -> Estimate:
 
 
 def to_dataset(results: Sequence[Roughness]) -> "xr.Dataset":
-    """The levelled maps with their masks.
-
-    Parameters
-    ----------
-    results : sequence of Roughness
-
-    Returns
-    -------
-    xarray.Dataset
-        Masks are 0 on the surface, 1 on particles and 2 in holes; heights are NaN where the file
-        has none.
-    """
+    """The levelled maps with their masks: 0 on the surface, 1 on particles and 2 in holes."""
     variables: dict[str, Any] = {}
     for number, one in enumerate(results):
         dimensions = (f"y_{number}", f"x_{number}")

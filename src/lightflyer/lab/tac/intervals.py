@@ -33,51 +33,21 @@ _SAME = 1e-3  # standard errors
 
 @dataclass(frozen=True)
 class Solution:
-    """A fit with its intervals.
+    """A fit with its intervals."""
 
-    Attributes
-    ----------
-    values : dict of str to float
-        The three parameters and the common errors in standard errors, by name.
-    scatter : float
-        Relative scatter of the rows [1].
-    covariance : array, shape (3, 3)
-        Total, of the three parameters.
-    total, statistical : dict of str to Estimate
-        By names of :data:`~lightflyer.lab.tac.problem.PARAMETERS`, with profile intervals.
-    total_normal, statistical_normal : dict of str to Estimate
-        With the intervals of the covariance, of positive parameters symmetric in the logarithm.
-    """
-
+    # The three parameters and the common errors in standard errors, by name
     values: dict[str, float]
-    scatter: float
-    covariance: np.ndarray
-    total: dict[str, Estimate]
+    scatter: float  # Relative scatter of the rows [1]
+    covariance: np.ndarray  # Total, of the three parameters, shape (3, 3)
+    total: dict[str, Estimate]  # By names of PARAMETERS, with profile intervals
     statistical: dict[str, Estimate]
+    # With the intervals of the covariance, of positive parameters symmetric in the logarithm
     total_normal: dict[str, Estimate]
     statistical_normal: dict[str, Estimate]
 
 
 def solve(problem: Problem, guess: tuple[float, float, float]) -> Solution:
-    """Minimise, and find all intervals.
-
-    Parameters
-    ----------
-    problem : Problem
-    guess : tuple of float
-        The three parameters near the minimum.
-
-    Returns
-    -------
-    Solution
-
-    Raises
-    ------
-    ConvergenceError
-        If there is no minimum.
-    MissingExtraError
-        If lmfit is not installed.
-    """
+    """Minimise, and find all intervals; ``guess``: the three parameters near the minimum."""
     freedom = len(problem.conductance) - len(PARAMETERS)
     held, (_, result), total = _minimise_both(problem, guess)
     scatter = _scatter(result, held)

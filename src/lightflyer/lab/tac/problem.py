@@ -30,34 +30,18 @@ def import_lmfit() -> Any:
 
 @dataclass(frozen=True)
 class Problem:
-    r"""Conductances of a run, measured and modelled.
+    """Conductances of a run, measured and modelled."""
 
-    The unknowns are the three of :data:`PARAMETERS` and, where ``errors`` has any, as many errors
-    that all rows have in common, each in standard errors about zero.
+    # The unknowns are the three of :data:`PARAMETERS` and, where ``errors`` has any, as many
+    # errors that all rows have in common, each in standard errors about zero.
 
-    Attributes
-    ----------
-    source : str
-        Name of the file, for messages.
-    conductance : array, shape (m,)
-        Measured power per nominal area and temperature difference [W/(m² K)].
-    pressure : array, shape (m,)
-        [Pa].
-    limits : Limits
-        Limits of the gas.
-    radiation : array, shape (m,)
-        Radiation counted apart from the offset [W/(m² K)].
-    weight : array, shape (m,)
-        Factor of the residuals [m² K/W].
-    errors : CommonErrors
-    """
-
-    source: str
+    source: str  # Name of the file, for messages
+    # Measured power per nominal area and temperature difference [W/(m² K)], shape (m,)
     conductance: np.ndarray
-    pressure: np.ndarray
-    limits: Limits
-    radiation: np.ndarray
-    weight: np.ndarray
+    pressure: np.ndarray  # [Pa], shape (m,)
+    limits: Limits  # Limits of the gas
+    radiation: np.ndarray  # Radiation counted apart from the offset [W/(m² K)], shape (m,)
+    weight: np.ndarray  # Factor of the residuals [m² K/W], shape (m,)
     errors: CommonErrors
 
     @property

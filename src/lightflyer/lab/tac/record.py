@@ -96,19 +96,7 @@ def summary(fits: Sequence[TacFit]) -> dict[str, Any]:
 
 
 def to_dataset(fits: Sequence[TacFit], warnings: Sequence[str] | None = None) -> "xr.Dataset":
-    """Measured and fitted rows of all runs.
-
-    Parameters
-    ----------
-    fits : sequence of TacFit
-    warnings : sequence of str, optional
-        In place of those of the fits.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``row``; ``run`` is the position of the file in the attribute ``files``.
-    """
+    """Rows of all runs over ``row``; ``warnings``: in place of those of the fits."""
     per_area = "W m-2 K-1"
 
     def joined(values: Sequence[np.ndarray], units: str, long_name: str) -> Any:

@@ -218,18 +218,7 @@ def reduce_readings(
 
 
 def to_dataset(result: RadiativeProperties, files: Sequence[str]) -> "xr.Dataset":
-    """Readings and properties of each row.
-
-    Parameters
-    ----------
-    result : RadiativeProperties
-    files : sequence of str
-        Names of the files read.
-
-    Returns
-    -------
-    xarray.Dataset
-    """
+    """Readings and properties of each row."""
     method = result.readings.method
     units = {"units": method.unit or "1"}
     variables: dict[str, Any] = {

@@ -1,32 +1,13 @@
 """Why a mission ended."""
 
-import enum
+from lightflyer.numerics.rootfind import Reason
 
 
-class TerminationReason(enum.IntEnum):
+class TerminationReason(Reason):
     """Why a mission ended."""
 
-    STILL_FLYING = 0
-    LOWEST_ALTITUDE = 1
-    HIGHEST_ALTITUDE = 2
-    NO_DATA = 3
-    STEP_LIMIT = 4
-
-    def describe(self) -> str:
-        """Phrase for tables and messages.
-
-        Examples
-        --------
-        >>> TerminationReason.STILL_FLYING.describe()
-        'is still flying at the end of its time'
-        """
-        return _REASONS[self]
-
-
-_REASONS = {
-    TerminationReason.STILL_FLYING: "is still flying at the end of its time",
-    TerminationReason.LOWEST_ALTITUDE: "reached the lowest altitude",
-    TerminationReason.HIGHEST_ALTITUDE: "reached the highest altitude",
-    TerminationReason.NO_DATA: "met a place or a time without data",
-    TerminationReason.STEP_LIMIT: "reached the limit of steps",
-}
+    STILL_FLYING = 0, "is still flying at the end of its time"
+    LOWEST_ALTITUDE = 1, "reached the lowest altitude"
+    HIGHEST_ALTITUDE = 2, "reached the highest altitude"
+    NO_DATA = 3, "met a place or a time without data"
+    STEP_LIMIT = 4, "reached the limit of steps"

@@ -14,14 +14,7 @@ _FORMAT = "%.10g"
 
 
 def write_csv(dataset: "xr.Dataset", path: Path) -> None:
-    """Write the flight of the flyer as it is stated, a row for each moment until its end.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From :func:`lightflyer.fly`.
-    path : Path
-    """
+    """Write the flight of the flyer as it is stated, a row for each moment until its end."""
     known = np.isfinite(dataset.altitude.values)
     names = [name for name, value in dataset.items() if value.dims == (ELAPSED,)]
     dates = np.datetime_as_string(dataset.time.values[known], unit="ms")

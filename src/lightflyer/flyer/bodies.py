@@ -1,0 +1,129 @@
+"""What flyers of the same kind of body share: thin round ones and closed convex ones."""
+
+import abc
+from typing import TYPE_CHECKING, ClassVar
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.core.units import scale_and_offset
+from lightflyer.drag.convex import Outline, convex_diagnostics, convex_drag
+from lightflyer.drag.disk import (
+    Direction,
+    disk_diagnostics,
+    disk_drag,
+    edgewise_disk_drag,
+    wide_hole_diagnostics,
+)
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.film.properties import FilmProperties
+from lightflyer.flyer.base import AbstractFlyer
+
+
+class AbstractThinFlyer(AbstractFlyer):
+    """A thin round body of one film or several, with or without holes; its drag is a disk's."""
+
+    shown_unit: ClassVar[str] = "cm"
+    """Unit in which it is described."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def radius(self) -> Numeric: ...  # noqa: D102
+
+    @property
+    @abc.abstractmethod
+    def faces(self) -> tuple[FilmProperties, FilmProperties]:
+        """Films whose top and whose bottom face the gas meets."""
+
+    @property
+    def passing_share(self) -> Numeric:
+        """Share of the free molecules arriving at the flyer that pass it [1]."""
+        return 0.0
+
+    @property
+    def widest_holes(self) -> tuple[Numeric, Numeric]:
+        """Radius of the holes [m], and their share of the area [1]."""
+        return 0.0, 0.0
+
+    @property
+    def area(self) -> Numeric:
+        """Area of the outline, holes included [m²]."""
+        return jnp.pi * self.radius**2
+
+    @property
+    def _tacs(self) -> tuple[Numeric, Numeric]:
+        top, bottom = self.faces
+        return top.tac_top, bottom.tac_bottom
+
+    def drag(
+        self,
+        state: EnvironmentState,
+        unknowns: tuple[Array, ...],
+        speed: Numeric,
+        direction: Direction = "broadside",
+    ) -> Array:
+        """See :meth:`AbstractFlyer.drag`: that of a disk which lets a share of the gas pass."""
+        law = edgewise_disk_drag if direction == "edgewise" else disk_drag
+        gas = (state.pressure, state.temperature, state.gas)
+        excesses = (unknowns[0], unknowns[len(self.nodes) - 1])
+        return law(speed, self.radius, *gas, self._tacs, excesses, self.passing_share)
+
+    def drag_diagnostics(
+        self,
+        state: EnvironmentState,
+        speed: Numeric,
+        direction: Direction = "broadside",
+        temperature: Numeric | None = None,
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.drag_diagnostics`."""
+        gas = (state.pressure, state.temperature, state.gas)
+        hole_radius, open_fraction = self.widest_holes
+        return (
+            *disk_diagnostics(speed, self.radius, *gas, self._tacs, direction, temperature),
+            *wide_hole_diagnostics(hole_radius, self.radius, open_fraction, *gas),
+        )
+
+    def describe(self) -> str:
+        """See :meth:`AbstractFlyer.describe`."""
+        diameter = 2.0 * float(np.asarray(self.radius)) * scale_and_offset("m", self.shown_unit)[0]
+        return f"{type(self).__name__.lower()} of {diameter:g} {self.shown_unit}"
+
+
+class AbstractClosedFlyer(AbstractFlyer):
+    """A closed convex body, whose drag is that of its outline."""
+
+    @property
+    @abc.abstractmethod
+    def outer_film(self) -> tuple[FilmProperties, int]:
+        """Film whose top face the gas around meets, and its place among the nodes."""
+
+    @abc.abstractmethod
+    def outline(self, direction: Direction) -> Outline:
+        """Outline along its motion."""
+
+    def drag(
+        self,
+        state: EnvironmentState,
+        unknowns: tuple[Array, ...],
+        speed: Numeric,
+        direction: Direction = "broadside",
+    ) -> Array:
+        """See :meth:`AbstractFlyer.drag`: that of a closed body of this shape."""
+        film, node = self.outer_film
+        gas = (state.pressure, state.temperature, state.gas)
+        return convex_drag(speed, self.outline(direction), *gas, film.tac_top, unknowns[node])
+
+    def drag_diagnostics(
+        self,
+        state: EnvironmentState,
+        speed: Numeric,
+        direction: Direction = "broadside",
+        temperature: Numeric | None = None,
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractFlyer.drag_diagnostics`."""
+        tac = self.outer_film[0].tac_top
+        gas = (state.pressure, state.temperature, state.gas)
+        return tuple(convex_diagnostics(speed, self.outline(direction), *gas, tac, temperature))

@@ -1,0 +1,71 @@
+"""What the models of hollow bodies as pumps share."""
+
+import abc
+from collections.abc import Mapping
+from typing import ClassVar
+
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.hollow import HollowBody
+from lightflyer.force.base import AbstractForceModel, ModelResult
+from lightflyer.force.pumps.hollow_flow import (
+    EXACT,
+    FLOW_RESULTS,
+    Corrections,
+    Errors,
+    pump_diagnostics,
+    pump_force,
+    pump_results,
+)
+from lightflyer.force.pumps.hollow_heat import pump_heat
+from lightflyer.program.entry_point import entry_point
+
+
+class AbstractHollowModel(AbstractForceModel):
+    """The published model with some corrections, or none."""
+
+    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (HollowBody,)
+    results: ClassVar[Mapping[str, ModelResult]] = FLOW_RESULTS
+
+    @property
+    @abc.abstractmethod
+    def corrections(self) -> Corrections:
+        """What is on."""
+
+    @property
+    def errors(self) -> Errors:
+        """Factors of what the model may be off by."""
+        return EXACT
+
+    @entry_point
+    def heat_loss(
+        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
+        """See :meth:`AbstractForceModel.heat_loss`."""
+        return pump_heat(flyer, state, unknowns, self.corrections, self.errors)
+
+    @entry_point
+    def force(
+        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> Array:
+        """See :meth:`AbstractForceModel.force`."""
+        return pump_force(flyer, state, unknowns, self.corrections, self.errors)
+
+    @entry_point
+    def own_results(
+        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> dict[str, Array]:
+        """See :meth:`AbstractForceModel.own_results`."""
+        return pump_results(flyer, state, unknowns, self.corrections, self.errors)
+
+    def diagnostics(
+        self,
+        flyer: HollowBody,
+        state: EnvironmentState,
+        temperature: Numeric,  # noqa: ARG002
+    ) -> tuple[str, ...]:
+        """See :meth:`AbstractForceModel.diagnostics`."""
+        return pump_diagnostics(flyer, state, self.corrections)

@@ -13,6 +13,7 @@ def test_the_page_lists_every_name():
     listed = set(re.findall(r"^   (?:\w+\.)*(\w+)$", page, flags=re.MULTILINE))
     rooms = set(re.findall(r"^\.\. currentmodule:: lightflyer\.(\w+)$", page, flags=re.MULTILINE))
     rooms |= set(re.findall(r"^   (\w+)\.\w+$", page, flags=re.MULTILINE))
+    rooms |= set(re.findall(r"^``lf\.(\w+)``", page, flags=re.MULTILINE))
     names = {name for name in lf.__all__ if name != "__version__"}
     assert "predict" in names
     assert names <= listed | rooms, names - listed - rooms

@@ -58,24 +58,12 @@ class SolarCells(Checked):
 
 
 class Needs(NamedTuple):
-    """What a payload needs in some light.
+    """What a payload needs in some light."""
 
-    Attributes
-    ----------
-    mass : array, shape (...)
-        With cells and reserve [kg]; infinite without light, where cells must feed it.
-    power : array, shape (...)
-        Mean over time, with reserve [W].
-    cell_area : array, shape (...)
-        [m²]; zero without cells.
-    transmit_power : array, shape (...)
-        [W]; zero without a link.
-    """
-
-    mass: Array
-    power: Array
-    cell_area: Array
-    transmit_power: Array
+    mass: Array  #: With cells and reserve [kg]; infinite without light, where cells must feed it
+    power: Array  #: Mean over time, with reserve [W]
+    cell_area: Array  #: [m²]; zero without cells
+    transmit_power: Array  #: [W]; zero without a link
 
 
 class Budget(Checked):

@@ -50,27 +50,15 @@ _TAILS = (0.025, 0.975)  # of a 95 % interval
 
 @dataclass(frozen=True, repr=False)
 class Posterior(PrintedResult):
-    """Draws from the posterior of a calibration.
+    """Draws from the posterior of a calibration."""
 
-    Attributes
-    ----------
-    names : list of str
-        Names of the parameters; last :data:`SCATTER`, where it is estimated.
-    draws : array, shape (chains, draws, p)
-        Parameters in SI units; scatter of log-irradiance [1].
-    r_hat : array, shape (p,)
-        Split R-hat, 1 where chains agree.
-    effective_draws : array, shape (p,)
-        Number of independent draws whose means would be as accurate.
-    divergences : int
-        Draws where the integration failed.
-    """
-
-    names: list[str]
+    names: list[str]  #: Names of the parameters; last :data:`SCATTER`, where it is estimated
+    #: shape (chains, draws, p); parameters in SI units; scatter of log-irradiance [1]
     draws: np.ndarray
-    r_hat: np.ndarray
+    r_hat: np.ndarray  #: shape (p,); split R-hat, 1 where chains agree
+    #: shape (p,); number of independent draws whose means would be as accurate
     effective_draws: np.ndarray
-    divergences: int
+    divergences: int  #: Draws where the integration failed
 
     @property
     def mean(self) -> np.ndarray:

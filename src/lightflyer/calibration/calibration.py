@@ -53,60 +53,37 @@ _AT_END = 1e-6  # distance of a log-parameter from the end of its range that cou
 
 @dataclass(frozen=True, repr=False)
 class Calibration(PrintedResult):
-    """A fit of parameters to levitation points.
+    """A fit of parameters to levitation points."""
 
-    Attributes
-    ----------
-    problem : Problem
-        Design, points and parameters.
-    values : array, shape (p,)
-        Fitted parameters, in SI units.
-    covariance : array, shape (p, p)
-        Covariance of the values by the points' scatter, to first order: at the inputs as given.
-    intervals : array, shape (p, 2)
-        95 % profile-likelihood intervals, at the inputs as given. An end beyond which the points
-        set no bound is zero, infinite, or the largest possible value.
-    total_covariance : array, shape (p, p)
-        Covariance that also contains the inputs' uncertainties, to first order.
-    total_intervals : array, shape (p, 2)
-        95 % intervals that also contain the inputs' uncertainties.
-    contributions : dict of str to array, shape (p,)
-        Relative standard uncertainty of each parameter by each input, to first order.
-    scatter : float
-        Root of the mean square of the residuals in log-irradiance per degree of freedom [1].
-    estimated_scatter : bool
-        Whether the points' uncertainty was estimated from their scatter.
-    chi_squared, freedom : float, int
-        Sum of the squared residuals over the points' stated uncertainties, and its number of
-        degrees of freedom; NaN where none are stated.
-    error_scale : float
-        Factor by which the stated uncertainties were multiplied.
-    residuals : array, shape (n,)
-        Measured minus fitted log-irradiance.
-    uncertainty : array, shape (n,)
-        Standard uncertainty of each point's log-irradiance, that of pressure included.
-    fitted : array, shape (n,)
-        Fitted irradiance [W/m²].
-    warnings : tuple of str
-        What a reader of the result must know, one line each.
-    """
-
-    problem: Problem
-    values: np.ndarray
+    problem: Problem  #: Design, points and parameters
+    values: np.ndarray  #: shape (p,); fitted parameters, in SI units
+    #: shape (p, p); covariance of the values by the points' scatter, to first order: at the inputs
+    #: as given
     covariance: np.ndarray
+    #: shape (p, 2); 95 % profile-likelihood intervals, at the inputs as given. An end beyond which
+    #: the points set no bound is zero, infinite, or the largest possible value
     intervals: np.ndarray
+    #: shape (p, p); covariance that also contains the inputs' uncertainties, to first order
     total_covariance: np.ndarray
+    #: shape (p, 2); 95 % intervals that also contain the inputs' uncertainties
     total_intervals: np.ndarray
+    #: shape (p,); relative standard uncertainty of each parameter by each input, to first order
     contributions: dict[str, np.ndarray]
+    #: Root of the mean square of the residuals in log-irradiance per degree of freedom [1]
     scatter: float
-    estimated_scatter: bool
+    estimated_scatter: bool  #: Whether the points' uncertainty was estimated from their scatter
+    #: Sum of the squared residuals over the points' stated uncertainties, and its number of degrees
+    #: of freedom; NaN where none are stated
     chi_squared: float
+    #: Sum of the squared residuals over the points' stated uncertainties, and its number of degrees
+    #: of freedom; NaN where none are stated
     freedom: int
-    error_scale: float
-    residuals: np.ndarray
+    error_scale: float  #: Factor by which the stated uncertainties were multiplied
+    residuals: np.ndarray  #: shape (n,); measured minus fitted log-irradiance
+    #: shape (n,); standard uncertainty of each point's log-irradiance, that of pressure included
     uncertainty: np.ndarray
-    fitted: np.ndarray
-    warnings: tuple[str, ...]
+    fitted: np.ndarray  #: shape (n,); fitted irradiance [W/m²]
+    warnings: tuple[str, ...]  #: What a reader of the result must know, one line each
 
     @property
     def names(self) -> list[str]:

@@ -81,43 +81,20 @@ _LEAST_ALIKE = 0.8  # of a column's name and a known one, for a hint at a misspe
 
 @dataclass(frozen=True)
 class Points:
-    """Points of pressure and irradiance at which samples lifted off.
+    """Points of pressure and irradiance at which samples lifted off."""
 
-    Attributes
-    ----------
-    source : str
-        Name of the file.
-    samples : list of str, length n
-        Sample of each point, with its launchpad where the file names one.
-    numbers : dict of str to array, shape (n,)
-        Columns with numbers, in SI units, by name.
-    texts : dict of str to list of str
-        Further columns, by name.
-    lines : tuple of int
-        Line of each point in the file; empty where there is no file.
-    rejected : tuple of Rejected
-        Rows of the file that could not be read.
-    unused : tuple of str
-        Columns of the file that are not known.
-    reading : tuple of str
-        What must be known of how the file was read, one line each.
-    step : float
-        Step in which the light was raised [W/m²], whose middle the irradiances are; 0 where it
-        was raised steadily.
-    notes : tuple of str
-        What was done to the points, one line each.
-    """
-
-    source: str
-    samples: list[str]
-    numbers: dict[str, np.ndarray]
-    texts: dict[str, list[str]] = field(default_factory=dict)
-    lines: tuple[int, ...] = ()
-    rejected: tuple[Rejected, ...] = ()
-    unused: tuple[str, ...] = ()
-    reading: tuple[str, ...] = ()
+    source: str  #: Name of the file
+    samples: list[str]  #: Sample of each point, with its launchpad where the file names one
+    numbers: dict[str, np.ndarray]  #: shape (n,); columns with numbers, in SI units, by name
+    texts: dict[str, list[str]] = field(default_factory=dict)  #: Further columns, by name
+    lines: tuple[int, ...] = ()  #: Line of each point in the file; empty where there is no file
+    rejected: tuple[Rejected, ...] = ()  #: Rows of the file that could not be read
+    unused: tuple[str, ...] = ()  #: Columns of the file that are not known
+    reading: tuple[str, ...] = ()  #: What must be known of how the file was read, one line each
+    #: Step in which the light was raised [W/m²], whose middle the irradiances are; 0 where it was
+    #: raised steadily
     step: float = 0.0
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  #: What was done to the points, one line each
 
     def __len__(self) -> int:
         """Number of points."""

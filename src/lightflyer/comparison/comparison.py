@@ -54,26 +54,13 @@ _STEPS = (1.0, 2.0, 5.0, 10.0)
 
 @dataclass(frozen=True)
 class Compared:
-    """One of the flyers of a comparison.
+    """One of the flyers of a comparison."""
 
-    Attributes
-    ----------
-    name : str
-        The file's, or a description.
-    prediction : Prediction
-    uncertainty : PredictionUncertainty or None
-        None where no ± is stated.
-    table : dict of str to array, shape (n,)
-        Outputs on the common grid, in SI units.
-    listed : dict of str to array, shape (m,)
-        Outputs at the round coordinates of the comparison.
-    """
-
-    name: str
+    name: str  #: The file's, or a description
     prediction: Prediction
-    uncertainty: PredictionUncertainty | None
-    table: Table
-    listed: Table
+    uncertainty: PredictionUncertainty | None  #: None where no ± is stated
+    table: Table  #: shape (n,); outputs on the common grid, in SI units
+    listed: Table  #: shape (m,); outputs at the round coordinates of the comparison
 
     @property
     def setup(self) -> Setup:
@@ -122,20 +109,11 @@ class Compared:
 
 @dataclass(frozen=True, repr=False)
 class Comparison(PrintedResult):
-    """Several flyers side by side.
-
-    Attributes
-    ----------
-    flyers : tuple of Compared
-    coordinates : array, shape (n,)
-        The common grid: altitudes [m] or pressures [Pa].
-    listed : array, shape (m,)
-        Round ones among them.
-    """
+    """Several flyers side by side."""
 
     flyers: tuple[Compared, ...]
-    coordinates: np.ndarray
-    listed: np.ndarray
+    coordinates: np.ndarray  #: shape (n,); the common grid: altitudes [m] or pressures [Pa]
+    listed: np.ndarray  #: shape (m,); round ones among them
 
     @property
     def coordinate(self) -> Coordinate:

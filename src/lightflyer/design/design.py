@@ -33,18 +33,11 @@ _ADDRESS = re.compile(r" at 0x[0-9a-f]+")  # in the text of a function, another 
 
 
 class Field(NamedTuple):
-    """A number that describes a design.
+    """A number that describes a design."""
 
-    Attributes
-    ----------
-    name : str
-        Dotted, such as ``"film.emittance"``, or the coordinate's name, such as ``"altitude"``.
-    quantity : Quantity
-        Its unit and range.
-    """
-
+    #: Dotted, such as ``"film.emittance"``, or the coordinate's name, such as ``"altitude"``
     name: str
-    quantity: Quantity
+    quantity: Quantity  #: Its unit and range
 
     @property
     def attributes(self) -> dict[str, str]:

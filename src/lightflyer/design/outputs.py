@@ -48,41 +48,20 @@ def _has_film(flyer: AbstractFlyer) -> bool:
 
 @dataclass(frozen=True)
 class Output:
-    """A result that can be asked for.
-
-    Attributes
-    ----------
-    name : str
-    unit : str
-        SI unit as Pint reads it, empty for a pure number.
-    long_name : str
-        As in datasets and on axes.
-    value : callable
-        From a :class:`~lightflyer.design.operating_point.OperatingPoint` to an array in the unit.
-    shown_unit : str
-        Unit in tables and figures.
-    json_unit : str
-        Unit in JSON, where it ends the name.
-    less_is_better : bool
-        Whether the best design has the least of it.
-    over_band : bool
-        Whether it is found by a search over the coordinate, so that no coordinate is given.
-    needs_coordinate : bool
-        Whether it depends on where the flyer is.
-    exists : callable
-        Whether a flyer has it.
-    """
+    """A result that can be asked for."""
 
     name: str
-    unit: str
-    long_name: str
+    unit: str  #: SI unit as Pint reads it, empty for a pure number
+    long_name: str  #: As in datasets and on axes
+    #: From a :class:`~lightflyer.design.operating_point.OperatingPoint` to an array in the unit
     value: Callable[[OperatingPoint], Any]
-    shown_unit: str = ""
-    json_unit: str = ""
-    less_is_better: bool = False
+    shown_unit: str = ""  #: Unit in tables and figures
+    json_unit: str = ""  #: Unit in JSON, where it ends the name
+    less_is_better: bool = False  #: Whether the best design has the least of it
+    #: Whether it is found by a search over the coordinate, so that no coordinate is given
     over_band: bool = False
-    needs_coordinate: bool = True
-    exists: Callable[[AbstractFlyer], bool] = _always
+    needs_coordinate: bool = True  #: Whether it depends on where the flyer is
+    exists: Callable[[AbstractFlyer], bool] = _always  #: Whether a flyer has it
 
     @property
     def attributes(self) -> dict[str, str]:

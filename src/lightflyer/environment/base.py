@@ -39,19 +39,11 @@ class Wind(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Place on a planet and time: what the coordinate of an environment leaves open.
+    """Place on a planet and time: what the coordinate of an environment leaves open."""
 
-    Attributes
-    ----------
-    latitude, longitude : array, shape (...)
-        Geodetic, north and east positive [rad].
-    time : array, shape (...)
-        Seconds since 2000-01-01 12:00 UTC [s].
-    """
-
-    latitude: Numeric
-    longitude: Numeric
-    time: Numeric
+    latitude: Numeric  #: Geodetic, north and east positive [rad]
+    longitude: Numeric  #: Geodetic, north and east positive [rad]
+    time: Numeric  #: Seconds since 2000-01-01 12:00 UTC [s]
 
     @classmethod
     def at(cls, date: Any, latitude: Numeric, longitude: Numeric) -> "Place":
@@ -78,79 +70,45 @@ class Place(NamedTuple):
 
 
 class EnvironmentState(eqx.Module):
-    """The surroundings at one place, or at many: fields broadcast.
+    """The surroundings at one place, or at many: fields broadcast."""
 
-    Attributes
-    ----------
-    pressure : array, shape (...)
-        Gas pressure [Pa].
-    temperature : array, shape (...)
-        Gas temperature far from the flyer [K].
-    gravity : array, shape (...)
-        Acceleration of free fall [m/s²].
-    gas : AbstractGas
-    radiation : Radiation
-    wall_distance : array or None
-        Distance from the flyer's centre to cold walls around it [m]; None in the open.
-    floor_distance, lid_distance : array or None
-        Distance down to a solid floor and up to a solid lid [m]; None where there is none near.
-        With either, the walls around are solid too.
-    floor_excess : array or None
-        Floor's temperature over that of lid and side wall, less one [1]; None where all are alike.
-        The gas temperature is then that which the gas has at the flyer's place.
-    wind : Wind or None
-        None where the gas is at rest.
-    """
-
-    pressure: Numeric
-    temperature: Numeric
-    gravity: Numeric
+    pressure: Numeric  #: Gas pressure [Pa]
+    temperature: Numeric  #: Gas temperature far from the flyer [K]
+    gravity: Numeric  #: Acceleration of free fall [m/s²]
     gas: AbstractGas
     radiation: Radiation
+    #: Distance from the flyer's centre to cold walls around it [m]; None in the open
     wall_distance: Numeric = None
+    #: Distance down to a solid floor and up to a solid lid [m]; None where there is none near. With
+    #: either, the walls around are solid too
     floor_distance: Numeric = None
+    #: Distance down to a solid floor and up to a solid lid [m]; None where there is none near. With
+    #: either, the walls around are solid too
     lid_distance: Numeric = None
+    #: Floor's temperature over that of lid and side wall, less one [1]; None where all are alike.
+    #: The gas temperature is then that which the gas has at the flyer's place
     floor_excess: Numeric = None
-    wind: Wind | None = None
+    wind: Wind | None = None  #: None where the gas is at rest
 
 
 @dataclass(frozen=True)
 class Coordinate:
-    """The coordinate along which an environment is described.
+    """The coordinate along which an environment is described."""
 
-    Attributes
-    ----------
-    name, unit, long_name : str
-        As in datasets; the unit is SI.
-    lowest, highest : float
-        Range in which states exist.
-    searched : tuple of float
-        Range worth searching for flight, within the former.
-    logarithmic : bool
-        Whether tables and axes are spaced by the logarithm.
-    shown_unit : str
-        Unit in tables, figures and JSON.
-    points : tuple of float
-        Values that a prediction reports where nobody asks for others.
-    easiest_keys : tuple of str
-        Names in JSON of the point that needs the least light: of the group and of the irradiance.
-    step : float or None
-        Spacing that resolves an atmosphere's layers; None for a range cut into equal parts.
-    open_ended : bool
-        Whether states exist beyond ``lowest`` and ``highest``, which then only say where to look.
-    """
-
-    name: str
-    unit: str
-    long_name: str
-    lowest: float
-    highest: float
-    searched: tuple[float, float]
-    logarithmic: bool
-    shown_unit: str
-    points: tuple[float, ...]
+    name: str  #: As in datasets; the unit is SI
+    unit: str  #: As in datasets; the unit is SI
+    long_name: str  #: As in datasets; the unit is SI
+    lowest: float  #: Range in which states exist
+    highest: float  #: Range in which states exist
+    searched: tuple[float, float]  #: Range worth searching for flight, within the former
+    logarithmic: bool  #: Whether tables and axes are spaced by the logarithm
+    shown_unit: str  #: Unit in tables, figures and JSON
+    points: tuple[float, ...]  #: Values that a prediction reports where nobody asks for others
+    #: Names in JSON of the point that needs the least light: of the group and of the irradiance
     easiest_keys: tuple[str, str]
+    #: Spacing that resolves an atmosphere's layers; None for a range cut into equal parts
     step: float | None = None
+    #: Whether states exist beyond ``lowest`` and ``highest``, which then only say where to look
     open_ended: bool = False
 
     @property

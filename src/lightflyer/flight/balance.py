@@ -55,35 +55,19 @@ ENERGY_TOLERANCE = 1e-10
 
 
 class Equilibrium(PrintedResult, eqx.Module):
-    r"""A flyer's thermal equilibrium. Fields have the broadcast shape of the inputs.
+    r"""A flyer's thermal equilibrium. Fields have the broadcast shape of the inputs."""
 
-    Attributes
-    ----------
-    nodes : tuple of str
-        Names of the temperatures.
-    temperatures : tuple of array
-        Temperature of each node [K].
-    unknowns : tuple of array
-        :math:`\theta_i = (T_i-T_c)/T_c` of each node [1], then the flyer's flows.
-    absorbed_power : array
-        Light absorbed, plus thermal radiation absorbed beyond that of black surroundings at
-        the gas temperature [W].
-    gas_power, radiated_power : array
-        Net loss to the gas and by radiation, of all nodes [W].
-    residual : array
-        Largest imbalance of a node, over the absorbed power [1].
-    status : int array
-        Why the search ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`.
-    """
-
-    nodes: tuple[str, ...] = eqx.field(static=True)
-    temperatures: tuple[Numeric, ...]
+    nodes: tuple[str, ...] = eqx.field(static=True)  #: Names of the temperatures
+    temperatures: tuple[Numeric, ...]  #: Temperature of each node [K]
+    #: :math:`\theta_i = (T_i-T_c)/T_c` of each node [1], then the flyer's flows
     unknowns: tuple[Numeric, ...]
+    #: Light absorbed, plus thermal radiation absorbed beyond that of black surroundings at the gas
+    #: temperature [W]
     absorbed_power: Numeric
-    gas_power: Numeric
-    radiated_power: Numeric
-    residual: Numeric
-    status: Numeric
+    gas_power: Numeric  #: Net loss to the gas and by radiation, of all nodes [W]
+    radiated_power: Numeric  #: Net loss to the gas and by radiation, of all nodes [W]
+    residual: Numeric  #: Largest imbalance of a node, over the absorbed power [1]
+    status: Numeric  #: Why the search ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`
 
     def text_parts(self) -> Parts:
         """Lines and tables of the text."""

@@ -45,25 +45,18 @@ _POINTS = 151  # of the first look where a coordinate has no step of its own
 
 
 class Band(eqx.Module):
-    """Range of the coordinate in which a flyer levitates. Fields have the inputs' shape.
+    """Range of the coordinate in which a flyer levitates. Fields have the inputs' shape."""
 
-    Attributes
-    ----------
-    lower, upper : array
-        Edges, in the unit of the environment's coordinate; NaN where the flyer levitates nowhere.
-    exists : bool array
-        Whether it levitates anywhere in the searched range.
-    lower_open, upper_open : bool array
-        Whether the edge is the end of the searched range, not of the flyer's ability.
-    status : int array
-        Why the search for the edges ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`.
-    """
-
+    #: Edges, in the unit of the environment's coordinate; NaN where the flyer levitates nowhere
     lower: Numeric
+    #: Edges, in the unit of the environment's coordinate; NaN where the flyer levitates nowhere
     upper: Numeric
-    exists: Numeric
+    exists: Numeric  #: Whether it levitates anywhere in the searched range
+    #: Whether the edge is the end of the searched range, not of the flyer's ability
     lower_open: Numeric
+    #: Whether the edge is the end of the searched range, not of the flyer's ability
     upper_open: Numeric
+    #: Why the search for the edges ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`
     status: Numeric
 
     @property

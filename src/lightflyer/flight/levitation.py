@@ -49,27 +49,17 @@ class Levitation(PrintedResult, eqx.Module):
     """Light and temperature at which a flyer just levitates.
 
     Fields have the broadcast shape of the inputs.
-
-    Attributes
-    ----------
-    irradiance : array
-        Smallest irradiance of the beam that carries the flyer's weight [W/m²]; infinite where
-        none up to :data:`HIGHEST_IRRADIANCE` does, zero where thermal radiation alone suffices.
-    temperature : array
-        Temperature of the hottest node at that irradiance [K]; NaN where none suffices.
-    levitates : bool array
-        Whether any irradiance suffices.
-    residual : array
-        Force over weight, minus one [1].
-    status : int array
-        Why the search ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`. That no
-        irradiance suffices is an answer: converged.
     """
 
+    #: Smallest irradiance of the beam that carries the flyer's weight [W/m²]; infinite where none
+    #: up to :data:`HIGHEST_IRRADIANCE` does, zero where thermal radiation alone suffices
     irradiance: Numeric
+    #: Temperature of the hottest node at that irradiance [K]; NaN where none suffices
     temperature: Numeric
-    levitates: Numeric
-    residual: Numeric
+    levitates: Numeric  #: Whether any irradiance suffices
+    residual: Numeric  #: Force over weight, minus one [1]
+    #: Why the search ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`. That no
+    #: irradiance suffices is an answer: converged
     status: Numeric
 
     def text_parts(self) -> Parts:

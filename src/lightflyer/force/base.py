@@ -27,20 +27,11 @@ ANY_GAS = ("monatomic", "diatomic", "polyatomic")
 
 @dataclass(frozen=True)
 class ModelResult:
-    """A result of a force model's own, such as the velocity of the gas through a wall.
+    """A result of a force model's own, such as the velocity of the gas through a wall."""
 
-    Attributes
-    ----------
-    unit : str
-        SI unit as flyer files write it, such as ``"m/s"``; empty for a pure number.
-    long_name : str
-        As in datasets and on axes.
-    shown_unit : str
-        Unit in tables, figures and JSON, such as ``"mPa"``; empty for the SI unit.
-    """
-
-    unit: str
-    long_name: str
+    unit: str  #: SI unit as flyer files write it, such as ``"m/s"``; empty for a pure number
+    long_name: str  #: As in datasets and on axes
+    #: Unit in tables, figures and JSON, such as ``"mPa"``; empty for the SI unit
     shown_unit: str = ""
 
 
@@ -51,33 +42,23 @@ class AbstractForceModel(Checked):
     relative temperature excess :math:`\theta_i = (T_i - T_c)/T_c` of each node, then its flows.
     The solvers rely on two properties: all heat losses together increase with a common excess and
     are zero at zero excess; the force, where it is positive, does not decrease as the light grows.
-
-    Attributes
-    ----------
-    flyers : tuple of type
-        Classes of flyers that the model is for.
-    molecules : tuple of str
-        Kinds of gas that it is for, of :data:`ANY_GAS`.
-    results : mapping of str to ModelResult
-        Results of the model's own by name, which :meth:`own_results` computes. They are among the
-        outputs of predictions, sweeps, optimisations and sensitivities. A flow of the flyer is
-        among them without being declared; declared here, it gets a unit.
-    adds_buoyancy : bool
-        Whether the buoyancy of the flyer adds to the force. A published force that has none, and
-        was published without, keeps none.
-    feels_walls : bool
-        Whether heat loss or force depend on walls around the flyer. Where they do not, a result in
-        a chamber whose walls are given says so.
-    feels_floor : bool
-        The same for a floor and a lid.
     """
 
+    #: Classes of flyers that the model is for
     flyers: eqx.AbstractClassVar[tuple[type[AbstractFlyer], ...]]
+    #: Kinds of gas that it is for, of :data:`ANY_GAS`
     molecules: ClassVar[tuple[str, ...]] = ANY_GAS
+    #: Results of the model's own by name, which :meth:`own_results` computes. They are among the
+    #: outputs of predictions, sweeps, optimisations and sensitivities. A flow of the flyer is among
+    #: them without being declared; declared here, it gets a unit
     results: ClassVar[Mapping[str, ModelResult]] = MappingProxyType({})
+    #: Whether the buoyancy of the flyer adds to the force. A published force that has none, and was
+    #: published without, keeps none
     adds_buoyancy: ClassVar[bool] = True
+    #: Whether heat loss or force depend on walls around the flyer. Where they do not, a result in a
+    #: chamber whose walls are given says so
     feels_walls: ClassVar[bool] = True
-    feels_floor: ClassVar[bool] = False
+    feels_floor: ClassVar[bool] = False  #: The same for a floor and a lid
 
     @abc.abstractmethod
     def heat_loss(

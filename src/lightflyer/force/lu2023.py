@@ -51,22 +51,15 @@ class Reading(eqx.Module):
     """The conventions in which the two readings of the paper differ.
 
     A weight of 0 stands for the gas temperature, 1 for the mean of gas and disk, 2 for the disk.
-
-    Attributes
-    ----------
-    heat_weight : float
-        Temperature at which Eq. (4) takes the molecules' mean speed.
-    continuum_faces : float
-        How often Eq. (5) is counted. The isothermal disk's 8rκΔT is for both faces already.
-    force_weight : float
-        Temperature that divides the difference in Eq. (19).
-    creep_weight : float
-        Temperature in the numerator of Eq. (20).
     """
 
+    #: Temperature at which Eq. (4) takes the molecules' mean speed
     heat_weight: float = eqx.field(static=True)
+    #: How often Eq. (5) is counted. The isothermal disk's 8rκΔT is for both faces already
     continuum_faces: float = eqx.field(static=True)
+    #: Temperature that divides the difference in Eq. (19)
     force_weight: float = eqx.field(static=True)
+    #: Temperature in the numerator of Eq. (20)
     creep_weight: float = eqx.field(static=True, default=2.0)
 
 

@@ -21,29 +21,19 @@ from lightflyer.program.entry_point import entry_point
 
 
 class AbstractGas(eqx.Module):
-    """An ideal gas. Every method takes arrays of any shape and is differentiable for T > 0.
+    """An ideal gas. Every method takes arrays of any shape and is differentiable for T > 0."""
 
-    Attributes
-    ----------
-    name : str
-        What messages call it.
-    molecules : str
-        ``"monatomic"``, ``"diatomic"`` or ``"polyatomic"``: which internal motion takes part in
-        collisions. Force models that depend on it refuse other gases.
-    specific_gas_constant : array
-        Molar gas constant over molar mass [J/(kg K)].
-    heat_capacity_ratio : array
-        Isobaric over isochoric heat capacity [1]. A gas in which it depends on temperature has
-        none; laws take :meth:`heat_capacity_ratio_at`.
-    rotation : tuple of tuple
-        Shares of the rotating molecules and :class:`~lightflyer.gas.relaxation.Parker`'s law of
-        each, for :meth:`rotational_collision_number`; empty where it is not known.
-    """
-
-    name: eqx.AbstractClassVar[str]
+    name: eqx.AbstractClassVar[str]  #: What messages call it
+    #: ``"monatomic"``, ``"diatomic"`` or ``"polyatomic"``: which internal motion takes part in
+    #: collisions. Force models that depend on it refuse other gases
     molecules: eqx.AbstractClassVar[str]
+    #: Shares of the rotating molecules and :class:`~lightflyer.gas.relaxation.Parker`'s law of
+    #: each, for :meth:`rotational_collision_number`; empty where it is not known
     rotation: ClassVar[tuple[tuple[float, Parker], ...]] = ()
+    #: Molar gas constant over molar mass [J/(kg K)]
     specific_gas_constant: eqx.AbstractVar[Numeric]
+    #: Isobaric over isochoric heat capacity [1]. A gas in which it depends on temperature has none;
+    #: laws take :meth:`heat_capacity_ratio_at`
     heat_capacity_ratio: eqx.AbstractVar[Numeric]
 
     @abc.abstractmethod

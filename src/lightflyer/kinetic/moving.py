@@ -56,28 +56,17 @@ class MovingOutcome:
 
 @dataclass(frozen=True)
 class MovingSolution:
-    r"""Drag of a disk that moves slowly along its axis, towards its top.
+    r"""Drag of a disk that moves slowly along its axis, towards its top."""
 
-    Attributes
-    ----------
-    knudsen : float
-        λ/(2r).
-    drag : float
-        :math:`F/(pAs)` with the speed ratio :math:`s = U/\sqrt{2RT}` and the area of one face.
-    drag_ratio : float
-        Drag over that of free molecules.
-    heat : tuple of float
-        Heat out of the top and the bottom face [p √(2RT) A s]. By reciprocity each is the force on
-        the disk at rest, upwards [p A], per temperature perturbation of that face.
-    error_estimate : float
-        Numerical error of the drag: its change with a coarser mesh. It excludes the error of the
-        model equation.
-    """
-
-    knudsen: float
+    knudsen: float  #: λ/(2r)
+    #: :math:`F/(pAs)` with the speed ratio :math:`s = U/\sqrt{2RT}` and the area of one face
     drag: float
-    drag_ratio: float
+    drag_ratio: float  #: Drag over that of free molecules
+    #: Heat out of the top and the bottom face [p √(2RT) A s]. By reciprocity each is the force on
+    #: the disk at rest, upwards [p A], per temperature perturbation of that face
     heat: tuple[float, float]
+    #: Numerical error of the drag: its change with a coarser mesh. It excludes the error of the
+    #: model equation
     error_estimate: float
     _outcome: Any = field(repr=False)
 

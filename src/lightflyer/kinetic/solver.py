@@ -42,40 +42,23 @@ class Solution:
     r"""Force and heat of a disk relative to their free-molecular values, and the flow.
 
     The free-molecular values are those of the same disk, holes included.
-
-    Attributes
-    ----------
-    knudsen : float
-        λ(T_c)/(2r).
-    force_ratio : float or None
-        F/F_fm; None where the free-molecular force is zero.
-    heat_ratio_top, heat_ratio_bottom : float or None
-        Q/Q_fm of each face; None for a face at the temperature of the gas.
-    heat_ratio : float or None
-        Q/Q_fm of both faces together.
-    error_estimate : dict of str to float
-        Numerical error of ``force_ratio`` and ``heat_ratio``: their change with a coarser mesh. It
-        excludes the error of the model equation; with VHS molecules their change with a coarser
-        mesh and fewer moments.
-    iterations : int
-    seconds : float
-        Time of the solution on both meshes.
-    force : float
-        Upwards [p·A], per unit perturbation in the linear problem.
-    heat : tuple of float
-        Out of the top and bottom face [p √(2RT_c) A], likewise.
     """
 
-    knudsen: float
-    force_ratio: float | None
+    knudsen: float  #: λ(T_c)/(2r)
+    force_ratio: float | None  #: F/F_fm; None where the free-molecular force is zero
+    #: Q/Q_fm of each face; None for a face at the temperature of the gas
     heat_ratio_top: float | None
+    #: Q/Q_fm of each face; None for a face at the temperature of the gas
     heat_ratio_bottom: float | None
-    heat_ratio: float | None
+    heat_ratio: float | None  #: Q/Q_fm of both faces together
+    #: Numerical error of ``force_ratio`` and ``heat_ratio``: their change with a coarser mesh. It
+    #: excludes the error of the model equation; with VHS molecules their change with a coarser mesh
+    #: and fewer moments
     error_estimate: dict[str, float | None]
     iterations: int
-    seconds: float
-    force: float
-    heat: tuple[float, float]
+    seconds: float  #: Time of the solution on both meshes
+    force: float  #: Upwards [p·A], per unit perturbation in the linear problem
+    heat: tuple[float, float]  #: Out of the top and bottom face [p √(2RT_c) A], likewise
     _case: "Case" = field(repr=False)
     _outcome: "Outcome" = field(repr=False)
 

@@ -22,23 +22,13 @@ _NEGLIGIBLE = 1e-12  # of the variance between estimates
 
 @dataclass(frozen=True)
 class Estimate:
-    """A measured number.
-
-    Attributes
-    ----------
-    value : float
-    interval : tuple of float
-        Ends of the 95 % interval; infinite where the data set no bound.
-    unit : str
-        Unit of value, interval and uncertainty; ``""`` for a pure number.
-    uncertainty : float or None
-        Standard uncertainty, if the interval has one.
-    """
+    """A measured number."""
 
     value: float
+    #: Ends of the 95 % interval; infinite where the data set no bound
     interval: tuple[float, float]
-    unit: str = ""
-    uncertainty: float | None = None
+    unit: str = ""  #: Unit of value, interval and uncertainty; ``""`` for a pure number
+    uncertainty: float | None = None  #: Standard uncertainty, if the interval has one
 
     @classmethod
     def normal(

@@ -63,18 +63,10 @@ _MAP_TOP = 2.0  # its largest irradiance, over the lamp's or the least that levi
 
 @dataclass(frozen=True)
 class Place:
-    """One coordinate and the outputs there.
+    """One coordinate and the outputs there."""
 
-    Attributes
-    ----------
-    coordinate : float
-        [m] or [Pa].
-    values : dict of str to float
-        Outputs by name, in SI units.
-    """
-
-    coordinate: float
-    values: dict[str, float]
+    coordinate: float  #: [m] or [Pa]
+    values: dict[str, float]  #: Outputs by name, in SI units
 
 
 @dataclass(frozen=True)
@@ -98,44 +90,23 @@ class TemperatureMap:
 
 @dataclass(frozen=True, repr=False)
 class Prediction(PrintedResult):
-    """Bands, tables and peaks of a flyer in its environment.
-
-    Attributes
-    ----------
-    setup : Setup
-    coordinates : array, shape (n,)
-        Coordinates searched: altitudes [m] or pressures [Pa].
-    table : dict of str to array, shape (n,)
-        Outputs there, in SI units; an irradiance that no light gives is infinite.
-    bands : list of (float, float)
-        Ranges of the coordinate in which the flyer levitates with its payload, lowest first.
-    band_pressures : list of (float, float)
-        Pressure at both edges of each band [Pa].
-    asked : array, shape (m,)
-        Coordinates asked for.
-    at : dict of str to array, shape (m,)
-        Outputs there.
-    easiest : Place or None
-        Where the flyer needs the least light; None where no light lifts it anywhere.
-    best : Place
-        Where it carries the largest payload.
-    map : TemperatureMap or None
-        Where the light can be dimmed.
-    warnings : tuple of str
-        What a reader must know, one line each: where optical data are missing, and where the force
-        model or the film is beyond its range while the flyer flies or is reported.
-    """
+    """Bands, tables and peaks of a flyer in its environment."""
 
     setup: Setup
-    coordinates: np.ndarray
+    coordinates: np.ndarray  #: shape (n,); coordinates searched: altitudes [m] or pressures [Pa]
+    #: shape (n,); outputs there, in SI units; an irradiance that no light gives is infinite
     table: Table
+    #: Ranges of the coordinate in which the flyer levitates with its payload, lowest first
     bands: list[tuple[float, float]]
-    band_pressures: list[tuple[float, float]]
-    asked: np.ndarray
-    at: Table
+    band_pressures: list[tuple[float, float]]  #: Pressure at both edges of each band [Pa]
+    asked: np.ndarray  #: shape (m,); coordinates asked for
+    at: Table  #: shape (m,); outputs there
+    #: Where the flyer needs the least light; None where no light lifts it anywhere
     easiest: Place | None
-    best: Place
-    map: TemperatureMap | None
+    best: Place  #: Where it carries the largest payload
+    map: TemperatureMap | None  #: Where the light can be dimmed
+    #: What a reader must know, one line each: where optical data are missing, and where the force
+    #: model or the film is beyond its range while the flyer flies or is reported
     warnings: tuple[str, ...]
 
     @property

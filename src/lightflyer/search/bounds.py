@@ -21,16 +21,9 @@ _WORST_TOLERANCE = 0.3  # relative, beyond which a normal error could make a thi
 
 @dataclass(frozen=True)
 class Tolerance:
-    """How exactly a number can be made.
+    """How exactly a number can be made."""
 
-    Attributes
-    ----------
-    size : float
-        Standard uncertainty of the made number: in the unit of the field, or relative.
-    relative : bool
-    """
-
-    size: float
+    size: float  #: Standard uncertainty of the made number: in the unit of the field, or relative
     relative: bool
 
     def spread(self, value: Any) -> Any:
@@ -40,23 +33,13 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Bounds:
-    """A number that is free between two ends.
-
-    Attributes
-    ----------
-    field : Field
-    low, high : float
-        In the unit of the field.
-    logarithmic : bool
-        Whether the search proceeds in the logarithm.
-    tolerance : Tolerance or None
-        How exactly the number can be made; None where nothing is stated.
-    """
+    """A number that is free between two ends."""
 
     field: Field
-    low: float
-    high: float
-    logarithmic: bool
+    low: float  #: In the unit of the field
+    high: float  #: In the unit of the field
+    logarithmic: bool  #: Whether the search proceeds in the logarithm
+    #: How exactly the number can be made; None where nothing is stated
     tolerance: "Tolerance | None" = None
 
     def value(self, fraction: Any) -> Any:

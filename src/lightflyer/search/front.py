@@ -29,25 +29,13 @@ _NO_VALUE = np.finfo(float).max ** 0.5  # loss of a design that has no value
 
 @dataclass(frozen=True, repr=False)
 class Front(PrintedResult):
-    """Designs that no other beats in all objectives at once.
-
-    Attributes
-    ----------
-    problem : Problem
-    objectives : dict of str to array, shape (n,)
-        In SI units, ordered by the first.
-    designs : dict of str to array, shape (n,)
-        Free numbers by name, in the units of the design.
-    evaluations : int
-        Number of designs evaluated.
-    warnings : tuple of str
-        Where the designs at the front's ends are outside the range of the force model or the film.
-    """
+    """Designs that no other beats in all objectives at once."""
 
     problem: Problem
-    objectives: dict[str, np.ndarray]
-    designs: dict[str, np.ndarray]
-    evaluations: int
+    objectives: dict[str, np.ndarray]  #: shape (n,); in SI units, ordered by the first
+    designs: dict[str, np.ndarray]  #: shape (n,); free numbers by name, in the units of the design
+    evaluations: int  #: Number of designs evaluated
+    #: Where the designs at the front's ends are outside the range of the force model or the film
     warnings: tuple[str, ...]
 
     @property

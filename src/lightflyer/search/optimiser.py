@@ -54,51 +54,31 @@ _LEAST_OF_FLYING = {"payload": 0.0, "relative_payload": 0.0, "lift_over_weight":
 
 @dataclass(frozen=True, repr=False)
 class Optimum(PrintedResult):
-    """The best design, and how it depends on limits and numbers.
-
-    Attributes
-    ----------
-    problem : Problem
-    value : float
-        Objective, in SI units.
-    design : dict of str to float
-        Free numbers by name, in the units of the design: SI, angles in degrees where a flyer file
-        gives them so.
-    outputs : dict of str to float
-        Objectives and constraints by name, in SI units.
-    active_bounds : dict of str to str
-        ``"low"`` or ``"high"`` for each free number that lies at its bound.
-    active_constraints : dict of str to float
-        Gain of the objective per unit of each active limit, by the output's name.
-    elasticities : dict of str to float
-        Relative change of the objective over that of each number that is not free, while the best
-        design moves along; the largest first.
-    starts, agreeing : int
-        Number of searches, and of those that found this optimum.
-    evaluations : int
-        Number of evaluations of the objective with its gradient.
-    as_made : AsMade or None
-        What is lost where the best design is not made exactly: numbers with an ``uncertainty``,
-        and thicknesses of layers. None where there are none.
-    ranking : Ranking or None
-        Other stacks of layers, where the film was chosen among several.
-    warnings : tuple of str
-        Where the best design is outside the range of the force model or of its film, which only a
-        problem that allows it has.
-    """
+    """The best design, and how it depends on limits and numbers."""
 
     problem: Problem
-    value: float
+    value: float  #: Objective, in SI units
+    #: Free numbers by name, in the units of the design: SI, angles in degrees where a flyer file
+    #: gives them so
     design: dict[str, float]
-    outputs: dict[str, float]
+    outputs: dict[str, float]  #: Objectives and constraints by name, in SI units
+    #: ``"low"`` or ``"high"`` for each free number that lies at its bound
     active_bounds: dict[str, str]
+    #: Gain of the objective per unit of each active limit, by the output's name
     active_constraints: dict[str, float]
+    #: Relative change of the objective over that of each number that is not free, while the best
+    #: design moves along; the largest first
     elasticities: dict[str, float]
-    starts: int
-    agreeing: int
-    evaluations: int
+    starts: int  #: Number of searches, and of those that found this optimum
+    agreeing: int  #: Number of searches, and of those that found this optimum
+    evaluations: int  #: Number of evaluations of the objective with its gradient
+    #: Where the best design is outside the range of the force model or of its film, which only a
+    #: problem that allows it has
     warnings: tuple[str, ...]
+    #: What is lost where the best design is not made exactly: numbers with an ``uncertainty``, and
+    #: thicknesses of layers. None where there are none
     as_made: AsMade | None = None
+    #: Other stacks of layers, where the film was chosen among several
     ranking: Ranking | None = None
 
     @cached_property

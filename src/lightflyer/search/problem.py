@@ -107,42 +107,24 @@ def _nominal(entry: Any) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """An optimisation problem.
-
-    Attributes
-    ----------
-    design : AbstractDesign
-    objectives : tuple of Objective
-    bounds : tuple of Bounds
-        The free numbers.
-    fixed : dict of str to float
-        Numbers that have one value, by dotted name.
-    constraints : tuple of Constraint
-    samples : dict of str to array, shape (m,)
-        Values of the uncertain numbers; empty where there are none. Of a free number they are its
-        errors in standard uncertainties.
-    quantile : float or None
-        Quantile of the samples that stands for an output of which more is better; for one of which
-        less is better, one minus it. None for the mean.
-    beyond_range : bool
-        Whether an optimum counts that is outside the range of the force model or the film.
-    starts : int
-        Number of searches.
-    seed : int
-    choice : Choice or None
-        The stacks of layers among which the film is chosen first, where there are several.
-    """
+    """An optimisation problem."""
 
     design: AbstractDesign
     objectives: tuple[Objective, ...]
-    bounds: tuple[Bounds, ...]
-    fixed: dict[str, float]
+    bounds: tuple[Bounds, ...]  #: The free numbers
+    fixed: dict[str, float]  #: Numbers that have one value, by dotted name
     constraints: tuple[Constraint, ...]
+    #: shape (m,); values of the uncertain numbers; empty where there are none. Of a free number
+    #: they are its errors in standard uncertainties
     samples: dict[str, np.ndarray]
+    #: Quantile of the samples that stands for an output of which more is better; for one of which
+    #: less is better, one minus it. None for the mean
     quantile: float | None
+    #: Whether an optimum counts that is outside the range of the force model or the film
     beyond_range: bool
-    starts: int
+    starts: int  #: Number of searches
     seed: int
+    #: The stacks of layers among which the film is chosen first, where there are several
     choice: "Choice | None" = None
 
     @property

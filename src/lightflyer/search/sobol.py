@@ -56,25 +56,13 @@ _LEFT_BY_HALVING = 0.25  # of a variance, when a standard deviation is halved
 
 @dataclass(frozen=True)
 class SensitivityStudy:
-    """Which outputs, where, and which inputs are uncertain.
-
-    Attributes
-    ----------
-    design : AbstractDesign
-    outputs : tuple of str
-    fixed : dict of str to float
-        Numbers that have one value, by dotted name.
-    inputs : tuple of Distribution
-    points : int
-        Number of base samples; there are (inputs + 2) times as many designs.
-    seed : int
-    """
+    """Which outputs, where, and which inputs are uncertain."""
 
     design: AbstractDesign
     outputs: tuple[str, ...]
-    fixed: dict[str, float]
+    fixed: dict[str, float]  #: Numbers that have one value, by dotted name
     inputs: tuple[Distribution, ...]
-    points: int
+    points: int  #: Number of base samples; there are (inputs + 2) times as many designs
     seed: int
 
     @property
@@ -99,50 +87,32 @@ class SensitivityStudy:
 
 @dataclass(frozen=True, repr=False)
 class Indices(PrintedResult):
-    """Effect of the uncertainty of each input on an output.
-
-    Attributes
-    ----------
-    output : str
-    attributes : dict of str to str
-        Unit and long name of the output, as in datasets.
-    groups : tuple of tuple of str
-        Dotted names of the inputs, those with correlated errors together, g groups in all.
-    measurable : tuple of bool, length g
-        Whether measurements can reduce the uncertainty: not where it is a model's own error.
-    nominal, mean, spread : float
-        Output at the inputs' medians, its mean and its standard deviation.
-    first, total : array, shape (g,)
-        Sobol indices.
-    first_interval, total_interval : array, shape (g,)
-        Half widths of their 95 % intervals.
-    low, high : array, shape (g,)
-        Output with one input at its 2.5 % and its 97.5 % quantile, the others at their medians;
-        quantiles of the output where several inputs vary together.
-    elasticity : dict of str to float
-        Relative change of the output over that of an input, by the input's name; not a number for
-        an input whose median is zero.
-    warnings : tuple of str
-        What a reader must know, one line each.
-    shown : (float, str)
-        Factor from the output's SI unit, and the unit that its values are shown in.
-    """
+    """Effect of the uncertainty of each input on an output."""
 
     output: str
-    attributes: dict[str, str]
+    attributes: dict[str, str]  #: Unit and long name of the output, as in datasets
+    #: Dotted names of the inputs, those with correlated errors together, g groups in all
     groups: tuple[tuple[str, ...], ...]
+    #: Whether measurements can reduce the uncertainty: not where it is a model's own error
     measurable: tuple[bool, ...]
-    nominal: float
-    mean: float
-    spread: float
-    first: np.ndarray
-    total: np.ndarray
-    first_interval: np.ndarray
-    total_interval: np.ndarray
+    nominal: float  #: Output at the inputs' medians, its mean and its standard deviation
+    mean: float  #: Output at the inputs' medians, its mean and its standard deviation
+    spread: float  #: Output at the inputs' medians, its mean and its standard deviation
+    first: np.ndarray  #: shape (g,); sobol indices
+    total: np.ndarray  #: shape (g,); sobol indices
+    first_interval: np.ndarray  #: shape (g,); half widths of their 95 % intervals
+    total_interval: np.ndarray  #: shape (g,); half widths of their 95 % intervals
+    #: shape (g,); output with one input at its 2.5 % and its 97.5 % quantile, the others at their
+    #: medians; quantiles of the output where several inputs vary together
     low: np.ndarray
+    #: shape (g,); output with one input at its 2.5 % and its 97.5 % quantile, the others at their
+    #: medians; quantiles of the output where several inputs vary together
     high: np.ndarray
+    #: Relative change of the output over that of an input, by the input's name; not a number for an
+    #: input whose median is zero
     elasticity: dict[str, float]
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...]  #: What a reader must know, one line each
+    #: Factor from the output's SI unit, and the unit that its values are shown in
     shown: tuple[float, str] = (1.0, "")
 
     def plot(self) -> "Figure":

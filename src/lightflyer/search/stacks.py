@@ -36,24 +36,12 @@ _STARTS = 2  # of each stack in the second round
 
 @dataclass(frozen=True)
 class RankedStack:
-    """A stack that came into the last rounds.
+    """A stack that came into the last rounds."""
 
-    Attributes
-    ----------
-    materials : tuple of str
-        Top to bottom.
-    thickness : array, shape (layers,)
-        Of the best film [m].
-    value : float
-        Objective of the nominal film, in SI units.
-    in_full : bool
-        Whether the film was computed on the full grids, not within a few thousandths.
-    """
-
-    materials: tuple[str, ...]
-    thickness: np.ndarray
-    value: float
-    in_full: bool
+    materials: tuple[str, ...]  #: Top to bottom
+    thickness: np.ndarray  #: shape (layers,); of the best film [m]
+    value: float  #: Objective of the nominal film, in SI units
+    in_full: bool  #: Whether the film was computed on the full grids, not within a few thousandths
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""
@@ -67,22 +55,12 @@ class RankedStack:
 
 @dataclass(frozen=True)
 class Ranking:
-    """Stacks by their best films.
+    """Stacks by their best films."""
 
-    Attributes
-    ----------
-    stacks : tuple of RankedStack
-        The best first.
-    screened, allowed : int
-        Stacks that were looked at, and all that the study allows.
-    notes : tuple of str
-        What a reader must know, one line each.
-    """
-
-    stacks: tuple[RankedStack, ...]
-    screened: int
-    allowed: int
-    notes: tuple[str, ...]
+    stacks: tuple[RankedStack, ...]  #: The best first
+    screened: int  #: Stacks that were looked at, and all that the study allows
+    allowed: int  #: Stacks that were looked at, and all that the study allows
+    notes: tuple[str, ...]  #: What a reader must know, one line each
 
     def summary(self) -> dict[str, Any]:
         """All of it as a JSON object, in SI units."""

@@ -25,43 +25,25 @@ SAMPLES = 512
 
 @dataclass(frozen=True)
 class Effect:
-    """What an error of one number does to the objective.
+    """What an error of one number does to the objective."""
 
-    Attributes
-    ----------
-    spread : float
-        Standard uncertainty of the number, in the unit of the design.
-    assumed : bool
-        Whether no study states it.
-    less, more : float
-        Change of the objective, in SI units, where the number is one standard uncertainty too
-        small and too large.
-    """
-
-    spread: float
-    assumed: bool
+    spread: float  #: Standard uncertainty of the number, in the unit of the design
+    assumed: bool  #: Whether no study states it
+    #: Change of the objective, in SI units, where the number is one standard uncertainty too small
+    #: and too large
     less: float
+    #: Change of the objective, in SI units, where the number is one standard uncertainty too small
+    #: and too large
     more: float
 
 
 @dataclass(frozen=True)
 class AsMade:
-    """The objective over many flyers, each made with errors of its own.
+    """The objective over many flyers, each made with errors of its own."""
 
-    Attributes
-    ----------
-    effects : dict of str to Effect
-        By the name of the number.
-    mean : float
-        In SI units.
-    low : float
-        Quantile beyond which :data:`LOW` of the flyers are worse.
-    samples : int
-    """
-
-    effects: dict[str, Effect]
-    mean: float
-    low: float
+    effects: dict[str, Effect]  #: By the name of the number
+    mean: float  #: In SI units
+    low: float  #: Quantile beyond which :data:`LOW` of the flyers are worse
     samples: int
 
     @property

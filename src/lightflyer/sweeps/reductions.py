@@ -124,14 +124,6 @@ class Front(AbstractReduction):
     The partial holds ``designs``, ``gain`` and ``cost``, cheapest first; of designs equal in both
     that with the smallest number.
 
-    Attributes
-    ----------
-    gain, cost : str
-        Outputs or varied numbers. More is better of the gain, less of the cost.
-    less_gain_is_better, more_cost_is_better : bool
-        The reverse.
-    capacity : int
-        Most designs of a front that :meth:`on_device` returns.
 
     Examples
     --------
@@ -140,11 +132,11 @@ class Front(AbstractReduction):
     {'designs': array([0, 1]), 'gain': array([1., 3.]), 'cost': array([50., 60.])}
     """
 
-    gain: str
-    cost: str
-    less_gain_is_better: bool = False
-    more_cost_is_better: bool = False
-    capacity: int = 4096
+    gain: str  #: Outputs or varied numbers. More is better of the gain, less of the cost
+    cost: str  #: Outputs or varied numbers. More is better of the gain, less of the cost
+    less_gain_is_better: bool = False  #: The reverse
+    more_cost_is_better: bool = False  #: The reverse
+    capacity: int = 4096  #: Most designs of a front that :meth:`on_device` returns
 
     def empty(self) -> Partial:
         """See :meth:`AbstractReduction.empty`."""

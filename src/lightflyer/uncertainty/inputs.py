@@ -53,33 +53,20 @@ class Change(eqx.Module):
 
 @dataclass(frozen=True)
 class Inputs:
-    """The uncertain numbers of a design.
-
-    Attributes
-    ----------
-    design : AbstractDesign
-    names : list of str
-        Dotted, as ``"film.tac_top"``.
-    values, spreads : array, shape (k,)
-        Values and standard uncertainties, in the units of the design: SI, angles in degrees where
-        a flyer file gives them so.
-    correlation : array, shape (k, k)
-    ranges : array, shape (k, 2)
-        Possible values.
-    prepared : pytree or None
-        What the design needs to be built with its own numbers.
-    changes : dict of str to Change
-        How ``prepared`` changes with each input that moves it.
-    """
+    """The uncertain numbers of a design."""
 
     design: AbstractDesign
-    names: list[str]
+    names: list[str]  #: Dotted, as ``"film.tac_top"``
+    #: shape (k,); values and standard uncertainties, in the units of the design: SI, angles in
+    #: degrees where a flyer file gives them so
     values: np.ndarray
+    #: shape (k,); values and standard uncertainties, in the units of the design: SI, angles in
+    #: degrees where a flyer file gives them so
     spreads: np.ndarray
-    correlation: np.ndarray
-    ranges: np.ndarray
-    prepared: Any
-    changes: dict[str, Change]
+    correlation: np.ndarray  #: shape (k, k)
+    ranges: np.ndarray  #: shape (k, 2); possible values
+    prepared: Any  #: What the design needs to be built with its own numbers
+    changes: dict[str, Change]  #: How ``prepared`` changes with each input that moves it
 
     @property
     def open_names(self) -> tuple[str, ...]:

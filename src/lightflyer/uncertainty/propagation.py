@@ -83,45 +83,28 @@ class _Target:
 
 @dataclass(frozen=True, repr=False)
 class PredictionUncertainty(PrintedResult):
-    """Uncertainty of each result of a prediction.
-
-    Attributes
-    ----------
-    prediction : Prediction
-    inputs : Inputs
-    nominal : dict of str to float
-        The results, named as in the prediction's summary: ``"best.payload_mg"``.
-    first_order : dict of str to float
-        Standard uncertainty of each.
-    sampled : dict of str to array, shape (samples,)
-        Monte Carlo results; NaN in samples where there is no such result.
-    samples, seed : int
-    coordinate : array, shape (n,)
-        Altitude [m] or pressure [Pa] of the bands.
-    endless : frozenset of str
-        The results that are positive, and infinite in samples that have none.
-    edges : frozenset of str
-        The results that are edges of the band in which the flyer flies. First order has no 95 %
-        band for them: how far they are from linear depends on the margin, which is uncertain too.
-    low, high : dict of str to array, shape (n,)
-        95 % bands of :data:`BANDS` and of the force model's own results, in SI units.
-    warnings : tuple of str
-        What a reader must know, one line each.
-    """
+    """Uncertainty of each result of a prediction."""
 
     prediction: Prediction
     inputs: Inputs
+    #: The results, named as in the prediction's summary: ``"best.payload_mg"``
     nominal: dict[str, float]
-    first_order: dict[str, float]
+    first_order: dict[str, float]  #: Standard uncertainty of each
+    #: shape (samples,); monte Carlo results; NaN in samples where there is no such result
     sampled: dict[str, np.ndarray]
     samples: int
     seed: int
-    coordinate: np.ndarray
+    coordinate: np.ndarray  #: shape (n,); altitude [m] or pressure [Pa] of the bands
+    #: The results that are positive, and infinite in samples that have none
     endless: frozenset[str] = frozenset()
+    #: The results that are edges of the band in which the flyer flies. First order has no 95 % band
+    #: for them: how far they are from linear depends on the margin, which is uncertain too
     edges: frozenset[str] = frozenset()
+    #: shape (n,); 95 % bands of :data:`BANDS` and of the force model's own results, in SI units
     low: Table = field(default_factory=dict)
+    #: shape (n,); 95 % bands of :data:`BANDS` and of the force model's own results, in SI units
     high: Table = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()  #: What a reader must know, one line each
 
     def plot(self, what: str | None = None, ax: "Axes | None" = None) -> "Figure":
         """Draw the prediction with its 95 % bands."""

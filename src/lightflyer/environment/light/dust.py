@@ -49,16 +49,6 @@ class Dust(Checked):
 
     .. math:: q(p) = q_0 \exp\left[\nu\left(1 - \frac{p_0}{p}\right)\right]
 
-    Attributes
-    ----------
-    optical_depth : array
-        Vertical, of all the air above altitude 0 [1].
-    fall_off : array
-        :math:`\nu` [1].
-    scattered_share : array
-        Single-scattering albedo [1].
-    asymmetry : array
-        Mean cosine of the angle of scattering [1].
 
     Raises
     ------
@@ -79,10 +69,10 @@ class Dust(Checked):
     [Joseph1976]_.
     """
 
-    optical_depth: OpticalDepth = OPTICAL_DEPTH
-    fall_off: Fraction = FALL_OFF
-    scattered_share: Fraction = SCATTERED_SHARE
-    asymmetry: Fraction = ASYMMETRY
+    optical_depth: OpticalDepth = OPTICAL_DEPTH  #: Vertical, of all the air above altitude 0 [1]
+    fall_off: Fraction = FALL_OFF  #: :math:`\nu` [1]
+    scattered_share: Fraction = SCATTERED_SHARE  #: Single-scattering albedo [1]
+    asymmetry: Fraction = ASYMMETRY  #: Mean cosine of the angle of scattering [1]
 
     def depth_above(self, share_of_pressure: Numeric) -> Array:
         """Vertical optical depth of what is above [1]."""

@@ -84,20 +84,18 @@ class AbstractSky(eqx.Module):
 
 
 class LightHours(NamedTuple):
-    """When the sun is above a flyer's horizon, on the day around a time.
+    """When the sun is above a flyer's horizon, on the day around a time."""
 
-    Attributes
-    ----------
-    first, noon, last : array, shape (...)
-        The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01
-        12:00 UTC]. The first and the last are NaN where the sun does not rise or set.
-    share : array, shape (...)
-        Of a day with the sun as at noon, with light [1]; one without night, zero without day.
-    """
-
+    #: The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01 12:00
+    #: UTC]. The first and the last are NaN where the sun does not rise or set
     first: Array
+    #: The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01 12:00
+    #: UTC]. The first and the last are NaN where the sun does not rise or set
     noon: Array
+    #: The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01 12:00
+    #: UTC]. The first and the last are NaN where the sun does not rise or set
     last: Array
+    #: Of a day with the sun as at noon, with light [1]; one without night, zero without day
     share: Array
 
 
@@ -109,19 +107,6 @@ class Daylight(AbstractSky, Checked):
     and reflects diffusely; a tilted face sees it evenly bright. Between limb and space, air
     neither dims nor scatters light, and the direction of light is that without refraction.
 
-    Attributes
-    ----------
-    sun : AbstractSun
-    planet : Planet
-        Its size and shape decide the horizon.
-    limb : Limb
-        The edge that hides the sun.
-    ground : AbstractGround
-        Albedo and heat radiation from below.
-    irradiance : array
-        Sunlight at one astronomical unit [W/m²].
-    infrared_above : array or None
-        Heat radiation from above [W/m²]; None for black surroundings at the gas temperature.
 
     Examples
     --------
@@ -134,10 +119,12 @@ class Daylight(AbstractSky, Checked):
     """
 
     sun: AbstractSun = EarthSun()
-    planet: Planet = EARTH_PLANET
-    limb: Limb = EARTH_LIMB
-    ground: AbstractGround = UniformGround()
+    planet: Planet = EARTH_PLANET  #: Its size and shape decide the horizon
+    limb: Limb = EARTH_LIMB  #: The edge that hides the sun
+    ground: AbstractGround = UniformGround()  #: Albedo and heat radiation from below
+    #: Sunlight at one astronomical unit [W/m²]
     irradiance: Irradiance = constants.TOTAL_SOLAR_IRRADIANCE
+    #: Heat radiation from above [W/m²]; None for black surroundings at the gas temperature
     infrared_above: Irradiance | None = SKY_INFRARED
 
     def radiation(self, altitude: Numeric, place: Place) -> Radiation:

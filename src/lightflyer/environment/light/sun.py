@@ -96,21 +96,11 @@ class SunPosition(NamedTuple):
 
 
 class SunInSky(NamedTuple):
-    """Where the sun stands in the sky of a place, without refraction.
+    """Where the sun stands in the sky of a place, without refraction."""
 
-    Attributes
-    ----------
-    zenith_angle : array, shape (...)
-        Between the sun's centre and the vertical [rad].
-    azimuth : array, shape (...)
-        From north by way of east [rad], -π to π.
-    distance : array, shape (...)
-        [m].
-    """
-
-    zenith_angle: Array
-    azimuth: Array
-    distance: Array
+    zenith_angle: Array  #: Between the sun's centre and the vertical [rad]
+    azimuth: Array  #: From north by way of east [rad], -π to π
+    distance: Array  #: [m]
 
 
 class AbstractSun(eqx.Module):

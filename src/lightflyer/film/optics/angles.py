@@ -26,18 +26,19 @@ POLARISATIONS = ("s", "p", "mean")
 
 
 class DirectionalShares(NamedTuple):
-    """Shares of a spectrum's power by direction.
+    """Shares of a spectrum's power by direction."""
 
-    Attributes
-    ----------
-    reflectance, transmittance, absorptance, scattered : array, shape (2, angles, m) or (2, angles)
-        Of s and of p polarisation [1]; their sum is one. The absorptance for heat radiation is
-        the directional emittance. The last axis is that of the temperatures.
-    """
-
+    #: shape (2, angles, m); of s and of p polarisation [1]; their sum is one. The absorptance for
+    #: heat radiation is the directional emittance. The last axis is that of the temperatures
     reflectance: Numeric
+    #: shape (2, angles, m); of s and of p polarisation [1]; their sum is one. The absorptance for
+    #: heat radiation is the directional emittance. The last axis is that of the temperatures
     transmittance: Numeric
+    #: shape (2, angles, m); of s and of p polarisation [1]; their sum is one. The absorptance for
+    #: heat radiation is the directional emittance. The last axis is that of the temperatures
     absorptance: Numeric
+    #: shape (2, angles, m); of s and of p polarisation [1]; their sum is one. The absorptance for
+    #: heat radiation is the directional emittance. The last axis is that of the temperatures
     scattered: Numeric
 
     def unpolarised(self) -> "DirectionalShares":

@@ -44,32 +44,22 @@ __all__ = [
 
 
 class Average(eqx.Module):
-    """Mean over a spectrum of what a film absorbs, lets through or reflects.
+    """Mean over a spectrum of what a film absorbs, lets through or reflects."""
 
-    Attributes
-    ----------
-    value : array
-        Mean over the part of the spectrum in which the materials have data or extrapolate [1].
-    covered : array
-        Share of the spectrum's power at which all materials have data, whatever their policy
-        beyond [1].
-    extrapolated_share : array
-        Share of the spectrum's power at which a material extrapolates [1].
-    extrapolated : tuple of str
-        Those materials, with their policy and range.
-    within : array or None
-        Mean over the part of the spectrum that has data [1]; None if nothing is extrapolated, when
-        it is ``value``.
-    scattered : array
-        Share of the spectrum's power that rough interfaces scatter [1]. It is not in ``value``,
-        where some of it may belong.
-    """
-
+    #: Mean over the part of the spectrum in which the materials have data or extrapolate [1]
     value: Numeric
+    #: Share of the spectrum's power at which all materials have data, whatever their policy beyond
+    #: [1]
     covered: Numeric
+    #: Share of the spectrum's power at which a material extrapolates [1]
     extrapolated_share: Numeric = 0.0
+    #: Those materials, with their policy and range
     extrapolated: tuple[str, ...] = eqx.field(static=True, default=())
+    #: Mean over the part of the spectrum that has data [1]; None if nothing is extrapolated, when
+    #: it is ``value``
     within: Numeric | None = None
+    #: Share of the spectrum's power that rough interfaces scatter [1]. It is not in ``value``,
+    #: where some of it may belong
     scattered: Numeric = 0.0
 
     @property
@@ -89,18 +79,19 @@ class Average(eqx.Module):
 
 
 class Shares(NamedTuple):
-    """What becomes of light or heat radiation on a film.
+    """What becomes of light or heat radiation on a film."""
 
-    Attributes
-    ----------
-    absorptance, transmittance, reflectance, scattered : Average
-        Their values have the sum one. The absorptance for heat radiation is the emittance. What
-        rough interfaces scatter is not followed: the film may absorb some of it.
-    """
-
+    #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
+    #: rough interfaces scatter is not followed: the film may absorb some of it
     absorptance: Average
+    #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
+    #: rough interfaces scatter is not followed: the film may absorb some of it
     transmittance: Average
+    #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
+    #: rough interfaces scatter is not followed: the film may absorb some of it
     reflectance: Average
+    #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
+    #: rough interfaces scatter is not followed: the film may absorb some of it
     scattered: Average
 
 

@@ -34,21 +34,16 @@ class StackOptics(eqx.Module):
     """Shares of the light on a stack that are reflected, transmitted, absorbed and scattered.
 
     The first axis of each field is the polarisation: s, then p.
-
-    Attributes
-    ----------
-    reflectance, transmittance : array, shape (2, ...)
-        Specular [1]. What enters an endless substrate is transmitted.
-    layer_absorptance : array, shape (layers, 2, ...)
-        Absorptance of each layer, the lit side first [1].
-    scattered : array, shape (2, ...), or float
-        Share that rough interfaces scatter out of the specular beams [1]. It is not followed:
-        layers may absorb some of it.
     """
 
+    #: shape (2, ...); specular [1]. What enters an endless substrate is transmitted
     reflectance: Numeric
+    #: shape (2, ...); specular [1]. What enters an endless substrate is transmitted
     transmittance: Numeric
+    #: shape (layers, 2, ...); absorptance of each layer, the lit side first [1]
     layer_absorptance: Numeric
+    #: shape (2, ...); share that rough interfaces scatter out of the specular beams [1]. It is not
+    #: followed: layers may absorb some of it
     scattered: Numeric = 0.0
 
     @property

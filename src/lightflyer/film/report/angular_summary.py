@@ -19,35 +19,17 @@ SPECTRUM_POINTS = 400
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class AngularSummary:
-    """Optics of a film's top by angle and polarisation, spectral and averaged.
-
-    Attributes
-    ----------
-    film : Film
-    light : Spectrum
-        Light on the film: sunlight or a lamp.
-    incidence : array, shape (angles,)
-        [rad].
-    wavelength : array, shape (w,)
-        [m]; from 0.25 µm to 25 µm, as far as the media have data or extrapolate.
-    temperatures : array, shape (m,)
-        [K].
-    spectral : StackOptics
-        Arrays of shape (2, angles, w).
-    lit : DirectionalShares
-        Of the light, shape (2, angles).
-    thermal : DirectionalShares
-        Of black bodies' radiation, shape (2, angles, m).
-    """
+    """Optics of a film's top by angle and polarisation, spectral and averaged."""
 
     film: Film
-    light: Spectrum
-    incidence: np.ndarray
+    light: Spectrum  #: Light on the film: sunlight or a lamp
+    incidence: np.ndarray  #: shape (angles,); [rad]
+    #: shape (w,); [m]; from 0.25 µm to 25 µm, as far as the media have data or extrapolate
     wavelength: np.ndarray
-    temperatures: np.ndarray
-    spectral: StackOptics
-    lit: DirectionalShares
-    thermal: DirectionalShares
+    temperatures: np.ndarray  #: shape (m,); [K]
+    spectral: StackOptics  #: Arrays of shape (2, angles, w)
+    lit: DirectionalShares  #: Of the light, shape (2, angles)
+    thermal: DirectionalShares  #: Of black bodies' radiation, shape (2, angles, m)
 
     @classmethod
     def of(

@@ -36,50 +36,28 @@ _MASS = "areal_density_g_m2"
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class FilmSummary:
-    """Areal density, absorptances, transmittances, emittances and spectrum of a film.
-
-    Attributes
-    ----------
-    film : Film
-    light : Spectrum
-        Light on the film: sunlight or a lamp.
-    solar : dict of str to Average
-        Absorptance of sunlight at normal incidence, of each face, ``"top"`` and ``"bottom"``; the
-        top alone where the film lies on an endless substrate.
-    lamp : dict of str to Average
-        The same for ``light``.
-    thermal : dict of str to Average
-        Hemispherical emittance of each face, arrays over ``temperatures``.
-    thermal_normal : dict of str to Average
-        The same along the normal.
-    passing : dict of str to Average
-        Transmittance, the same from both sides: ``"solar"`` and ``"lamp"`` at normal incidence,
-        ``"thermal"`` hemispherical, an array over ``temperatures``.
-    temperatures : array, shape (m,)
-        [K].
-    wavelength : array, shape (w,)
-        [m]; from 0.25 µm to 25 µm, as far as the materials have data or extrapolate.
-    optics : StackOptics
-        Unpolarised, normal incidence from the top, arrays over ``wavelength``.
-    uncertainty : dict of str to float or array, or None
-        Standard uncertainty from those of the layers' thicknesses and densities, by the names of
-        :meth:`values`; None where no layer has one.
-    warnings : tuple of str
-        What a reader must know of these numbers.
-    """
+    """Areal density, absorptances, transmittances, emittances and spectrum of a film."""
 
     film: Film
-    light: Spectrum
+    light: Spectrum  #: Light on the film: sunlight or a lamp
+    #: Absorptance of sunlight at normal incidence, of each face, ``"top"`` and ``"bottom"``; the
+    #: top alone where the film lies on an endless substrate
     solar: dict[str, Average]
-    lamp: dict[str, Average]
+    lamp: dict[str, Average]  #: The same for ``light``
+    #: Hemispherical emittance of each face, arrays over ``temperatures``
     thermal: dict[str, Average]
-    thermal_normal: dict[str, Average]
+    thermal_normal: dict[str, Average]  #: The same along the normal
+    #: Transmittance, the same from both sides: ``"solar"`` and ``"lamp"`` at normal incidence,
+    #: ``"thermal"`` hemispherical, an array over ``temperatures``
     passing: dict[str, Average]
-    temperatures: np.ndarray
+    temperatures: np.ndarray  #: shape (m,); [K]
+    #: shape (w,); [m]; from 0.25 µm to 25 µm, as far as the materials have data or extrapolate
     wavelength: np.ndarray
-    optics: StackOptics
+    optics: StackOptics  #: Unpolarised, normal incidence from the top, arrays over ``wavelength``
+    #: Standard uncertainty from those of the layers' thicknesses and densities, by the names of
+    #: :meth:`values`; None where no layer has one
     uncertainty: dict[str, Any] | None = None
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()  #: What a reader must know of these numbers
 
     @classmethod
     def of(

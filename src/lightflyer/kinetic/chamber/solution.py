@@ -39,55 +39,46 @@ class ChamberSolution:
     in the linear problem per unit perturbation. p is the pressure far away. In a closed chamber it
     is that of the molecules that arrive at its side wall, on average: what a gauge at T_c reads
     behind a small hole there.
-
-    Attributes
-    ----------
-    knudsen : float
-        λ(T_c)/(2r).
-    force_ratio : float or None
-        F/F_fm, over the free-molecular force in open space; None where that is zero.
-    heat_ratio_top, heat_ratio_bottom, heat_ratio : float or None
-        Q/Q_fm of each face and of both, over the free-molecular heat with the mean temperatures of
-        the faces.
-    forces, heats : mapping of str to float
-        Of ``disk``, ``floor``, ``lid`` and ``side``, the last three in a chamber. Of a reservoir:
-        momentum and energy that leave through it, energy with its sign reversed.
-    error_estimate : dict of str to float
-        Numerical error of ``force_ratio``, ``heat_ratio``, ``force`` and ``heat``: their change
-        with a coarser mesh. It excludes the error of the model equation.
-    closure : dict of str to float
-        ``force`` and ``heat``: their sums over all surfaces of a chamber, over the sums of their
-        magnitudes; zero but for numerical errors.
-    imbalance : float or None
-        Largest relative difference of absorbed and lost heat of a spot of a local film; None for
-        an isothermal one.
-    absorbed : float
-        Heat that the film loses per area of the disk, by gas and radiation [p √(2RT_c)].
-    film_radius, film_temperature : array, shape (21,)
-        Distance from the film's centre [disk radii] and T/T_c − 1 there, its mean over both faces.
-    iterations : int
-    seconds : float
-        Time of the solution on both meshes.
-    warnings : tuple of str
-        What limits the result.
     """
 
-    knudsen: float
+    knudsen: float  #: λ(T_c)/(2r)
+    #: F/F_fm, over the free-molecular force in open space; None where that is zero
     force_ratio: float | None
+    #: Q/Q_fm of each face and of both, over the free-molecular heat with the mean temperatures of
+    #: the faces
     heat_ratio_top: float | None
+    #: Q/Q_fm of each face and of both, over the free-molecular heat with the mean temperatures of
+    #: the faces
     heat_ratio_bottom: float | None
+    #: Q/Q_fm of each face and of both, over the free-molecular heat with the mean temperatures of
+    #: the faces
     heat_ratio: float | None
+    #: Of ``disk``, ``floor``, ``lid`` and ``side``, the last three in a chamber. Of a reservoir:
+    #: momentum and energy that leave through it, energy with its sign reversed
     forces: Mapping[str, float]
+    #: Of ``disk``, ``floor``, ``lid`` and ``side``, the last three in a chamber. Of a reservoir:
+    #: momentum and energy that leave through it, energy with its sign reversed
     heats: Mapping[str, float]
+    #: Numerical error of ``force_ratio``, ``heat_ratio``, ``force`` and ``heat``: their change with
+    #: a coarser mesh. It excludes the error of the model equation
     error_estimate: dict[str, float | None]
+    #: ``force`` and ``heat``: their sums over all surfaces of a chamber, over the sums of their
+    #: magnitudes; zero but for numerical errors
     closure: dict[str, float]
+    #: Largest relative difference of absorbed and lost heat of a spot of a local film; None for an
+    #: isothermal one
     imbalance: float | None
+    #: Heat that the film loses per area of the disk, by gas and radiation [p √(2RT_c)]
     absorbed: float
+    #: shape (21,); distance from the film's centre [disk radii] and T/T_c − 1 there, its mean over
+    #: both faces
     film_radius: np.ndarray
+    #: shape (21,); distance from the film's centre [disk radii] and T/T_c − 1 there, its mean over
+    #: both faces
     film_temperature: np.ndarray
     iterations: int
-    seconds: float
-    warnings: tuple[str, ...]
+    seconds: float  #: Time of the solution on both meshes
+    warnings: tuple[str, ...]  #: What limits the result
     _case: "ChamberCase"
     _outcome: "ChamberOutcome"
 

@@ -64,63 +64,34 @@ _ROUNDING = 1e-9  # fraction of the band below which a gap is rounding
 
 @dataclass(frozen=True)
 class Averages:
-    """Averages of one quantity over the band and over Planck's spectrum.
-
-    Attributes
-    ----------
-    band : Estimate
-    planck : dict of float to Estimate
-        By temperature [K].
-    """
+    """Averages of one quantity over the band and over Planck's spectrum."""
 
     band: Estimate
-    planck: dict[float, Estimate]
+    planck: dict[float, Estimate]  #: By temperature [K]
 
 
 @dataclass(frozen=True)
 class Ftir:
-    """Transmittance, reflectance and emissivity of a film from its infrared spectra.
+    """Transmittance, reflectance and emissivity of a film from its infrared spectra."""
 
-    Attributes
-    ----------
-    spectra : list of MeasuredSpectrum
-        Spectra of transmittance.
-    reflectances : list of MeasuredSpectrum
-        Spectra of reflectance; empty if none was measured.
-    band : tuple of float
-        [1/m].
-    transmittance : Averages
-    reflectance : Averages or None
-    emissivity : Estimate or None
-        Emissivity over the band; None if reflectance was not measured.
-    upper_bound : Estimate
-        One minus the transmittance over the band: the emissivity of a film that reflects nothing,
-        which no film exceeds. A bound, not the emissivity.
-    planck_emissivity : dict of float to Estimate
-        Emissivity by temperature [K], or its upper bound if reflectance was not measured, over the
-        measured wavenumbers.
-    uncovered_band : float
-        Fraction of the band's width without data [1].
-    uncovered : dict of float to float
-        Fraction of a black body's power without data [1], by temperature [K].
-    accuracy : float
-        Standard uncertainty of the instrument's ordinate, included in the intervals [1].
-    warnings : tuple of str
-        What a reader must know of these numbers.
-    """
-
-    spectra: list[MeasuredSpectrum]
-    reflectances: list[MeasuredSpectrum]
-    band: tuple[float, float]
+    spectra: list[MeasuredSpectrum]  #: Spectra of transmittance
+    reflectances: list[MeasuredSpectrum]  #: Spectra of reflectance; empty if none was measured
+    band: tuple[float, float]  #: [1/m]
     transmittance: Averages
     reflectance: Averages | None
-    emissivity: Estimate | None
+    emissivity: Estimate | None  #: Emissivity over the band; None if reflectance was not measured
+    #: One minus the transmittance over the band: the emissivity of a film that reflects nothing,
+    #: which no film exceeds. A bound, not the emissivity
     upper_bound: Estimate
+    #: Emissivity by temperature [K], or its upper bound if reflectance was not measured, over the
+    #: measured wavenumbers
     planck_emissivity: dict[float, Estimate]
-    uncovered_band: float
+    uncovered_band: float  #: Fraction of the band's width without data [1]
+    #: Fraction of a black body's power without data [1], by temperature [K]
     uncovered: dict[float, float]
+    #: Standard uncertainty of the instrument's ordinate, included in the intervals [1]
     accuracy: float
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()  #: What a reader must know of these numbers
 
     @property
     def at_most(self) -> float:

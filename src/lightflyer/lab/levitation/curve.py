@@ -45,43 +45,26 @@ _GRID = 300  # pressures of a curve
 
 @dataclass(frozen=True)
 class LevitationCurve:
-    """Curve through a sample's points, with its minimum.
-
-    Attributes
-    ----------
-    points : LiftOffs
-    optimal_pressure : Estimate
-        Pressure of the minimum [Pa]; its interval contains the gauge's calibration.
-    minimum_irradiance : Estimate
-        Least irradiance at which the sample levitates [W/m²]; its interval contains the light
-        meter's calibration.
-    at_edge : bool
-        Whether the minimum is at the end of the measured pressures, so that the optimum may lie
-        beyond: then its interval is open there, and that of the irradiance below.
-    pressure : array, shape (m,)
-        Pressures of the curve [Pa].
-    irradiance, lower, upper : array, shape (m,)
-        LOESS curve and its 99 % band [W/m²].
-    draws : array, shape (b, 2)
-        Draws of the logarithms of pressure and irradiance at the true minimum, without the
-        instruments' calibration.
-    step : float
-        Step in which the light was raised [W/m²], 0 for none.
-    warnings : tuple of str
-        What a reader of the result must know, one line each.
-    """
+    """Curve through a sample's points, with its minimum."""
 
     points: LiftOffs
+    #: Pressure of the minimum [Pa]; its interval contains the gauge's calibration
     optimal_pressure: Estimate
+    #: Least irradiance at which the sample levitates [W/m²]; its interval contains the light
+    #: meter's calibration
     minimum_irradiance: Estimate
+    #: Whether the minimum is at the end of the measured pressures, so that the optimum may lie
+    #: beyond: then its interval is open there, and that of the irradiance below
     at_edge: bool
-    pressure: np.ndarray
-    irradiance: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
+    pressure: np.ndarray  #: shape (m,); pressures of the curve [Pa]
+    irradiance: np.ndarray  #: shape (m,); LOESS curve and its 99 % band [W/m²]
+    lower: np.ndarray  #: shape (m,); LOESS curve and its 99 % band [W/m²]
+    upper: np.ndarray  #: shape (m,); LOESS curve and its 99 % band [W/m²]
+    #: shape (b, 2); draws of the logarithms of pressure and irradiance at the true minimum, without
+    #: the instruments' calibration
     draws: np.ndarray
-    step: float = 0.0
-    warnings: tuple[str, ...] = ()
+    step: float = 0.0  #: Step in which the light was raised [W/m²], 0 for none
+    warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw points, curve with its 99 % band, and minimum."""
@@ -92,19 +75,12 @@ class LevitationCurve:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Reduction of the minimum irradiance from one sample to another.
+    """Reduction of the minimum irradiance from one sample to another."""
 
-    Attributes
-    ----------
-    first, second : str
-        Sample with the lower minimum irradiance, and the other sample.
-    reduction : Estimate
-        One minus the ratio of their minimum irradiances [1]. The light meter's calibration is
-        common to both and not in the interval.
-    """
-
-    first: str
-    second: str
+    first: str  #: Sample with the lower minimum irradiance, and the other sample
+    second: str  #: Sample with the lower minimum irradiance, and the other sample
+    #: One minus the ratio of their minimum irradiances [1]. The light meter's calibration is common
+    #: to both and not in the interval
     reduction: Estimate
 
 

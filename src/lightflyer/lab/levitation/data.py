@@ -20,32 +20,17 @@ COLUMNS = LEVITATION_COLUMNS
 
 @dataclass(frozen=True)
 class LiftOffs:
-    """Points at which one sample lifted off from one launchpad.
-
-    Attributes
-    ----------
-    name : str
-    pressure : array, shape (n,)
-        [Pa].
-    irradiance : array, shape (n,)
-        [W/m²].
-    place : str
-        File and first line, for messages.
-    floor_gap : float or None
-        Distance between launchpad and floor [m].
-    properties : dict of str to float
-        Known properties of the sample in SI units, by names of
-        :data:`lightflyer.calibration.points.SAMPLE_PROPERTIES`.
-    uncertainties : dict of str to array, shape (n,)
-        Stated standard uncertainties, by the names of their columns.
-    """
+    """Points at which one sample lifted off from one launchpad."""
 
     name: str
-    pressure: np.ndarray
-    irradiance: np.ndarray
-    place: str = ""
-    floor_gap: float | None = None
+    pressure: np.ndarray  #: shape (n,); [Pa]
+    irradiance: np.ndarray  #: shape (n,); [W/m²]
+    place: str = ""  #: File and first line, for messages
+    floor_gap: float | None = None  #: Distance between launchpad and floor [m]
+    #: Known properties of the sample in SI units, by names of
+    #: :data:`lightflyer.calibration.points.SAMPLE_PROPERTIES`
     properties: dict[str, float] = field(default_factory=dict)
+    #: shape (n,); stated standard uncertainties, by the names of their columns
     uncertainties: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property

@@ -102,27 +102,15 @@ class FilmSpectrum:
 
 @dataclass(frozen=True)
 class OpticsSample:
-    """A film with numbers to be fitted, and its spectra.
+    """A film with numbers to be fitted, and its spectra."""
 
-    Attributes
-    ----------
-    build : callable
-        Makes the film from the free numbers by name, which may be traced by JAX.
-    free : tuple of FreeNumber
-    spectra : tuple of FilmSpectrum
-    section : SampleSection or None
-        The film as a file gives it.
-    source : str
-        Name of the file.
-    same : mapping of str to tuple of str
-        Names of all numbers that a free one stands for, its own first.
-    """
-
+    #: Makes the film from the free numbers by name, which may be traced by JAX
     build: Callable[[Mapping[str, Any]], Film]
     free: tuple[FreeNumber, ...]
     spectra: tuple[FilmSpectrum, ...]
-    section: SampleSection | None = None
-    source: str = ""
+    section: SampleSection | None = None  #: The film as a file gives it
+    source: str = ""  #: Name of the file
+    #: Names of all numbers that a free one stands for, its own first
     same: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 

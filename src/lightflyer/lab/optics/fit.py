@@ -85,45 +85,22 @@ class Rival:
 
 @dataclass(frozen=True)
 class OpticsFit:
-    """Numbers of a film from its spectra.
-
-    Attributes
-    ----------
-    sample : OpticsSample
-    numbers : dict of str to Estimate
-        Free numbers [SI] with 95 % intervals.
-    open_ends : dict of str to (bool, bool)
-        Whether an interval ends at its lower and upper bound, and not by the spectra.
-    correlation : array, shape (free, free)
-        Of the errors of the free numbers.
-    covariance : array, shape (free, free)
-        Likewise [SI].
-    spectra : tuple of FittedSpectrum
-    rivals : tuple of Rival
-        Other minima, the best first.
-    film : Film
-        With the fitted numbers.
-    indices : tuple of LayerIndex
-    predictions : dict of str to Estimate
-        Of the film: absorptance of sunlight and emittance, as far as the materials' data go.
-    freedom : float
-        Degrees of freedom, from independent points.
-    warnings : tuple of str
-        What a reader of the result must know, one line each.
-    """
+    """Numbers of a film from its spectra."""
 
     sample: OpticsSample
-    numbers: dict[str, Estimate]
+    numbers: dict[str, Estimate]  #: Free numbers [SI] with 95 % intervals
+    #: Whether an interval ends at its lower and upper bound, and not by the spectra
     open_ends: dict[str, tuple[bool, bool]]
-    correlation: np.ndarray
-    covariance: np.ndarray
+    correlation: np.ndarray  #: shape (free, free); of the errors of the free numbers
+    covariance: np.ndarray  #: shape (free, free); likewise [SI]
     spectra: tuple[FittedSpectrum, ...]
-    rivals: tuple[Rival, ...]
-    film: Film
+    rivals: tuple[Rival, ...]  #: Other minima, the best first
+    film: Film  #: With the fitted numbers
     indices: tuple[LayerIndex, ...]
+    #: Of the film: absorptance of sunlight and emittance, as far as the materials' data go
     predictions: dict[str, Estimate]
-    freedom: float
-    warnings: tuple[str, ...] = ()
+    freedom: float  #: Degrees of freedom, from independent points
+    warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the spectra with their fits; ``ax``: by default that of a new figure."""

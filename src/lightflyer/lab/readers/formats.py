@@ -45,24 +45,14 @@ class Source(NamedTuple):
 
 
 class Format(NamedTuple):
-    """A format of spectra, height maps or thermal images.
+    """A format of spectra, height maps or thermal images."""
 
-    Attributes
-    ----------
-    name : str
-        Such as ``"JASCO text"``.
-    recognises : callable
-        Whether a :class:`Source` is of this format.
-    read : callable
-        What a :class:`Source` holds: a list of :class:`RawSpectrum`, a list of
-        :class:`Channel`, or a :class:`ThermalImage`.
-    options : tuple of str
-        Options of :func:`read_thermal_image` that ``read`` takes by name.
-    """
-
-    name: str
-    recognises: Callable[[Source], bool]
+    name: str  #: Such as ``"JASCO text"``
+    recognises: Callable[[Source], bool]  #: Whether a :class:`Source` is of this format
+    #: What a :class:`Source` holds: a list of :class:`RawSpectrum`, a list of :class:`Channel`, or
+    #: a :class:`ThermalImage`
     read: Callable[..., Any]
+    #: Options of :func:`read_thermal_image` that ``read`` takes by name
     options: tuple[str, ...] = ()
 
 

@@ -34,28 +34,14 @@ _WIDEST = 1.0  # [m]
 
 @dataclass(frozen=True)
 class HeightMap:
-    """Heights on a regular grid.
+    """Heights on a regular grid."""
 
-    Attributes
-    ----------
-    source : str
-        Name of the file.
-    height : array, shape (rows, columns)
-        [m]; NaN where the instrument has none.
-    width, length : float
-        Size of the map along its rows and along its columns [m].
-    channel : str
-        Name in the file.
-    notes : tuple of str
-        What a reader of the map must know of its file.
-    """
-
-    source: str
-    height: np.ndarray
-    width: float
-    length: float
-    channel: str = ""
-    notes: tuple[str, ...] = ()
+    source: str  #: Name of the file
+    height: np.ndarray  #: shape (rows, columns); [m]; NaN where the instrument has none
+    width: float  #: Size of the map along its rows and along its columns [m]
+    length: float  #: Size of the map along its rows and along its columns [m]
+    channel: str = ""  #: Name in the file
+    notes: tuple[str, ...] = ()  #: What a reader of the map must know of its file
 
     @property
     def missing(self) -> np.ndarray:

@@ -60,40 +60,27 @@ _EIGHT = np.ones((3, 3))
 
 @dataclass(frozen=True)
 class Roughness:
-    """A levelled map, its mask and its parameters.
-
-    Attributes
-    ----------
-    source : HeightMap
-    height : array, shape (rows, columns)
-        Levelled height [m]; its mean outside the mask is zero.
-    particles, holes : bool array, shape (rows, columns)
-        True where the map stands out above, or below as where the tip lost the surface. Pixels
-        without a height count as holes.
-    parameters : dict of str to Estimate
-        Parameters of the surface without particles and holes, by names of :data:`PARAMETERS`;
-        heights in nm. Skewness and kurtosis are those of the map: their intervals are open, since
-        a few peaks of the surface decide them.
-    parameters_all : dict of str to Estimate
-        The same for the whole map.
-    height_accuracy : float
-        Relative standard uncertainty of the heights, contained in the intervals.
-    patches : float
-        Effective number of independent heights in Sq².
-    lost : float
-        Estimate of the power of the surface that levelling took, over the power left. The
-        intervals contain it.
-    warnings : tuple of str
-    """
+    """A levelled map, its mask and its parameters."""
 
     source: HeightMap
+    #: shape (rows, columns); levelled height [m]; its mean outside the mask is zero
     height: np.ndarray
+    #: shape (rows, columns); true where the map stands out above, or below as where the tip lost
+    #: the surface. Pixels without a height count as holes
     particles: np.ndarray
+    #: shape (rows, columns); true where the map stands out above, or below as where the tip lost
+    #: the surface. Pixels without a height count as holes
     holes: np.ndarray
+    #: Parameters of the surface without particles and holes, by names of :data:`PARAMETERS`;
+    #: heights in nm. Skewness and kurtosis are those of the map: their intervals are open, since a
+    #: few peaks of the surface decide them
     parameters: dict[str, Estimate]
-    parameters_all: dict[str, Estimate]
+    parameters_all: dict[str, Estimate]  #: The same for the whole map
+    #: Relative standard uncertainty of the heights, contained in the intervals
     height_accuracy: float
-    patches: float
+    patches: float  #: Effective number of independent heights in Sq²
+    #: Estimate of the power of the surface that levelling took, over the power left. The intervals
+    #: contain it
     lost: float
     warnings: tuple[str, ...] = ()
 

@@ -26,36 +26,25 @@ _IN_WORDS = {  # name, factor to the unit, unit
 class TacAccuracy:
     r"""Standard uncertainties of what is common to all rows.
 
-    Attributes
-    ----------
-    gauge : float
-        Of the pressure, relative [1]. Default: :data:`PIRANI_ACCURACY`. A capacitance manometer
-        has 0.0025 to 0.005 [Bioprocess]_.
-    gauge_zero : float
-        Of the gauge's zero [Pa]. Default: an assumption.
-    power : float
-        Of the power, relative [1]. Default: an assumption, twice the usual accuracy of a
-        hand-held multimeter's voltage because the current has an error as well.
-    temperature : float
-        Of the difference between the temperatures of heater and gas [K]. Default: an assumption.
-    diameter : float
-        Of the heater's diameter [m]. Default: an assumption.
-    plateau : float
-        Of the law's continuum conductance for this set-up, relative [1]: walls, the heater's
-        thickness, natural convection, the gas's conductivity. Default: an assumption, what walls
-        at ten radii do.
-
     Raises
     ------
     ParameterError
         If one is negative or not finite, or a relative one above 1.
     """
 
+    #: Of the pressure, relative [1]. Default: :data:`PIRANI_ACCURACY`. A capacitance manometer has
+    #: 0.0025 to 0.005 [Bioprocess]_
     gauge: float = PIRANI_ACCURACY
-    gauge_zero: float = 0.01
+    gauge_zero: float = 0.01  #: Of the gauge's zero [Pa]. Default: an assumption
+    #: Of the power, relative [1]. Default: an assumption, twice the usual accuracy of a hand-held
+    #: multimeter's voltage because the current has an error as well
     power: float = 0.01
+    #: Of the difference between the temperatures of heater and gas [K]. Default: an assumption
     temperature: float = 1.0
-    diameter: float = 1e-4
+    diameter: float = 1e-4  #: Of the heater's diameter [m]. Default: an assumption
+    #: Of the law's continuum conductance for this set-up, relative [1]: walls, the heater's
+    #: thickness, natural convection, the gas's conductivity. Default: an assumption, what walls at
+    #: ten radii do
     plateau: float = 0.05
 
     def __post_init__(self) -> None:

@@ -36,24 +36,14 @@ _CALIBRATION_COLUMNS = (
 
 @dataclass(frozen=True)
 class TacRun:
-    """Power of a heater at several pressures.
+    """Power of a heater at several pressures."""
 
-    Attributes
-    ----------
-    table : Table
-        Table it was read from, with its rejected rows.
-    pressure : array, shape (n,)
-        [Pa].
-    power : array, shape (n,)
-        Heating power [W].
-    heater_temperature, ambient_temperature : array, shape (n,)
-        Temperatures of the heater, and of the gas and walls [K].
-    """
-
-    table: Table
-    pressure: np.ndarray
-    power: np.ndarray
+    table: Table  #: Table it was read from, with its rejected rows
+    pressure: np.ndarray  #: shape (n,); [Pa]
+    power: np.ndarray  #: shape (n,); heating power [W]
+    #: shape (n,); temperatures of the heater, and of the gas and walls [K]
     heater_temperature: np.ndarray
+    #: shape (n,); temperatures of the heater, and of the gas and walls [K]
     ambient_temperature: np.ndarray
 
     @property
@@ -64,21 +54,11 @@ class TacRun:
 
 @dataclass(frozen=True)
 class ResistanceThermometer:
-    """Temperature of the heater, linear in its resistance.
+    """Temperature of the heater, linear in its resistance."""
 
-    Attributes
-    ----------
-    slope : float
-        [K/ohm].
-    intercept : float
-        [K].
-    resistance_range : tuple of float
-        Calibrated range [ohm].
-    """
-
-    slope: float
-    intercept: float
-    resistance_range: tuple[float, float]
+    slope: float  #: [K/ohm]
+    intercept: float  #: [K]
+    resistance_range: tuple[float, float]  #: Calibrated range [ohm]
 
     def temperature(self, resistance: np.ndarray) -> np.ndarray:
         """Temperature [K] at a resistance [ohm], shape (n,)."""

@@ -77,75 +77,41 @@ _WEIGHTINGS = 2
 
 @dataclass(frozen=True)
 class TacFit:
-    r"""Accommodation coefficient, area ratio and offset of one run.
-
-    Attributes
-    ----------
-    run : TacRun
-    kept : bool array, shape (n,)
-        Rows that are fitted.
-    off_curve : bool array, shape (n,)
-        Rows that belong to no curve through the others; they are left out.
-    diameter : float
-        Diameter of the heater [m].
-    reading : str
-        Name of the law of heat loss.
-    gas : str
-        Name of the gas.
-    accuracy : TacAccuracy
-    tac, area_ratio, offset : Estimate
-        With 95 % profile intervals of the total uncertainty; the offset in W/(m² K).
-    statistical : dict of str to Estimate
-        The same values with profile intervals of the scatter alone, by name of the parameter.
-    covariance_intervals : dict of str to tuple of float
-        95 % intervals of the total uncertainty from the covariance, by name of the parameter.
-    covariance : array, shape (3, 3)
-        Total, in the order of :data:`~lightflyer.lab.tac.problem.PARAMETERS`.
-    common_errors : dict of str to float
-        Best values of the errors that all rows have in common, in their standard errors.
-    scatter : float
-        Relative scatter of the measured conductance about the fit [1].
-    by_reading : dict of str to (float or None)
-        Coefficient that the same rows give by each of the other laws; None where a fit fails.
-    conductance : array, shape (m,)
-        Measured :math:`P/(A\,\Delta T)` of the fitted rows [W/(m² K)].
-    fitted : array, shape (m,)
-        Its fitted value [W/(m² K)].
-    weight : array, shape (m,)
-        Factor of the residuals in the fit [m² K/W].
-    limits : Limits
-        Conductances of the gas in its two limits.
-    radiation : array, shape (m,)
-        Conductance of radiation counted apart from the offset [W/(m² K)].
-    undetermined : str or None
-        Why the rows do not determine the coefficient, if they do not.
-    warnings : tuple of str
-        What a reader of the result must know.
-    """
+    r"""Accommodation coefficient, area ratio and offset of one run."""
 
     run: TacRun
-    kept: np.ndarray
+    kept: np.ndarray  #: shape (n,); rows that are fitted
+    #: shape (n,); rows that belong to no curve through the others; they are left out
     off_curve: np.ndarray
-    diameter: float
-    reading: str
-    gas: str
+    diameter: float  #: Diameter of the heater [m]
+    reading: str  #: Name of the law of heat loss
+    gas: str  #: Name of the gas
     accuracy: TacAccuracy
-    tac: Estimate
+    tac: Estimate  #: With 95 % profile intervals of the total uncertainty; the offset in W/(m² K)
+    #: With 95 % profile intervals of the total uncertainty; the offset in W/(m² K)
     area_ratio: Estimate
+    #: With 95 % profile intervals of the total uncertainty; the offset in W/(m² K)
     offset: Estimate
+    #: The same values with profile intervals of the scatter alone, by name of the parameter
     statistical: dict[str, Estimate]
+    #: 95 % intervals of the total uncertainty from the covariance, by name of the parameter
     covariance_intervals: dict[str, tuple[float, float]]
+    #: shape (3, 3); total, in the order of :data:`~lightflyer.lab.tac.problem.PARAMETERS`
     covariance: np.ndarray
+    #: Best values of the errors that all rows have in common, in their standard errors
     common_errors: dict[str, float]
-    scatter: float
+    scatter: float  #: Relative scatter of the measured conductance about the fit [1]
+    #: Coefficient that the same rows give by each of the other laws; None where a fit fails
     by_reading: dict[str, float | None]
+    #: shape (m,); measured :math:`P/(A\,\Delta T)` of the fitted rows [W/(m² K)]
     conductance: np.ndarray
-    fitted: np.ndarray
-    weight: np.ndarray
-    limits: Limits
+    fitted: np.ndarray  #: shape (m,); its fitted value [W/(m² K)]
+    weight: np.ndarray  #: shape (m,); factor of the residuals in the fit [m² K/W]
+    limits: Limits  #: Conductances of the gas in its two limits
+    #: shape (m,); conductance of radiation counted apart from the offset [W/(m² K)]
     radiation: np.ndarray
-    undetermined: str | None
-    warnings: tuple[str, ...]
+    undetermined: str | None  #: Why the rows do not determine the coefficient, if they do not
+    warnings: tuple[str, ...]  #: What a reader of the result must know
 
     @property
     def pressure(self) -> np.ndarray:

@@ -101,29 +101,17 @@ class Scene:
 
 @dataclass(frozen=True)
 class Readings:
-    """Repeated readings of source, reflection, transmission and background.
-
-    Attributes
-    ----------
-    method : Method
-    values : array, shape (4, n)
-        In the order of the method's readings [K], or in the light meter's unit.
-    uncertainties : array, shape (4,)
-        Standard uncertainties common to all n rows, such as a calibration's, in the same unit.
-        Errors of different readings are independent.
-    scene : Scene
-        For a thermal camera.
-    places : tuple of str
-        File and line of each row, if they come from a file.
-    warnings : tuple of str
-        What a reader of the result must know of the readings, one line each.
-    """
+    """Repeated readings of source, reflection, transmission and background."""
 
     method: Method
+    #: shape (4, n); in the order of the method's readings [K], or in the light meter's unit
     values: np.ndarray
+    #: shape (4,); standard uncertainties common to all n rows, such as a calibration's, in the same
+    #: unit. Errors of different readings are independent
     uncertainties: np.ndarray
-    scene: Scene = Scene()
-    places: tuple[str, ...] = ()
+    scene: Scene = Scene()  #: For a thermal camera
+    places: tuple[str, ...] = ()  #: File and line of each row, if they come from a file
+    #: What a reader of the result must know of the readings, one line each
     warnings: tuple[str, ...] = ()
 
 

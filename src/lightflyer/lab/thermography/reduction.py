@@ -61,25 +61,17 @@ _NAMED = 5  # rows named in a message
 
 @dataclass(frozen=True)
 class RadiativeProperties:
-    """Reflectance, transmittance and emissivity, or absorptivity for a light meter.
-
-    Attributes
-    ----------
-    readings : Readings
-    rows : array, shape (3, n)
-        Properties of each row [1].
-    first_order, monte_carlo : dict of str to Estimate
-        Uncertainty propagated by derivatives and by draws; by names of :data:`PROPERTIES`.
-        Intervals are within 0 and 1.
-    warnings : tuple of str
-        What a reader of the result must know, one line each.
-    """
+    """Reflectance, transmittance and emissivity, or absorptivity for a light meter."""
 
     readings: Readings
-    rows: np.ndarray
+    rows: np.ndarray  #: shape (3, n); properties of each row [1]
+    #: Uncertainty propagated by derivatives and by draws; by names of :data:`PROPERTIES`. Intervals
+    #: are within 0 and 1
     first_order: dict[str, Estimate]
+    #: Uncertainty propagated by derivatives and by draws; by names of :data:`PROPERTIES`. Intervals
+    #: are within 0 and 1
     monte_carlo: dict[str, Estimate]
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
     @property
     def emissivity(self) -> Estimate:

@@ -47,27 +47,17 @@ _REGION = re.compile(r"^\s*(\w+)\s*=\s*(\d+)\s*:\s*(\d+)\s*,\s*(\d+)\s*:\s*(\d+)
 
 @dataclass(frozen=True)
 class ThermalImage:
-    """Temperatures of the pixels of an image.
+    """Temperatures of the pixels of an image."""
 
-    Attributes
-    ----------
-    source : str
-        Name of the file.
-    temperature : array, shape (rows, columns)
-        [K], for the emissivity and the reflected temperature; NaN where the file has none.
-    emissivity : float or None
-        For which the temperatures hold, None where the file does not state it [1].
-    reflected_temperature : float or None
-        The same of the radiation that the object reflects [K].
-    notes : tuple of str
-        What a reader of the image must know of its file.
-    """
-
-    source: str
+    source: str  #: Name of the file
+    #: shape (rows, columns); [K], for the emissivity and the reflected temperature; NaN where the
+    #: file has none
     temperature: np.ndarray
+    #: For which the temperatures hold, None where the file does not state it [1]
     emissivity: float | None = None
+    #: The same of the radiation that the object reflects [K]
     reflected_temperature: float | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  #: What a reader of the image must know of its file
 
     def plot(self) -> "Figure":
         """Draw the temperatures."""

@@ -40,26 +40,14 @@ from lightflyer.program.entry_point import entry_point
 
 
 class Drift(PrintedResult, eqx.Module):
-    """Steady motion of a flyer through the air.
+    """Steady motion of a flyer through the air."""
 
-    Attributes
-    ----------
-    speed : array, shape (...)
-        Horizontal, towards the azimuth to which the top face is tilted [m/s].
-    climb : array, shape (...)
-        Vertical, upward positive [m/s].
-    force : array, shape (...)
-        Horizontal force of the gas on the flyer at rest [N].
-    lift_over_weight : array, shape (...)
-        Vertical force of the gas on the flyer at rest, with buoyancy, over its weight [1].
-    warnings : tuple of str
-        Where model or drag are beyond their range; none under JAX's transformations.
-    """
-
-    speed: Array
-    climb: Array
-    force: Array
+    speed: Array  #: Horizontal, towards the azimuth to which the top face is tilted [m/s]
+    climb: Array  #: Vertical, upward positive [m/s]
+    force: Array  #: Horizontal force of the gas on the flyer at rest [N]
+    #: Vertical force of the gas on the flyer at rest, with buoyancy, over its weight [1]
     lift_over_weight: Array
+    #: Where model or drag are beyond their range; none under JAX's transformations
     warnings: tuple[str, ...] = eqx.field(static=True, default=())
 
     def text_parts(self) -> Parts:

@@ -45,30 +45,15 @@ class Start(eqx.Module):
 
 
 class Track(eqx.Module):
-    """A trajectory.
+    """A trajectory."""
 
-    Attributes
-    ----------
-    altitude : array, shape (times,)
-        [m]; infinite after the end.
-    position : array, shape (times, 3)
-        Unit vector in the planet's frame; infinite after the end.
-    end_elapsed, end_altitude : array, shape ()
-        Time since the release [s] and altitude [m] at the end.
-    end_position : array, shape (3,)
-    termination : int array, shape ()
-        A :class:`~lightflyer.mission.path.termination.TerminationReason`.
-    steps : int array, shape ()
-        Steps taken, the rejected ones included.
-    """
-
-    altitude: Array
-    position: Array
-    end_elapsed: Array
-    end_altitude: Array
-    end_position: Array
-    termination: Array
-    steps: Array
+    altitude: Array  #: shape (times,); [m]; infinite after the end
+    position: Array  #: shape (times, 3); unit vector in the planet's frame; infinite after the end
+    end_elapsed: Array  #: Time since the release [s] and altitude [m] at the end
+    end_altitude: Array  #: Time since the release [s] and altitude [m] at the end
+    end_position: Array  #: shape (3,)
+    termination: Array  #: A :class:`~lightflyer.mission.path.termination.TerminationReason`
+    steps: Array  #: Steps taken, the rejected ones included
 
 
 class Limits(eqx.Module):

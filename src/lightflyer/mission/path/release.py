@@ -21,17 +21,6 @@ from lightflyer.mission.path.integration import Limits, Start
 class Release(Checked):
     """Where and when a flyer is released.
 
-    Attributes
-    ----------
-    altitude : array
-        Geometric altitude [m].
-    latitude, longitude : array
-        Geodetic [deg], north and east positive.
-    time : array
-        Seconds since 2000-01-01 12:00 UTC [s]. Constructors take a date too: a
-        :class:`datetime.datetime`, or a text such as ``"2026-06-21T12:00:00Z"``; without a time
-        zone it is UTC.
-
     Raises
     ------
     ParameterError
@@ -43,9 +32,12 @@ class Release(Checked):
     60.0
     """
 
-    altitude: Altitude
-    latitude: Latitude
-    longitude: Longitude
+    altitude: Altitude  #: Geometric altitude [m]
+    latitude: Latitude  #: Geodetic [deg], north and east positive
+    longitude: Longitude  #: Geodetic [deg], north and east positive
+    #: Seconds since 2000-01-01 12:00 UTC [s]. Constructors take a date too: a
+    #: :class:`datetime.datetime`, or a text such as ``"2026-06-21T12:00:00Z"``; without a time zone
+    #: it is UTC
     time: Any = eqx.field(converter=seconds_of)
 
     def start(self) -> Start:

@@ -41,26 +41,15 @@ _NEUTRAL = 1e-9  # of the fastest mode: below, a rate is zero but for rounding
 
 @dataclass(frozen=True, repr=False)
 class Hanging(PrintedResult):
-    """How a flyer with a payload below it answers a small disturbance.
+    """How a flyer with a payload below it answers a small disturbance."""
 
-    Attributes
-    ----------
-    modes : array of complex, shape (n,)
-        Rates of its motions of sway, tilt and swing, the largest real part first [1/s]. Where the
-        flyer is, which nothing restores, is not among them.
-    edgewise_drag : float
-        Drag of the flyer over its speed sideways [N s/m].
-    turning_drag : float
-        Torque over its angular velocity about a diameter [N m s].
-    longest_rod : float
-        Rod up to which the same flyer and payload are stable, without string and without drag of
-        the payload [m].
-    warnings : tuple of str
-    """
-
+    #: shape (n,); rates of its motions of sway, tilt and swing, the largest real part first [1/s].
+    #: Where the flyer is, which nothing restores, is not among them
     modes: np.ndarray
-    edgewise_drag: float
-    turning_drag: float
+    edgewise_drag: float  #: Drag of the flyer over its speed sideways [N s/m]
+    turning_drag: float  #: Torque over its angular velocity about a diameter [N m s]
+    #: Rod up to which the same flyer and payload are stable, without string and without drag of the
+    #: payload [m]
     longest_rod: float
     warnings: tuple[str, ...]
 

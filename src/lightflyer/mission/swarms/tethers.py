@@ -66,35 +66,16 @@ class _Wanted(Checked):
 
 @dataclass(frozen=True, repr=False)
 class Swarm(PrintedResult):
-    """Flyers that carry one payload on tethers.
+    """Flyers that carry one payload on tethers."""
 
-    Attributes
-    ----------
-    count : int
-        Flyers.
-    altitude : float
-        [m].
-    spare_lift : float
-        What a level flyer lifts beside its own weight [N].
-    layer_radius, depth : float
-        Radius of the layer, and how far the payload hangs below it [m].
-    longest_tether : float
-        [m].
-    tether_mass : float
-        Of all tethers together [kg].
-    largest_tilt : float
-        Of the outermost flyers, outwards [rad].
-    warnings : tuple of str
-    """
-
-    count: int
-    altitude: float
-    spare_lift: float
-    layer_radius: float
-    depth: float
-    longest_tether: float
-    tether_mass: float
-    largest_tilt: float
+    count: int  #: Flyers
+    altitude: float  #: [m]
+    spare_lift: float  #: What a level flyer lifts beside its own weight [N]
+    layer_radius: float  #: Radius of the layer, and how far the payload hangs below it [m]
+    depth: float  #: Radius of the layer, and how far the payload hangs below it [m]
+    longest_tether: float  #: [m]
+    tether_mass: float  #: Of all tethers together [kg]
+    largest_tilt: float  #: Of the outermost flyers, outwards [rad]
     warnings: tuple[str, ...]
 
     def text_parts(self) -> Parts:

@@ -23,26 +23,14 @@ _NO_HEIGHT = re.compile(
 
 @dataclass(frozen=True)
 class Channel:
-    """A channel of a file, not read yet.
-
-    Attributes
-    ----------
-    name : str
-    unit : str
-        Of its values; empty where the file does not state it.
-    shape : tuple of int
-        Rows and columns.
-    width, length : float
-        Size along the rows and along the columns [m].
-    read : callable
-        Returns the heights [m], shape (rows, columns), NaN where the instrument has none.
-    """
+    """A channel of a file, not read yet."""
 
     name: str
-    unit: str
-    shape: tuple[int, int]
-    width: float
-    length: float
+    unit: str  #: Of its values; empty where the file does not state it
+    shape: tuple[int, int]  #: Rows and columns
+    width: float  #: Size along the rows and along the columns [m]
+    length: float  #: Size along the rows and along the columns [m]
+    #: Returns the heights [m], shape (rows, columns), NaN where the instrument has none
     read: Callable[[], np.ndarray]
 
     @property

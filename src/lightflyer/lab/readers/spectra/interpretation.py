@@ -35,35 +35,18 @@ _SPECULAR = ("specular", "vw", "variable angle", "absolute reflect", "arn-", "ar
 
 @dataclass(frozen=True)
 class MeasuredSpectrum:
-    """Transmittance or reflectance over wavenumber.
+    """Transmittance or reflectance over wavenumber."""
 
-    Attributes
-    ----------
-    source : str
-        Name of the file.
-    quantity : {"transmittance", "reflectance"}
-    wavenumber : array, shape (n,)
-        Increasing [1/m].
-    value : array, shape (n,)
-        [1].
-    rejected : tuple of Rejected
-        Rejected rows of its file.
-    metadata : SpectrumMetadata
-        What the file says of instrument, resolution and sample.
-    collection : {"specular", "diffuse", "total"} or None
-        Light that was collected, by the file or the user; None if neither says.
-    notes : tuple of str
-        What the reader decided, such as that values are per cent.
-    """
-
-    source: str
+    source: str  #: Name of the file
     quantity: Ordinate
-    wavenumber: np.ndarray
-    value: np.ndarray
-    rejected: tuple[Rejected, ...] = ()
+    wavenumber: np.ndarray  #: shape (n,); increasing [1/m]
+    value: np.ndarray  #: shape (n,); [1]
+    rejected: tuple[Rejected, ...] = ()  #: Rejected rows of its file
+    #: What the file says of instrument, resolution and sample
     metadata: SpectrumMetadata = _NO_METADATA
+    #: Light that was collected, by the file or the user; None if neither says
     collection: Collection | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  #: What the reader decided, such as that values are per cent
 
     @property
     def wavelength(self) -> np.ndarray:

@@ -20,62 +20,31 @@ MOST_POINTS = 20_000_000
 
 @dataclass(frozen=True)
 class SpectrumMetadata:
-    """What a file says of its spectrum, in the file's own words; empty where it says nothing.
+    """What a file says of its spectrum, in the file's own words; empty where it says nothing."""
 
-    Attributes
-    ----------
-    format : str
-        Such as ``"JASCO text"``.
-    ordinate : str
-        Such as ``"%T"``.
-    instrument : str
-    resolution : str
-        With its unit, such as ``"4 cm-1"``.
-    accessory : str
-    sample : str
-    measured : str
-        Date of the measurement.
-    """
-
-    format: str
-    ordinate: str = ""
+    format: str  #: Such as ``"JASCO text"``
+    ordinate: str = ""  #: Such as ``"%T"``
     instrument: str = ""
-    resolution: str = ""
+    resolution: str = ""  #: With its unit, such as ``"4 cm-1"``
     accessory: str = ""
     sample: str = ""
-    measured: str = ""
+    measured: str = ""  #: Date of the measurement
 
 
 @dataclass(frozen=True)
 class RawSpectrum:
-    """A spectrum as it stands in its file.
+    """A spectrum as it stands in its file."""
 
-    Attributes
-    ----------
-    abscissa, ordinate : array, shape (n,)
-        In the file's units.
-    abscissa_name : str
-        Such as ``"1/CM"`` or ``"nm"``.
-    ordinate_name : str
-        Such as ``"%T"``.
-    facts : SpectrumMetadata
-    percent : bool or None
-        Whether the format fixes the ordinate as per cent, or as a fraction; None if its name and
-        values must tell.
-    notes : tuple of str
-        What the reader decided.
-    rejected : tuple of Rejected
-        Rejected rows.
-    """
-
-    abscissa: np.ndarray
-    ordinate: np.ndarray
-    abscissa_name: str
-    ordinate_name: str
+    abscissa: np.ndarray  #: shape (n,); in the file's units
+    ordinate: np.ndarray  #: shape (n,); in the file's units
+    abscissa_name: str  #: Such as ``"1/CM"`` or ``"nm"``
+    ordinate_name: str  #: Such as ``"%T"``
     metadata: SpectrumMetadata
+    #: Whether the format fixes the ordinate as per cent, or as a fraction; None if its name and
+    #: values must tell
     percent: bool | None = None
-    notes: tuple[str, ...] = ()
-    rejected: tuple[Rejected, ...] = field(default=())
+    notes: tuple[str, ...] = ()  #: What the reader decided
+    rejected: tuple[Rejected, ...] = field(default=())  #: Rejected rows
 
 
 def plain(text: bytes, encoding: str = "utf-8") -> str:

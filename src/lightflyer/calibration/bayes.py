@@ -30,17 +30,10 @@ from lightflyer.files.result_text import Parts, PrintedResult
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SCATTER = "scatter"
-"""Name of the scatter of log-irradiance among the draws, where it is estimated."""
-
-CHAINS = 4
-"""Number of chains; their agreement shows that they converged."""
-
-HIGHEST_R_HAT = 1.05
-"""R-hat above which the chains disagree and :func:`posterior` raises."""
-
-HIGHEST_DIVERGENT = 0.01
-"""Share of divergent draws above which :func:`posterior` raises."""
+SCATTER = "scatter"  # Name of the scatter of log-irradiance among the draws, where it is estimated
+CHAINS = 4  # Number of chains; their agreement shows that they converged
+HIGHEST_R_HAT = 1.05  # R-hat above which the chains disagree and :func:`posterior` raises
+HIGHEST_DIVERGENT = 0.01  # Share of divergent draws above which :func:`posterior` raises
 
 _FEWEST = 100  # draws, below which R-hat says nothing
 _SCATTER_RANGE = (1e-4, 10.0)  # of log-irradiance

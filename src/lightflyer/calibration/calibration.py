@@ -41,8 +41,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-CONFIDENCE = 0.95
-"""Probability of an interval."""
+CONFIDENCE = 0.95  # Probability of an interval
 
 _RANK_TOLERANCE = 1e-8  # of the Jacobian's singular values
 _INVOLVED = 0.03  # share of a direction that names a parameter in a message

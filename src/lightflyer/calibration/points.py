@@ -29,8 +29,7 @@ from lightflyer.core.quantity import (
 from lightflyer.files.table import Rejected, Table, read_table
 from lightflyer.files.table_layout import Column
 
-REQUIRED = ("pressure", "irradiance")
-"""Columns that every file has."""
+REQUIRED = ("pressure", "irradiance")  # Columns that every file has
 
 
 def _positive(kind: object) -> Quantity:
@@ -72,8 +71,7 @@ SAMPLE_PROPERTIES = tuple(column.name for column in _SAMPLE_COLUMNS)
 COLUMNS = (*NUMBERS, *(column.name for column in LEVITATION_COLUMNS if column.text))
 """All columns that a file may have."""
 
-FIGURES = ("2", "5", "S2", "S3")
-"""Figures of the paper in which points can be drawn."""
+FIGURES = ("2", "5", "S2", "S3")  # Figures of the paper in which points can be drawn
 
 
 _LEAST_ALIKE = 0.8  # of a column's name and a known one, for a hint at a misspelling

@@ -22,14 +22,12 @@ from lightflyer.flight.levitation import levitate
 from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import Change
 
-DEFAULT_FREE = ("c_fm", "c_cont")
-"""Parameters that are fitted by default."""
+DEFAULT_FREE = ("c_fm", "c_cont")  # Parameters that are fitted by default
 
 SMALLEST, LARGEST = 1e-6, 1e6
 """Range of a parameter without an end of its own; times its start if it has a unit."""
 
-UNREACHABLE = 50.0
-"""Log-irradiance where no irradiance levitates the flyer."""
+UNREACHABLE = 50.0  # Log-irradiance where no irradiance levitates the flyer
 
 _INSIDE = 1e-6  # distance of the start from the upper bound, of the log-parameter
 

@@ -10,14 +10,12 @@ import numpy as np
 
 from lightflyer.core.errors import ParameterError
 
-CENTRE = 0.5
-"""Distance of the middle of a step from its upper end, in steps."""
+CENTRE = 0.5  # Distance of the middle of a step from its upper end, in steps
 
 UNIFORM_SPREAD = 1.0 / math.sqrt(12.0)
 """Standard deviation of a number that may lie anywhere within a step, in steps."""
 
-NOTICED = 0.01
-"""Step, over the least irradiance, from which :func:`found_step` looks for one."""
+NOTICED = 0.01  # Step, over the least irradiance, from which :func:`found_step` looks for one
 
 _OFF = 0.02  # distance from the nearest step up to which a value lies on it, in steps
 _LEAST_VALUES = 3  # different values that show steps

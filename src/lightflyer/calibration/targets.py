@@ -18,14 +18,12 @@ from lightflyer.design.design import AbstractDesign, ObjectDesign
 ALIASES = {"diameter": ("radius", 0.5)}
 """Other names of numbers: the number's own name, and the factor to its value."""
 
-FACES = ("top", "bottom")
-"""Faces, which end the names of their numbers."""
+FACES = ("top", "bottom")  # Faces, which end the names of their numbers
 
 _FLYER_PARTS = ("flyer", "film")  # first parts of the names of numbers that describe a flyer
 
 
-Fields: TypeAlias = tuple[str, ...]
-"""Full names of numbers of a design that have one value."""
+Fields: TypeAlias = tuple[str, ...]  # Full names of numbers of a design that have one value
 
 
 class Target(NamedTuple):

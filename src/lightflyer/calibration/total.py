@@ -21,8 +21,7 @@ from lightflyer.calibration.least_squares import LeastSquares
 from lightflyer.calibration.problem import UNREACHABLE
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 
-RADIUS = NORMAL_HALF_WIDTH_95
-"""Radius of the ellipsoid in standard uncertainties, for 95 %."""
+RADIUS = NORMAL_HALF_WIDTH_95  # Radius of the ellipsoid in standard uncertainties, for 95 %
 
 _STEP = 0.125  # of the radius, the longest on the way to the ellipsoid
 _SHORTEST = 1e-3  # of the radius: where shorter ones are needed, nothing levitates beyond

@@ -117,5 +117,4 @@ class ResultOptions(FigureOptions):
             say(console, otherwise)
 
 
-AS_USUAL = ResultOptions()
-"""Figures where nothing else is asked, and no report."""
+AS_USUAL = ResultOptions()  # Figures where nothing else is asked, and no report

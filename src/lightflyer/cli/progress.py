@@ -18,8 +18,7 @@ from lightflyer.core.progress import Step, reported_to
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-SWITCH = "LIGHTFLYER_PROGRESS"
-"""Environment variable; ``off`` shows nothing."""
+SWITCH = "LIGHTFLYER_PROGRESS"  # Environment variable; ``off`` shows nothing
 
 _QUIET = 1.0  # seconds before a terminal shows anything
 _FIRST, _EVERY = 10.0, 30.0  # seconds between lines where there is no terminal

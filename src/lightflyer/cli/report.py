@@ -108,8 +108,7 @@ class Report:
         return page.page(title, parts)
 
 
-current: Report | None = None
-"""The report that is being recorded."""
+current: Report | None = None  # The report that is being recorded
 
 _arguments: list[str] = []
 

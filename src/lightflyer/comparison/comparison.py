@@ -42,8 +42,7 @@ if TYPE_CHECKING:
 FEWEST, MOST = 2, 9
 """Numbers of flyers that can be told apart in one figure."""
 
-POINTS = 121
-"""Length of the common grid."""
+POINTS = 121  # Length of the common grid
 
 _LEAST_LIFT = 0.3  # lift over weight around which a flyer is worth drawing
 _AROUND = 0.05  # of the searched range, drawn beyond that on each side

@@ -3,8 +3,7 @@
 import math
 from dataclasses import dataclass
 
-CHUNK = 2**18
-"""Designs in a chunk by default: 2 MB of each output."""
+CHUNK = 2**18  # Designs in a chunk by default: 2 MB of each output
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from lightflyer.core.errors import ConfigurationError
 
-Device = Literal["cpu", "gpu"]
-"""Kinds of devices, by JAX's names."""
+Device = Literal["cpu", "gpu"]  # Kinds of devices, by JAX's names
 
 _AXIS = "designs"
 _EACH = PartitionSpec(_AXIS)

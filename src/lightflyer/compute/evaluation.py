@@ -20,8 +20,7 @@ from lightflyer.design.outputs import evaluate
 from lightflyer.numerics.batches import in_batches
 from lightflyer.study.study import Study
 
-BATCH = 16_384
-"""Designs evaluated at once: they fit the processor's cache, and one thread."""
+BATCH = 16_384  # Designs evaluated at once: they fit the processor's cache, and one thread
 
 BATCH_OVER_BAND = 128
 """Designs evaluated at once where each is searched over some hundred altitudes."""

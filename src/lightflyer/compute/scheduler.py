@@ -21,8 +21,7 @@ from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.core.extras import extra
 from lightflyer.core.pickling import dumps
 
-ANSWER_WITHIN = 10.0
-"""Time within which a scheduler must answer [s]."""
+ANSWER_WITHIN = 10.0  # Time within which a scheduler must answer [s]
 
 VERSIONS_WITHIN = 60.0
 """Time within which its workers must import this package and report its version [s]."""

@@ -38,8 +38,7 @@ _PARTIAL = ".partial"
 _CHECKSUM_BYTES = 4
 _MOST_DIFFERENCES = 12
 
-Record = dict[str, int]
-"""Checksum of each output's file of a chunk."""
+Record = dict[str, int]  # Checksum of each output's file of a chunk
 
 
 def require_extra() -> None:

@@ -18,8 +18,7 @@ from lightflyer.core.units import rewrite
 if TYPE_CHECKING:
     from lightflyer.lab.estimate import Estimate
 
-Face = Literal["top", "bottom", "both"]
-"""Faces of a film that a value applies to."""
+Face = Literal["top", "bottom", "both"]  # Faces of a film that a value applies to
 
 _ORIGIN = re.compile(r"\s*(?:[;#]\s*)?(?:measured|optimised): .*$")
 _DIGITS = 2  # of an uncertainty

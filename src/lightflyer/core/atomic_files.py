@@ -10,8 +10,7 @@ from pathlib import Path
 
 from lightflyer.core.errors import OutputError
 
-TEMPORARY = ".lightflyer-"
-"""What the names of temporary files and folders begin with."""
+TEMPORARY = ".lightflyer-"  # What the names of temporary files and folders begin with
 
 _UNFINISHED: set[Path] = set()
 _RENAMING = threading.Lock()

@@ -3,11 +3,8 @@
 import os
 from pathlib import Path
 
-SETTING = "LIGHTFLYER_CACHE"
-"""Environment variable: ``off``, or the folder to keep programs in."""
-
-PRIVATE = 0o700
-"""Mode of the folder: nobody else reads or writes there."""
+SETTING = "LIGHTFLYER_CACHE"  # Environment variable: ``off``, or the folder to keep programs in
+PRIVATE = 0o700  # Mode of the folder: nobody else reads or writes there
 
 
 def cache_folder() -> Path | None:

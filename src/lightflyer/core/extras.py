@@ -8,8 +8,7 @@ from typing import Any
 
 from lightflyer.core.errors import MissingExtraError, PluginWarning
 
-ENTRY_POINTS = "lightflyer"
-"""Group of the entry points of plug-ins."""
+ENTRY_POINTS = "lightflyer"  # Group of the entry points of plug-ins
 
 # An entry that names a module declares whatever that module defines or registers when it is
 # imported. One that names something in a module, "module:function", is a command.

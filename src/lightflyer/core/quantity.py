@@ -153,8 +153,7 @@ def _array_of(value: Any) -> np.ndarray:
 HIGHEST_TAC = 1.3
 """Largest TAC accepted. None can exceed one, but measured values do by their systematic error."""
 
-HIGHEST_OPEN_FRACTION = 0.999
-"""Largest share of holes accepted: without film there is no flyer."""
+HIGHEST_OPEN_FRACTION = 0.999  # Largest share of holes accepted: without film there is no flyer
 
 _BETWEEN = "atoms are larger, flyers smaller"
 

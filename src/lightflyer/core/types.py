@@ -2,5 +2,4 @@
 
 from typing import Any, TypeAlias
 
-Numeric: TypeAlias = Any
-"""A number, a NumPy array or a JAX array. Arguments of one call broadcast."""
+Numeric: TypeAlias = Any  # A number, a NumPy array or a JAX array. Arguments of one call broadcast

@@ -32,8 +32,7 @@ class Measured(NamedTuple):
     uncertainty: float | None = None
 
 
-DIGITS = 12
-"""Of a number that is written into a file: a prediction from it repeats the search's."""
+DIGITS = 12  # Of a number that is written into a file: a prediction from it repeats the search's
 
 _FAR = 1e6  # a value beside which offsets of temperature scales are small
 

@@ -412,8 +412,7 @@ def tabulate(setup: Setup, coordinate: Numeric, irradiance: Numeric) -> dict[str
     return {name: value + jnp.zeros_like(coordinate) for name, value in values.items()}
 
 
-tabulate_places = elementwise_entry_point(tabulate)
-"""The same as an entry point."""
+tabulate_places = elementwise_entry_point(tabulate)  # The same as an entry point
 
 
 def table_of(

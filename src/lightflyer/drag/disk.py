@@ -40,14 +40,9 @@ from lightflyer.drag.similarity import (
 from lightflyer.gas.base import AbstractGas, mean_free_path
 from lightflyer.program.entry_point import entry_point
 
-Direction = Literal["broadside", "edgewise"]
-"""How a body moves: along its axis or across it."""
-
-BROADSIDE = 16.0
-"""Drag in slow flow over μ, radius and speed, broadside; [HappelBrenner1983] ch. 5."""
-
-EDGEWISE = 32.0 / 3.0
-"""The same edgewise."""
+Direction = Literal["broadside", "edgewise"]  # How a body moves: along its axis or across it
+BROADSIDE = 16.0  # Drag in slow flow over μ, radius and speed, broadside; [HappelBrenner1983] ch. 5
+EDGEWISE = 32.0 / 3.0  # The same edgewise
 
 _HALF_WARMED = 4.5
 """Rarefaction times TAC at which the gas at a disk has half of its warmth: the table of heat losses

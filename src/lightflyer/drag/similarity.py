@@ -15,8 +15,7 @@ SLOW = Validity(
 )
 """Range of the speed ratio where gas is not thin: a Mach number of 0.36 in air."""
 
-THIN = 0.1
-"""Rarefaction up to which collisions take less than 6 % of the drag at any speed."""
+THIN = 0.1  # Rarefaction up to which collisions take less than 6 % of the drag at any speed
 
 WARMTH = Validity(
     "the growth of the drag of dense gas by the flyer's warmth",

@@ -17,8 +17,7 @@ from lightflyer.drag.similarity import molecular_speed
 from lightflyer.gas.base import AbstractGas
 from lightflyer.program.entry_point import entry_point
 
-TURNING = 32.0 / 3.0
-"""Torque in slow flow over μ, the cube of the radius and the rate."""
+TURNING = 32.0 / 3.0  # Torque in slow flow over μ, the cube of the radius and the rate
 
 MEAN_SQUARE = 0.25
 """Mean square distance of a disk's parts from a diameter, over the square of its radius."""

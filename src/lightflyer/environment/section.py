@@ -22,8 +22,7 @@ from lightflyer.gas.registry import GASES
 
 _SEARCH = "says where bands are searched"
 
-GasName = Annotated[str, OneOf(GASES)]
-"""Names of gases in a flyer file."""
+GasName = Annotated[str, OneOf(GASES)]  # Names of gases in a flyer file
 
 
 class EnvironmentSection(Alternative, abc.ABC):

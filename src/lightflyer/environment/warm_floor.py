@@ -32,11 +32,8 @@ from lightflyer.environment.radiation import Radiation
 from lightflyer.gas.base import mean_free_path
 from lightflyer.program.entry_point import entry_point
 
-_RARE = 0.4257
-"""Of the join of both limits, :math:`c`."""
-
-_JUMP = 1.699
-"""Distance by which walls stand back, in half mean free paths."""
+_RARE = 0.4257  # Of the join of both limits, :math:`c`
+_JUMP = 1.699  # Distance by which walls stand back, in half mean free paths
 
 _MODES = np.arange(1, 65)
 _ENOUGH = 10.0  # times further away a surface no longer matters: its share falls as e^(-10 μ)

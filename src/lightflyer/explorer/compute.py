@@ -23,8 +23,7 @@ from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
 from lightflyer.prediction.prediction import Prediction, predict_design, search_grid
 from lightflyer.uncertainty.propagation import PredictionUncertainty, propagate
 
-KEPT = 48
-"""Predictions that are kept: those of the designs that somebody looks at."""
+KEPT = 48  # Predictions that are kept: those of the designs that somebody looks at
 
 _DIGITS = 4
 _INTERVAL_DIGITS = 3

@@ -25,8 +25,7 @@ from lightflyer.files.drawing import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FORMATS = ("png", "svg")
-"""Endings of figures that the page offers."""
+FORMATS = ("png", "svg")  # Endings of figures that the page offers
 
 Drawing = Callable[[Workplace, Document, Choices], "Figure"]
 

@@ -22,8 +22,7 @@ from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
 from lightflyer.mission.section import MissionSection
 
-MISSION = "mission"
-"""Part of a document that a mission file has beside those of a flyer file."""
+MISSION = "mission"  # Part of a document that a mission file has beside those of a flyer file
 
 BASES: dict[str, type[Alternative]] = {
     "flyer": FlyerSection,

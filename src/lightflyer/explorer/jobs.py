@@ -71,8 +71,7 @@ class Listeners:
             self._here.listener = None
 
 
-LISTENERS = Listeners()
-"""Where all steps of jobs go, once :func:`listening` has begun."""
+LISTENERS = Listeners()  # Where all steps of jobs go, once :func:`listening` has begun
 
 
 @contextmanager

@@ -20,11 +20,8 @@ from lightflyer.explorer.state import Document, Workplace
 from lightflyer.files.drawing import BLUE, ORANGE, VERMILION
 from lightflyer.prediction.evaluator import POINTS, Evaluator
 
-MAP_COLUMNS = 33
-"""Values of the varied number in a map."""
-
-MAP_ROWS = 76
-"""Altitudes or pressures in a map: every fourth of a prediction's."""
+MAP_COLUMNS = 33  # Values of the varied number in a map
+MAP_ROWS = 76  # Altitudes or pressures in a map: every fourth of a prediction's
 
 _MAP_SPAN = 5.0  # a map reaches so many times below and above the design's own value
 _EVERY = POINTS // (MAP_ROWS - 1)

@@ -39,11 +39,8 @@ from lightflyer.program.entry_point import run_by
 
 ADDRESS = "127.0.0.1"
 
-LARGEST_UPLOAD = 1 << 20
-"""Bytes of a file that the page takes."""
-
-LARGEST_BODY = LARGEST_UPLOAD + (1 << 18)
-"""Bytes of a request: a file in JSON, with a design."""
+LARGEST_UPLOAD = 1 << 20  # Bytes of a file that the page takes
+LARGEST_BODY = LARGEST_UPLOAD + (1 << 18)  # Bytes of a request: a file in JSON, with a design
 
 QUICK_THREADS, SLOW_THREADS = 4, 3
 

@@ -29,11 +29,8 @@ from lightflyer.mission.mission_file import MissionFile, mission_of_text
 Document = dict[str, Any]
 """Content of a flyer file, with numbers as the user wrote them and dates as texts."""
 
-KEPT = 64
-"""Designs whose programs and optics are kept between requests."""
-
-MOST_PINS = 4
-"""Designs that can be pinned beside the one that is moved."""
+KEPT = 64  # Designs whose programs and optics are kept between requests
+MOST_PINS = 4  # Designs that can be pinned beside the one that is moved
 
 _PIN, _AT = "pin", "at"
 _MOST_TEXT = 200_000  # characters of a URL or of a document

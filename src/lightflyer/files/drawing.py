@@ -36,14 +36,9 @@ LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 BAND, INTERVAL = "95 % band", "95 % interval"
 """What shaded bands and error bars are, in legends."""
 
-FORMATS = ("png", "svg", "pdf")
-"""Endings of the files that :func:`save` writes."""
-
-OWN_STYLES = ("column",)
-"""Style sheets of the package: a journal's column of 8.6 cm."""
-
-DOTS_PER_INCH = 150
-"""Of a PNG where nothing else is asked."""
+FORMATS = ("png", "svg", "pdf")  # Endings of the files that :func:`save` writes
+OWN_STYLES = ("column",)  # Style sheets of the package: a journal's column of 8.6 cm
+DOTS_PER_INCH = 150  # Of a PNG where nothing else is asked
 
 _POINTS_PER_INCH = 72.0
 _WIDTH, _HEIGHT = 6.0, 4.2  # of axes [inch], unless a style sheet gives a size of figures

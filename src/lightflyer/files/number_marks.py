@@ -17,8 +17,7 @@ from typing import NamedTuple
 
 from lightflyer.core.errors import ConfigurationError
 
-Cells = Sequence[tuple[int, str]]
-"""Cells of a column, each with its line."""
+Cells = Sequence[tuple[int, str]]  # Cells of a column, each with its line
 
 POINT, COMMA = ".", ","
 SPACES = " \N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}\N{THIN SPACE}"

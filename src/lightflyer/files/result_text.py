@@ -9,13 +9,11 @@ if TYPE_CHECKING:
     from rich.measure import Measurement
     from rich.table import Table
 
-NARROW = 80
-"""Columns of a narrow terminal."""
+NARROW = 80  # Columns of a narrow terminal
 
 Parts: TypeAlias = "Iterable[str | Table]"
 
-UNBOUNDED = 1000
-"""Columns in which nothing is wrapped."""
+UNBOUNDED = 1000  # Columns in which nothing is wrapped
 
 
 class PrintedResult:

@@ -34,8 +34,7 @@ class Spelling(NamedTuple):
     factor: float = 1.0  # The field's value over the key's
 
 
-DIAMETER = Spelling("diameter", 0.5)
-"""How a file gives a radius."""
+DIAMETER = Spelling("diameter", 0.5)  # How a file gives a radius
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

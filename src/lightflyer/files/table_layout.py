@@ -13,8 +13,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Quantity, quantity_of
 from lightflyer.core.units import scale_and_offset, spelled
 
-PREAMBLE = 200
-"""Lines in which the header is looked for."""
+PREAMBLE = 200  # Lines in which the header is looked for
 
 COMMENTS = ("#", "//", "!")
 """Beginnings of comment lines."""

@@ -30,8 +30,7 @@ _DATE = re.compile(r"^\d{4}-\d\d-\d\d(?:T[\d:.]+)?$|^\d\d:\d\d:\d\d")
 _SPACED = re.compile(rf"\d[{SPACES}{APOSTROPHES}]\d")
 _PERCENT = 100.0
 
-Row = tuple[int, str]
-"""Line of a row, counted from 1, and its text."""
+Row = tuple[int, str]  # Line of a row, counted from 1, and its text
 
 
 class Rejected(NamedTuple):

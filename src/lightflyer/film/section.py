@@ -20,8 +20,7 @@ from lightflyer.core.units import Measured
 from lightflyer.files.section import Alternative
 from lightflyer.film.properties import PROPERTIES, FilmProperties, require_conservation
 
-FACES = ("tac_top", "tac_bottom")
-"""Numbers whose errors ``tac_correlation`` is about."""
+FACES = ("tac_top", "tac_bottom")  # Numbers whose errors ``tac_correlation`` is about
 
 
 class WholeFilm(eqx.Module):

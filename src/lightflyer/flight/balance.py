@@ -47,11 +47,8 @@ from lightflyer.numerics.rootfind import (
 from lightflyer.numerics.system import solve_system
 from lightflyer.program.entry_point import elementwise_entry_point
 
-SMALLEST_SHARE = 1e-26
-"""Lower end of a bracket, over its upper end: far below any flyer's excess."""
-
-ENERGY_TOLERANCE = 1e-10
-"""Largest imbalance of a converged equilibrium, over the absorbed power."""
+SMALLEST_SHARE = 1e-26  # Lower end of a bracket, over its upper end: far below any flyer's excess
+ENERGY_TOLERANCE = 1e-10  # Largest imbalance of a converged equilibrium, over the absorbed power
 
 
 class Equilibrium(PrintedResult, eqx.Module):

@@ -37,8 +37,7 @@ from lightflyer.numerics.rootfind import (
 )
 from lightflyer.program.entry_point import entry_point
 
-MOST_BANDS = 4
-"""Greatest number of separate bands of one flyer."""
+MOST_BANDS = 4  # Greatest number of separate bands of one flyer
 
 _STAGES = 4  # each narrows the search for the peak some fifty times, to millimetres
 _POINTS = 151  # of the first look where a coordinate has no step of its own

@@ -15,11 +15,8 @@ from lightflyer.core.types import Numeric
 Function: TypeAlias = Callable[[np.ndarray], np.ndarray]
 """Takes places of shape (n, ...), returns values of that shape: one function a column."""
 
-EDGE_TOLERANCE = 1e-10
-"""Of lift over weight at an edge; about a micrometre of altitude."""
-
-POINTS = 9
-"""Places that a look for an optimum takes; nine narrow the search four times."""
+EDGE_TOLERANCE = 1e-10  # Of lift over weight at an edge; about a micrometre of altitude
+POINTS = 9  # Places that a look for an optimum takes; nine narrow the search four times
 
 _MOST_LOOKS = 10
 _FLAT = 3e-7  # second difference at a smooth optimum, over its value, that a parabola follows

@@ -19,14 +19,12 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
 from lightflyer.program.entry_point import elementwise_entry_point
 
-_SLOW = 1e-6
-"""Speed at which drag is proportional to it, far below those of flight [m/s]."""
+_SLOW = 1e-6  # Speed at which drag is proportional to it, far below those of flight [m/s]
 
 _BRACKET = (1e-6, 1.0 + 1e-6)
 """Range of the speed, over that of a drag proportional to it: inertia only adds to drag."""
 
-_NODES = 64
-"""Points of Gauss's quadrature over the altitude, for the time of a descent."""
+_NODES = 64  # Points of Gauss's quadrature over the altitude, for the time of a descent
 
 
 def steady_speed(drag: Callable[[Array], Array], force: Array) -> tuple[Array, RootOutcome]:

@@ -22,8 +22,7 @@ from jax import Array
 
 from lightflyer.core.types import Numeric
 
-Form = Literal["cone", "sphere", "rocket"]
-"""Names of the shapes."""
+Form = Literal["cone", "sphere", "rocket"]  # Names of the shapes
 
 
 class HollowForm(NamedTuple):

@@ -49,8 +49,7 @@ class Exitance(NamedTuple):
     bottom: Numeric  # Power per area of each face [W/m²]
 
 
-DARK = Exitance(0.0, 0.0)
-"""No emission, as of light."""
+DARK = Exitance(0.0, 0.0)  # No emission, as of light
 
 
 def perforated(

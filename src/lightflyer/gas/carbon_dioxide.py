@@ -14,8 +14,7 @@ from lightflyer.gas.chebyshev_fit import ChebyshevFit
 from lightflyer.gas.reference import BEYOND, GAS_CONSTANT, vibration
 from lightflyer.program.entry_point import entry_point
 
-MOLAR_MASS = 44.0098
-"""Molar mass [kg/kmol]; [SpanWagner1996]_."""
+MOLAR_MASS = 44.0098  # Molar mass [kg/kmol]; [SpanWagner1996]_
 
 # [LaeseckeMuzny2017] Eq. (4): viscosity in the limit of zero density, 100 K to 2000 K.
 _VISCOSITY_SCALE = 1.0055e-3  # [Pa s / K^(1/2)]

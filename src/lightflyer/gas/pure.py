@@ -237,5 +237,4 @@ class Helium(AbstractReferenceGas):
 HELIUM = Helium()
 """Helium by reference correlations."""
 
-PURE_GASES = (NITROGEN, OXYGEN, ARGON, HELIUM)
-"""Those of this module."""
+PURE_GASES = (NITROGEN, OXYGEN, ARGON, HELIUM)  # Those of this module

@@ -25,8 +25,7 @@ BEYOND: Final = (
 )
 """What gases do outside the range of their correlations."""
 
-MONATOMIC_HEAT_CAPACITY: Final = 2.5
-"""Isobaric heat capacity of atoms over the gas constant [1]."""
+MONATOMIC_HEAT_CAPACITY: Final = 2.5  # Isobaric heat capacity of atoms over the gas constant [1]
 
 DIATOMIC_RATIO, MONATOMIC_RATIO = 7.0 / 5.0, 5.0 / 3.0
 """Ratio of heat capacities with and without rotation [1]."""

@@ -21,14 +21,9 @@ if TYPE_CHECKING:
     from lightflyer.kinetic.collisions.brackets import Molecule
     from lightflyer.kinetic.disk.cases import Case, Outcome
 
-KNUDSEN_RANGE = (0.03, 100.0)
-"""Knudsen numbers λ(T_c)/(2r) for which the meshes are made."""
-
-TEMPERATURE_RATIOS = (0.5, 3.5)
-"""T_h/T_c for which the non-linear solver is tested."""
-
-SMALLEST_BOUNDARY = 1.5
-"""Half-width of the smallest reservoir [disk radii]."""
+KNUDSEN_RANGE = (0.03, 100.0)  # Knudsen numbers λ(T_c)/(2r) for which the meshes are made
+TEMPERATURE_RATIOS = (0.5, 3.5)  # T_h/T_c for which the non-linear solver is tested
+SMALLEST_BOUNDARY = 1.5  # Half-width of the smallest reservoir [disk radii]
 
 FURTHEST_DEPTH = 150.0
 """Half-width of the largest reservoir that the meshes resolve, in lengths 2λ/√π."""

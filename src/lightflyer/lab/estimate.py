@@ -10,8 +10,7 @@ from scipy import optimize, stats
 
 from lightflyer.core.errors import ParameterError
 
-CONFIDENCE = 0.95
-"""Confidence of every interval of the lab bench."""
+CONFIDENCE = 0.95  # Confidence of every interval of the lab bench
 
 NORMAL_FACTOR = float(stats.norm.ppf(0.5 + 0.5 * CONFIDENCE))
 """Half width of a normal distribution's 95 % interval over its standard deviation [1]."""

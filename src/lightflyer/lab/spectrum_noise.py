@@ -19,8 +19,7 @@ the spectrum, fitted at the longer path differences and extended to zero.
 import numpy as np
 from scipy import ndimage, signal, special
 
-LEAST_POINTS = 200
-"""Points below which correlation is not estimated."""
+LEAST_POINTS = 200  # Points below which correlation is not estimated
 
 _SEGMENTS, _LEAST_SEGMENTS = 24, 4  # of a spectrum, at first and at least
 _LEAST_BINS = 24  # of the density with noise; else segments are made longer

@@ -44,11 +44,8 @@ from lightflyer.program.entry_point import entry_point
 if TYPE_CHECKING:
     import xarray as xr
 
-MOST_TIMES = 1440
-"""Times that are kept where nobody asks for a spacing."""
-
-MOST_TIMES_OF_ENSEMBLE = 288
-"""The same beside an ensemble, each of whose members keeps its track."""
+MOST_TIMES = 1440  # Times that are kept where nobody asks for a spacing
+MOST_TIMES_OF_ENSEMBLE = 288  # The same beside an ensemble, each of whose members keeps its track
 
 _places = entry_point(latitude_and_longitude)
 _DURATION = quantity_of(Duration) or Quantity()

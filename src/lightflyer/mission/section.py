@@ -21,8 +21,7 @@ from lightflyer.mission.fleet import Ensemble
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, FollowSun, Level, Own
 from lightflyer.mission.path.release import Release
 
-MOST_MEMBERS = 100_000
-"""Largest ensemble of one command: its tracks are kept in memory."""
+MOST_MEMBERS = 100_000  # Largest ensemble of one command: its tracks are kept in memory
 
 MOST_LAUNCHES = 10_000
 

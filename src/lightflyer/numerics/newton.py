@@ -34,8 +34,7 @@ Jacobian's inverse: 1e-4 where the coefficients of a system are 1e12 apart.
 """
 
 _NEAR_AT_LAST = 1e-6
-_PATIENCE = 12
-"""Steps after which :data:`_NEAR_AT_LAST` will do, as rounding may allow no more."""
+_PATIENCE = 12  # Steps after which :data:`_NEAR_AT_LAST` will do, as rounding may allow no more
 
 _TOUCH = 0.1
 """Relative step that an element still takes when its residual is within tolerance.
@@ -46,8 +45,7 @@ The step is at hand, and an unknown that hardly matters to the residual may need
 _LARGEST_LOSS = 0.9
 """Largest share of its distance to the lower bound that an unknown may lose in a step."""
 
-_SHRINKAGE = 0.3
-"""A step that does not help is shortened to this share."""
+_SHRINKAGE = 0.3  # A step that does not help is shortened to this share
 
 
 class _Newton(eqx.Module):

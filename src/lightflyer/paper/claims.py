@@ -9,8 +9,7 @@ from typing import Any
 
 from lightflyer.paper.conditions import facts
 
-DECIDING = "reported"
-"""Column that decides the verdict on a claim."""
+DECIDING = "reported"  # Column that decides the verdict on a claim
 
 _ROUNDING = 1e-9  # of floating-point numbers, not of the paper's
 

@@ -38,8 +38,7 @@ REPORTED_MEAN = Reading(
 )
 """The reported reading with the mean temperature in Eq. (20), to which larger disks point."""
 
-POINTS = 1024
-"""Number of points that the model is compiled for."""
+POINTS = 1024  # Number of points that the model is compiled for
 
 _KILOGRAMS_PER_GRAM = 1e-3
 
@@ -107,8 +106,7 @@ KINETIC = Column(
 )
 """What the package predicts by default, in the paper's surroundings; no reading of the paper."""
 
-Table = dict[str, np.ndarray]
-"""Outputs of :mod:`lightflyer.design.outputs` by name, in SI units."""
+Table = dict[str, np.ndarray]  # Outputs of :mod:`lightflyer.design.outputs` by name, in SI units
 
 _tabulate = entry_point(tabulate)
 

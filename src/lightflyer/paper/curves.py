@@ -17,24 +17,14 @@ from lightflyer.paper.conditions import (
 )
 from lightflyer.paper.results import bands, best_payload, film_mass, planck_per_wavenumber
 
-Curves = dict[str, np.ndarray]
-"""Columns by name with unit; all of a figure have one length."""
-
-TORR = constants.SEA_LEVEL_PRESSURE / 760.0
-"""Definition of the unit [Pa]."""
+Curves = dict[str, np.ndarray]  # Columns by name with unit; all of a figure have one length
+TORR = constants.SEA_LEVEL_PRESSURE / 760.0  # Definition of the unit [Pa]
 
 COATINGS = ("ge", "cnt")
-PANEL_SIZES_CM = (2, 3, 4)
-"""Diameters of Fig. 5(b-d) [cm]."""
-
-SIZES_CM = np.round(np.arange(0.2, 6.01, 0.05), 2)
-"""Diameters of Fig. S8 [cm]."""
-
-LARGER_SIZES_CM = (3, 4)
-"""Diameters of Fig. S7(a, b) and (c, d) [cm]."""
-
-PLANCK_TEMPERATURES = (400, 500)
-"""Temperatures of Fig. 3(c) [K]."""
+PANEL_SIZES_CM = (2, 3, 4)  # Diameters of Fig. 5(b-d) [cm]
+SIZES_CM = np.round(np.arange(0.2, 6.01, 0.05), 2)  # Diameters of Fig. S8 [cm]
+LARGER_SIZES_CM = (3, 4)  # Diameters of Fig. S7(a, b) and (c, d) [cm]
+PLANCK_TEMPERATURES = (400, 500)  # Temperatures of Fig. 3(c) [K]
 
 MAP_PRESSURES_MTORR = np.geomspace(1.0, 300.0, 61)
 MAP_IRRADIANCES = np.linspace(0.0, 4000.0, 41)

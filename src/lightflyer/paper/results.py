@@ -26,14 +26,9 @@ from lightflyer.paper.conditions import (
 )
 from lightflyer.paper.tables import table_1, table_s2
 
-SEARCHED_ALTITUDES = (50e3, 95e3)
-"""Range in which bands and best payloads are searched [m]."""
-
-SEARCHED_PRESSURES = (1e-1, 1e2)
-"""Range in which the chamber's optimum is searched [Pa]."""
-
-CHECKED_ALTITUDES = (68e3, 72e3, 78e3)
-"""Altitudes of the check table [m]."""
+SEARCHED_ALTITUDES = (50e3, 95e3)  # Range in which bands and best payloads are searched [m]
+SEARCHED_PRESSURES = (1e-1, 1e2)  # Range in which the chamber's optimum is searched [Pa]
+CHECKED_ALTITUDES = (68e3, 72e3, 78e3)  # Altitudes of the check table [m]
 
 CHECKED_OUTPUTS = (
     "gas_temperature",

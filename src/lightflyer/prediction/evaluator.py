@@ -7,8 +7,7 @@ import numpy as np
 from lightflyer.design.outputs import predicted_names, table_of
 from lightflyer.design.setup import Setup
 
-POINTS = 301
-"""Coordinates of a prediction's table."""
+POINTS = 301  # Coordinates of a prediction's table
 
 Table: TypeAlias = dict[str, np.ndarray]
 """Outputs by name, each an array over the same coordinates, in SI units."""

@@ -30,8 +30,7 @@ from lightflyer.prediction.evaluator import POINTS, Evaluator
 if TYPE_CHECKING:
     from lightflyer.prediction.prediction import Prediction
 
-IRRADIANCE_SPAN = 30.0
-"""Upper limit of the axes over the least irradiance."""
+IRRADIANCE_SPAN = 30.0  # Upper limit of the axes over the least irradiance
 
 _AROUND = 0.1  # of the searched range, drawn on each side of the best where nothing levitates
 _HEADROOM = 0.15  # above the hottest temperature

@@ -53,8 +53,7 @@ from lightflyer.program.widening import serves_many
 P = ParamSpec("P")
 R = TypeVar("R")
 
-SETTING = "LIGHTFLYER_RUN"
-"""Environment variable: ``numpy`` or ``xla`` run every function that way."""
+SETTING = "LIGHTFLYER_RUN"  # Environment variable: ``numpy`` or ``xla`` run every function that way
 
 COMPILATION, XLA_ELEMENT = 1.5e-3, 0.3e-9
 """Time that XLA takes to compile an operation of a program, and then for each element [s]; see

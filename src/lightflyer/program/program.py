@@ -17,14 +17,9 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-ROWS = "n0"
-"""Symbol of the axis along which elements lie."""
-
-FORMAT = 1
-"""Version of the form in which programs are written."""
-
-Length: TypeAlias = int | str
-"""Number of elements along an axis, or an expression of symbols."""
+ROWS = "n0"  # Symbol of the axis along which elements lie
+FORMAT = 1  # Version of the form in which programs are written
+Length: TypeAlias = int | str  # Number of elements along an axis, or an expression of symbols
 
 
 class Operation(NamedTuple):

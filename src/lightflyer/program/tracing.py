@@ -18,13 +18,11 @@ from lightflyer.program.primitives import PARAMETERS, is_concrete, length, lengt
 from lightflyer.program.program import Block, Length, Operation, Program
 from lightflyer.program.pruning import without_dead
 
-SYMBOLS = ("n0", "n1", "n2", "n3")
-"""Lengths that a program is traced without."""
+SYMBOLS = ("n0", "n1", "n2", "n3")  # Lengths that a program is traced without
 
 _LARGEST_FOLDED = 100_000  # elements: what is larger is computed when it is needed
 
-_MOST_STEPS = 16
-"""Steps up to which a loop of a known number of steps is written out."""
+_MOST_STEPS = 16  # Steps up to which a loop of a known number of steps is written out
 
 _IDENTITIES = {
     "copy",

@@ -9,14 +9,9 @@ from scipy.optimize import minimize
 from lightflyer.core.progress import report
 from lightflyer.search.objectives import ObjectiveFunction
 
-FEASIBLE = 1e-6
-"""Largest violation of a constraint, over the size of its limit."""
-
-INFEASIBLE = 1e6
-"""Loss of a design that has no value, in scales of the objective."""
-
-AGREEMENT = 1e-6
-"""Relative difference up to which the results of two starts are the same."""
+FEASIBLE = 1e-6  # Largest violation of a constraint, over the size of its limit
+INFEASIBLE = 1e6  # Loss of a design that has no value, in scales of the objective
+AGREEMENT = 1e-6  # Relative difference up to which the results of two starts are the same
 
 _STOP = 1e-10  # tolerance of SLSQP, in scales of the objective
 _STEPS = 200

@@ -16,8 +16,7 @@ from lightflyer.design.outputs import evaluate
 from lightflyer.numerics.batches import in_batches
 from lightflyer.search.problem import PROBABILITY, Constraint, Objective, Problem
 
-SCREENED = 512
-"""Designs evaluated at once: first over the whole cube, then around the starts."""
+SCREENED = 512  # Designs evaluated at once: first over the whole cube, then around the starts
 
 _BATCH_OF_FILMS = 128  # designs evaluated at once where each has a film of its own
 

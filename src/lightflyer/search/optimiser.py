@@ -42,8 +42,7 @@ from lightflyer.search.tolerance import AsMade, simulate_making
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SCREENED_FILMS = 256
-"""The same where each design has a film of its own: gradients do the rest."""
+SCREENED_FILMS = 256  # The same where each design has a film of its own: gradients do the rest
 
 _APART = 0.1  # least distance of two starts, in sides of the cube
 _HALF_SIDES = (0.1, 0.03, 0.01)  # of the cubes that are sampled around the starts

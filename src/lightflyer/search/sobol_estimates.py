@@ -5,8 +5,7 @@ import warnings
 import numpy as np
 from scipy import stats
 
-REPLICATES = 8
-"""Scrambled Sobol sequences, of which a study's samples consist."""
+REPLICATES = 8  # Scrambled Sobol sequences, of which a study's samples consist
 
 _UPPER_END = 0.975  # of a 95 % interval
 

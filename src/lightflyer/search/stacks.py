@@ -25,8 +25,7 @@ from lightflyer.search.local_search import (
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import Choice, Problem
 
-POINTS = 128
-"""Films of each stack in the first round."""
+POINTS = 128  # Films of each stack in the first round
 
 IMPROVED, IN_FULL = 24, 6
 """Stacks in the second and the third round."""

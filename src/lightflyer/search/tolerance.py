@@ -16,11 +16,8 @@ ASSUMED = Tolerance(0.05, relative=True)
 """Standard uncertainty of a layer's thickness where a study states none: evaporated and sputtered
 layers are usually within a few per cent."""
 
-LOW = 0.05
-"""Share of the made flyers that are worse than the low quantile."""
-
-SAMPLES = 512
-"""Flyers that are made, to see what becomes of a design."""
+LOW = 0.05  # Share of the made flyers that are worse than the low quantile
+SAMPLES = 512  # Flyers that are made, to see what becomes of a design
 
 
 @dataclass(frozen=True)

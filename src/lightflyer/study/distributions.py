@@ -11,8 +11,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.design.design import AbstractDesign, Field
 from lightflyer.uncertainty.correlation import Correlations, correlate
 
-SAMPLE = "sample"
-"""Dimension along which all distributions are drawn together."""
+SAMPLE = "sample"  # Dimension along which all distributions are drawn together
 
 MOST_SAMPLES = 10_000_000
 """Most numbers along one dimension of a study: unlike its results they are kept in memory."""

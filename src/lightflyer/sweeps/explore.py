@@ -16,8 +16,7 @@ from lightflyer.study.distributions import SAMPLE
 if TYPE_CHECKING:
     import xarray as xr
 
-COVERAGE = (0.025, 0.975)
-"""Quantiles of the samples between which bands are drawn."""
+COVERAGE = (0.025, 0.975)  # Quantiles of the samples between which bands are drawn
 
 COSTS = {"altitude": -1.0, "levitation_irradiance": 1.0, "temperature": 1.0}
 """What an output may be weighed against; -1 where more of that is better too."""

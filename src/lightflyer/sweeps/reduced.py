@@ -48,8 +48,7 @@ from lightflyer.sweeps.reduction_plan import ReductionSpec, plan_reductions, sam
 if TYPE_CHECKING:
     import xarray as xr
 
-MOST_BLOCKS = 10_000
-"""Blocks of the largest study: a scheduler hands out some hundred a second."""
+MOST_BLOCKS = 10_000  # Blocks of the largest study: a scheduler hands out some hundred a second
 
 SAVE_EVERY = 2.0
 """Time after which what is merged is saved [s]; Ctrl-C ends the process without saving."""

@@ -17,8 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-Partial = dict[str, Any]
-"""Arrays by name."""
+Partial = dict[str, Any]  # Arrays by name
 
 Columns = Mapping[str, Any]
 """Outputs and varied numbers of consecutive designs by name, arrays of one length."""
@@ -223,8 +222,7 @@ _EXPONENT_BIAS = 1023
 _KEPT_BITS = 9
 _LOWEST_EXPONENT, _HIGHEST_EXPONENT = -64, 64
 
-RESOLUTION = 2.0**-_KEPT_BITS
-"""Relative width of the widest cells of :class:`Spread`."""
+RESOLUTION = 2.0**-_KEPT_BITS  # Relative width of the widest cells of :class:`Spread`
 
 _SHIFT = _MANTISSA_BITS - _KEPT_BITS
 _FIRST = (_EXPONENT_BIAS + _LOWEST_EXPONENT) << _KEPT_BITS

@@ -25,8 +25,7 @@ from lightflyer.sweeps.outcome import SweepReport
 if TYPE_CHECKING:
     import xarray as xr
 
-LARGEST = 10**9
-"""Number of designs above which a sweep must be confirmed."""
+LARGEST = 10**9  # Number of designs above which a sweep must be confirmed
 
 _BYTES = 8  # of a number
 

@@ -30,17 +30,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DEFAULT_SAMPLES = 500
-"""Monte Carlo samples where nothing else is asked for."""
+DEFAULT_SAMPLES = 500  # Monte Carlo samples where nothing else is asked for
 
 FEWEST_SAMPLES = 100
 """Samples below which the ends of a 95 % band mean nothing: two or three lie outside of it."""
 
-COVERAGE = (2.5, 97.5)
-"""Percentiles of the bands."""
-
-BAND_POINTS = 61
-"""Coordinates at which the bands of the figures are known."""
+COVERAGE = (2.5, 97.5)  # Percentiles of the bands
+BAND_POINTS = 61  # Coordinates at which the bands of the figures are known
 
 BANDS = (
     "levitation_irradiance",
@@ -53,8 +49,7 @@ BANDS = (
 )
 """Outputs that have bands over the coordinate, besides those of the force model's own."""
 
-EDGES = ("lower", "upper")
-"""Names of the edges of a band."""
+EDGES = ("lower", "upper")  # Names of the edges of a band
 
 _POSITIVE = "levitation_irradiance"  # goes with the inverse of the TACs' difference
 _MARGIN = 10  # points of the prediction's table searched beyond the nominal range

@@ -23,8 +23,7 @@ from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
 
 _DAY = 86400.0
-TROPICAL_YEAR = 365.2425 * _DAY
-"""Length of a year of the Gregorian calendar, on average [s]."""
+TROPICAL_YEAR = 365.2425 * _DAY  # Length of a year of the Gregorian calendar, on average [s]
 
 _DAYS_OF_MODEL = 365  # the period of the model's seasons, in days of the year
 _NOON = 0.5  # of a day: the time of day at which time is zero

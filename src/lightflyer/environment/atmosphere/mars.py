@@ -31,13 +31,11 @@ dioxide.
 SURFACE_PRESSURE_SPREAD, TEMPERATURE_SPREAD = 60.0, 6.0
 """Standard deviations that stand for weather and season [Pa], [K]; see the page about Mars."""
 
-MOLAR_MASS = 43.49
-"""Mean molar mass [kg/kmol]; [Seiff1982]_."""
+MOLAR_MASS = 43.49  # Mean molar mass [kg/kmol]; [Seiff1982]_
 
 _GAS_CONSTANT = 1e3 * constants.BOLTZMANN * constants.AVOGADRO  # [J/(kmol K)]
 _METRES_PER_KILOMETRE = 1e3
-COSPAR = "northern summer of Mars by COSPAR"
-"""Name of the default profile."""
+COSPAR = "northern summer of Mars by COSPAR"  # Name of the default profile
 
 _TOP = 130e3  # of the default profile [m]
 _FEWEST_ROWS = 4

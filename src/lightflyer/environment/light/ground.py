@@ -112,8 +112,7 @@ def _everywhere(value: Numeric, place: Place) -> Array:
     return value + 0.0 * (place.latitude + place.longitude + place.time)
 
 
-SECONDS_PER_YEAR: Final = 365.25 * 86_400.0
-"""Period of the seasons in [Knocke1988]_ [s]."""
+SECONDS_PER_YEAR: Final = 365.25 * 86_400.0  # Period of the seasons in [Knocke1988]_ [s]
 
 _MIDWINTER = -6584.5 * 86_400.0  # 22 December 1981, 0 h [s since 2000-01-01 12:00 UTC]
 # Mean, amplitude of the season's first and mean second Legendre polynomial of the sine of latitude

@@ -29,8 +29,7 @@ from lightflyer.environment.planet import EARTH_PLANET, Planet
 from lightflyer.environment.radiation import SKY_INFRARED, Radiation
 from lightflyer.program.entry_point import entry_point
 
-VIEW_OF_PLANET = "(R/(R+h))² at altitude h"
-"""View factor of the ground, in words."""
+VIEW_OF_PLANET = "(R/(R+h))² at altitude h"  # View factor of the ground, in words
 
 _KILOMETRE = 1e3
 _TURN = 2.0 * jnp.pi

@@ -12,8 +12,7 @@ from lightflyer.core.units import scale_and_offset
 EPOCH = np.datetime64("2000-01-01T12:00:00", "ns")
 """Origin of :attr:`lightflyer.environment.Place.time`."""
 
-LARGEST = 30_000_000
-"""Most grid points that are taken into memory, about 1 GB."""
+LARGEST = 30_000_000  # Most grid points that are taken into memory, about 1 GB
 
 _NAMES = {
     "time": ("time", "valid_time"),

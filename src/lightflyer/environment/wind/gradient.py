@@ -22,8 +22,7 @@ HIGHEST = 100e3
 NEAREST_EQUATOR = 15.0 * RADIANS_PER_DEGREE
 """Latitude below which the Coriolis force is too weak for the balance [rad]."""
 
-CLOSE_TO_EQUATOR = 20.0 * RADIANS_PER_DEGREE
-"""Latitude below which the balance is doubtful [rad]."""
+CLOSE_TO_EQUATOR = 20.0 * RADIANS_PER_DEGREE  # Latitude below which the balance is doubtful [rad]
 
 _LATITUDES = np.arange(12.5, 92.6, 2.5) * RADIANS_PER_DEGREE
 _SPACING = 2e3

@@ -17,8 +17,7 @@ from lightflyer.core.types import Numeric
 from lightflyer.film.media.pairs import Pair, over, plus, root, scaled, summed, times
 from lightflyer.program.entry_point import entry_point
 
-SPHERES = 1.0 / 3.0
-"""Depolarisation factor of spheres."""
+SPHERES = 1.0 / 3.0  # Depolarisation factor of spheres
 
 _POLISHING = 2  # Newton steps, after which first and second derivatives are exact too
 

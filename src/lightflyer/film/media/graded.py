@@ -11,8 +11,7 @@ from lightflyer.film.media.medium import Medium
 from lightflyer.film.media.mixture import Mixture
 from lightflyer.program.entry_point import entry_point
 
-SHEETS = 20
-"""Sheets of a graded layer, unless it says otherwise."""
+SHEETS = 20  # Sheets of a graded layer, unless it says otherwise
 
 
 class Graded(Compound):

@@ -191,8 +191,7 @@ PAGES: dict[str, Entry] = {
 MEDIA: dict[str, Medium] = {}
 """Further ones, which plug-ins add."""
 
-VACUUM = "vacuum"
-"""Name of empty space, as a part of mixtures."""
+VACUUM = "vacuum"  # Name of empty space, as a part of mixtures
 
 ALIASES = {
     "germanium": "Ge",

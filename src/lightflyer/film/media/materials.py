@@ -35,8 +35,7 @@ __all__ = [
 
 GIVEN = "given by the user"
 
-ROOM_TEMPERATURES = (270.0, 320.0)
-"""Temperatures of samples that need no mention [K]."""
+ROOM_TEMPERATURES = (270.0, 320.0)  # Temperatures of samples that need no mention [K]
 
 _WIDEST_STEP = 0.01  # relative: what lies between two sources' ends closer than this is no gap
 

@@ -21,8 +21,7 @@ from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.film.optics.transfer_matrix import Structure, transfer
 from lightflyer.program.entry_point import entry_point
 
-POLARISATIONS = ("s", "p", "mean")
-"""Names along the axis of polarisation of tables."""
+POLARISATIONS = ("s", "p", "mean")  # Names along the axis of polarisation of tables
 
 
 class DirectionalShares(NamedTuple):

@@ -21,8 +21,7 @@ LARGEST_DEFICIT = 0.05
 MEDIAN_WAVELENGTH_BY_TEMPERATURE = 4.107e-3
 """Half of a black body's radiation is beyond this wavelength times its temperature [m K]."""
 
-MEDIAN_WAVELENGTH_OF_SUNLIGHT = 0.734e-6
-"""Half of sunlight's power is beyond this wavelength [m]."""
+MEDIAN_WAVELENGTH_OF_SUNLIGHT = 0.734e-6  # Half of sunlight's power is beyond this wavelength [m]
 
 _MICROMETRE = 1e-6
 

@@ -16,8 +16,7 @@ from lightflyer.film.optics.stack import Film, Side
 from lightflyer.film.optics.transfer_matrix import Structure, transfer
 from lightflyer.program.entry_point import entry_point
 
-DIRECTIONS = 16
-"""Directions in a hemispherical average, Gauss-Legendre in the cosine."""
+DIRECTIONS = 16  # Directions in a hemispherical average, Gauss-Legendre in the cosine
 
 POINTS_PER_E_FOLD = 4000
 """Wavelengths per factor e in a thermal average: converged to 1e-5 with the sharp bands of PET."""

@@ -15,11 +15,8 @@ from lightflyer.film.media.material_csv import read_spectrum_csv
 SECOND_RADIATION_CONSTANT = constants.PLANCK * constants.SPEED_OF_LIGHT / constants.BOLTZMANN
 """hc/k [m K]."""
 
-SPECTRUM_RANGE = (0.25e-6, 25e-6)
-"""Ends of a film's reported spectrum [m]."""
-
-LED_BLUE = (450e-9, 20e-9)
-"""Peak and width at half maximum of the modelled lamp's blue chip [m]."""
+SPECTRUM_RANGE = (0.25e-6, 25e-6)  # Ends of a film's reported spectrum [m]
+LED_BLUE = (450e-9, 20e-9)  # Peak and width at half maximum of the modelled lamp's blue chip [m]
 LED_PHOSPHOR = (560e-9, 120e-9)
 """Peak and width at half maximum of the modelled lamp's phosphor [m]."""
 LED_PHOSPHOR_PEAK = 0.55

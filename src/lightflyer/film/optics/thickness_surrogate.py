@@ -18,8 +18,7 @@ from lightflyer.film.optics.spectra import Spectrum, am0
 from lightflyer.film.optics.stack import GRAZING, Film
 from lightflyer.film.optics.transfer_matrix import transfer
 
-DIRECTIONS = 4
-"""Directions of a hemispherical average, Gauss-Legendre in the cosine."""
+DIRECTIONS = 4  # Directions of a hemispherical average, Gauss-Legendre in the cosine
 
 THERMAL_POINTS, LIGHT_POINTS = 512, 256
 """Wavelengths of an average over thermal radiation and over the light."""

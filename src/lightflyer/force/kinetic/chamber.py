@@ -44,8 +44,7 @@ _DENSE = (
     "the square of the Knudsen number"
 )
 _OF_DIATOMIC = "what floor and lid do is taken from a diatomic gas"
-REFERENCE_TAC = 0.85
-"""Mean TAC in the table of chambers."""
+REFERENCE_TAC = 0.85  # Mean TAC in the table of chambers
 
 
 class Chamber(NamedTuple):

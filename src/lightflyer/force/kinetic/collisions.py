@@ -37,8 +37,7 @@ _SIMULATED_CONDUCTION = (4.717, -0.646)
 exponent of 0.74, and its slope in the exponent. Larsen and Borgnakke's rotation conducts less than
 a real gas."""
 
-MODEL_CONDUCTION = 4.865
-"""The same of the model equation's diatomic gas."""
+MODEL_CONDUCTION = 4.865  # The same of the model equation's diatomic gas
 
 Collisions = Literal["vhs", "shakhov"]
 """Those of molecules, by the factors here, or those of the model equation alone."""

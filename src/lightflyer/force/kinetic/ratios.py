@@ -24,8 +24,7 @@ from jax import Array
 from lightflyer.core.types import Numeric
 from lightflyer.numerics.polynomials import held_within, polynomial, scaled
 
-BOUNDARY_TAC = 0.85
-"""Mean TAC in the table of walls."""
+BOUNDARY_TAC = 0.85  # Mean TAC in the table of walls
 
 TAC_OFFSET = 0.1
 """The variable of the fits is the logarithm of the mean TAC plus this: the force's resistance grows

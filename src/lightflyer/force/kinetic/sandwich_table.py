@@ -48,11 +48,8 @@ from lightflyer.numerics.polynomials import (
     scaled,
 )
 
-HIGHEST_OPEN_FRACTION = 0.99
-"""Where the table ends [1]."""
-
-RAREFACTION_OF_KNUDSEN = np.sqrt(np.pi) / 4.0
-"""δ Kn, with the Knudsen number of the diameter."""
+HIGHEST_OPEN_FRACTION = 0.99  # Where the table ends [1]
+RAREFACTION_OF_KNUDSEN = np.sqrt(np.pi) / 4.0  # δ Kn, with the Knudsen number of the diameter
 
 _MOST = 8  # power of the rarefaction
 _POWERS = [

@@ -24,8 +24,7 @@ from lightflyer.numerics.polynomials import (
     trimmed,
 )
 
-SMALL = 0.1
-"""Differences of TACs up to this stand for the limit of small ones."""
+SMALL = 0.1  # Differences of TACs up to this stand for the limit of small ones
 
 # powers of heating, viscosity exponent, TAC, and Knudsen number in the linear and the non-linear
 # problem: many for the limit of small differences, few for what changes with them

@@ -128,8 +128,7 @@ class _Round(ChannelShape):
 SLOT: ChannelShape = _Slot()
 """Between two parallel walls, whose distance is :math:`A`; much wider than that."""
 
-ROUND: ChannelShape = _Round()
-"""A round hole or tube of the radius :math:`A`."""
+ROUND: ChannelShape = _Round()  # A round hole or tube of the radius :math:`A`
 
 
 def _slot_ends(length: Numeric) -> tuple[Array, Array]:

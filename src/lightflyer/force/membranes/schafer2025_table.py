@@ -43,11 +43,8 @@ TEMPERATURE_EXCESS = 1.0 / 3.0
 FREE_FORCE = 0.5 * ((1.0 + TEMPERATURE_EXCESS) ** 0.5 - 1.0) / TEMPERATURE_EXCESS
 """Force of free molecules on a face without holes, over :math:`p A \\theta`, at that excess [1]."""
 
-HIGHEST_RAREFACTION = 200.0
-"""Where the table ends [1]."""
-
-HIGHEST_OPEN_FRACTION = 0.95
-"""Where the table ends [1]."""
+HIGHEST_RAREFACTION = 200.0  # Where the table ends [1]
+HIGHEST_OPEN_FRACTION = 0.95  # Where the table ends [1]
 
 _MONATOMIC_EUCKEN = 15.0 / 4.0  # κ/(μR) of a gas without internal motion, [VincentiKruger1965]
 _BEYOND = 2.0  # factor of δ within which the coefficients level off below and above the table

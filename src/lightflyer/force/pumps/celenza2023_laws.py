@@ -17,29 +17,17 @@ from lightflyer.core.types import Numeric
 from lightflyer.gas.air import AbstractAir
 from lightflyer.gas.base import AbstractGas
 
-PI = 3.14
-"""As in the published code, 0.05 % too small."""
-
-DENSITY_CONSTANT = 287.0
-"""Specific gas constant of air in the density [J/(kg K)]."""
+PI = 3.14  # As in the published code, 0.05 % too small
+DENSITY_CONSTANT = 287.0  # Specific gas constant of air in the density [J/(kg K)]
 
 SPEED_CONSTANT = 1.38e-23 / 4.8089e-26
 """Specific gas constant of air in the speed of the molecules [J/(kg K)]."""
 
-CONDUCTIVITY = 0.024
-"""Of air [W/(m K)], at every temperature."""
-
-THROUGH_WALL = 0.5
-"""Share of the absorbed light that passes the wall as heat [1]."""
-
-FACE_DENSITY = 1e-3
-"""Areal density of both films together, whatever their thickness [kg/m²]."""
-
-SHEET_DENSITY = 3950.0
-"""Of the alumina that lines the channels [kg/m³]."""
-
-SHEET_CONDUCTIVITY = 1.8
-"""Of the alumina that lines the channels [W/(m K)]."""
+CONDUCTIVITY = 0.024  # Of air [W/(m K)], at every temperature
+THROUGH_WALL = 0.5  # Share of the absorbed light that passes the wall as heat [1]
+FACE_DENSITY = 1e-3  # Areal density of both films together, whatever their thickness [kg/m²]
+SHEET_DENSITY = 3950.0  # Of the alumina that lines the channels [kg/m³]
+SHEET_CONDUCTIVITY = 1.8  # Of the alumina that lines the channels [W/(m K)]
 
 _JUMP = 3.116  # temperature jump of both ends of a channel, in mean free paths
 _VISCOSITY, _REFERENCE, _SUTHERLAND = 1.8205e-5, 293.0, 110.4  # [Pa s], [K], [K]

@@ -82,11 +82,8 @@ class Errors(NamedTuple):
     heat: Numeric = 1.0
 
 
-EXACT = Errors()
-"""Without an error."""
-
-AS_PUBLISHED = Corrections(*(False,) * len(Corrections._fields))
-"""No correction."""
+EXACT = Errors()  # Without an error
+AS_PUBLISHED = Corrections(*(False,) * len(Corrections._fields))  # No correction
 
 
 class PumpFlow(NamedTuple):

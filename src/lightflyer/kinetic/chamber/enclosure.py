@@ -6,17 +6,10 @@ from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.kinetic.walls import Wall
 
-SURFACES = ("floor", "lid", "side")
-"""Surfaces of a chamber; ``side`` is the side wall."""
-
-NEAREST = 0.1
-"""Smallest height of a disk above a floor, or below a lid [disk radii]."""
-
-NEAREST_SIDE = 1.2
-"""Smallest radius of a side wall [disk radii]."""
-
-TALLEST = 8.0
-"""Largest height of floor or lid, over the radius of the side wall."""
+SURFACES = ("floor", "lid", "side")  # Surfaces of a chamber; ``side`` is the side wall
+NEAREST = 0.1  # Smallest height of a disk above a floor, or below a lid [disk radii]
+NEAREST_SIDE = 1.2  # Smallest radius of a side wall [disk radii]
+TALLEST = 8.0  # Largest height of floor or lid, over the radius of the side wall
 
 
 @dataclass(frozen=True)

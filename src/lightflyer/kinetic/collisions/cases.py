@@ -14,8 +14,7 @@ from lightflyer.kinetic.disk.operators import Operators, Quadrature
 
 _COARSER = Resolution(3, 0.7, Quadrature(3, 3, 3))
 
-_THIN_DEPTH = 1.5
-"""Rarefaction δ below which the coarse mesh is right to 6·10⁻⁴ in force."""
+_THIN_DEPTH = 1.5  # Rarefaction δ below which the coarse mesh is right to 6·10⁻⁴ in force
 
 
 def solve_at_two_levels(case: Case, molecule: Molecule) -> tuple[Outcome, Outcome]:

@@ -55,11 +55,8 @@ class Moments:
         return len(self.translation)
 
 
-MOMENTS = Moments()
-"""Enough for 10⁻³ in force; see the documentation."""
-
-FEWER_MOMENTS = Moments((6, 6, 5, 4, 3), (4, 4, 3))
-"""Fewer, to tell the error."""
+MOMENTS = Moments()  # Enough for 10⁻³ in force; see the documentation
+FEWER_MOMENTS = Moments((6, 6, 5, 4, 3), (4, 4, 3))  # Fewer, to tell the error
 
 
 @dataclass(frozen=True)

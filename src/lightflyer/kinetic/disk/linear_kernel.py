@@ -35,17 +35,13 @@ from lightflyer.kinetic.grid.rays import (
 from lightflyer.kinetic.grid.speed_integrals import LARGEST_DEPTH, NUMBER
 
 FIELDS = 6
-FLUXES = 3
-"""Fluxes of arriving molecules at a face: number, normal momentum, energy."""
-
-WALL_FLUXES = 4
-"""The same and axial momentum, which differs from normal momentum at a side wall."""
+FLUXES = 3  # Fluxes of arriving molecules at a face: number, normal momentum, energy
+WALL_FLUXES = 4  # The same and axial momentum, which differs from normal momentum at a side wall
 
 EMISSIONS = 3
 """Emissions of a wall, by their factor: σ with 1, temperature with c²/θ−2, velocity with c·e_z."""
 
-RIM_EMISSIONS = 2
-"""Emissions of the walls around the gas, which rest: σ and temperature."""
+RIM_EMISSIONS = 2  # Emissions of the walls around the gas, which rest: σ and temperature
 
 DIRECT, ACROSS, REFLECTED = 0, 1, 2
 """Ways by which walls around the gas are seen: in the own half, in the other one past the disk, and

@@ -25,8 +25,7 @@ def forget_stale_kernels(folder: Path = _FOLDER) -> None:
 
 forget_stale_kernels()
 
-kernel: Any = njit(cache=True)
-"""Compile a function, and keep it compiled."""
+kernel: Any = njit(cache=True)  # Compile a function, and keep it compiled
 
 parallel_kernel: Any = njit(cache=True, parallel=True)
 """The same with the iterations of ``prange`` shared among cores."""

@@ -229,8 +229,7 @@ def build_mesh(
     return Mesh(np.array(xi_edges), np.array(kinds), np.array(eta_edges), order, boundary, boundary)
 
 
-_GAP_GROWTH = 1.6
-"""Ratio of the ends of panels on the longest way to a chamber's walls."""
+_GAP_GROWTH = 1.6  # Ratio of the ends of panels on the longest way to a chamber's walls
 
 _WALL_LAYER = 3.0  # largest optical depth of the panels next to a chamber's walls
 _CLOSEST_EDGES = 0.3  # of the smaller neighbour: nearer edges of panels in η are moved together

@@ -16,8 +16,7 @@ LOWEST_POWER = 1
 HIGHEST_POWER = 8
 NUMBER = HIGHEST_POWER - LOWEST_POWER + 1
 
-LARGEST_DEPTH = 60.0
-"""Optical depth beyond which rays end: J₁(60) is 2e-12 of J₁(0)."""
+LARGEST_DEPTH = 60.0  # Optical depth beyond which rays end: J₁(60) is 2e-12 of J₁(0)
 
 _INTERVALS = 2400
 _LOGARITHM_OF_SPEED = np.linspace(-14.0, 2.2, 900)

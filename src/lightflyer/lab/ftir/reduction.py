@@ -43,11 +43,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-BAND = (500.0 * PER_CENTIMETRE, 1300.0 * PER_CENTIMETRE)
-"""Band of the paper, 900 ± 400 cm⁻¹ [1/m]."""
-
-TEMPERATURES = (300.0, 400.0, 441.0, 500.0)
-"""Default temperatures of Planck-weighted means [K]."""
+BAND = (500.0 * PER_CENTIMETRE, 1300.0 * PER_CENTIMETRE)  # Band of the paper, 900 ± 400 cm⁻¹ [1/m]
+TEMPERATURES = (300.0, 400.0, 441.0, 500.0)  # Default temperatures of Planck-weighted means [K]
 
 DEFAULT_ACCURACY = 0.01
 """Standard uncertainty of the ordinate where none is stated [1]: an assumption. Three

@@ -27,14 +27,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SPAN = 0.75
-"""Fraction of a sample's points in each local fit; the default of LOESS."""
-
-BAND_CONFIDENCE = 0.99
-"""Confidence of the band about the curve."""
-
-DRAWS = 2000
-"""Number of simulated measurements."""
+SPAN = 0.75  # Fraction of a sample's points in each local fit; the default of LOESS
+BAND_CONFIDENCE = 0.99  # Confidence of the band about the curve
+DRAWS = 2000  # Number of simulated measurements
 
 LEAST_POINTS, LEAST_PRESSURES = 8, 6
 """Fewest points and pressures of a curve."""

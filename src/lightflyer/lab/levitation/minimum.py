@@ -11,8 +11,7 @@ import numpy as np
 
 from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD
 
-DEGREE = 2
-"""Degree of the local polynomials."""
+DEGREE = 2  # Degree of the local polynomials
 
 _GRID = 300  # places of the curve
 _LEAST_LIGHT = 0.25  # of a step, that a simulated reading is kept above

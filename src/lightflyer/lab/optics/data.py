@@ -38,8 +38,7 @@ DEFAULT_ZERO_ACCURACY = 0.002
 """Standard uncertainty of an ordinate's zero where none is stated [1]: an assumption."""
 
 _WIDEST = 4.0  # bounds of a positive number without any, as a factor either side of its start
-_PORES = 0.9
-"""Largest porosity tried where no bound is given: a film with more is foam."""
+_PORES = 0.9  # Largest porosity tried where no bound is given: a film with more is foam
 
 _SHARES = ("porosity", "porosity_bottom", "fraction", "fraction_bottom", "open_fraction")
 _FIXED = ("density", "tac", "grain", "at", "hole_diameter", "tac_top", "tac_bottom")

@@ -15,8 +15,7 @@ from lightflyer.lab.optics.data import (
 from lightflyer.lab.optics.search import Fit
 from lightflyer.lab.spectrum_noise import point_noise
 
-TIED = 0.95
-"""Correlation above which two numbers are said not to be told apart."""
+TIED = 0.95  # Correlation above which two numbers are said not to be told apart
 
 _FLAT = 0.8  # of the way between the bounds that an interval covers
 _FAR = 3.0  # standard uncertainties, of an instrument's error or a number known beforehand

@@ -34,8 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DRAWS = 200
-"""Number of films drawn for the bands of n and k."""
+DRAWS = 200  # Number of films drawn for the bands of n and k
 
 TEMPERATURE = 441.0
 """Temperature of the emittance that is told [K]: that of the flyers of [Lu2023]_."""

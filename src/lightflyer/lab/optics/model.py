@@ -23,8 +23,7 @@ from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample
 from lightflyer.lab.spectrum_noise import point_noise
 from lightflyer.program.entry_point import entry_point
 
-LEAST_ERROR = 1e-4
-"""Least standard error of a point [1]: no photometer is better."""
+LEAST_ERROR = 1e-4  # Least standard error of a point [1]: no photometer is better
 
 _TOLERANCE = 1e-8
 _FLAT = 1e-2  # least curvature that a direction is taken to have, that of a prior of ten widths

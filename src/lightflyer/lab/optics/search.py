@@ -10,8 +10,7 @@ from lightflyer.core.errors import ConvergenceError
 from lightflyer.lab.estimate import student_factor
 from lightflyer.lab.optics.model import LEAST_ERROR, Problem, Solution
 
-STARTS = 16
-"""Points between the bounds from which minima are looked for."""
+STARTS = 16  # Points between the bounds from which minima are looked for
 
 _ROUNDS = 4  # of the points' errors, each from the residuals before
 _SETTLED = 0.05  # relative change of the errors

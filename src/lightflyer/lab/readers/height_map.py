@@ -10,11 +10,8 @@ from lightflyer.lab.readers.formats import Format, Source, find_format, has_suff
 from lightflyer.lab.readers.height_maps import gwyddion, igor, instruments, text
 from lightflyer.lab.readers.height_maps.channel import Channel, chosen
 
-NANOMETRE = 1e-9
-"""[m]."""
-
-MOST_MISSING = 0.25
-"""Share of pixels without a height above which a map is refused; our choice."""
+NANOMETRE = 1e-9  # [m]
+MOST_MISSING = 0.25  # Share of pixels without a height above which a map is refused; our choice
 
 HEIGHT_MAP_FORMATS = [
     Format("Igor binary wave", has_suffix(".ibw"), igor.read_channels),

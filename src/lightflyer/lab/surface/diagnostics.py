@@ -4,8 +4,7 @@ import numpy as np
 
 from lightflyer.lab.readers.height_map import HeightMap
 
-LARGEST_MASKED = 0.05
-"""Masked fraction of a map above which a warning is issued."""
+LARGEST_MASKED = 0.05  # Masked fraction of a map above which a warning is issued
 
 _MOST_LOST = 0.1  # power lost in levelling, over that left
 _SKEWED = 1.0

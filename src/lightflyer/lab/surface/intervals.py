@@ -14,12 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy import fft
 
-DRAWS = 4000
-"""Draws of an interval."""
+DRAWS = 4000  # Draws of an interval
 
 _MODES = 8  # low cosine modes of the variance of a mean
-SPECTRUM = 64
-"""Cosine modes along each side for the fit of the spectrum."""
+SPECTRUM = 64  # Cosine modes along each side for the fit of the spectrum
 
 _POWER_FITTED = 0.8  # of the map's; the fit is of the lowest modes that hold it
 _FEWEST_FITTED = 24  # modes

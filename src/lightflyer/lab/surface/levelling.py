@@ -5,8 +5,7 @@ from typing import Literal
 import numpy as np
 from scipy import fft, ndimage
 
-Flatten = Literal["none", "rows"]
-"""What is done to the rows of a map before it is levelled."""
+Flatten = Literal["none", "rows"]  # What is done to the rows of a map before it is levelled
 
 
 def level(height: np.ndarray, mask: np.ndarray | None = None, order: int = 2) -> np.ndarray:

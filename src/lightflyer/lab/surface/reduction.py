@@ -43,14 +43,9 @@ __all__ = [
     "to_dataset",
 ]
 
-HEIGHT_ACCURACY = 0.02
-"""Relative standard uncertainty of the microscope's heights; our assumption."""
-
-PARAMETERS = ("rms_height", "mean_absolute_height", "skewness", "kurtosis")
-"""Sq, Sa, Ssk and Sku."""
-
-Mask = Literal["auto", "none"]
-"""Whether particles and holes are masked."""
+HEIGHT_ACCURACY = 0.02  # Relative standard uncertainty of the microscope's heights; our assumption
+PARAMETERS = ("rms_height", "mean_absolute_height", "skewness", "kurtosis")  # Sq, Sa, Ssk and Sku
+Mask = Literal["auto", "none"]  # Whether particles and holes are masked
 
 _PERCENT = 100.0
 _UNITS = ("nm", "nm", "", "")

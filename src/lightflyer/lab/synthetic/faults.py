@@ -6,8 +6,7 @@ import numpy as np
 
 from lightflyer.core.units import scale_and_offset
 
-TORR = scale_and_offset("Torr", "Pa")[0]
-"""[Pa]."""
+TORR = scale_and_offset("Torr", "Pa")[0]  # [Pa]
 
 
 def label(name: str, truth: str) -> list[str]:

@@ -23,8 +23,7 @@ class TacTruth(NamedTuple):
     offset: float = 4.09
 
 
-PLATINUM = TacTruth()
-"""Fit of the paper to platinum."""
+PLATINUM = TacTruth()  # Fit of the paper to platinum
 
 _AMBIENT, _HEATER = 295.0, 323.0  # [K]
 _PRESSURES = (1e-4, 200.0)  # [Pa]

@@ -14,8 +14,7 @@ REFLECTANCE, TRANSMITTANCE = 0.12, 0.80
 """Properties of the synthetic film in the infrared; its emissivity is 0.08."""
 VISIBLE_REFLECTANCE, VISIBLE_TRANSMITTANCE = 0.15, 0.10
 """Properties of the synthetic film in the visible; its absorptivity is 0.75."""
-BAND = (7.5e-6, 14e-6)
-"""Wavelengths that the synthetic camera sees [m]."""
+BAND = (7.5e-6, 14e-6)  # Wavelengths that the synthetic camera sees [m]
 
 _HOTPLATE, _AMBIENT, _ZERO = 423.15, 295.15, 273.15  # [K]
 _NOISE = 0.2  # of one reading [K]

@@ -12,8 +12,7 @@ from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.tac.data import TacRun
 from lightflyer.lab.tac.problem import PARAMETERS, Problem, first_guess
 
-POSSIBLE_TAC = 1.0
-"""Largest accommodation coefficient of any surface."""
+POSSIBLE_TAC = 1.0  # Largest accommodation coefficient of any surface
 
 MOST_TAC = 2.0
 """Largest coefficient that a measurement may give by its systematic errors; [Lu2023]_ has 1.14."""
@@ -28,8 +27,7 @@ MOST_RELATIVE_UNCERTAINTY = 0.25
 AREA_RATIOS = (0.1, 10.0)
 """Possible ratios of effective to nominal area: films cover a heater and not much else."""
 
-LIKELY_AREA_RATIOS = (0.5, 2.0)
-"""Ratios that need no explanation; [Lu2023]_ has 1.22."""
+LIKELY_AREA_RATIOS = (0.5, 2.0)  # Ratios that need no explanation; [Lu2023]_ has 1.22
 
 BOUNDS = {"tac": (0.0, MOST_TAC), "area_ratio": AREA_RATIOS, "offset": (0.0, math.inf)}
 """What is possible for each parameter; intervals end there."""
@@ -37,8 +35,7 @@ BOUNDS = {"tac": (0.0, MOST_TAC), "area_ratio": AREA_RATIOS, "offset": (0.0, mat
 HEATER_TEMPERATURES = (80.0, 1500.0)
 """Possible temperatures of a heater [K], from where air is liquid to where heaters melt."""
 
-GAS_TEMPERATURES = (80.0, 450.0)
-"""Possible temperatures of the gas in a vacuum chamber [K]."""
+GAS_TEMPERATURES = (80.0, 450.0)  # Possible temperatures of the gas in a vacuum chamber [K]
 
 _SPANS = (0.1, 10.0)  # over the pressure at which both limits are equal: these determine α
 _LEAST_DEVIATION = 0.03  # relative; nearer to the curve no row is called off it

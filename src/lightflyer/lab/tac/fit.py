@@ -59,17 +59,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-LU2023_HEATER_DIAMETER = 24e-3
-"""Diameter of the paper's heater [m]; [Lu2023]_ supplement."""
-
-HEATERS = {"lu2023": LU2023_HEATER_DIAMETER}
-"""Diameters of named heaters [m]."""
-
-CORRELATED = 0.5
-"""Correlation of neighbouring residuals above which intervals are too narrow."""
-
-NOISELESS = 1e-6
-"""Relative scatter of rows that a model computed; what is left of them is rounding."""
+LU2023_HEATER_DIAMETER = 24e-3  # Diameter of the paper's heater [m]; [Lu2023]_ supplement
+HEATERS = {"lu2023": LU2023_HEATER_DIAMETER}  # Diameters of named heaters [m]
+CORRELATED = 0.5  # Correlation of neighbouring residuals above which intervals are too narrow
+NOISELESS = 1e-6  # Relative scatter of rows that a model computed; what is left of them is rounding
 
 _LEAST_ROWS = 6
 _WEIGHTINGS = 2

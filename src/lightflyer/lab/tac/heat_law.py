@@ -17,8 +17,7 @@ from lightflyer.force.lu2023 import READINGS, Reading, heat_conductances
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.program.entry_point import elementwise_entry_point
 
-KINETIC = "kinetic"
-"""Name of the reading by the kinetic equation."""
+KINETIC = "kinetic"  # Name of the reading by the kinetic equation
 
 _STEP = 1e-3  # relative step of the pressure for a derivative
 _LEAST_LENGTH = 64  # of arrays that are compiled for
@@ -243,8 +242,7 @@ def nominal_area(diameter: Numeric) -> Numeric:
     return 0.25 * np.pi * diameter**2
 
 
-KINETIC_LAW = KineticLaw()
-"""The kinetic equation in open space."""
+KINETIC_LAW = KineticLaw()  # The kinetic equation in open space
 
 HEAT_LAWS: dict[str, AbstractHeatLaw] = {
     KINETIC: KINETIC_LAW,

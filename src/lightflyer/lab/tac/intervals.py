@@ -15,8 +15,7 @@ from lightflyer.lab.estimate import Estimate, student_factor
 from lightflyer.lab.tac.problem import PARAMETERS, Problem, minimise
 from lightflyer.lab.tac.profile import profile_interval
 
-POSITIVE = ("tac", "area_ratio")
-"""Parameters whose logarithms have the more nearly normal errors."""
+POSITIVE = ("tac", "area_ratio")  # Parameters whose logarithms have the more nearly normal errors
 
 LAW_ERROR = 5e-4
 """Relative standard error of the law's shape within a decade of pressure [1]. An assumption: more

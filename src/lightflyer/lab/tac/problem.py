@@ -12,8 +12,7 @@ from lightflyer.core.extras import extra
 from lightflyer.lab.tac.accuracy import CommonErrors
 from lightflyer.lab.tac.heat_law import Limits, mean_of_groups
 
-PARAMETERS = ("tac", "area_ratio", "offset")
-"""Fitted parameters: α, δ and C."""
+PARAMETERS = ("tac", "area_ratio", "offset")  # Fitted parameters: α, δ and C
 
 TAC_BOUNDS = (1e-6, 20.0)
 """Bounds of the fit; wider than possible, so that what is impossible shows."""

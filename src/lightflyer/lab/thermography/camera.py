@@ -26,8 +26,7 @@ from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.film.optics.spectra import SECOND_RADIATION_CONSTANT, planck
 
-MICROMETRE = 1e-6
-"""[m]."""
+MICROMETRE = 1e-6  # [m]
 
 WAVELENGTHS = (0.7 * MICROMETRE, 1000.0 * MICROMETRE)
 """Wavelengths that the band of a thermal camera may have: infrared [m]."""

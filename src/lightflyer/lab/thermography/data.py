@@ -26,11 +26,8 @@ whichever is larger; [ThermalVision]_."""
 METER_LIMIT = 0.02
 """Largest error of linearity of a light meter of class B, over the reading [1]; [DIN5032]_."""
 
-BLACK = Measured(1.0, 0.0)
-"""Emissivity of a black body [1]."""
-
-ZERO_CELSIUS = 273.15
-"""[K]."""
+BLACK = Measured(1.0, 0.0)  # Emissivity of a black body [1]
+ZERO_CELSIUS = 273.15  # [K]
 
 _PERCENT = 100.0
 _CLEAR = 5.0  # standard uncertainties by which the source must exceed the background

@@ -36,8 +36,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-DRAWS = 100_000
-"""Number of Monte Carlo draws."""
+DRAWS = 100_000  # Number of Monte Carlo draws
 
 PROPERTIES = ("reflectance", "transmittance", "emissivity")
 """Properties that the readings determine."""

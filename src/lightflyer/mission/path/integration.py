@@ -20,14 +20,12 @@ from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.path.termination import TerminationReason
 
-ALTITUDE_SCALE = 100e3
-"""Altitude that counts as much as one radian along the ground [m]."""
+ALTITUDE_SCALE = 100e3  # Altitude that counts as much as one radian along the ground [m]
 
 TOLERANCE = 1e-8
 """Error of a step, of the position in radians and of the altitude in :data:`ALTITUDE_SCALE`."""
 
-LONGEST_STEP = 1800.0
-"""Longest step [s]: a short day must not lie between two looks."""
+LONGEST_STEP = 1800.0  # Longest step [s]: a short day must not lie between two looks
 
 _FIRST_STEP = 10.0  # seconds
 _SHORTEST_STEP = 1e-3  # seconds: below, there is something that cannot be integrated

@@ -52,8 +52,7 @@ VARIABLES = {
 }
 """Results over time beside altitude and place; SI units, angles in degrees."""
 
-NODE = "temperature_{}"
-"""Name of the temperature of one part of a flyer of several."""
+NODE = "temperature_{}"  # Name of the temperature of one part of a flyer of several
 
 _DEGREES = 180.0 / np.pi
 

@@ -33,8 +33,7 @@ from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.wind_error import WindError
 from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
 
-_SLOW = 1e-3
-"""Speed at which drag is taken to be proportional to it, for the first guess [m/s]."""
+_SLOW = 1e-3  # Speed at which drag is taken to be proportional to it, for the first guess [m/s]
 
 _SLOWEST, _FASTEST = 1e-4, 10.0
 """Bracket of the speed, over that of a drag proportional to it [1]."""

@@ -14,8 +14,7 @@ from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.mission.path.position import directions
 
-_WAVES = 6
-"""Frequencies of one flight."""
+_WAVES = 6  # Frequencies of one flight
 
 
 class WindError(eqx.Module):

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
 _places_of = entry_point(latitude_and_longitude)
 
-ELAPSED = "elapsed"
-"""Dimension of time."""
+ELAPSED = "elapsed"  # Dimension of time
 
 TRACK = {
     "altitude": Variable("m", "geometric altitude"),

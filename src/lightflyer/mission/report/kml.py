@@ -10,8 +10,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _KML, _EXTENSION = "http://www.opengis.net/kml/2.2", "http://www.google.com/kml/ext/2.2"
-_MOST_MEMBERS = 200
-"""Members of an ensemble that are drawn: a globe does not bear more lines."""
+_MOST_MEMBERS = 200  # Members of an ensemble that are drawn: a globe does not bear more lines
 
 
 def write_kml(dataset: "xr.Dataset", path: Path) -> None:

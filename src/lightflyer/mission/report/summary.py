@@ -15,11 +15,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _unit_vector = entry_point(unit_vector)
-_HALF = 0.5
-"""Share of the strongest light above which it counts as day."""
-
-_INTERVAL = (2.5, 50.0, 97.5)
-"""Percentiles of a 95 % interval and its median."""
+_HALF = 0.5  # Share of the strongest light above which it counts as day
+_INTERVAL = (2.5, 50.0, 97.5)  # Percentiles of a 95 % interval and its median
 
 SECONDS_AN_HOUR = 3600.0
 

@@ -44,8 +44,7 @@ if TYPE_CHECKING:
 MEMBERS = 8 * BATCH - 1
 """Members that are flown and counted together; with them goes the flyer as it is stated."""
 
-CONFIDENCE = 0.95
-"""Of the intervals of shares."""
+CONFIDENCE = 0.95  # Of the intervals of shares
 
 _unit_vector = entry_point(unit_vector)
 _EVERY = 3600.0  # seconds between counts where nobody asks for a spacing

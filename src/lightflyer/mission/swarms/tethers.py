@@ -34,8 +34,7 @@ from lightflyer.force.base import AbstractForceModel
 CLOSE = 3.0
 """Distance of neighbours, over their diameter, below which a warning says that they are close."""
 
-MOST = 1_000_000
-"""Flyers of one swarm at most."""
+MOST = 1_000_000  # Flyers of one swarm at most
 
 _ALTITUDE_STEP = 250.0  # metres, of the search for the best altitude
 _STEEPNESS = 2.0  # depth of the payload over the layer's radius, where none is given

@@ -18,8 +18,7 @@ from lightflyer.lab.readers.spectra.names import (
 from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumMetadata
 
 # wider than zero to one for noise, and for detectors that are not quite linear
-SHARE = Quantity("", -0.2, 1.5)
-"""Transmittance and reflectance that a file may hold."""
+SHARE = Quantity("", -0.2, 1.5)  # Transmittance and reflectance that a file may hold
 
 _PERCENT = 100.0
 _EMPTY = 1e-30  # of an ordinate: JASCO marks points without a value by ∓1.2e-38

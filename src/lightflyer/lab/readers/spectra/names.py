@@ -3,8 +3,7 @@
 import re
 from typing import NamedTuple
 
-PER_CENTIMETRE = 100.0
-"""One reciprocal centimetre [1/m]."""
+PER_CENTIMETRE = 100.0  # One reciprocal centimetre [1/m]
 
 _WAVENUMBERS = {
     "1/cm", "/cm", "cm-1", "cm^-1", "cm**-1", "cm⁻¹", "wavenumber", "wavenumbers",

@@ -8,14 +8,12 @@ import numpy as np
 from lightflyer.files.table import Rejected
 from lightflyer.lab.readers.formats import one_line
 
-Ordinate = Literal["transmittance", "reflectance"]
-"""Quantity that a spectrum shows."""
+Ordinate = Literal["transmittance", "reflectance"]  # Quantity that a spectrum shows
 
 Collection = Literal["specular", "diffuse", "total"]
 """Light that was collected: the specular beam, what is scattered around it, or both."""
 
-MOST_POINTS = 20_000_000
-"""Points of a spectrum beyond which a file is taken as damaged."""
+MOST_POINTS = 20_000_000  # Points of a spectrum beyond which a file is taken as damaged
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ SETUP = lf.Setup(lf.Disk(FILM, 0.01), lf.Chamber(), lf.Lu2023())
 STYLES = (None, "column")
 # single numbers, what was given, and a part of another result
 NOT_DRAWN = {
-    *("Estimate", "Hanging", "Readings", "Swarm", "TacAccuracy", "Compared"),
+    *("Drift", "Estimate", "Hanging", "Readings", "Swarm", "TacAccuracy", "Compared"),
     *("AsMade", "RankedStack", "Ranking"),  # parts of an Optimum
 }
 

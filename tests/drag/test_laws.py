@@ -13,6 +13,7 @@ import lightflyer as lf
 from lightflyer.drag import free_molecular
 from lightflyer.drag.disk import _EDGEWISE_SHARE, EDGEWISE
 from lightflyer.drag.disk_table import dense_share
+from lightflyer.drag.inertia import disk_inertia, sphere_inertia
 from lightflyer.drag.similarity import molecular_speed
 from lightflyer.gas import AIR
 
@@ -130,9 +131,9 @@ def test_inertia_of_a_disk_in_its_ranges_and_limits():
     low, middle = np.array([0.05, 0.3, 0.9]), np.array([3.0, 20.0, 80.0])
     with lf.float64():
         places = np.concatenate([[0.0, 1e-4], low, middle, [400.0]])
-        found = np.asarray(lf.drag.disk_inertia(places))
+        found = np.asarray(disk_inertia(places))
         places = np.array([0.0, 1.499, 1.501, 132.9, 133.1])
-        slopes = np.asarray(jax.vmap(jax.grad(lf.drag.disk_inertia))(places))
+        slopes = np.asarray(jax.vmap(jax.grad(disk_inertia))(places))
     assert found[0] == 1.0
     assert found[1] - 1.0 == pytest.approx(1e-4 / (2.0 * np.pi), rel=1e-9)  # Oseen
     decimal = np.log10(low)
@@ -149,7 +150,7 @@ def test_inertia_of_a_disk_in_its_ranges_and_limits():
 def test_inertia_of_a_sphere_follows_the_standard_drag_curve():
     """Drag coefficients of the standard curve at Re 1, 100 and 1000."""
     reynolds, standard = np.array([1.0, 100.0, 1000.0]), np.array([27.1, 1.09, 0.47])
-    found = 24.0 / reynolds * lf.drag.sphere_inertia(reynolds)
+    found = 24.0 / reynolds * sphere_inertia(reynolds)
     np.testing.assert_allclose(found, standard, rtol=0.05)
 
 

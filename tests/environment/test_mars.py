@@ -10,6 +10,7 @@ import lightflyer as lf
 from lightflyer.environment import Dust, MarsAtmosphere, Place, mars_sunlight
 from lightflyer.environment.light.dust import air_mass, dusty_light, two_stream_transmittance
 from lightflyer.environment.light.mars_sun import distance_in_season, zenith_angle_in_season
+from lightflyer.environment.mars import season_irradiance
 from lightflyer.files.table import shipped_table
 
 ASTRONOMICAL_UNIT = 149_597_870_700.0
@@ -127,7 +128,7 @@ def test_sunlight_through_the_year():
         pytest.approx(713.0, abs=1.0),
     )
     season = np.asarray(lf.environment.solar_longitude(time))
-    np.testing.assert_allclose(lf.environment.season_irradiance(season), light, rtol=1e-3)
+    np.testing.assert_allclose(season_irradiance(season), light, rtol=1e-3)
     mean, _ = quad(lambda days: np.interp(days, np.arange(690.0), light), 0.0, 686.98, limit=400)
     assert mars_sunlight().irradiance == pytest.approx(mean / 686.98, rel=1e-4)
 

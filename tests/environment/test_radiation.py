@@ -6,7 +6,8 @@ import pytest
 from scipy import integrate
 
 import lightflyer as lf
-from lightflyer.environment import Attitude, Radiation, ground_view_factor, sunlight
+from lightflyer.environment import Attitude, Radiation, sunlight
+from lightflyer.environment.view_factor import ground_view_factor, sphere_view_factor
 
 
 def sampled_view(tilt, straight_down, rays):
@@ -356,9 +357,9 @@ def test_a_sphere_receives_the_mean_over_all_faces(view):
 def test_view_factor_of_a_sphere():
     """A quarter of the solid angle where the planet fills a cone of 60 degrees to its axis."""
     with lf.float64():
-        assert lf.environment.sphere_view_factor(0.75) == pytest.approx(0.25, rel=1e-14)
-        assert lf.environment.sphere_view_factor(1.0) == 0.5
-        assert lf.environment.sphere_view_factor(0.0) == 0.0
+        assert sphere_view_factor(0.75) == pytest.approx(0.25, rel=1e-14)
+        assert sphere_view_factor(1.0) == 0.5
+        assert sphere_view_factor(0.0) == 0.0
     # every direction counts once: sphere and planet alike lose nothing
     radiation = lf.environment.Radiation(1.0, infrared_above=300.0, infrared_below=300.0)
     with lf.float64():

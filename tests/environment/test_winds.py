@@ -14,8 +14,8 @@ from lightflyer.environment import (
     Place,
     SumOfWinds,
     UniformWind,
-    balanced_rotation,
 )
+from lightflyer.environment.wind.gradient import balanced_rotation
 
 ROTATION = 7.292115e-5
 NOON = np.datetime64("2000-01-01T12:00:00")

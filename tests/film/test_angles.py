@@ -17,10 +17,10 @@ from lightflyer.film import (
     absorptance,
     am0,
     emittance,
-    heat_by_angle,
     light_by_angle,
     tabulated_material,
 )
+from lightflyer.film.optics.angles import heat_by_angle
 from lightflyer.film.report.angle_figures import angle_figures
 from lightflyer.film.report.angle_tables import write_csv, write_spectral_csv
 

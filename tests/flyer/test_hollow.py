@@ -6,6 +6,7 @@ import pytest
 from scipy.integrate import quad
 
 import lightflyer as lf
+from lightflyer.environment.view_factor import ground_view_factor
 
 SIGMA = 5.670374419e-8
 SIZE, OUTLET = 0.1, 0.02
@@ -174,13 +175,13 @@ def test_light_of_sky_and_ground_by_elements_of_the_wall(films, form, tilt):
     attitude = lf.environment.Attitude(tilt) if tilt else None
     body = make(films, form, attitude=attitude)
     for view, within in ((1.0, 2e-4), (0.994, 3e-4), (0.975, 3e-4), (0.3, 5e-3)):
-        seen = np.mean(lf.environment.ground_view_factor(np.arccos(-cosine), view), axis=1)
+        seen = np.mean(ground_view_factor(np.arccos(-cosine), view), axis=1)
         expected = 3.0 * np.sum(areas * (1.0 - seen)) + 2.0 * np.sum(areas * seen)
         radiation = lf.environment.Radiation(ground_view=view)
         with lf.float64():
             views = body._views_of_ground(radiation)
             wall, outlet = body._fallen(lf.environment.radiation.Exitances(3.0, 2.0), *views)
-            flat = float(lf.environment.ground_view_factor(tilt, view))
+            flat = float(ground_view_factor(tilt, view))
         assert float(wall) == pytest.approx(expected, rel=within)
         assert float(outlet) == pytest.approx(np.pi * OUTLET**2 * (3.0 - flat), rel=1e-12)
 

@@ -11,6 +11,11 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.environment.horizon import facing_share, lit_ground
+from lightflyer.environment.mars import season_irradiance
+from lightflyer.environment.view_factor import ground_view_factor
+from lightflyer.environment.wind.gradient import balanced_rotation
+from lightflyer.film.media.dispersion import drude, lorentz, tauc_lorentz
 from lightflyer.program.entry_point import is_entry_point
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
@@ -54,13 +59,13 @@ CASES = {
     "flight.levitate": lambda x: lf.levitate(disk(x), STATE, lf.Lu2023()).irradiance,
     "flight.sinking_speed": lambda x: lf.flight.sinking_speed(disk(x), STATE),
     "flight.levitation_band": lambda x: lf.levitation_band(disk(x), lf.Earth(), lf.Lu2023()).upper,
-    "environment.season_irradiance": lambda x: lf.environment.season_irradiance(1.2 * x),
+    "environment.season_irradiance": lambda x: season_irradiance(1.2 * x),
     "environment.solar_longitude": lambda x: lf.environment.solar_longitude(2e8 * x),
     "environment.sun_from_mars": lambda x: lf.environment.sun_from_mars(1e4 * x).direction[0],
-    "environment.ground_view_factor": lambda x: lf.environment.ground_view_factor(1.5 * x, 0.97),
+    "environment.ground_view_factor": lambda x: ground_view_factor(1.5 * x, 0.97),
     "environment.visible_share": lambda x: lf.environment.visible_share(0.002 * x, 0.0047),
-    "environment.facing_share": lambda x: lf.environment.facing_share(0.002 * x, 0.0047),
-    "environment.lit_ground": lambda x: lf.environment.lit_ground(1.55 * x, 0.978),
+    "environment.facing_share": lambda x: facing_share(0.002 * x, 0.0047),
+    "environment.lit_ground": lambda x: lit_ground(1.55 * x, 0.978),
     "environment.horizon_depression": lambda x: lf.environment.horizon_depression(
         lf.environment.EARTH_LIMB, 75e3 * x, 6.371e6
     ),
@@ -68,9 +73,7 @@ CASES = {
     "environment.sun_in_sky": lambda x: (
         lf.environment.sun_in_sky(lf.environment.sun_from_earth(1e4), 0.7 * x, 0.2).zenith_angle
     ),
-    "environment.balanced_rotation": lambda x: lf.environment.balanced_rotation(
-        1e-9 * x, 0.7, 7.3e-5
-    ),
+    "environment.balanced_rotation": lambda x: balanced_rotation(1e-9 * x, 0.7, 7.3e-5),
     "film.stack_optics": lambda x: lf.film.stack_optics(
         np.array([3.5]), np.array([0.1]), x * np.array([5e-8]), 5e-7
     ).transmittance[0],
@@ -117,11 +120,11 @@ for name, atmosphere in ATMOSPHERES.items():
             )(73e3 * x)  # between the knots of every table
 
 _EV = 1.602176634e-19
-CASES["film.tauc_lorentz"] = lambda x: lf.film.tauc_lorentz(
+CASES["film.tauc_lorentz"] = lambda x: tauc_lorentz(
     2.2 * _EV, 122.0 * _EV, 3.45 * x * _EV, 2.54 * _EV, 1.2 * _EV
 )[0]
-CASES["film.lorentz"] = lambda x: lf.film.lorentz(1.8 * _EV, 1.5, 2.0 * x * _EV, 0.3 * _EV)[1]
-CASES["film.drude"] = lambda x: lf.film.drude(0.2 * x * _EV, 9.0 * _EV, 0.1 * _EV)[1]
+CASES["film.lorentz"] = lambda x: lorentz(1.8 * _EV, 1.5, 2.0 * x * _EV, 0.3 * _EV)[1]
+CASES["film.drude"] = lambda x: drude(0.2 * x * _EV, 9.0 * _EV, 0.1 * _EV)[1]
 for name in ("bruggeman", "maxwell_garnett", "parallel", "series"):
     CASES[f"film.{name}"] = lambda x, name=name: getattr(lf.film, name)(
         np.array([1.0, 2.5]) * x, np.array([0.1, 0.3]), np.array([0.4, 0.6])

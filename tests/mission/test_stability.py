@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.config.designs import as_design
+from lightflyer.drag.turning import turning_disk_torque
 from lightflyer.mission.path.stability import _Body, longest_rod, modes_of
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
@@ -172,7 +173,7 @@ def test_a_turning_disk_in_dense_gas_is_a_spheroid_of_jeffery_without_thickness(
     )  # fmt: skip
     pressure, temperature, gas = 1e5, 300.0, lf.gas.AIR
     size = 100.0
-    found = lf.drag.turning_disk_torque(1.0, size, pressure, temperature, gas)
+    found = turning_disk_torque(1.0, size, pressure, temperature, gas)
     assert found == pytest.approx(torque * gas.viscosity(temperature) * size**3, rel=1e-4)
 
 
@@ -187,7 +188,7 @@ def test_a_turning_disk_in_thin_gas_meets_the_drag_of_its_parts():
         return strip * drag * distance
 
     expected = 2.0 * quad(ring, 0.0, radius, epsabs=0.0)[0]
-    found = lf.drag.turning_disk_torque(1.0, radius, pressure, temperature, gas)
+    found = turning_disk_torque(1.0, radius, pressure, temperature, gas)
     assert found / expected == pytest.approx(1.0, rel=1e-5)
 
 

@@ -3,7 +3,3 @@ from .convex import convex_drag as convex_drag
 from .convex import sphere_outline as sphere_outline
 from .disk import disk_drag as disk_drag
 from .disk import edgewise_disk_drag as edgewise_disk_drag
-from .inertia import disk_inertia as disk_inertia
-from .inertia import edgewise_inertia as edgewise_inertia
-from .inertia import sphere_inertia as sphere_inertia
-from .turning import turning_disk_torque as turning_disk_torque

@@ -50,30 +50,7 @@ SPHERE_REYNOLDS = Validity(
 
 @entry_point
 def disk_inertia(reynolds: Numeric) -> Array:
-    r"""Drag of a thin disk, broadside, over that of slow flow.
-
-    Oseen's :math:`1 + \mathrm{Re}/2\pi` up to Re = 0.01, then
-
-    .. math::
-        1 + 10^{-0.883 + 0.906\lg\mathrm{Re} - 0.025(\lg\mathrm{Re})^2}, \quad
-        1 + 0.138\,\mathrm{Re}^{0.792} \ (\mathrm{Re} > 1.5), \quad
-        C_D = 1.17 \ (\mathrm{Re} > 133)
-
-    joined with a continuous slope.
-
-    Parameters
-    ----------
-    reynolds : array, shape (...)
-        :math:`\rho U d/\mu`, zero or positive [1].
-
-    Returns
-    -------
-    array, shape (...)
-        [1].
-
-    References
-    ----------
-    [Clift1978]_ ch. 6; [HappelBrenner1983]_ ch. 7-6 for Oseen's term.
+    r"""Drag of a thin disk, broadside, over that of slow flow [1].
 
     Examples
     --------
@@ -83,6 +60,16 @@ def disk_inertia(reynolds: Numeric) -> Array:
     1.1309
     6.2627
     """
+    # Oseen's :math:`1 + \mathrm{Re}/2\pi` up to Re = 0.01, then
+    #
+    # .. math::
+    #     1 + 10^{-0.883 + 0.906\lg\mathrm{Re} - 0.025(\lg\mathrm{Re})^2}, \quad
+    #     1 + 0.138\,\mathrm{Re}^{0.792} \ (\mathrm{Re} > 1.5), \quad
+    #     C_D = 1.17 \ (\mathrm{Re} > 133)
+    #
+    # joined with a continuous slope.
+    #
+    # Source: [Clift1978]_ ch. 6; [HappelBrenner1983]_ ch. 7-6 for Oseen's term.
     given = jnp.asarray(reynolds)
     reynolds, moving = _positive(given)
     position = jnp.log(reynolds)
@@ -102,26 +89,7 @@ def disk_inertia(reynolds: Numeric) -> Array:
 
 @entry_point
 def edgewise_inertia(reynolds: Numeric) -> Array:
-    r"""Drag of a thin disk that moves in its own plane over that of slow flow.
-
-    .. math:: 1 + \frac{a\,\mathrm{Re}}{1 + (a/c)\sqrt{\mathrm{Re}}}
-
-    Oseen's :math:`a = 1/3\pi` at small Re, and the laminar boundary layers of both faces, strip by
-    strip, :math:`c\sqrt{\mathrm{Re}}` at large Re.
-
-    Parameters
-    ----------
-    reynolds : array, shape (...)
-        :math:`\rho U d/\mu`, zero or positive [1].
-
-    Returns
-    -------
-    array, shape (...)
-        [1]; between the limits an estimate.
-
-    References
-    ----------
-    [HappelBrenner1983]_ ch. 7-6; [Schlichting2017]_ ch. 6 for the boundary layer.
+    r"""Drag of a thin disk that moves in its own plane over that of slow flow [1].
 
     Examples
     --------
@@ -131,6 +99,12 @@ def edgewise_inertia(reynolds: Numeric) -> Array:
     1.0713
     2.8059
     """
+    # .. math:: 1 + \frac{a\,\mathrm{Re}}{1 + (a/c)\sqrt{\mathrm{Re}}}
+    #
+    # Oseen's :math:`a = 1/3\pi` at small Re, and the laminar boundary layers of both faces, strip
+    # by strip, :math:`c\sqrt{\mathrm{Re}}` at large Re.
+    #
+    # Source: [HappelBrenner1983]_ ch. 7-6; [Schlichting2017]_ ch. 6 for the boundary layer.
     given = jnp.asarray(reynolds)
     reynolds, moving = _positive(given)
     slow = 1.0 + _OSEEN_EDGEWISE / _LAYERS * jnp.sqrt(reynolds)
@@ -139,25 +113,7 @@ def edgewise_inertia(reynolds: Numeric) -> Array:
 
 @entry_point
 def sphere_inertia(reynolds: Numeric) -> Array:
-    r"""Drag of a sphere over that of slow flow.
-
-    .. math::
-        1 + 0.15\,\mathrm{Re}^{0.687}
-        + \frac{0.0175\,\mathrm{Re}}{1 + 42500\,\mathrm{Re}^{-1.16}}
-
-    Parameters
-    ----------
-    reynolds : array, shape (...)
-        :math:`\rho U d/\mu`, zero or positive [1].
-
-    Returns
-    -------
-    array, shape (...)
-        [1]; within 6 % of measurements up to Re = 3e5.
-
-    References
-    ----------
-    [Clift1978]_ ch. 5
+    r"""Drag of a sphere over that of slow flow [1]; within 6 % of measurements up to Re = 3e5.
 
     Examples
     --------
@@ -167,6 +123,11 @@ def sphere_inertia(reynolds: Numeric) -> Array:
     27.600
     0.492
     """
+    # .. math::
+    #     1 + 0.15\,\mathrm{Re}^{0.687}
+    #     + \frac{0.0175\,\mathrm{Re}}{1 + 42500\,\mathrm{Re}^{-1.16}}
+    #
+    # Source: [Clift1978]_ ch. 5.
     reynolds, moving = _positive(reynolds)
     factor, exponent = _SPHERE_LOW
     high, scale, power = _SPHERE_HIGH

@@ -39,33 +39,7 @@ def turning_disk_torque(
     excess: tuple[Numeric, Numeric] = (0.0, 0.0),
     transmission: Numeric = 0.0,
 ) -> Array:
-    r"""Torque on a thin disk that turns slowly about a diameter.
-
-    Parameters
-    ----------
-    rate : array, shape (...)
-        Angular velocity, of either sign [rad/s].
-    radius : array, shape (...)
-        [m].
-    pressure, temperature : array, shape (...)
-        Of the gas far away [Pa], [K].
-    gas : AbstractGas
-    tac : tuple of array, shape (...)
-        Accommodation coefficients of both faces [1].
-    excess : tuple of array, shape (...)
-        Relative temperature excesses of both faces [1].
-    transmission : array, shape (...)
-        Share of the arriving molecules that pass holes [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        Torque against the motion, of the sign of the rate [N m].
-
-    Notes
-    -----
-    For :math:`\omega r` well below the speed of sound, and Reynolds numbers below 1. Both limits
-    are exact. The warmth of the disk counts in thin gas only. Differentiable.
+    r"""Torque on a thin disk that turns slowly about a diameter [N m]; ``rate`` [rad/s].
 
     Examples
     --------
@@ -73,6 +47,8 @@ def turning_disk_torque(
     >>> print(f"{turning_disk_torque(1.0, 0.01, 5.2, 220.0, AIR) * 1e12:.1f} pN m")
     115.5 pN m
     """
+    # For :math:`\omega r` well below the speed of sound, and Reynolds numbers below 1. Both limits
+    # are exact. The warmth of the disk counts in thin gas only. Differentiable.
     speed = molecular_speed(temperature, gas)
     mean_tac, root_ratio = face_means(tac, excess)
     thin = (1.0 - transmission) * free_molecular.broadside_disk(0.0, mean_tac, root_ratio)

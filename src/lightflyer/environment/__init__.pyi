@@ -16,9 +16,7 @@ from .earth import Earth as Earth
 from .earth import lu2023_earth as lu2023_earth
 from .horizon import EARTH_LIMB as EARTH_LIMB
 from .horizon import Limb as Limb
-from .horizon import facing_share as facing_share
 from .horizon import horizon_depression as horizon_depression
-from .horizon import lit_ground as lit_ground
 from .horizon import visible_share as visible_share
 from .light.dust import Dust as Dust
 from .light.ground import AbstractGround as AbstractGround
@@ -42,7 +40,6 @@ from .mars import MARS_SKY as MARS_SKY
 from .mars import Mars as Mars
 from .mars import air_of_mars as air_of_mars
 from .mars import mars_sunlight as mars_sunlight
-from .mars import season_irradiance as season_irradiance
 from .planet import EARTH_PLANET as EARTH_PLANET
 from .planet import MARS_PLANET as MARS_PLANET
 from .planet import Planet as Planet
@@ -52,11 +49,8 @@ from .radiation import Attitude as Attitude
 from .radiation import Radiation as Radiation
 from .radiation import sunlight as sunlight
 from .section import EnvironmentSection as EnvironmentSection
-from .view_factor import ground_view_factor as ground_view_factor
-from .view_factor import sphere_view_factor as sphere_view_factor
 from .wind.base import AbstractWind as AbstractWind
 from .wind.gradient import GradientWind as GradientWind
-from .wind.gradient import balanced_rotation as balanced_rotation
 from .wind.gridded import GriddedWind as GriddedWind
 from .wind.hwm14 import HWM14 as HWM14
 from .wind.uniform import SumOfWinds as SumOfWinds

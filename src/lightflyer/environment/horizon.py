@@ -88,28 +88,12 @@ def visible_share(elevation: Numeric, angular_radius: Numeric) -> Array:
 
 @entry_point
 def facing_share(cosine: Numeric, angular_radius: Numeric) -> Array:
-    r"""Irradiance of a face in the light of a small disk, per irradiance of one that faces it.
-
-    The mean of :math:`\max(\cos\theta, 0)` over the disk: the cosine of its centre's incidence as
-    long as all of it is in front of the face, and a smooth passage to zero.
-
-    Parameters
-    ----------
-    cosine : array, shape (...)
-        Of the angle between the face's normal and the disk's centre [1].
-    angular_radius : array, shape (...)
-        Of the disk, small against one [rad].
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-
-    Notes
-    -----
-    The disk is flat and evenly bright: off by the square of its angular radius. Twice
-    continuously differentiable.
-    """
+    r"""Irradiance of a face in the light of a small disk, per irradiance of one that faces it."""
+    # The mean of :math:`\max(\cos\theta, 0)` over the disk: the cosine of its centre's incidence as
+    # long as all of it is in front of the face, and a smooth passage to zero.
+    #
+    # The disk is flat and evenly bright: off by the square of its angular radius. Twice
+    # continuously differentiable.
     return _mean_above(cosine / angular_radius) * angular_radius
 
 
@@ -219,33 +203,17 @@ def _lit_angle(constant: Array, amplitude: Array) -> Array:
 
 @entry_point
 def lit_ground(zenith_angle: Numeric, ground_view: Numeric) -> Array:
-    r"""Mean cosine of the sun's incidence on the ground below a flyer.
-
-    Weighted as a level face sees the ground: with the angle :math:`\psi` of a ring of ground from
-    the flyer's nadir, seen from the planet's centre,
-
-    .. math:: \int_0^1\left\langle\max(\cos z\cos\psi+\sin z\sin\psi\cos\phi,\,0)\right\rangle_\phi
-        \,2t\,\mathrm dt,
-        \qquad \psi = \arccos t - \arcsin\left(\sin\gamma\sqrt{1-t^2}\right)
-
-    Parameters
-    ----------
-    zenith_angle : array, shape (...)
-        z, of the sun at the flyer [rad], 0 to π.
-    ground_view : array, shape (...)
-        :math:`\sin^2\gamma=(R/(R+h))^2`, the view factor of a level face [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        [1]; :math:`\cos z` above a plane, and more than zero past sunset where ground in sight is
-        still lit.
-
-    Notes
-    -----
-    The sum has five terms and is within 8e-5 of the integral up to 150 km over Earth.
-    Light that the air above the dark ground scatters is left out. Differentiable.
-    """
+    r"""Mean cosine of the sun's incidence on the ground below a flyer [1]."""
+    # Weighted as a level face sees the ground: with the angle :math:`\psi` of a ring of ground from
+    # the flyer's nadir, seen from the planet's centre,
+    #
+    # .. math::
+    #     \int_0^1\left\langle\max(\cos z\cos\psi+\sin z\sin\psi\cos\phi,\,0)
+    #     \right\rangle_\phi\,2t\,\mathrm dt,
+    #     \qquad \psi = \arccos t - \arcsin\left(\sin\gamma\sqrt{1-t^2}\right)
+    #
+    # The sum has five terms and is within 8e-5 of the integral up to 150 km over Earth. Light that
+    # the air above the dark ground scatters is left out. Differentiable.
     sine = jnp.sqrt(ground_view)[..., None] * np.sqrt(1.0 - _NODES**2)
     distance = np.arccos(_NODES) - jnp.arcsin(sine)
     overhead = jnp.cos(zenith_angle)[..., None] * jnp.cos(distance)

@@ -53,17 +53,7 @@ def air_of_mars(gas: AbstractGas = CARBON_DIOXIDE) -> AbstractGas:
 
 @entry_point
 def season_irradiance(solar_longitude: Numeric) -> Array:
-    """Sunlight above the air of Mars by season.
-
-    Parameters
-    ----------
-    solar_longitude : array, shape (...)
-        Areocentric longitude of the sun [rad].
-
-    Returns
-    -------
-    array, shape (...)
-        On a surface that faces the sun [W/m²].
+    """Sunlight above the air of Mars by season [W/m²]; on a surface that faces the sun.
 
     Examples
     --------

@@ -148,11 +148,6 @@ class Radiation(Checked):
     angular_radius: AngularRadius | None = None
     lit_ground: Fraction | None = None
 
-    @property
-    def visible_irradiance(self) -> Numeric:
-        """Irradiance of what the flyer sees of the source, on a surface that faces it [W/m²]."""
-        return self.visible_part(self.irradiance)
-
     def seen_from(self, ground_view: Numeric) -> "Radiation":
         """The same, with this view factor to the ground where none is given."""
         if self.ground_view is not None:

@@ -16,38 +16,19 @@ _SMALLEST = 1e-12  # of sines and roots below, where a branch that is not taken 
 
 @entry_point
 def ground_view_factor(angle: Numeric, straight_down: Numeric) -> Array:
-    r"""View factor from a plane element to a sphere, for any orientation.
-
-    With :math:`s=\sin\gamma` and the angle :math:`\theta` between the face's normal and the
-    direction to the centre, :math:`F = s^2\cos\theta` as long as the whole sphere is in front of
-    the plane; between there and the angle at which all of it is behind,
-
-    .. math::
-        F = \frac1\pi\left[\frac\pi2 - \arcsin\frac{\cos\gamma}{\sin\theta}
-            + s^2\cos\theta\,\arccos(-\cot\gamma\cot\theta)
-            - \cos\gamma\sqrt{s^2-\cos^2\theta}\right]
-
-    Parameters
-    ----------
-    angle : array, shape (...)
-        :math:`\theta` [rad], 0 to π.
-    straight_down : array, shape (...)
-        :math:`\sin^2\gamma`, the view factor of a face that looks straight down [1]; one for an
-        endless plane.
-
-    Returns
-    -------
-    array, broadcast shape
-        [1].
-
-    Notes
-    -----
-    Differentiable but where the plane touches the sphere.
-
-    References
-    ----------
-    [Howell2010]_, differential planar element to a sphere, for any tilt.
-    """
+    r"""View factor from a plane element to a sphere, for any orientation [1]."""
+    # With :math:`s=\sin\gamma` and the angle :math:`\theta` between the face's normal and the
+    # direction to the centre, :math:`F = s^2\cos\theta` as long as the whole sphere is in front of
+    # the plane; between there and the angle at which all of it is behind,
+    #
+    # .. math::
+    #     F = \frac1\pi\left[\frac\pi2 - \arcsin\frac{\cos\gamma}{\sin\theta}
+    #         + s^2\cos\theta\,\arccos(-\cot\gamma\cot\theta)
+    #         - \cos\gamma\sqrt{s^2-\cos^2\theta}\right]
+    #
+    # Differentiable but where the plane touches the sphere.
+    #
+    # Source: [Howell2010]_, differential planar element to a sphere, for any tilt.
     cosine, sine = jnp.cos(angle), jnp.sin(angle)
     away = 1.0 - straight_down  # cos²γ
     whole = straight_down * cosine
@@ -64,28 +45,12 @@ def ground_view_factor(angle: Numeric, straight_down: Numeric) -> Array:
 
 @entry_point
 def sphere_view_factor(straight_down: Numeric) -> Array:
-    r"""View factor from a whole sphere to the planet, the mean over its surface.
-
-    .. math:: F = \frac{1 - \cos\gamma}2
-
-    Parameters
-    ----------
-    straight_down : array, shape (...)
-        :math:`\sin^2\gamma`, the view factor of a face that looks straight down [1].
-
-    Returns
-    -------
-    array, shape (...)
-        [1]; one half above an endless plane.
-
-    Notes
-    -----
-    Differentiable but above an endless plane.
-
-    References
-    ----------
-    [Howell2010]_, sphere to sphere, the one much smaller than the other.
-    """
+    r"""View factor from a whole sphere to the planet, the mean over its surface [1]."""
+    # .. math:: F = \frac{1 - \cos\gamma}2
+    #
+    # Differentiable but above an endless plane.
+    #
+    # Source: [Howell2010]_, sphere to sphere, the one much smaller than the other.
     endless = straight_down >= 1.0
     cosine = jnp.where(endless, 0.0, jnp.sqrt(jnp.where(endless, 1.0, 1.0 - straight_down)))
     return 0.5 * (1.0 - cosine)

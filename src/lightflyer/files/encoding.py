@@ -22,11 +22,6 @@ _DOS_END = "\x1a"
 _BYTE_ORDER_MARK = "\N{ZERO WIDTH NO-BREAK SPACE}"
 
 
-def read_plain_text(path: Path) -> str:
-    """Text of a file in one of the encodings that instruments and spreadsheets write."""
-    return plain_text(read_bytes(path), str(path))
-
-
 def read_bytes(path: Path) -> bytes:
     """Content of a file."""
     try:

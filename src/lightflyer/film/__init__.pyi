@@ -7,14 +7,9 @@ from .media.dispersion import Drude as Drude
 from .media.dispersion import Formula as Formula
 from .media.dispersion import Lorentz as Lorentz
 from .media.dispersion import TaucLorentz as TaucLorentz
-from .media.dispersion import drude as drude
-from .media.dispersion import lorentz as lorentz
-from .media.dispersion import tauc_lorentz as tauc_lorentz
 from .media.effective_media import Rule as Rule
 from .media.effective_media import bruggeman as bruggeman
 from .media.effective_media import maxwell_garnett as maxwell_garnett
-from .media.effective_media import parallel as parallel
-from .media.effective_media import series as series
 from .media.graded import Graded as Graded
 from .media.library import MEDIA as MEDIA
 from .media.materials import Material as Material
@@ -28,7 +23,6 @@ from .media.mixture import porous as porous
 from .media.temperature_dependent import TemperatureDependentMedium as TemperatureDependentMedium
 from .media.temperature_dependent import at_temperature as at_temperature
 from .optics.angles import DirectionalShares as DirectionalShares
-from .optics.angles import heat_by_angle as heat_by_angle
 from .optics.angles import light_by_angle as light_by_angle
 from .optics.averages import Average as Average
 from .optics.averages import Shares as Shares

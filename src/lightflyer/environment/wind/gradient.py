@@ -41,38 +41,7 @@ _CENTRIFUGAL = 0.00344978650684
 
 @entry_point
 def balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: Numeric) -> Any:
-    r"""Angular velocity of a zonal wind in gradient balance.
-
-    .. math::
-
-        \omega = -\frac{\Omega A}{1 + \sqrt{1 - A}}, \qquad
-        A = \frac{F}{\Omega^2 \sin\varphi}, \qquad
-        F = \frac{1}{d \cos\varphi} \left(\frac{1}{\rho} \frac{\partial p}{\partial y} +
-            \frac{\partial \Phi}{\partial y}\right)
-
-    is the regular one of the two solutions of :math:`u^2 \tan\varphi/d + 2 \Omega u \sin\varphi +
-    \rho^{-1} \partial p/\partial y + \partial \Phi/\partial y = 0` for the wind
-    :math:`u = \omega d \cos\varphi`, at the distance d of the ellipsoid's normal from the place to
-    the polar axis. For small A it is the geostrophic wind.
-
-    Parameters
-    ----------
-    forcing : array, shape (...)
-        F [1/s²].
-    sine_latitude : array, shape (...)
-        [1].
-    rotation_rate : array
-        Of the planet, Ω [rad/s].
-
-    Returns
-    -------
-    array, broadcast shape
-        Relative to the planet, positive towards the east [rad/s]; NaN where no wind is in balance
-        (A > 1), and at the equator.
-
-    References
-    ----------
-    [Andrews1987]_ ch. 3, [Lieberman1999]_.
+    r"""Angular velocity of a zonal wind in gradient balance [rad/s]; ``forcing`` [1/s²].
 
     Examples
     --------
@@ -80,6 +49,19 @@ def balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: N
     >>> print(f"{balanced_rotation(1e-10, 0.7, planet) / planet:.4f}")
     -0.0135
     """
+    # .. math::
+    #
+    #     \omega = -\frac{\Omega A}{1 + \sqrt{1 - A}}, \qquad
+    #     A = \frac{F}{\Omega^2 \sin\varphi}, \qquad
+    #     F = \frac{1}{d \cos\varphi} \left(\frac{1}{\rho} \frac{\partial p}{\partial y} +
+    #         \frac{\partial \Phi}{\partial y}\right)
+    #
+    # is the regular one of the two solutions of :math:`u^2 \tan\varphi/d + 2 \Omega u \sin\varphi +
+    # \rho^{-1} \partial p/\partial y + \partial \Phi/\partial y = 0` for the wind :math:`u = \omega
+    # d \cos\varphi`, at the distance d of the ellipsoid's normal from the place to the polar axis.
+    # For small A it is the geostrophic wind.
+    #
+    # Source: [Andrews1987]_ ch. 3, [Lieberman1999]_.
     ratio = forcing / (rotation_rate**2 * sine_latitude)
     return -rotation_rate * ratio / (1.0 + jnp.sqrt(1.0 - ratio))
 

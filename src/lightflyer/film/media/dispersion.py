@@ -41,26 +41,7 @@ _NEAR_GAP = 1e-150  # relative: at the gap itself x² ln|x| is zero
 def lorentz(
     energy: Numeric, strength: Numeric, centre: Numeric, broadening: Numeric
 ) -> tuple[Numeric, Numeric]:
-    r"""Permittivity of a damped oscillator.
-
-    .. math:: \varepsilon = \frac{f E_0^2}{E_0^2-E^2-i\Gamma E}
-
-    Parameters
-    ----------
-    energy : array, shape (...)
-        Photon energy [J].
-    strength : float
-        f, its share of the permittivity far below the resonance [1].
-    centre, broadening : float
-        E₀ and Γ, the width at half maximum of a narrow line [J].
-
-    Returns
-    -------
-    real, imaginary : array, shape (...)
-
-    References
-    ----------
-    [Fujiwara2007]_ ch. 5.2.
+    r"""Permittivity of a damped oscillator; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2.
 
     Examples
     --------
@@ -68,6 +49,7 @@ def lorentz(
     >>> print(f"{real:.4f} {imaginary:.4f}")
     2.0000 0.0000
     """
+    # .. math:: \varepsilon = \frac{f E_0^2}{E_0^2-E^2-i\Gamma E}
     below = centre**2 - energy**2
     width = broadening * energy
     scale = strength * centre**2 / (below**2 + width**2)
@@ -76,24 +58,7 @@ def lorentz(
 
 @entry_point
 def drude(energy: Numeric, plasma: Numeric, broadening: Numeric) -> tuple[Numeric, Numeric]:
-    r"""Permittivity of free carriers.
-
-    .. math:: \varepsilon = -\frac{E_p^2}{E^2+i\Gamma E}
-
-    Parameters
-    ----------
-    energy : array, shape (...)
-        Photon energy [J].
-    plasma, broadening : float
-        Eₚ, that of the plasma frequency, and Γ, that of the collision rate [J].
-
-    Returns
-    -------
-    real, imaginary : array, shape (...)
-
-    References
-    ----------
-    [Fujiwara2007]_ ch. 5.2.
+    r"""Permittivity of free carriers; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2.
 
     Examples
     --------
@@ -101,6 +66,7 @@ def drude(energy: Numeric, plasma: Numeric, broadening: Numeric) -> tuple[Numeri
     >>> print(f"{real:.4f}")
     -1.0000
     """
+    # .. math:: \varepsilon = -\frac{E_p^2}{E^2+i\Gamma E}
     scale = plasma**2 / (energy**2 + broadening**2)
     return -scale, scale * broadening / energy
 
@@ -111,32 +77,6 @@ def tauc_lorentz(
 ) -> tuple[Numeric, Numeric]:
     r"""Permittivity of an amorphous semiconductor or insulator between its bands.
 
-    .. math::
-        \varepsilon_2 = \frac{A E_0 C (E-E_g)^2}{(E^2-E_0^2)^2+C^2E^2}\,\frac1E
-        \quad(E>E_g),\qquad 0\quad(E\le E_g),
-
-    and the closed Kramers-Kronig transform of it.
-
-    Parameters
-    ----------
-    energy : array, shape (...)
-        Photon energy [J].
-    amplitude : float
-        A [J].
-    centre, broadening : float
-        E₀ and C of the Lorentz oscillator [J]; C below 2 E₀.
-    gap : float
-        E_g, the optical gap [J].
-
-    Returns
-    -------
-    real, imaginary : array, shape (...)
-        Without the constant ε₁(∞), which is that of the whole medium.
-
-    References
-    ----------
-    [JellisonModine1996]_, with the erratum.
-
     Examples
     --------
     >>> eV = 1.602176634e-19
@@ -144,6 +84,13 @@ def tauc_lorentz(
     >>> print(f"{imaginary:.3f}")
     3.876
     """
+    # .. math::
+    #     \varepsilon_2 = \frac{A E_0 C (E-E_g)^2}{(E^2-E_0^2)^2+C^2E^2}\,\frac1E
+    #     \quad(E>E_g),\qquad 0\quad(E\le E_g),
+    #
+    # and the closed Kramers-Kronig transform of it.
+    #
+    # Source: [JellisonModine1996]_, with the erratum.
     # in units of the centre, where sums of logarithms lose no digits
     e, a, c, g = (one / centre for one in (energy, amplitude, broadening, gap))
     return a * _tauc_lorentz_real(e, c, g), a * _tauc_lorentz_imaginary(e, c, g)

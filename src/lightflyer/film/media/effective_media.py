@@ -172,28 +172,7 @@ def maxwell_garnett(
 def parallel(
     n: Numeric, k: Numeric, fraction: Numeric, depolarisation: Numeric = 0.0
 ) -> tuple[Numeric, Numeric]:
-    r"""Parts side by side along the field: the mean of the permittivities.
-
-    Wiener's bound, which no arrangement of lossless parts exceeds.
-
-    .. math:: \varepsilon=\sum_i f_i\varepsilon_i
-
-    Parameters
-    ----------
-    n, k : array, shape (parts, ...)
-        [1].
-    fraction : array, shape (parts, ...) or (parts,)
-        [1].
-    depolarisation : float
-        Not used.
-
-    Returns
-    -------
-    n, k : array, shape (...)
-
-    References
-    ----------
-    [Markel2016]_.
+    r"""Parts side by side along the field: the mean of the permittivities; [Markel2016]_.
 
     Examples
     --------
@@ -201,6 +180,9 @@ def parallel(
     >>> print(f"{n:.4f}")
     1.2748
     """
+    # Wiener's bound, which no arrangement of lossless parts exceeds.
+    #
+    # .. math:: \varepsilon=\sum_i f_i\varepsilon_i
     del depolarisation
     index = _pair(n, k)
     return _index(summed(scaled(times(index, index), _align(fraction, jnp.ndim(n)))))
@@ -212,33 +194,17 @@ def series(
 ) -> tuple[Numeric, Numeric]:
     r"""Parts one behind the other along the field: the harmonic mean of the permittivities.
 
-    Wiener's bound, below which no arrangement of lossless parts is.
-
-    .. math:: \frac1\varepsilon=\sum_i\frac{f_i}{\varepsilon_i}
-
-    Parameters
-    ----------
-    n, k : array, shape (parts, ...)
-        [1].
-    fraction : array, shape (parts, ...) or (parts,)
-        [1].
-    depolarisation : float
-        Not used.
-
-    Returns
-    -------
-    n, k : array, shape (...)
-
-    References
-    ----------
-    [Markel2016]_.
-
     Examples
     --------
     >>> n, _ = series([1.0, 1.5], [0.0, 0.0], [0.5, 0.5])
     >>> print(f"{n:.4f}")
     1.1767
     """
+    # Wiener's bound, below which no arrangement of lossless parts is.
+    #
+    # .. math:: \frac1\varepsilon=\sum_i\frac{f_i}{\varepsilon_i}
+    #
+    # Source: [Markel2016]_.
     del depolarisation
     index, fraction = _pair(n, k), _align(fraction, jnp.ndim(n))
     shares = over((fraction, jnp.zeros_like(fraction)), times(index, index))

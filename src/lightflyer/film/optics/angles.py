@@ -98,37 +98,11 @@ def heat_by_angle(
     side: Side = "top",
     points_per_e_fold: int = POINTS_PER_E_FOLD,
 ) -> DirectionalShares:
-    r"""Shares of a black body's polarised radiation by its angle.
-
-    By Kirchhoff's law the absorptance is the directional emittance :math:`\varepsilon(\theta)` of
-    the face. The hemispherical one is :math:`\int_0^{\pi/2}\varepsilon\sin2\theta\,d\theta`.
-
-    Parameters
-    ----------
-    film : Film
-    incidence : array, shape (angles,)
-        Angle to the film's normal [rad].
-    temperature : array, shape (m,) or ()
-        Of the black body, or of the film that emits, concrete [K].
-    side : {"top", "bottom"}
-        The face.
-    points_per_e_fold : int
-        Wavelengths per factor e in the integration.
-
-    Returns
-    -------
-    DirectionalShares
-        Of shape (2, angles, m), or (2, angles) for one temperature.
-
-    Raises
-    ------
-    ParameterError
-        If an angle is not in [0, 90°), or a temperature is not positive.
-
-    References
-    ----------
-    [HowellMenguc2020]_ ch. 3.
-    """
+    r"""Shares of a black body's polarised radiation by its angle; ``incidence`` (angles,)."""
+    # By Kirchhoff's law the absorptance is the directional emittance :math:`\varepsilon(\theta)` of
+    # the face. The hemispherical one is :math:`\int_0^{\pi/2}\varepsilon\sin2\theta\,d\theta`.
+    #
+    # Source: [HowellMenguc2020]_ ch. 3.
     require_range("incidence", incidence, 0.0, GRAZING)
     require_positive(temperature=temperature)
     temperatures = np.atleast_1d(np.asarray(temperature, float))

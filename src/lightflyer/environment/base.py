@@ -118,11 +118,11 @@ class Coordinate:
             return Quantity(self.unit, 0.0, open_below=True)
         return Quantity(self.unit, self.lowest, self.highest)
 
-    def place(self, coordinate: Numeric) -> Any:
+    def to_axis(self, coordinate: Numeric) -> Any:
         """Place on an axis: the coordinate, or its logarithm."""
         return np.log(coordinate) if self.logarithmic else coordinate
 
-    def of_place(self, place: Numeric) -> Any:
+    def from_axis(self, place: Numeric) -> Any:
         """Coordinate of a place on an axis."""
         return np.exp(place) if self.logarithmic else place
 

@@ -26,8 +26,8 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.prediction.edges_and_optima import Names, find_edges_and_optima
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
-from lightflyer.prediction.search import Names, search
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -132,7 +132,7 @@ class Prediction(PrintedResult):
         """Index of the widest band; None where there is none."""
         if not self.bands:
             return None
-        ends = self.coordinate.place(np.array(self.bands))
+        ends = self.coordinate.to_axis(np.array(self.bands))
         return int(np.argmax(ends[:, 1] - ends[:, 0]))
 
     @cached_property
@@ -289,7 +289,7 @@ def predict_design(
     coordinates = search_grid(setup, POINTS)
     asked = _reported_coordinates(where, coordinates, at)
     table = evaluate(coordinates)
-    bands, best, easiest = _search(evaluate, where, coordinates, table)
+    bands, best, easiest = _edges_and_optima(evaluate, where, coordinates, table)
     edges = np.array(bands).reshape(-1, 2)
     pressures = edges
     if bands:
@@ -336,23 +336,24 @@ def _reported_coordinates(
     return asked
 
 
-def _search(
+def _edges_and_optima(
     evaluate: Evaluator, where: Coordinate, coordinates: np.ndarray, table: Table
 ) -> tuple[list[tuple[float, float]], Place, Place | None]:
     """Bands, place of the largest payload, and of the least light where any lifts the flyer."""
-    place = where.place(coordinates)
+    place = where.to_axis(coordinates)
 
     def of_place(places: np.ndarray) -> np.ndarray:
-        ends = {0: places == place[0], -1: places == place[-1]}  # exactly, however rounded
-        return np.select(
-            [*ends.values()], [coordinates[end] for end in ends], where.of_place(places)
-        )
+        found = where.from_axis(places)
+        for end in (0, -1):  # exactly, however it is rounded
+            found = np.where(places == place[end], coordinates[end], found)
+        return found
 
     def tabulate(places: np.ndarray, names: Names = None) -> Table:
         found = evaluate(of_place(places).ravel(), names=names)
         return {name: values.reshape(places.shape) for name, values in found.items()}
 
-    found = search(tabulate, place, {name: values[:, None] for name, values in table.items()})
+    rows = {name: values[:, None] for name, values in table.items()}
+    found = find_edges_and_optima(tabulate, place, rows)
     edges = of_place(found.edges[:, :, 0])
     bands = [(float(lower), float(upper)) for lower, upper in edges.T if lower == lower]
     best, easiest = (

@@ -8,8 +8,8 @@ import numpy as np
 
 from lightflyer.design.outputs import table_of, tabulate
 from lightflyer.environment.base import Coordinate
+from lightflyer.prediction.edges_and_optima import Found, Names, find_edges_and_optima
 from lightflyer.prediction.evaluator import Table
-from lightflyer.prediction.search import Found, Names, search
 from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import Inputs
 
@@ -54,8 +54,8 @@ def search_samples(
     rows = {name: values[:, order[inside]].T for name, values in table.items()}
 
     def look(places: np.ndarray, names: Names) -> Table:
-        each = where.of_place(np.moveaxis(places, -1, 0).reshape(len(samples), -1))
+        each = where.from_axis(np.moveaxis(places, -1, 0).reshape(len(samples), -1))
         found = tabulate_samples(inputs, samples, each, names or tuple(table))
         return {name: values.T.reshape(places.shape) for name, values in found.items()}
 
-    return search(look, where.place(increasing[inside]), rows, widest=True)
+    return find_edges_and_optima(look, where.to_axis(increasing[inside]), rows, widest=True)

@@ -20,8 +20,8 @@ from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.files.result_text import NARROW, Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.prediction.edges_and_optima import Found
 from lightflyer.prediction.prediction import Place, Prediction, predict_design, search_grid
-from lightflyer.prediction.search import Found
 from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.derivatives import Derivatives, derivatives
 from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs
@@ -413,13 +413,13 @@ def _sampled(target: _Target, found: Found, where: Coordinate, table: Table) -> 
     if not target.mover:
         values = table[target.quantity][:, target.point]
     elif target.mover in EDGES:
-        values = where.of_place(found.edges[EDGES.index(target.mover), 0])
+        values = where.from_axis(found.edges[EDGES.index(target.mover), 0])
     else:
         optimal = target.mover == "payload"
         place, outputs = (
             (found.best, found.at_best) if optimal else (found.easiest, found.at_easiest)
         )
-        values = outputs[target.quantity] if target.quantity else where.of_place(place)
+        values = outputs[target.quantity] if target.quantity else where.from_axis(place)
     return target.scale * values
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from lightflyer.flight.grid_refinement import band_brackets, band_count, crossing, peak
-from lightflyer.prediction.search import search
+from lightflyer.prediction.edges_and_optima import find_edges_and_optima
 
 
 def bell(places):
@@ -67,7 +67,7 @@ def test_many_flyers_at_once_with_a_band_between_the_rows_and_none():
     scale = np.array([1.0, 1.001 / np.e, 0.9 / np.e])
     tabulate = curves(scale, lambda x: 2.0 + (x - 4.0) ** 2 + 0.0 * scale)
     table = {name: rows[:, 0] for name, rows in tabulate(place[:, None, None]).items()}
-    found = search(tabulate, place, table, widest=True)
+    found = find_edges_and_optima(tabulate, place, table, widest=True)
     half = 2.0 * np.sqrt(1.0 + np.log(scale[:2]))
     np.testing.assert_allclose(found.edges[:, 0, :2], [5.2 - half, 5.2 + half], rtol=1e-8)
     assert np.isnan(found.edges[:, 0, 2]).all()
@@ -85,7 +85,7 @@ def test_flyers_that_need_no_light_need_none_and_some_never_have_enough():
 
     tabulate = curves(np.ones(2), light)
     table = {name: rows[:, 0] for name, rows in tabulate(place[:, None, None]).items()}
-    found = search(tabulate, place, table)
+    found = find_edges_and_optima(tabulate, place, table)
     assert found.easiest[0] == pytest.approx(3.0, abs=1e-4)
     assert found.at_easiest["levitation_irradiance"][0] == 0.0
     assert np.isnan(found.easiest[1])
@@ -101,6 +101,6 @@ def test_the_widest_band_counts_in_places_not_in_rows():
         return {"lift_over_weight": lift, "levitation_irradiance": 1.0 / lift}
 
     table = {name: rows[:, 0] for name, rows in tabulate(place[:, None, None]).items()}
-    found = search(tabulate, place, table, widest=True)
+    found = find_edges_and_optima(tabulate, place, table, widest=True)
     np.testing.assert_allclose(found.edges[:, 0, 0], [6.5, 20.0], rtol=1e-9)
-    assert search(tabulate, place, table).edges.shape == (2, 2, 1)
+    assert find_edges_and_optima(tabulate, place, table).edges.shape == (2, 2, 1)

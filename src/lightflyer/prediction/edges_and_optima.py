@@ -36,7 +36,9 @@ class Found(NamedTuple):
     at_easiest: Table
 
 
-def search(tabulate: Tabulate, place: np.ndarray, table: Table, *, widest: bool = False) -> Found:
+def find_edges_and_optima(
+    tabulate: Tabulate, place: np.ndarray, table: Table, *, widest: bool = False
+) -> Found:
     """Find all edges and optima between the rows of a table, shape (n, m); ``place`` (n,)."""
 
     def objectives(places: np.ndarray) -> np.ndarray:

@@ -19,7 +19,7 @@ Function: TypeAlias = Callable[[np.ndarray], np.ndarray]
 
 
 def peak(
-    function: Function, low: Numeric, high: Numeric, *, points: int, looks: int
+    function: Function, low: Numeric, high: Numeric, *, points: int = 301, looks: int = 3
 ) -> tuple[np.ndarray, np.ndarray]:
     """Largest value of each function in a range, shape (m,); ``low``, ``high`` (m,)."""
     low, high = np.atleast_1d(np.asarray(low, float)), np.atleast_1d(np.asarray(high, float))
@@ -31,7 +31,7 @@ def peak(
 
 
 def crossing(
-    function: Function, outside: Numeric, inside: Numeric, *, points: int, looks: int
+    function: Function, outside: Numeric, inside: Numeric, *, points: int = 301, looks: int = 3
 ) -> np.ndarray:
     """Find where each function becomes positive on the way from outside to inside, shape (m,)."""
     outside = np.atleast_1d(np.asarray(outside, float))

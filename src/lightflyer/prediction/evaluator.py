@@ -1,5 +1,6 @@
 """Outputs of one flyer at any number of coordinates."""
 
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -12,6 +13,22 @@ POINTS = 301
 
 Table: TypeAlias = dict[str, np.ndarray]
 """Outputs by name, each an array over the same coordinates, in SI units."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """One coordinate and the outputs there.
+
+    Attributes
+    ----------
+    coordinate : float
+        [m] or [Pa].
+    values : dict of str to float
+        Outputs by name, in SI units.
+    """
+
+    coordinate: float
+    values: dict[str, float]
 
 
 class Evaluator:
@@ -35,3 +52,8 @@ class Evaluator:
     def column(self, coordinates: np.ndarray, name: str) -> np.ndarray:
         """One output at coordinates of shape (n, 1), as the search wants it."""
         return self(coordinates[:, 0], names=(name,))[name][:, None]
+
+    def place(self, coordinate: float) -> Place:
+        """One coordinate and all outputs there."""
+        values = self(np.array([coordinate]))
+        return Place(coordinate, {name: float(column[0]) for name, column in values.items()})

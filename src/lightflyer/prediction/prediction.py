@@ -24,10 +24,11 @@ from lightflyer.design.outputs import (
 )
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
-from lightflyer.files.result_text import Parts, PrintedResult
+from lightflyer.files.result_text import NARROW, Parts, PrintedResult
 from lightflyer.flight.grid_refinement import bands_of, crossing, peak
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
+from lightflyer.prediction.evaluator import POINTS, Evaluator, Place, Table
+from lightflyer.prediction.verdict import Verdict, verdict_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,22 +61,6 @@ of a payload's budget."""
 _LOOKS = 3  # after the first table: each narrows the search a hundred and fifty times
 _MAP_POINTS = (91, 61)  # pressures and irradiances of the temperature map
 _MAP_TOP = 2.0  # its largest irradiance, over the lamp's or the least that levitates
-
-
-@dataclass(frozen=True)
-class Place:
-    """One coordinate and the outputs there.
-
-    Attributes
-    ----------
-    coordinate : float
-        [m] or [Pa].
-    values : dict of str to float
-        Outputs by name, in SI units.
-    """
-
-    coordinate: float
-    values: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -190,12 +175,16 @@ class Prediction(PrintedResult):
         """Names of the force model's own outputs, of the flyer's flows, and of the budget's."""
         return (*model_outputs(self.setup), *budget_outputs(self.setup))
 
-    def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
-        from lightflyer.prediction.text import flyer_lines, result_parts
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Where the flyer is usable, where it comes to rest, and what limits it."""
+        return verdict_of(self)
 
-        yield from flyer_lines(self)
-        yield from result_parts(self)
+    def text_parts(self, width: int = NARROW) -> Parts:
+        """Lines and tables of the text; ``width``: columns of the terminal."""
+        from lightflyer.prediction.text import prediction_parts
+
+        return prediction_parts(self, width)
 
     def summary(self) -> dict[str, Any]:
         """The prediction as a JSON object, with a unit at the end of each name."""
@@ -219,6 +208,7 @@ class Prediction(PrintedResult):
             ],
         }
         return described | {
+            "verdict": self._verdict_summary(),
             "assumptions": list(self.assumptions),
             "warnings": list(self.warnings),
         }
@@ -272,6 +262,23 @@ class Prediction(PrintedResult):
             json_key, scale = known[name].json
             described[json_key] = _number(place.values[name] * scale)
         return described
+
+    def _verdict_summary(self) -> dict[str, Any]:
+        found, (key, factor) = self.verdict, self.coordinate_key
+        unit, release = key.removeprefix(self.coordinate.name), found.lowest_release
+        highest, light = found.highest_temperature, found.strongest_light
+        rest, best = found.rest, found.best
+        names = ("temperature", *node_outputs(self.setup.flyer))
+        return {
+            "limit": found.limit,
+            "highest_temperature_k": highest,
+            f"usable_bands{unit}": [[low * factor, high * factor] for low, high in found.usable],
+            "best": None if best is None else self.place_summary(best, self.best_names),
+            f"lowest_release{unit}": None if release is None else release * factor,
+            "rest": None if rest is None else self.place_summary(rest, names),
+            "survives": found.survives,
+            "strongest_light_w_m2": None if light is None else _number(light),
+        }
 
     def _easiest_summary(self) -> dict[str, Any] | None:
         if self.easiest is None:
@@ -407,8 +414,7 @@ def _optimum(
     place, _ = peak(
         lambda points: sign * evaluate.column(points, name), *ends, points=POINTS, looks=_LOOKS
     )
-    values = evaluate(place)
-    return Place(float(place[0]), {key: float(column[0]) for key, column in values.items()})
+    return evaluate.place(float(place[0]))
 
 
 def _bands(

@@ -37,7 +37,8 @@ class Verdict:
         Whether the film survives at rest; None where rest or limit are unknown.
     strongest_light : float or None
         Irradiance up to which it does [W/m²]: zero where no light that lifts the flyer is weak
-        enough, infinite where none is too strong. None where ``survives`` is.
+        enough, infinite where none that leaves it within the search is too strong. None where
+        ``survives`` is.
     limit : {"light", "film", "lift"}
         What decides: the light where it lifts the flyer nowhere, the film where it does not
         survive in the whole band, else the lift at both edges.
@@ -96,7 +97,8 @@ def _coolness(
 ) -> Callable[[np.ndarray], np.ndarray]:
     """How far a temperature is below the film's limit, as a share of it, at places of any shape."""
     column, highest = _column(evaluate, name), float(prediction.setup.flyer.highest_temperature)
-    return lambda places: 1.0 - column(places) / highest
+    # NaN stands where no light lifts the flyer: on the way there it gets hotter and hotter
+    return lambda places: np.nan_to_num(1.0 - column(places) / highest, nan=-1.0)
 
 
 def _cool_parts(
@@ -137,12 +139,9 @@ def _strongest_light(
     start = within.size - 1 if survives else int(np.argmin(light(within)))
     places = places[start:]
     cool = _coolness(evaluate, prediction, "levitation_temperature")
-    margins = cool(places)
-    first = int(np.argmin([*(margins >= 0.0), False]))
-    if first == places.size or not np.isfinite(margins[first]):
-        return np.inf
-    if first == 0:
-        return 0.0
+    first = int(np.argmin([*(cool(places) >= 0.0), False]))
+    if first in (0, places.size):
+        return np.inf if first else 0.0
     return float(light(np.array(_between(cool, places[[first - 1]], places[[first]], True)))[0])
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.design.outputs import table_of
 from lightflyer.prediction.evaluator import POINTS
 
 
@@ -75,3 +76,37 @@ def test_dataset_without_a_file(setup):
     assert dataset["lift"].attrs["units"] == "N"
     assert not np.isinf(dataset["levitation_irradiance"]).any()
     assert np.isnan(dataset["levitation_irradiance"]).any()
+
+
+def test_a_few_points_without_a_solution_are_missing(film, monkeypatch):
+    """A large balloon low in the air: the levitation of some altitudes misses the tolerance."""
+    balloon = lf.Balloon(film, 10.0, payload=1.0)
+    setup = lf.Setup(balloon, lf.Earth(), lf.BalloonModel())
+    prediction = lf.predict(setup)
+    missing = np.isnan(prediction.table["levitation_irradiance"])
+    assert 0 < missing.sum() < 10
+    assert f"levitation missed its tolerance at {missing.sum()} of 301" in str(prediction)
+    assert np.isfinite(prediction.table["payload"]).all()
+    upper = float(lf.levitation_band(balloon, setup.environment, setup.model).upper)
+    assert prediction.bands[-1][1] == pytest.approx(upper, abs=0.1)
+    monkeypatch.setattr("lightflyer.design.outputs._FEW", 0)
+    monkeypatch.setattr("lightflyer.design.outputs._SMALL_SHARE", 0.0)
+    with pytest.raises(lf.ConvergenceError, match="of 301 not converged"):
+        lf.predict(setup)
+
+
+def test_a_point_without_a_balance_does_not_cut_a_band(disk, monkeypatch):
+    setup = lf.Setup(disk, lf.lu2023_earth(), lf.Lu2023())
+    whole = lf.predict(setup)
+    ((low, high),) = whole.bands
+    lost = whole.coordinates[np.searchsorted(whole.coordinates, 0.5 * (low + high))]
+
+    def with_a_hole(setup, coordinates, *rest):
+        table = table_of(setup, coordinates, *rest)
+        return {n: np.where(coordinates == lost, np.nan, v) for n, v in table.items()}
+
+    monkeypatch.setattr("lightflyer.prediction.evaluator.table_of", with_a_hole)
+    found = lf.predict(setup)
+    assert found.bands == whole.bands
+    assert found.verdict.usable == whole.verdict.usable
+    assert any("heat balance missed its tolerance at 1 of 301" in text for text in found.warnings)

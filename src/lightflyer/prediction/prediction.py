@@ -3,7 +3,7 @@
 Band edges and optima are found by looking closer with the function that makes the tables.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -356,6 +356,7 @@ def predict_design(
     coordinates = search_grid(setup, POINTS)
     asked = _asked(where, coordinates, at)
     table = evaluate(coordinates)
+    at_asked = evaluate(asked) if asked.size else dict.fromkeys(table, asked)
     best = _optimum(evaluate, coordinates, table, "payload", +1.0)
     bands = _bands(evaluate, coordinates, table, best)
     edges = np.array(bands).reshape(-1, 2)
@@ -369,6 +370,7 @@ def predict_design(
     explicit = asked[:0] if at is None else asked
     reported = np.unique(np.concatenate([*flying, edges.ravel(), explicit, [best.coordinate]]))
     temperature = evaluate(reported, names=("temperature",))["temperature"]
+    solved = ~np.isnan(temperature)
     return Prediction(
         setup=setup,
         coordinates=coordinates,
@@ -376,14 +378,16 @@ def predict_design(
         bands=bands,
         band_pressures=[(float(lower), float(upper)) for lower, upper in pressures],
         asked=asked,
-        at=evaluate(asked) if asked.size else dict.fromkeys(table, asked),
+        at=at_asked,
         easiest=easiest,
         best=best,
         map=_map(evaluate, coordinates, easiest) if setup.environment.dimmable_light else None,
         warnings=(
             *design.warnings,
+            *_unsolved(where, coordinates, table),
+            *_unsolved(where, asked, at_asked),
             *diagnose_force(table),
-            *diagnose_at(setup, reported, temperature),
+            *diagnose_at(setup, reported[solved], temperature[solved]),
         ),
     )
 
@@ -405,6 +409,22 @@ def _asked(where: Coordinate, searched: np.ndarray, at: Sequence[float] | None) 
     return asked
 
 
+def _unsolved(where: Coordinate, coordinates: np.ndarray, table: Table) -> Iterator[str]:
+    """What is missing, where a balance has no solution within the tolerance."""
+    unbalanced = np.isnan(table["lift_over_weight"])
+    for what, missing in (
+        ("the heat balance", unbalanced),
+        ("levitation", np.isnan(table["levitation_irradiance"]) & ~unbalanced),
+    ):
+        if missing.any():
+            factor = scale_and_offset(where.unit, where.shown_unit)[0]
+            ends = (f"{end * factor:.4g}" for end in coordinates[missing][[0, -1]])
+            yield (
+                f"{what} missed its tolerance at {missing.sum()} of {missing.size} {where.name}s, "
+                f"{' to '.join(dict.fromkeys(ends))} {where.shown_unit}: missing there"
+            )
+
+
 def _optimum(
     evaluate: Evaluator, coordinates: np.ndarray, table: Table, name: str, sign: float
 ) -> Place:
@@ -421,9 +441,12 @@ def _bands(
     evaluate: Evaluator, coordinates: np.ndarray, table: Table, best: Place
 ) -> list[tuple[float, float]]:
     """Bands; the point of most payload is added so as not to miss a narrow one."""
+    solved = ~np.isnan(table["lift_over_weight"])
+    coordinates = coordinates[solved]
     position = int(np.searchsorted(coordinates, best.coordinate))
     points = np.insert(coordinates, position, best.coordinate)
-    margins = np.insert(table["lift_over_weight"], position, best.values["lift_over_weight"])
+    margins = table["lift_over_weight"][solved]
+    margins = np.insert(margins, position, best.values["lift_over_weight"])
     last = points.size - 1
 
     def edge(outside: int, inside: int) -> float:

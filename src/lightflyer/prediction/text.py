@@ -62,7 +62,10 @@ def verdict_lines(prediction: "Prediction") -> Iterator[str]:
             f"Its film bears {bears} and survives." if known else "Its film's limit is not stated."
         )
     if best is not None:
-        place, payload = _shown(prediction, best.coordinate), _mass(best.values["payload"], ".3g")
+        place, payload = (
+            _shown(prediction, best.coordinate),
+            _mass(float(f"{best.values['payload']:.3g}")),
+        )
         yield f"Held at {place} it carries up to {payload}."
 
 

@@ -108,6 +108,7 @@ def _cool_parts(
     cool = _coolness(evaluate, prediction, "temperature")
     grid = prediction.coordinates
     places = np.array([band[0], *grid[(grid > band[0]) & (grid < band[1])], band[1]])
+    places = places[~np.isnan(_column(evaluate, "temperature")(places))]  # those solved
     survives = cool(places) >= 0.0
     before = np.flatnonzero(survives[1:] != survives[:-1])
     ends = [band[0], *_between(cool, places[before], places[before + 1], survives[before]), band[1]]
@@ -135,6 +136,7 @@ def _strongest_light(
     light, grid = _column(evaluate, "levitation_irradiance"), prediction.coordinates
     easiest = band[0] if prediction.easiest is None else prediction.easiest.coordinate
     places = np.unique([*band, *grid[grid > band[0]], max(band[0], easiest)])
+    places = places[~np.isnan(light(places))]  # those solved
     within = places[places <= band[1]]
     start = within.size - 1 if survives else int(np.argmin(light(within)))
     places = places[start:]

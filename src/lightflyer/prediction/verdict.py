@@ -67,10 +67,11 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     usable = found.bands
     survives, strongest = None, None
     if highest is not None:
-        usable = [part for band in found.bands for part in _cool_parts(evaluate, found, band)]
+        parts = (_cool_parts(evaluate, found.coordinates, band, highest) for band in found.bands)
+        usable = [part for of_band in parts for part in of_band]
         if rest is not None:
             survives = rest.values["temperature"] <= highest
-            strongest = _strongest_light(evaluate, found, (lower, upper), survives)
+            strongest = _strongest_light(evaluate, found, highest, survives=survives)
     return Verdict(
         highest_temperature=highest,
         usable=usable,
@@ -92,21 +93,18 @@ def _column(evaluate: Evaluator, name: str) -> Callable[[np.ndarray], np.ndarray
     return column
 
 
-def _coolness(
-    evaluate: Evaluator, prediction: "Prediction", name: str
-) -> Callable[[np.ndarray], np.ndarray]:
+def _coolness(evaluate: Evaluator, name: str, highest: float) -> Callable[[np.ndarray], np.ndarray]:
     """How far a temperature is below the film's limit, as a share of it, at places of any shape."""
-    column, highest = _column(evaluate, name), float(prediction.setup.flyer.highest_temperature)
+    column = _column(evaluate, name)
     # NaN stands where no light lifts the flyer: on the way there it gets hotter and hotter
     return lambda places: np.nan_to_num(1.0 - column(places) / highest, nan=-1.0)
 
 
 def _cool_parts(
-    evaluate: Evaluator, prediction: "Prediction", band: tuple[float, float]
+    evaluate: Evaluator, grid: np.ndarray, band: tuple[float, float], highest: float
 ) -> list[tuple[float, float]]:
     """Parts of a band in which the film survives."""
-    cool = _coolness(evaluate, prediction, "temperature")
-    grid = prediction.coordinates
+    cool = _coolness(evaluate, "temperature", highest)
     places = np.array([band[0], *grid[(grid > band[0]) & (grid < band[1])], band[1]])
     places = places[~np.isnan(_column(evaluate, "temperature")(places))]  # those solved
     survives = cool(places) >= 0.0
@@ -127,20 +125,21 @@ def _between(
 
 
 def _strongest_light(
-    evaluate: Evaluator, prediction: "Prediction", band: tuple[float, float], survives: bool
+    evaluate: Evaluator, prediction: "Prediction", highest: float, *, survives: bool
 ) -> float:
     """Strongest light at whose place of rest the film survives."""
     # At rest the light is the least that levitates, and the temperature is the one in that light.
     # So from the place of the least light upwards, the table of levitation lists the places of
     # rest in stronger and stronger light; a flyer that survives is followed from where it rests.
     light, grid = _column(evaluate, "levitation_irradiance"), prediction.coordinates
+    band = prediction.bands[prediction.widest or 0]
     easiest = band[0] if prediction.easiest is None else prediction.easiest.coordinate
     places = np.unique([*band, *grid[grid > band[0]], max(band[0], easiest)])
     places = places[~np.isnan(light(places))]  # those solved
     within = places[places <= band[1]]
     start = within.size - 1 if survives else int(np.argmin(light(within)))
     places = places[start:]
-    cool = _coolness(evaluate, prediction, "levitation_temperature")
+    cool = _coolness(evaluate, "levitation_temperature", highest)
     first = int(np.argmin([*(cool(places) >= 0.0), False]))
     if first in (0, places.size):
         return np.inf if first else 0.0

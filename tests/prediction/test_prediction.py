@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.design.outputs import table_of
 from lightflyer.prediction.evaluator import POINTS
+from lightflyer.program.entry_point import only
 
 
 @pytest.fixture
@@ -75,3 +77,53 @@ def test_dataset_without_a_file(setup):
     assert dataset["lift"].attrs["units"] == "N"
     assert not np.isinf(dataset["levitation_irradiance"]).any()
     assert np.isnan(dataset["levitation_irradiance"]).any()
+
+
+@pytest.mark.parametrize("unsolved", [3, 20])
+def test_a_few_points_without_a_solution_are_missing(setup, monkeypatch, unsolved):
+    def with_failures(tabulated, names):
+        def run(setup, coordinates, light):
+            table = only(tabulated, names)(setup, coordinates, light)
+            if "converged" not in table or coordinates.size != POINTS:
+                return table
+            return table | {"converged": np.arange(POINTS) >= unsolved}
+
+        return run
+
+    whole = lf.predict(setup)
+    monkeypatch.setattr("lightflyer.design.outputs.only", with_failures)
+    if unsolved > 10:
+        with pytest.raises(lf.ConvergenceError, match="20 of 301 not converged"):
+            lf.predict(setup)
+        return
+    found = lf.predict(setup)
+    assert np.isnan(found.table["levitation_irradiance"]).sum() == unsolved
+    assert found.table["payload"].tolist() == whole.table["payload"].tolist()
+    assert "levitation missed its tolerance at 3 of 301" in str(found)
+
+
+def test_a_large_balloon_has_a_prediction():
+    """Low in the air the levitation of some altitudes misses the tolerance."""
+    film = lf.FilmProperties(
+        12.3e-3, 0.9, 0.9, 0.9, transmittance=0.05, tac_top=0.9, tac_bottom=0.9
+    )
+    setup = lf.Setup(lf.Balloon(film, 10.0, payload=1.0), lf.Earth(), lf.BalloonConvection())
+    band = lf.levitation_band(setup.flyer, setup.environment, setup.model)
+    assert lf.predict(setup).bands[-1][1] == pytest.approx(float(band.upper), abs=0.1)
+
+
+def test_a_point_without_a_balance_does_not_cut_a_band(disk, monkeypatch):
+    setup = lf.Setup(disk, lf.lu2023_earth(), lf.Lu2023())
+    whole = lf.predict(setup)
+    ((low, high),) = whole.bands
+    lost = whole.coordinates[np.searchsorted(whole.coordinates, 0.5 * (low + high))]
+
+    def with_a_hole(setup, coordinates, *rest):
+        table = table_of(setup, coordinates, *rest)
+        return {n: np.where(coordinates == lost, np.nan, v) for n, v in table.items()}
+
+    monkeypatch.setattr("lightflyer.prediction.evaluator.table_of", with_a_hole)
+    found = lf.predict(setup)
+    assert found.bands == whole.bands
+    assert found.verdict.usable == whole.verdict.usable
+    assert any("heat balance missed its tolerance at 1 of 301" in text for text in found.warnings)

@@ -32,6 +32,10 @@ _LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
 _MANY = 1e4  # digits before the point, as a number, from which a larger unit is shown
 
 
+_FEW = 10  # places without a solution that leave a result of use, at most,
+_SMALL_SHARE = 0.03  # or this share of them
+
+
 def _always(_: AbstractFlyer) -> bool:
     return True
 
@@ -422,14 +426,21 @@ def table_of(
     names: Sequence[str],
     tabulated: Callable[..., dict[str, Any]] = tabulate_places,
 ) -> dict[str, np.ndarray]:
-    """Some outputs at coordinates (n,) under irradiances (n,); raises where they are not solved."""
-    levitates = any(name.startswith("levitation_") for name in names)
-    checks = ("converged", "residual") if levitates else ("balanced", "imbalance")
-    table = only(tabulated, (*names, *checks))(setup, coordinates, irradiance)
-    solved, residual = (table.pop(name) for name in checks)
-    status = np.where(solved < 0.5, int(SolverStatus.TOLERANCE_MISSED), int(SolverStatus.CONVERGED))
-    require_converged("prediction", status, residual)
-    return {name: table[name] for name in names}
+    """Some outputs at coordinates (n,) under irradiances (n,), NaN where they are not solved."""
+    # raises where more than a few are not
+    needs = {name: name.startswith("levitation_") for name in names}
+    both = ("converged", "residual") if any(needs.values()) else ()
+    table = only(tabulated, (*names, "balanced", "imbalance", *both))(
+        setup, coordinates, irradiance
+    )
+    solved = table["converged" if both else "balanced"] >= 0.5
+    if np.sum(~solved) > max(_FEW, _SMALL_SHARE * solved.size):
+        status = np.where(solved, int(SolverStatus.CONVERGED), int(SolverStatus.TOLERANCE_MISSED))
+        require_converged("prediction", status, table["residual" if both else "imbalance"])
+    if solved.all():
+        return {name: table[name] for name in names}
+    known = {True: solved, False: table["balanced"] >= 0.5}
+    return {name: np.where(known[needs[name]], table[name], np.nan) for name in names}
 
 
 def predicted_names(setup: Setup) -> tuple[str, ...]:

@@ -151,4 +151,4 @@ def crossing(
             np.where(enters, halved * below, value),
             np.where(enters, value, halved * above),
         )
-    return found
+    return np.where(sought, inside, found)  # where the function jumps over zero

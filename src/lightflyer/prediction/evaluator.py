@@ -1,5 +1,6 @@
 """Outputs of one flyer at any number of coordinates."""
 
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -11,6 +12,22 @@ POINTS = 301  # Coordinates of a prediction's table
 
 Table: TypeAlias = dict[str, np.ndarray]
 """Outputs by name, each an array over the same coordinates, in SI units."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """One coordinate and the outputs there.
+
+    Attributes
+    ----------
+    coordinate : float
+        [m] or [Pa].
+    values : dict of str to float
+        Outputs by name, in SI units.
+    """
+
+    coordinate: float
+    values: dict[str, float]
 
 
 class Evaluator:
@@ -30,3 +47,8 @@ class Evaluator:
         light = np.full(coordinates.shape, self.irradiance) if irradiance is None else irradiance
         # in the order in which they are listed: JAX sorts them by name
         return table_of(self.setup, coordinates, light, names or predicted_names(self.setup))
+
+    def place(self, coordinate: float) -> Place:
+        """One coordinate and all outputs there."""
+        values = self(np.array([coordinate]))
+        return Place(coordinate, {name: float(column[0]) for name, column in values.items()})

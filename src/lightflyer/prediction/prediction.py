@@ -3,7 +3,7 @@
 Band edges and optima are found by looking closer with the function that makes the tables.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -24,10 +24,11 @@ from lightflyer.design.outputs import (
 )
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
-from lightflyer.files.result_text import Parts, PrintedResult
+from lightflyer.files.result_text import NARROW, Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.edges_and_optima import Names, find_edges_and_optima
-from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
+from lightflyer.prediction.evaluator import POINTS, Evaluator, Place, Table
+from lightflyer.prediction.verdict import Verdict, verdict_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,14 +60,6 @@ of a payload's budget."""
 
 _MAP_POINTS = (91, 61)  # pressures and irradiances of the temperature map
 _MAP_TOP = 2.0  # its largest irradiance, over the lamp's or the least that levitates
-
-
-@dataclass(frozen=True)
-class Place:
-    """One coordinate and the outputs there."""
-
-    coordinate: float  #: [m] or [Pa]
-    values: dict[str, float]  #: Outputs by name, in SI units
 
 
 @dataclass(frozen=True)
@@ -159,12 +152,16 @@ class Prediction(PrintedResult):
         """Names of the force model's own outputs, of the flyer's flows, and of the budget's."""
         return (*model_outputs(self.setup), *budget_outputs(self.setup))
 
-    def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
-        from lightflyer.prediction.text import flyer_lines, result_parts
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Where the flyer is usable, where it comes to rest, and what limits it."""
+        return verdict_of(self)
 
-        yield from flyer_lines(self)
-        yield from result_parts(self)
+    def text_parts(self, width: int = NARROW) -> Parts:
+        """Lines and tables of the text; ``width``: columns of the terminal."""
+        from lightflyer.prediction.text import prediction_parts
+
+        return prediction_parts(self, width)
 
     def summary(self) -> dict[str, Any]:
         """The prediction as a JSON object, with a unit at the end of each name."""
@@ -188,6 +185,7 @@ class Prediction(PrintedResult):
             ],
         }
         return described | {
+            "verdict": self._verdict_summary(),
             "assumptions": list(self.assumptions),
             "warnings": list(self.warnings),
         }
@@ -212,6 +210,23 @@ class Prediction(PrintedResult):
             json_key, scale = known[name].json
             described[json_key] = _number(place.values[name] * scale)
         return described
+
+    def _verdict_summary(self) -> dict[str, Any]:
+        found, (key, factor) = self.verdict, self.coordinate_key
+        unit, release = key.removeprefix(self.coordinate.name), found.lowest_release
+        highest, light = found.highest_temperature, found.strongest_light
+        rest, best = found.rest, found.best
+        names = ("temperature", *node_outputs(self.setup.flyer))
+        return {
+            "limit": found.limit,
+            "highest_temperature_k": highest,
+            f"usable_bands{unit}": [[low * factor, high * factor] for low, high in found.usable],
+            "best": None if best is None else self.place_summary(best, self.best_names),
+            f"lowest_release{unit}": None if release is None else release * factor,
+            "rest": None if rest is None else self.place_summary(rest, names),
+            "survives": found.survives,
+            "strongest_light_w_m2": None if light is None else _number(light),
+        }
 
     def _easiest_summary(self) -> dict[str, Any] | None:
         if self.easiest is None:
@@ -290,6 +305,7 @@ def predict_design(
     asked = _reported_coordinates(where, coordinates, at)
     table = evaluate(coordinates)
     bands, best, easiest = _edges_and_optima(evaluate, where, coordinates, table)
+    at_asked = evaluate(asked) if asked.size else dict.fromkeys(table, asked)
     edges = np.array(bands).reshape(-1, 2)
     pressures = edges
     if bands:
@@ -298,6 +314,7 @@ def predict_design(
     explicit = asked[:0] if at is None else asked
     reported = np.unique(np.concatenate([*flying, edges.ravel(), explicit, [best.coordinate]]))
     temperature = evaluate(reported, names=("temperature",))["temperature"]
+    solved = ~np.isnan(temperature)
     return Prediction(
         setup=setup,
         coordinates=coordinates,
@@ -305,14 +322,16 @@ def predict_design(
         bands=bands,
         band_pressures=[(float(lower), float(upper)) for lower, upper in pressures],
         asked=asked,
-        at=evaluate(asked) if asked.size else dict.fromkeys(table, asked),
+        at=at_asked,
         easiest=easiest,
         best=best,
         map=_map(evaluate, coordinates, easiest) if setup.environment.dimmable_light else None,
         warnings=(
             *design.warnings,
+            *_unsolved(where, coordinates, table),
+            *_unsolved(where, asked, at_asked),
             *diagnose_force(table),
-            *diagnose_at(setup, reported, temperature),
+            *diagnose_at(setup, reported[solved], temperature[solved]),
         ),
     )
 
@@ -336,10 +355,28 @@ def _reported_coordinates(
     return asked
 
 
+def _unsolved(where: Coordinate, coordinates: np.ndarray, table: Table) -> Iterator[str]:
+    """What is missing, where a balance has no solution within the tolerance."""
+    unbalanced = np.isnan(table["lift_over_weight"])
+    for what, missing in (
+        ("the heat balance", unbalanced),
+        ("levitation", np.isnan(table["levitation_irradiance"]) & ~unbalanced),
+    ):
+        if missing.any():
+            factor = scale_and_offset(where.unit, where.shown_unit)[0]
+            ends = (f"{end * factor:.4g}" for end in coordinates[missing][[0, -1]])
+            yield (
+                f"{what} missed its tolerance at {missing.sum()} of {missing.size} {where.name}s, "
+                f"{' to '.join(dict.fromkeys(ends))} {where.shown_unit}: missing there"
+            )
+
+
 def _edges_and_optima(
     evaluate: Evaluator, where: Coordinate, coordinates: np.ndarray, table: Table
 ) -> tuple[list[tuple[float, float]], Place, Place | None]:
     """Bands, place of the largest payload, and of the least light where any lifts the flyer."""
+    solved = ~np.isnan(table["lift_over_weight"])
+    coordinates, table = coordinates[solved], {name: row[solved] for name, row in table.items()}
     place = where.to_axis(coordinates)
 
     def of_place(places: np.ndarray) -> np.ndarray:

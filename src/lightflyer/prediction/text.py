@@ -1,9 +1,11 @@
 """A prediction in words: lines and tables."""
 
 import math
+import textwrap
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from rich.table import Table
 
 from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, node_outputs, outputs_of
@@ -13,19 +15,79 @@ if TYPE_CHECKING:
     from lightflyer.prediction.prediction import Prediction
 
 
-def flyer_lines(prediction: "Prediction") -> Iterator[str]:
-    """What flies, and in what surroundings."""
-    flyer = prediction.setup.flyer
-    own_mass, payload = _mass(float(flyer.own_mass)), _mass(float(flyer.payload), "g")
-    yield f"{flyer.describe()}, {own_mass}, payload {payload}"
-    yield "; ".join(prediction.assumptions)
-
-
-def result_parts(prediction: "Prediction", width: int = NARROW) -> Parts:
-    """Where it levitates, what it carries, and the results at each coordinate asked for."""
-    yield _results(prediction, prediction.summary())
+def prediction_parts(prediction: "Prediction", width: int = NARROW) -> Parts:
+    """The verdict, the results at each coordinate asked for, the bands, and what is assumed."""
+    yield from (_wrapped(line, width) for line in verdict_lines(prediction))
     yield from _points_tables(prediction, min(width, NARROW))
+    if np.any(_too_hot(prediction)):
+        yield "* hotter in the light than its film bears"
+    yield _results(prediction, prediction.summary())
     yield from warning_lines(prediction.warnings)
+    yield _wrapped("; ".join(prediction.assumptions), width)
+
+
+def _wrapped(line: str, width: int) -> str:
+    return textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False)
+
+
+def verdict_lines(prediction: "Prediction") -> Iterator[str]:
+    """What flies, where, what becomes of it when let go, and what its film allows."""
+    setup, found = prediction.setup, prediction.verdict
+    own_mass, payload = _mass(float(setup.flyer.own_mass)), _mass(float(setup.flyer.payload), "g")
+    yield f"{setup.flyer.describe()}, {own_mass}, payload {payload}"
+    light, bears = f"{prediction.available:.4g} W/m²", f"{found.highest_temperature or 0.0:.0f} K"
+    if not prediction.bands:
+        yield f"It does not fly in {light}: lift is at most {_most_lift(prediction)}."
+        return
+    yield f"It flies in {light} {_ranges(prediction, prediction.bands)}."
+    rest, best = found.rest, found.best
+    if rest is not None:
+        film = {
+            None: "its film's limit is not stated",
+            True: f"its film bears {bears} and survives",
+            False: f"too hot for its film, which bears {bears}",
+        }[found.survives]
+        hot = f"{rest.values['temperature']:.0f} K"
+        yield f"Let go, it rests at {_shown(prediction, rest.coordinate)} and {hot}: {film}."
+    if found.strongest_light == 0.0:
+        yield "No light that lifts it is weak enough for its film at rest."
+    elif found.survives is False or math.isfinite(found.strongest_light or math.inf):
+        yield f"At rest its film survives in up to {found.strongest_light:.4g} W/m²."
+    if found.limit == "film":
+        parts = _ranges(prediction, found.usable) if found.usable else "nowhere in that range"
+        yield f"Its film survives {parts}{'' if rest else f', as it bears {bears}'}."
+    elif rest is None:
+        known = found.highest_temperature is not None
+        yield (
+            f"Its film bears {bears} and survives." if known else "Its film's limit is not stated."
+        )
+    if best is not None:
+        place, payload = (
+            _shown(prediction, best.coordinate),
+            _mass(float(f"{best.values['payload']:.3g}")),
+        )
+        yield f"Held at {place} it carries up to {payload}."
+
+
+def _shown(prediction: "Prediction", coordinate: float) -> str:
+    """An altitude or pressure with its unit."""
+    factor, unit = prediction.coordinate_key[1], prediction.coordinate.shown_unit
+    return f"{coordinate * factor:{'.3g' if prediction.coordinate.logarithmic else '.1f'}} {unit}"
+
+
+def _ranges(prediction: "Prediction", bands: list[tuple[float, float]]) -> str:
+    """Ranges in words; what ends with the search is open."""
+    first, last = prediction.coordinates[[0, -1]]
+    return " and ".join(
+        f"from {'below ' if low <= first else ''}{_shown(prediction, low)} "
+        f"to {'above ' if high >= last else ''}{_shown(prediction, high)}"
+        for low, high in bands
+    )
+
+
+def _most_lift(prediction: "Prediction") -> str:
+    lift = round(float(prediction.best.values["lift_over_weight"]), 2) + 0.0  # and never -0.00
+    return f"{lift:.2f} of its weight, at {_shown(prediction, prediction.best.coordinate)}"
 
 
 def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
@@ -36,10 +98,7 @@ def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
     best, easiest = prediction.best, prediction.easiest
     rows: dict[str, str] = {}
     if not prediction.bands:
-        lift = round(float(best.values["lift_over_weight"]), 2) + 0.0  # and never -0.00
-        shortfall = f"lift is at most {lift:.2f} of its weight, at "
-        shortfall += f"{best.coordinate * factor:{digits}} {unit}"
-        rows["levitates"] = f"nowhere at {light:g} W/m²: {shortfall}"
+        rows["levitates"] = f"nowhere at {light:g} W/m²: lift is at most {_most_lift(prediction)}"
     else:
         edge = ".4g" if where.logarithmic else ".3f"
         bands = summary[f"{where.name}_bands{key.removeprefix(where.name)}"]
@@ -143,6 +202,12 @@ def _points_tables(prediction: "Prediction", width: int) -> Iterator[Table]:
         yield _points_table(prediction, {name: headings[name] for name in part})
 
 
+def _too_hot(prediction: "Prediction") -> np.ndarray:
+    """Where, of the coordinates asked for, the light makes the film hotter than it bears."""
+    highest = prediction.verdict.highest_temperature
+    return prediction.at["temperature"] > (math.inf if highest is None else highest)
+
+
 def _own_heading(prediction: "Prediction", name: str) -> str:
     words, known = name.replace("_", " "), outputs_of(prediction.setup)[name]
     return f"{words}\n[{{}}]" if known.shown[1] else words
@@ -152,8 +217,11 @@ def _points_table(prediction: "Prediction", headings: dict[str, tuple[str, str]]
     """Table of some results, each with its heading and format."""
     where, (_, factor) = prediction.coordinate, prediction.coordinate_key
     known = outputs_of(prediction.setup)
+    marks = np.where(_too_hot(prediction), "*", "")
     columns = {
-        f"{where.name}\n[{where.shown_unit}]": [f"{x * factor:.6g}" for x in prediction.asked]
+        f"{where.name}\n[{where.shown_unit}]": [
+            f"{mark}{x * factor:.6g}" for mark, x in zip(marks, prediction.asked, strict=True)
+        ]
     }
     for name, (heading, form) in headings.items():
         values = prediction.at[name]

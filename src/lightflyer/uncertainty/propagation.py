@@ -21,7 +21,8 @@ from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.files.result_text import NARROW, Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.edges_and_optima import Found
-from lightflyer.prediction.prediction import Place, Prediction, predict_design, search_grid
+from lightflyer.prediction.evaluator import Place
+from lightflyer.prediction.prediction import Prediction, predict_design, search_grid
 from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.derivatives import Derivatives, derivatives
 from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs

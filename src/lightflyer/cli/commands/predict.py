@@ -171,13 +171,10 @@ def _write(
 def _show(
     file: "FlyerFile", results: "tuple[Prediction, dict[str, Any], PredictionUncertainty | None]"
 ) -> "Console":
-    from lightflyer.prediction.text import flyer_lines, result_parts
-
     (prediction, summary, uncertainty), console = results, printer()
-    show(console, flyer_lines(prediction))
+    show(console, prediction.text_parts(console.width))
     for name in filter(summary.__contains__, file.films()):
         console.print(_origins_line(name, summary[name]), soft_wrap=True)
-    show(console, result_parts(prediction, console.width))
     if uncertainty is not None:
         show(console, uncertainty.text_parts(console.width))
     elif file.uncertainties():

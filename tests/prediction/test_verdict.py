@@ -1,0 +1,179 @@
+"""Verdicts, against roots that SciPy finds on the functions of one place."""
+
+import dataclasses
+
+import equinox as eqx
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import lightflyer as lf
+from lightflyer.cli.commands.init import templates
+from lightflyer.config.designs import as_design
+from lightflyer.prediction.text import verdict_lines
+
+
+def setup_of(kind, folder):
+    path = folder / f"{kind}.toml"
+    path.write_text(templates()[kind].read(), encoding="utf-8")
+    return as_design(path).setup
+
+
+class Truth:
+    """A setup at one place in some light."""
+
+    def __init__(self, setup):
+        self.setup = setup
+        self.light = float(setup.environment.radiation.irradiance)
+
+    def state(self, place, light):
+        state = self.setup.environment.state(place)
+        return eqx.tree_at(lambda state: state.radiation.irradiance, state, np.float64(light))
+
+    def lift(self, place, light=None):
+        state = self.state(place, light or self.light)
+        force = lf.lift(self.setup.flyer, state, self.setup.model)
+        return float(force / lf.flight.weight(self.setup.flyer, state)) - 1.0
+
+    def temperature(self, place, light=None):
+        state = self.state(place, light or self.light)
+        return float(lf.equilibrium(self.setup.flyer, state, self.setup.model).temperature)
+
+    def payload(self, place):
+        state = self.state(place, self.light)
+        return float(lf.payload(self.setup.flyer, state, self.setup.model))
+
+    def rest(self, low, high, light=None):
+        return brentq(lambda place: self.lift(place, light), low, high, xtol=1e-3)
+
+
+def bearing(setup, kelvin):
+    """The setup with a film that bears a temperature."""
+    film = dataclasses.replace(setup.flyer.film, highest_temperature=kelvin)
+    return dataclasses.replace(setup, flyer=dataclasses.replace(setup.flyer, film=film))
+
+
+@pytest.mark.parametrize(
+    ("kind", "near", "shown"),
+    [
+        ("earth", (81e3, 90e3), ("75.5 km to 85.1 km", "573 K", "78.2 km", "1061 W/m²")),
+        ("mars", (57e3, 75e3), ("47.7 km to 66.8 km", "421 K", "1081 W/m²")),
+    ],
+)
+def test_rest_limit_and_light_are_roots(kind, near, shown, tmp_path):
+    setup = setup_of(kind, tmp_path)
+    prediction, truth = lf.predict(setup), Truth(setup)
+    verdict, highest = prediction.verdict, 520.0
+    assert verdict.highest_temperature == highest
+    rest = truth.rest(*near)
+    assert verdict.rest.coordinate == pytest.approx(rest, abs=0.1)
+    assert verdict.rest.values["temperature"] == pytest.approx(truth.temperature(rest), abs=1e-3)
+    assert verdict.survives == (truth.temperature(rest) < highest)
+
+    def too_hot(light):
+        return truth.temperature(truth.rest(near[0], 105e3, light), light) - highest
+
+    strongest = brentq(too_hot, 1000.0, 1300.0, xtol=1e-3)
+    assert verdict.strongest_light == pytest.approx(strongest, abs=0.05)
+    ((low, high),) = verdict.usable
+    assert low == verdict.lowest_release == prediction.bands[0][0]
+    if verdict.survives:
+        assert verdict.limit == "lift"
+        assert verdict.best is prediction.best
+    else:
+        assert verdict.limit == "film"
+        passed = brentq(lambda place: truth.temperature(place) - highest, 75e3, 85e3)
+        assert high == pytest.approx(passed, abs=0.1)
+        assert verdict.best.coordinate == pytest.approx(passed, abs=0.1)
+        assert verdict.best.values["payload"] == pytest.approx(truth.payload(passed), rel=1e-4)
+    lines = list(verdict_lines(prediction))
+    assert len(lines) <= 6
+    assert max(map(len, lines)) <= 80
+    assert all(number in " ".join(lines) for number in shown)
+
+
+def test_a_film_that_no_light_spares(tmp_path):
+    verdict = lf.predict(bearing(setup_of("mars", tmp_path), 200.0)).verdict
+    assert (verdict.limit, verdict.usable, verdict.best) == ("film", [], None)
+    assert (verdict.survives, verdict.strongest_light) == (False, 0.0)
+
+
+def test_a_film_that_every_light_spares_within_the_search(tmp_path):
+    setup = dataclasses.replace(setup_of("mars", tmp_path), search_range=(40e3, 67e3))
+    prediction = lf.predict(setup)
+    assert (prediction.verdict.survives, prediction.verdict.strongest_light) == (True, np.inf)
+    assert prediction.summary()["verdict"]["strongest_light_w_m2"] is None
+
+
+def test_the_hotter_a_film_may_be_the_stronger_the_light(tmp_path):
+    setup = setup_of("mars", tmp_path)
+    limits = (300.0, 400.0, 500.0, 1000.0, 2000.0, 4900.0)
+    found = [lf.predict(bearing(setup, limit)).verdict.strongest_light for limit in limits]
+    assert np.all(np.diff(found) > 0.0)
+    assert np.isfinite(found).all()
+
+
+def test_without_flight_or_limit(disk):
+    earth = lf.lu2023_earth()
+    heavy = dataclasses.replace(disk, payload=1e-3)
+    prediction = lf.predict(heavy, earth, lf.Lu2023())
+    assert prediction.verdict.limit == "light"
+    assert "It does not fly in " in str(prediction)
+    free = lf.predict(disk, earth, lf.Lu2023())
+    assert free.verdict.usable == free.bands
+    assert (free.verdict.survives, free.verdict.strongest_light) == (None, None)
+    assert "its film's limit is not stated" in str(free)
+
+
+def test_a_chamber_has_a_film_limit_and_no_place_of_rest(disk):
+    chamber = lf.Chamber(radiation=lf.environment.Radiation(1500.0))
+    setup = bearing(lf.Setup(disk, chamber, lf.Lu2023()), 480.0)
+    prediction, truth = lf.predict(setup), Truth(setup)
+    verdict = prediction.verdict
+    ((low, high),) = prediction.bands
+    passed = brentq(lambda pressure: truth.temperature(pressure) - 480.0, low, high)
+    np.testing.assert_allclose(verdict.usable, [(passed, high)], rtol=1e-5)
+    assert verdict.rest is verdict.lowest_release is verdict.survives is None
+    # the rows beyond the limit are marked, and no others
+    found = lf.predict(setup, at=[0.9 * passed, 1.1 * passed])
+    marked = [line.strip()[0] == "*" for line in str(found).splitlines() if "e+" not in line]
+    assert sum(marked) == 2  # the row, and what its mark means
+
+
+def test_a_range_that_ends_within_the_band_is_open(tmp_path):
+    balloon = lf.predict(setup_of("balloon", tmp_path))
+    assert balloon.verdict.lowest_release is None
+    assert balloon.verdict.rest.coordinate == balloon.bands[0][1]
+    assert "from below 1.0 km to 19.5 km" in str(balloon)
+    setup = dataclasses.replace(setup_of("mars", tmp_path), search_range=(50e3, 60e3))
+    cut = lf.predict(setup)
+    assert (cut.verdict.rest, cut.verdict.strongest_light) == (None, None)
+    assert "from below 50.0 km to above 60.0 km" in str(cut)
+
+
+def test_random_designs_have_a_possible_verdict(rng):
+    environments = [lf.lu2023_earth(), lf.Mars(), lf.Chamber()]
+    limits = set()
+    for number in range(60):
+        density, absorptance, emittance = rng.uniform((2e-4, 0.3, 0.03), (2e-3, 0.95, 0.5))
+        film = lf.FilmProperties(
+            density, absorptance, emittance, emittance, tac_top=0.75, tac_bottom=0.95,
+            highest_temperature=rng.uniform(250.0, 900.0),
+        )  # fmt: skip
+        disk = lf.Disk(film, radius=10.0 ** rng.uniform(-3.5, -1.0))
+        prediction = lf.predict(disk, environments[number % 3], lf.Lu2023())
+        verdict, highest = prediction.verdict, float(film.highest_temperature)
+        limits.add((number % 3, verdict.limit))
+        assert (verdict.limit == "light") == (not prediction.bands)
+        for low, high in verdict.usable:
+            assert any(start <= low <= high <= end for start, end in prediction.bands)
+        if verdict.best is not None:
+            assert verdict.best.values["temperature"] <= highest * (1.0 + 1e-6)
+            assert 0.0 <= verdict.best.values["payload"] <= prediction.best.values["payload"]
+        if verdict.rest is not None:
+            assert verdict.rest.values["lift_over_weight"] == pytest.approx(1.0, abs=1e-4)
+            assert verdict.survives == (verdict.strongest_light >= prediction.available)
+        lines = list(verdict_lines(prediction))
+        assert len(lines) <= 6
+        assert max(map(len, lines)) <= 80
+    assert limits >= {(place, limit) for place in range(2) for limit in ("light", "film", "lift")}

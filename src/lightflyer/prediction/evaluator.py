@@ -16,18 +16,10 @@ Table: TypeAlias = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Place:
-    """One coordinate and the outputs there.
+    """One coordinate and the outputs there."""
 
-    Attributes
-    ----------
-    coordinate : float
-        [m] or [Pa].
-    values : dict of str to float
-        Outputs by name, in SI units.
-    """
-
-    coordinate: float
-    values: dict[str, float]
+    coordinate: float  #: [m] or [Pa]
+    values: dict[str, float]  #: Outputs by name, in SI units
 
 
 class Evaluator:

@@ -17,40 +17,27 @@ Limit = Literal["light", "film", "lift"]
 
 @dataclass(frozen=True)
 class Verdict:
-    """Where a flyer can be used, what becomes of it when nothing holds it, and what limits it.
+    """Where a flyer can be used, what becomes of it when nothing holds it, and what limits it."""
 
-    Attributes
-    ----------
-    highest_temperature : float or None
-        That the film bears [K]; None where the flyer does not state it.
-    usable : list of (float, float)
-        Ranges of the coordinate in which the flyer levitates and its film survives, lowest first.
-    best : Place or None
-        Where in them it carries the largest payload, if something holds it there.
-    lowest_release : float or None
-        Lower edge of the widest band [m], below which the flyer sinks; None where the band
-        reaches the end of the search.
-    rest : Place or None
-        Its upper edge, at which lift falls with altitude: there a flyer comes to rest that nothing
-        holds. None where the band reaches the end of the search, and in a chamber.
-    survives : bool or None
-        Whether the film survives at rest; None where rest or limit are unknown.
-    strongest_light : float or None
-        Irradiance up to which it does [W/m²]: zero where no light that lifts the flyer is weak
-        enough, infinite where none that leaves it within the search is too strong. None where
-        ``survives`` is.
-    limit : {"light", "film", "lift"}
-        What decides: the light where it lifts the flyer nowhere, the film where it does not
-        survive in the whole band, else the lift at both edges.
-    """
-
+    #: That the film bears [K]; None where the flyer does not state it
     highest_temperature: float | None
+    #: Ranges of the coordinate in which the flyer levitates and its film survives, lowest first
     usable: list[tuple[float, float]]
-    best: Place | None
+    best: Place | None  #: Where in them it carries the largest payload, if something holds it there
+    #: Lower edge of the widest band [m], below which the flyer sinks; None where the band reaches
+    #: the end of the search
     lowest_release: float | None
+    #: Its upper edge, at which lift falls with altitude: there a flyer comes to rest that nothing
+    #: holds. None where the band reaches the end of the search, and in a chamber
     rest: Place | None
+    #: Whether the film survives at rest; None where rest or limit are unknown
     survives: bool | None
+    #: Irradiance up to which it does [W/m²]: zero where no light that lifts the flyer is weak
+    #: enough, infinite where none that leaves it within the search is too strong. None where
+    #: ``survives`` is
     strongest_light: float | None
+    #: What decides: the light where it lifts the flyer nowhere, the film where it does not survive
+    #: in the whole band, else the lift at both edges
     limit: Limit
 
 

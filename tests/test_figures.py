@@ -22,6 +22,7 @@ from lightflyer.calibration.figures import fitted_curve
 from lightflyer.files import drawing
 from lightflyer.files.display_units import in_words
 from lightflyer.lab.readers.height_map import HeightMap
+from lightflyer.lab.thermography.camera import parse_band
 from lightflyer.sweeps.figures import pareto_figure
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
@@ -335,7 +336,7 @@ def test_rows_below_zero_are_shown_on_a_logarithmic_axis(examples):
 
 @pytest.mark.parametrize("style", STYLES)
 def test_intervals_of_thermography_are_tall(examples, style):
-    scene = lf.lab.Scene(camera=lf.lab.parse_band("7.5-14 um"))
+    scene = lf.lab.Scene(camera=parse_band("7.5-14 um"))
     method = lf.lab.THERMAL
     readings, _ = lf.lab.read_readings(examples / "thermal.csv", method, accuracy=0.5, scene=scene)
     found = lf.lab.reduce_readings(readings, draws=2000)

@@ -8,6 +8,7 @@ import numpy as np
 from trial import Trial
 
 from lightflyer import lab
+from lightflyer.lab.thermography.data import standard_uncertainties
 
 COMMAND = "lab thermography --light-meter"
 
@@ -33,7 +34,7 @@ def trials(seed: int) -> list[Trial]:
         shown = light * (1.0 + LINEARITY * rng.normal(size=4)) + DARK * incident
         shown = shown * (1.0 + GAIN * rng.normal())
         values = shown[:, None] * (1.0 + NOISE * rng.normal(size=(4, count)))
-        spread = lab.standard_uncertainties(lab.LIGHT, values.mean(axis=1))
+        spread = standard_uncertainties(lab.LIGHT, values.mean(axis=1))
         result = lab.reduce_readings(lab.Readings(lab.LIGHT, values, spread), draws=DRAWS)
         for way, estimates in (("first order", result.first_order),
                                ("Monte Carlo", result.monte_carlo)):  # fmt: skip

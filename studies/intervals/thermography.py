@@ -13,6 +13,7 @@ from trial import Trial
 
 from lightflyer import lab
 from lightflyer.core.units import Measured
+from lightflyer.lab.thermography.data import standard_uncertainties
 
 COMMAND = "lab thermography"
 
@@ -85,7 +86,7 @@ def judged(
     accuracy: float | None = None,
 ) -> list[Trial]:  # fmt: skip
     """Intervals that the command prints, beside the truth."""
-    spread = lab.standard_uncertainties(lab.THERMAL, values.mean(axis=1), accuracy)
+    spread = standard_uncertainties(lab.THERMAL, values.mean(axis=1), accuracy)
     readings = lab.Readings(lab.THERMAL, values, spread, scene)
     result = lab.reduce_readings(readings, draws=DRAWS)
     return [

@@ -25,7 +25,8 @@ from scipy.optimize import brentq
 from scipy.special import erf
 
 import lightflyer as lf
-from lightflyer.environment import EARTH_LIMB, Daylight, Place, horizon_depression, visible_share
+from lightflyer.environment import EARTH_LIMB, Daylight, Place
+from lightflyer.environment.horizon import horizon_depression, visible_share
 from lightflyer.files import drawing as plot
 from lightflyer.film.optics.spectra import am0
 

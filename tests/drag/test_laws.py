@@ -11,7 +11,8 @@ from scipy.integrate import quad
 
 import lightflyer as lf
 from lightflyer.drag import free_molecular
-from lightflyer.drag.disk import _EDGEWISE_SHARE, EDGEWISE
+from lightflyer.drag.convex import convex_drag, sphere_outline
+from lightflyer.drag.disk import _EDGEWISE_SHARE, EDGEWISE, edgewise_disk_drag
 from lightflyer.drag.disk_table import dense_share
 from lightflyer.drag.inertia import disk_inertia, sphere_inertia
 from lightflyer.drag.similarity import molecular_speed
@@ -90,10 +91,10 @@ def test_both_limits_of_a_disk():
         found = lf.drag.disk_drag(speed, 0.01, **thin, tac=tac, excess=excess)
         scale = thin["pressure"] * area * speed / SPEED
         assert found / scale == pytest.approx(expected, rel=1e-6)
-        found = lf.drag.edgewise_disk_drag(speed, 0.01, **thin, tac=tac, excess=excess)
+        found = edgewise_disk_drag(speed, 0.01, **thin, tac=tac, excess=excess)
         assert found / scale == pytest.approx(sum(tac) / math.sqrt(math.pi), rel=1e-6)
     assert lf.drag.disk_drag(1e-12, 0.01, **dense) / slow == pytest.approx(16.0, rel=1e-6)
-    edgewise = lf.drag.edgewise_disk_drag(1e-12, 0.01, **dense)
+    edgewise = edgewise_disk_drag(1e-12, 0.01, **dense)
     assert edgewise / slow == pytest.approx(32.0 / 3.0, rel=1e-6)
 
 
@@ -161,11 +162,9 @@ def test_a_slow_sphere_follows_cunninghams_law():
     radius = path / knudsen
     stokes = 6.0 * np.pi * float(AIR.viscosity(TEMPERATURE)) * radius * 1e-6
     measured = stokes / (1.0 + knudsen * (1.142 + 0.558 * np.exp(-0.999 / knudsen)))
-    found = lf.drag.convex_drag(1e-6, lf.drag.sphere_outline(radius), 1e3, TEMPERATURE, AIR)
+    found = convex_drag(1e-6, sphere_outline(radius), 1e3, TEMPERATURE, AIR)
     np.testing.assert_allclose(found, measured, rtol=0.015)
-    thinner = lf.drag.convex_drag(
-        1e-6, lf.drag.sphere_outline(0.1 * radius), 1e3, TEMPERATURE, AIR, tac=0.9
-    )
+    thinner = convex_drag(1e-6, sphere_outline(0.1 * radius), 1e3, TEMPERATURE, AIR, tac=0.9)
     knudsen *= 10.0
     measured = 0.1 * stokes / (1.0 + knudsen * (1.142 + 0.558 * np.exp(-0.999 / knudsen)))
     np.testing.assert_allclose(thinner[-2:], measured[-2:], rtol=0.03)

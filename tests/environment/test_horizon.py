@@ -9,10 +9,13 @@ import lightflyer as lf
 from lightflyer.environment import (
     EARTH_LIMB,
     Limb,
+)
+from lightflyer.environment.horizon import (
+    facing_share,
     horizon_depression,
+    lit_ground,
     visible_share,
 )
-from lightflyer.environment.horizon import facing_share, lit_ground
 
 RADIUS = 6_371_008.8
 SUN = np.radians(0.267)

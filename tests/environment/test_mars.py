@@ -9,7 +9,12 @@ from scipy.special import expn
 import lightflyer as lf
 from lightflyer.environment import Dust, MarsAtmosphere, Place, mars_sunlight
 from lightflyer.environment.light.dust import air_mass, dusty_light, two_stream_transmittance
-from lightflyer.environment.light.mars_sun import distance_in_season, zenith_angle_in_season
+from lightflyer.environment.light.mars_sun import (
+    distance_in_season,
+    solar_longitude,
+    sun_from_mars,
+    zenith_angle_in_season,
+)
 from lightflyer.environment.mars import season_irradiance
 from lightflyer.files.table import shipped_table
 
@@ -105,7 +110,7 @@ ASTROPY = np.array(
 
 def test_sun_of_mars_against_an_independent_ephemeris():
     time, *vector, distance = ASTROPY.T
-    sun = lf.environment.sun_from_mars(time)
+    sun = sun_from_mars(time)
     apart = np.linalg.norm(sun.direction - np.stack(vector, axis=-1), axis=-1)
     assert np.degrees(apart).max() < 0.03
     np.testing.assert_allclose(sun.distance / ASTRONOMICAL_UNIT, distance, rtol=2e-4)
@@ -114,20 +119,20 @@ def test_sun_of_mars_against_an_independent_ephemeris():
 def test_season_has_the_published_check_value():
     # Mars24, worked example of 2000-01-06 00:00 UTC
     time = 4.5 * 86_400.0
-    assert np.degrees(lf.environment.solar_longitude(time)) == pytest.approx(277.18758, abs=1e-3)
-    found = lf.environment.sun_from_mars(time).distance / ASTRONOMICAL_UNIT
+    assert np.degrees(solar_longitude(time)) == pytest.approx(277.18758, abs=1e-3)
+    found = sun_from_mars(time).distance / ASTRONOMICAL_UNIT
     assert found == pytest.approx(1.39358, rel=1e-5)
 
 
 def test_sunlight_through_the_year():
     """490 W/m² at aphelion, 713 at perihelion: of an orbit from 1.381 to 1.666 au."""
     time = np.arange(0.0, 690.0) * 86_400.0
-    light = 1361.0 / (lf.environment.sun_from_mars(time).distance / ASTRONOMICAL_UNIT) ** 2
+    light = 1361.0 / (sun_from_mars(time).distance / ASTRONOMICAL_UNIT) ** 2
     assert (light.min(), light.max()) == (
         pytest.approx(490.0, abs=1.0),
         pytest.approx(713.0, abs=1.0),
     )
-    season = np.asarray(lf.environment.solar_longitude(time))
+    season = np.asarray(solar_longitude(time))
     np.testing.assert_allclose(season_irradiance(season), light, rtol=1e-3)
     mean, _ = quad(lambda days: np.interp(days, np.arange(690.0), light), 0.0, 686.98, limit=400)
     assert mars_sunlight().irradiance == pytest.approx(mean / 686.98, rel=1e-4)
@@ -152,10 +157,10 @@ def test_the_sky_agrees_with_season_and_local_time(mars):
     over = dataclasses.replace(mars, sky=lf.environment.MARS_SKY, dust=None)
     place = Place(latitude=np.radians(10.0), longitude=0.3, time=812_345_678.0)
     state = over.state(60e3, place)
-    position = lf.environment.sun_from_mars(place.time)
+    position = sun_from_mars(place.time)
     east = np.arctan2(position.direction[1], position.direction[0])
     hour = 12.0 + np.degrees(place.longitude - east) / 15.0
-    season = lf.environment.solar_longitude(place.time)
+    season = solar_longitude(place.time)
     expected = zenith_angle_in_season(season, place.latitude, hour)
     assert state.radiation.zenith_angle == pytest.approx(float(expected), abs=2e-4)
     assert state.radiation.ground_view == pytest.approx((3389.5 / 3449.5) ** 2, rel=1e-4)

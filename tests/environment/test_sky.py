@@ -20,6 +20,7 @@ from lightflyer.environment import (
     Place,
     UniformGround,
 )
+from lightflyer.environment.light.sun import sun_from_earth
 
 J2000 = 946_728_000.0
 SKY = Daylight()
@@ -286,7 +287,7 @@ def test_knockes_ground_reflects_what_satellites_saw():
     sine = (np.arange(200) + 0.5) / 100.0 - 1.0
     time = np.arange(0.0, 365.25, 5.0) * 86_400.0
     place = Place(np.arcsin(sine)[:, None], 0.0, time)
-    declination = np.arcsin(lf.environment.sun_from_earth(time).direction[:, 2])
+    declination = np.arcsin(sun_from_earth(time).direction[:, 2])
     half_day = np.arccos(np.clip(-np.tan(place.latitude) * np.tan(declination), -1.0, 1.0))
     falls = half_day * sine[:, None] * np.sin(declination) + np.sqrt(
         1.0 - sine[:, None] ** 2

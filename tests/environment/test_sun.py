@@ -13,9 +13,8 @@ from lightflyer.environment import (
     Planet,
     SunPosition,
     TabulatedSun,
-    sun_from_earth,
-    sun_in_sky,
 )
+from lightflyer.environment.light.sun import sun_from_earth, sun_in_sky
 
 J2000 = 946_728_000.0  # 2000-01-01 12:00 UTC in Unix time [s]
 CENTURY = 100.0 * 365.25 * 86_400.0

@@ -12,13 +12,13 @@ from lightflyer.film import (
     Spectrum,
     absorptance,
     am0,
-    blackbody_fraction,
     emittance,
     emittance_curve,
     material,
     planck,
     tabulated_material,
 )
+from lightflyer.film.optics.spectra import blackbody_fraction
 
 TEMPERATURES = np.array([200.0, 300.0, 441.0, 1000.0])
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.film import Rule, bruggeman, maxwell_garnett
-from lightflyer.film.media.effective_media import Shape, parallel, series
+from lightflyer.film import Rule, bruggeman
+from lightflyer.film.media.effective_media import Shape, maxwell_garnett, parallel, series
 
 PYELLI = [  # host, inclusion, fraction; Bruggeman's and Maxwell Garnett's index by pyElli 0.23.1
     (1.0, 4.2 + 2.1j, 0.30, 1.7281121650250268 + 0.30772343070963626j,

@@ -18,11 +18,11 @@ from lightflyer.film import (
     Layer,
     absorptance,
     am0,
-    heat_shares,
     light_shares,
     stack_optics,
     tabulated_material,
 )
+from lightflyer.film.optics.averages import heat_shares
 from lightflyer.film.optics.diagnostics import property_warnings, thick_warnings
 
 WAVELENGTH = 7e-7

@@ -7,11 +7,11 @@ from lightflyer.core import constants
 from lightflyer.film import (
     Spectrum,
     am0,
-    blackbody_fraction,
     cold_white_led,
     planck,
     spectrum_from_csv,
 )
+from lightflyer.film.optics.spectra import blackbody_fraction
 
 
 def test_sunlight_adds_up_to_the_solar_constant_of_its_standard():

@@ -14,15 +14,13 @@ from lightflyer.film import (
     Spectrum,
     area_weighted,
     cold_white_led,
-    heat_shares,
-    infrared_transmittance,
     light_shares,
     material,
     planck,
     tabulated_material,
-    transmittance,
 )
 from lightflyer.film.computed import with_measured
+from lightflyer.film.optics.averages import heat_shares, infrared_transmittance, transmittance
 from lightflyer.film.properties import FilmProperties
 
 TACS = {"tac_top": lf.Measured(0.8), "tac_bottom": lf.Measured(0.8)}

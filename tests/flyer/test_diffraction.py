@@ -6,7 +6,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.design.diagnostics import diagnose_in_light
 from lightflyer.design.setup import Setup
-from lightflyer.film import am0, blackbody_fraction
+from lightflyer.film import am0
 from lightflyer.film.optics.diffraction import (
     LARGEST_DEFICIT,
     MEDIAN_WAVELENGTH_BY_TEMPERATURE,
@@ -15,6 +15,7 @@ from lightflyer.film.optics.diffraction import (
     narrow_channels,
     narrow_holes,
 )
+from lightflyer.film.optics.spectra import blackbody_fraction
 
 
 def test_half_of_the_radiation_lies_beyond_the_median_wavelengths():

@@ -11,7 +11,14 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.environment.horizon import facing_share, lit_ground
+from lightflyer.environment.horizon import (
+    facing_share,
+    horizon_depression,
+    lit_ground,
+    visible_share,
+)
+from lightflyer.environment.light.mars_sun import solar_longitude, sun_from_mars
+from lightflyer.environment.light.sun import sun_from_earth, sun_in_sky
 from lightflyer.environment.mars import season_irradiance
 from lightflyer.environment.view_factor import ground_view_factor
 from lightflyer.environment.wind.gradient import balanced_rotation
@@ -60,19 +67,17 @@ CASES = {
     "flight.sinking_speed": lambda x: lf.flight.sinking_speed(disk(x), STATE),
     "flight.levitation_band": lambda x: lf.levitation_band(disk(x), lf.Earth(), lf.Lu2023()).upper,
     "environment.season_irradiance": lambda x: season_irradiance(1.2 * x),
-    "environment.solar_longitude": lambda x: lf.environment.solar_longitude(2e8 * x),
-    "environment.sun_from_mars": lambda x: lf.environment.sun_from_mars(1e4 * x).direction[0],
+    "environment.solar_longitude": lambda x: solar_longitude(2e8 * x),
+    "environment.sun_from_mars": lambda x: sun_from_mars(1e4 * x).direction[0],
     "environment.ground_view_factor": lambda x: ground_view_factor(1.5 * x, 0.97),
-    "environment.visible_share": lambda x: lf.environment.visible_share(0.002 * x, 0.0047),
+    "environment.visible_share": lambda x: visible_share(0.002 * x, 0.0047),
     "environment.facing_share": lambda x: facing_share(0.002 * x, 0.0047),
     "environment.lit_ground": lambda x: lit_ground(1.55 * x, 0.978),
-    "environment.horizon_depression": lambda x: lf.environment.horizon_depression(
+    "environment.horizon_depression": lambda x: horizon_depression(
         lf.environment.EARTH_LIMB, 75e3 * x, 6.371e6
     ),
-    "environment.sun_from_earth": lambda x: lf.environment.sun_from_earth(1e4 * x).direction[0],
-    "environment.sun_in_sky": lambda x: (
-        lf.environment.sun_in_sky(lf.environment.sun_from_earth(1e4), 0.7 * x, 0.2).zenith_angle
-    ),
+    "environment.sun_from_earth": lambda x: sun_from_earth(1e4 * x).direction[0],
+    "environment.sun_in_sky": lambda x: sun_in_sky(sun_from_earth(1e4), 0.7 * x, 0.2).zenith_angle,
     "environment.balanced_rotation": lambda x: balanced_rotation(1e-9 * x, 0.7, 7.3e-5),
     "film.stack_optics": lambda x: lf.film.stack_optics(
         np.array([3.5]), np.array([0.1]), x * np.array([5e-8]), 5e-7

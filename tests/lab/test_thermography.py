@@ -5,13 +5,14 @@ from uncertainties import ufloat
 
 import lightflyer as lf
 from lightflyer.core.units import Measured
-from lightflyer.lab import Scene, flat_band, standard_uncertainties
+from lightflyer.lab import Scene, flat_band
 from lightflyer.lab.thermography.data import (
     LIGHT,
     THERMAL,
     Readings,
     given_readings,
     read_readings,
+    standard_uncertainties,
 )
 from lightflyer.lab.thermography.reduction import reduce_readings
 from lightflyer.lab.thermography.thermal_image import (

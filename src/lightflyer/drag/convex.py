@@ -76,17 +76,7 @@ class Outline(NamedTuple):
 
 @entry_point
 def sphere_outline(radius: Numeric) -> Outline:
-    """Outline of a sphere.
-
-    Parameters
-    ----------
-    radius : array, shape (...)
-        [m].
-
-    Returns
-    -------
-    Outline
-    """
+    """Outline of a sphere."""
     square = jnp.pi * jnp.asarray(radius) ** 2
     return Outline(square, 4.0 * square, 4.0 * square / 3.0)
 
@@ -101,37 +91,7 @@ def convex_drag(
     tac: Numeric = 1.0,
     excess: Numeric = 0.0,
 ) -> Array:
-    """Drag of a closed convex body.
-
-    Parameters
-    ----------
-    speed : array, shape (...)
-        Relative to the gas, of either sign [m/s].
-    outline : Outline
-        Such as :func:`sphere_outline`.
-    pressure, temperature : array, shape (...)
-        Of the gas far away [Pa], [K].
-    gas : AbstractGas
-    tac : array, shape (...)
-        Accommodation coefficient [1].
-    excess : array, shape (...)
-        Relative temperature excess of the surface [1].
-
-    Returns
-    -------
-    array, broadcast shape
-        Force against the motion, of the sign of the speed [N].
-
-    Notes
-    -----
-    Differentiable, and odd in the speed. A sphere is within 3 % of measurements in slow flow, and
-    within 6 % at Reynolds numbers to 3e5. Other bodies are estimates: within about 10 % in slow
-    flow of dense gas, while at Reynolds numbers above 100 blunt ones have up to three times the
-    drag of a sphere.
-
-    References
-    ----------
-    [Epstein1924]_, [AllenRaabe1985]_, [Leith1987]_
+    """Drag of a closed convex body [N]; force against the motion, of the sign of the speed.
 
     Examples
     --------
@@ -140,6 +100,12 @@ def convex_drag(
     >>> print(f"{convex_drag(1e-3, ball, 101325.0, 293.15, AIR) * 1e15:.1f} fN")
     319.1 fN
     """
+    # Differentiable, and odd in the speed. A sphere is within 3 % of measurements in slow flow, and
+    # within 6 % at Reynolds numbers to 3e5. Other bodies are estimates: within about 10 % in slow
+    # flow of dense gas, while at Reynolds numbers above 100 blunt ones have up to three times the
+    # drag of a sphere.
+    #
+    # Source: [Epstein1924]_, [AllenRaabe1985]_, [Leith1987]_.
     radius = outline.radius
     speed_ratio = speed / molecular_speed(temperature, gas)
     delta = rarefaction_parameter(pressure, temperature, radius, gas)

@@ -16,16 +16,12 @@ from .earth import Earth as Earth
 from .earth import lu2023_earth as lu2023_earth
 from .horizon import EARTH_LIMB as EARTH_LIMB
 from .horizon import Limb as Limb
-from .horizon import horizon_depression as horizon_depression
-from .horizon import visible_share as visible_share
 from .light.dust import Dust as Dust
 from .light.ground import AbstractGround as AbstractGround
 from .light.ground import Knocke1988Ground as Knocke1988Ground
 from .light.ground import UniformGround as UniformGround
 from .light.ground_grid import GriddedGround as GriddedGround
 from .light.mars_sun import MarsSun as MarsSun
-from .light.mars_sun import solar_longitude as solar_longitude
-from .light.mars_sun import sun_from_mars as sun_from_mars
 from .light.sky import AbstractSky as AbstractSky
 from .light.sky import Daylight as Daylight
 from .light.sky import LightHours as LightHours
@@ -33,8 +29,6 @@ from .light.sun import AbstractSun as AbstractSun
 from .light.sun import EarthSun as EarthSun
 from .light.sun import SunInSky as SunInSky
 from .light.sun import SunPosition as SunPosition
-from .light.sun import sun_from_earth as sun_from_earth
-from .light.sun import sun_in_sky as sun_in_sky
 from .light.sun_table import TabulatedSun as TabulatedSun
 from .mars import MARS_SKY as MARS_SKY
 from .mars import Mars as Mars

@@ -57,32 +57,17 @@ def _half_chord(position: Array) -> Array:
 
 @entry_point
 def visible_share(elevation: Numeric, angular_radius: Numeric) -> Array:
-    r"""Share of the sun's disk above a straight horizon.
-
-    .. math:: \frac{\varphi - \sin\varphi\cos\varphi}{\pi},
-        \qquad \cos\varphi = -\frac{\text{elevation}}{\text{angular radius}}
-
-    Parameters
-    ----------
-    elevation : array, shape (...)
-        Angle of the disk's centre above the horizon [rad].
-    angular_radius : array, shape (...)
-        Of the disk [rad].
-
-    Returns
-    -------
-    array, broadcast shape
-        Zero to one [1].
-
-    Notes
-    -----
-    The disk is evenly bright. Once continuously differentiable.
+    r"""Share of the sun's disk above a straight horizon [1]; zero to one.
 
     Examples
     --------
     >>> visible_share(np.radians([-0.3, 0.0, 0.3]), np.radians(0.267)).tolist()
     [0.0, 0.5, 1.0]
     """
+    # .. math:: \frac{\varphi - \sin\varphi\cos\varphi}{\pi},
+    #     \qquad \cos\varphi = -\frac{\text{elevation}}{\text{angular radius}}
+    #
+    # The disk is evenly bright. Once continuously differentiable.
     return _share_above(elevation / angular_radius)
 
 
@@ -140,34 +125,18 @@ def _refractivity(limb: Limb, height: Numeric) -> Array:
 
 @entry_point
 def horizon_depression(limb: Limb, altitude: Numeric, radius: Numeric) -> Array:
-    r"""Angle below the horizontal at which a planet's limb hides the centre of the sun.
-
-    The dip of the limb, :math:`\arccos\frac{(1+N)(R+h_l)}{R+h}`, and the bending of the rays along
-    it, :math:`\frac\alpha2\left(1+\operatorname{erf}\sqrt{\frac{h-h_l}{H}}\right)`.
-
-    Parameters
-    ----------
-    limb : Limb
-    altitude : array, shape (...)
-        h [m].
-    radius : array, shape (...)
-        Radius of the planet's curvature towards the sun, R [m].
-
-    Returns
-    -------
-    array, broadcast shape
-        [rad].
-
-    Notes
-    -----
-    Smooth in altitude: within 500 m of the limb's height the dip passes to zero, and below, the
-    horizon is level and the bending that of the limb's half. Differentiable.
+    r"""Angle below the horizontal at which a planet's limb hides the centre of the sun [rad].
 
     Examples
     --------
     >>> print(f"{np.degrees(horizon_depression(Limb(), 75e3, 6.371e6)):.2f}°")
     7.57°
     """
+    # The dip of the limb, :math:`\arccos\frac{(1+N)(R+h_l)}{R+h}`, and the bending of the rays
+    # along it, :math:`\frac\alpha2\left(1+\operatorname{erf}\sqrt{\frac{h-h_l}{H}}\right)`.
+    #
+    # Smooth in altitude: within 500 m of the limb's height the dip passes to zero, and below, the
+    # horizon is level and the bending that of the limb's half. Differentiable.
     # of a refracted ray, the refractive index times the distance is what a straight one keeps
     lowest = (radius + limb.height) * (1.0 + limb.refractivity)
     above = radius + altitude - lowest

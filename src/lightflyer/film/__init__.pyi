@@ -9,7 +9,6 @@ from .media.dispersion import Lorentz as Lorentz
 from .media.dispersion import TaucLorentz as TaucLorentz
 from .media.effective_media import Rule as Rule
 from .media.effective_media import bruggeman as bruggeman
-from .media.effective_media import maxwell_garnett as maxwell_garnett
 from .media.graded import Graded as Graded
 from .media.library import MEDIA as MEDIA
 from .media.materials import Material as Material
@@ -29,14 +28,10 @@ from .optics.averages import Shares as Shares
 from .optics.averages import absorptance as absorptance
 from .optics.averages import emittance as emittance
 from .optics.averages import emittance_curve as emittance_curve
-from .optics.averages import heat_shares as heat_shares
-from .optics.averages import infrared_transmittance as infrared_transmittance
 from .optics.averages import light_shares as light_shares
-from .optics.averages import transmittance as transmittance
 from .optics.curve import EmittanceCurve as EmittanceCurve
 from .optics.spectra import Spectrum as Spectrum
 from .optics.spectra import am0 as am0
-from .optics.spectra import blackbody_fraction as blackbody_fraction
 from .optics.spectra import cold_white_led as cold_white_led
 from .optics.spectra import planck as planck
 from .optics.spectra import spectrum_from_csv as spectrum_from_csv

@@ -37,17 +37,13 @@ from .tac.fit import TacFit as TacFit
 from .tac.fit import fit_tac as fit_tac
 from .tac.heat_law import HEAT_LAWS as HEAT_LAWS
 from .tac.heat_law import AbstractHeatLaw as AbstractHeatLaw
-from .thermography.camera import CameraBand as CameraBand
 from .thermography.camera import flat_band as flat_band
-from .thermography.camera import parse_band as parse_band
-from .thermography.camera import read_response as read_response
 from .thermography.data import LIGHT as LIGHT
 from .thermography.data import THERMAL as THERMAL
 from .thermography.data import Readings as Readings
 from .thermography.data import Scene as Scene
 from .thermography.data import given_readings as given_readings
 from .thermography.data import read_readings as read_readings
-from .thermography.data import standard_uncertainties as standard_uncertainties
 from .thermography.reduction import RadiativeProperties as RadiativeProperties
 from .thermography.reduction import reduce_readings as reduce_readings
 from .thermography.thermal_image import THERMAL_IMAGE_FORMATS as THERMAL_IMAGE_FORMATS

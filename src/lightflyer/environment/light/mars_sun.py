@@ -63,22 +63,8 @@ class MarsSun(AbstractSun):
 
 @entry_point
 def solar_longitude(time: Numeric) -> Array:
-    """Areocentric longitude of the sun, which tells the season of Mars.
-
-    Parameters
-    ----------
-    time : array, shape (...)
-        Seconds since 2000-01-01 12:00 UTC [s].
-
-    Returns
-    -------
-    array, shape (...)
-        [rad], 0 to 2π.
-
-    References
-    ----------
-    [AllisonMcEwen2000]_, with the coefficients of its later revision.
-    """
+    """Areocentric longitude of the sun, which tells the season of Mars [rad]; 0 to 2π."""
+    # Source: [AllisonMcEwen2000]_, with the coefficients of its later revision.
     longitude, _, _ = _season(_days(time))
     return jnp.mod(longitude, 2.0 * jnp.pi)
 
@@ -87,29 +73,15 @@ def solar_longitude(time: Numeric) -> Array:
 def sun_from_mars(time: Numeric) -> SunPosition:
     """Direction and distance of the sun from the centre of Mars.
 
-    Parameters
-    ----------
-    time : array, shape (...)
-        Seconds since 2000-01-01 12:00 UTC [s].
-
-    Returns
-    -------
-    SunPosition
-
-    Notes
-    -----
-    Within 0.03° and 2e-4 of the distance between 2000 and 2050, most of it because UTC has leap
-    seconds. Differentiable.
-
-    References
-    ----------
-    [AllisonMcEwen2000]_, with the coefficients of its later revision.
-
     Examples
     --------
     >>> print(f"{float(sun_from_mars(0.0).distance) / 1.495978707e11:.4f} au")
     1.3911 au
     """
+    # Within 0.03° and 2e-4 of the distance between 2000 and 2050, most of it because UTC has leap
+    # seconds. Differentiable.
+    #
+    # Source: [AllisonMcEwen2000]_, with the coefficients of its later revision.
     days = _days(time)
     longitude, anomaly, centre = _season(days)
     sols = (days - _MIDNIGHT_DAYS) / _DAYS_PER_SOL + _MIDNIGHT

@@ -158,25 +158,6 @@ class EarthSun(AbstractSun):
 def sun_from_earth(time: Numeric) -> SunPosition:
     """Apparent direction and distance of the sun from the centre of Earth.
 
-    Parameters
-    ----------
-    time : array, shape (...)
-        Seconds since 2000-01-01 12:00 UTC, each day of 86 400 s [s].
-
-    Returns
-    -------
-    SunPosition
-
-    Notes
-    -----
-    Between 1950 and 2050 within 0.002° and 3e-5 of the distance of the full theory of the
-    International Astronomical Union. Earth's rotation is taken from UTC, which since 1972 differs
-    from it by at most 0.9 s, or 0.004°. Differentiable.
-
-    References
-    ----------
-    [RedaAndreas2004]_, [Meeus1998]_ ch. 12, 22 and 25.
-
     Examples
     --------
     The perihelion of 2024, on 3 January:
@@ -184,6 +165,11 @@ def sun_from_earth(time: Numeric) -> SunPosition:
     >>> print(f"{float(sun_from_earth(757_600_000.0).distance) / 1.495978707e11:.4f} au")
     0.9833 au
     """
+    # Between 1950 and 2050 within 0.002° and 3e-5 of the distance of the full theory of the
+    # International Astronomical Union. Earth's rotation is taken from UTC, which since 1972 differs
+    # from it by at most 0.9 s, or 0.004°. Differentiable.
+    #
+    # Source: [RedaAndreas2004]_, [Meeus1998]_ ch. 12, 22 and 25.
     days = time / SECONDS_PER_DAY
     terrestrial = days + TERRESTRIAL_MINUS_UNIVERSAL / SECONDS_PER_DAY
     millennia = terrestrial / DAYS_PER_MILLENNIUM
@@ -243,26 +229,10 @@ def _sidereal_angle(days: Array) -> Array:
 
 @entry_point
 def sun_in_sky(sun: SunPosition, latitude: Numeric, longitude: Numeric) -> SunInSky:
-    """Where the sun stands above a place.
-
-    Parameters
-    ----------
-    sun : SunPosition
-        Of shape (...).
-    latitude, longitude : array, shape (...)
-        Geodetic, north and east positive [rad].
-
-    Returns
-    -------
-    SunInSky
-        Of the broadcast shape.
-
-    Notes
-    -----
-    Seen from the planet's centre: from its surface the sun stands up to 0.0024° lower over
-    Earth. Differentiable; where the sun stands in the zenith or the nadir, the derivatives of the
-    angles are those of a sun that stays there.
-    """
+    """Where the sun stands above a place; of the broadcast shape; ``sun``: of shape (...)."""
+    # Seen from the planet's centre: from its surface the sun stands up to 0.0024° lower over Earth.
+    # Differentiable; where the sun stands in the zenith or the nadir, the derivatives of the angles
+    # are those of a sun that stays there.
     x, y, z = (sun.direction[..., axis] for axis in range(3))
     outward = jnp.cos(longitude) * x + jnp.sin(longitude) * y
     east = jnp.cos(longitude) * y - jnp.sin(longitude) * x

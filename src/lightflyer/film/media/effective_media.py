@@ -116,37 +116,7 @@ def _eigenvalue(permittivity: Pair, pole: Pair, residue: Pair) -> Pair:
 def maxwell_garnett(
     n: Numeric, k: Numeric, fraction: Numeric, depolarisation: Numeric = SPHERES
 ) -> tuple[Numeric, Numeric]:
-    r"""Separate inclusions in a host.
-
-    .. math::
-        \frac{\varepsilon}{\varepsilon_0}
-        = 1+\frac{\sum_{i>0} f_i\langle a_{ij}\rangle_j}
-        {1-\sum_{i>0} f_i\langle L_ja_{ij}\rangle_j},\qquad
-        a_{ij}=\frac{\varepsilon_i-\varepsilon_0}
-        {\varepsilon_0+L_j(\varepsilon_i-\varepsilon_0)}
-
-    Parameters
-    ----------
-    n, k : array, shape (parts, ...)
-        Real and imaginary part of each part's refractive index, the host's first [1].
-    fraction : array, shape (parts, ...) or (parts,)
-        Volume fractions, whose sum is one [1].
-    depolarisation : float or array, shape (orientations,)
-        Depolarisation factors :math:`L_j` of the inclusions along the field, from 0 to 1, in
-        orientations that are equally frequent; one for spheres [1].
-
-    Returns
-    -------
-    n, k : array, shape (...)
-        Of the mixture.
-
-    Notes
-    -----
-    For inclusions that are few. Differentiable in all arguments.
-
-    References
-    ----------
-    [MaxwellGarnett1904]_; for several parts and ellipsoids in several orientations [Markel2016]_.
+    r"""Separate inclusions in a host; ``n``, ``k`` (parts, ...); ``fraction`` (parts, ...).
 
     Examples
     --------
@@ -154,6 +124,17 @@ def maxwell_garnett(
     >>> print(f"{n:.4f}")
     1.0445
     """
+    # .. math::
+    #     \frac{\varepsilon}{\varepsilon_0}
+    #     = 1+\frac{\sum_{i>0} f_i\langle a_{ij}\rangle_j}
+    #     {1-\sum_{i>0} f_i\langle L_ja_{ij}\rangle_j},\qquad
+    #     a_{ij}=\frac{\varepsilon_i-\varepsilon_0}
+    #     {\varepsilon_0+L_j(\varepsilon_i-\varepsilon_0)}
+    #
+    # For inclusions that are few. Differentiable in all arguments.
+    #
+    # Source: [MaxwellGarnett1904]_; for several parts and ellipsoids in several orientations
+    # [Markel2016]_.
     index, fraction = _pair(n, k), _align(fraction, jnp.ndim(n))
     permittivity = times(index, index)
     host = permittivity[0][0], permittivity[1][0]

@@ -162,10 +162,8 @@ def transmittance(
     *,
     diffuse: bool = False,
 ) -> Average:
-    """Share of unpolarised light that passes a film; see :func:`light_shares`.
-
-    At the same angle it is the same from both sides.
-    """
+    """Share of unpolarised light that passes a film; see :func:`light_shares`."""
+    # At the same angle it is the same from both sides.
     return light_shares(film, spectrum, incidence, diffuse=diffuse).transmittance
 
 
@@ -177,41 +175,13 @@ def heat_shares(
     normal: bool = False,
     points_per_e_fold: int = POINTS_PER_E_FOLD,
 ) -> Shares:
-    r"""Shares of a black body's radiation that a film absorbs, lets through and reflects.
-
-    By Kirchhoff's law the spectral, directional emittance of a face is the absorptance for
-    light that falls on it; the mean is weighted with Planck's spectrum.
-
-    Parameters
-    ----------
-    film : Film
-    temperature : array, shape (m,) or ()
-        Of the black body, concrete [K].
-    side : {"top", "bottom"}
-        The face.
-    normal : bool
-        Whether the radiation comes along the normal, not from the half-space.
-    points_per_e_fold : int
-        Wavelengths per factor e in the integration.
-
-    Returns
-    -------
-    Shares
-        Arrays of the shape of ``temperature``.
-
-    Raises
-    ------
-    ParameterError
-        If a temperature is not positive.
-
-    Notes
-    -----
-    Optical data are for room temperature. Differentiable in the thicknesses.
-
-    References
-    ----------
-    [HowellMenguc2020]_ ch. 3.
-    """
+    r"""Shares of a black body's radiation that a film absorbs, lets through and reflects."""
+    # By Kirchhoff's law the spectral, directional emittance of a face is the absorptance for light
+    # that falls on it; the mean is weighted with Planck's spectrum.
+    #
+    # Optical data are for room temperature. Differentiable in the thicknesses.
+    #
+    # Source: [HowellMenguc2020]_ ch. 3.
     require_positive(temperature=temperature)
     temperatures = np.atleast_1d(np.asarray(temperature, float))
     grid = thermal_grid(film, temperatures, normal=normal, points_per_e_fold=points_per_e_fold)
@@ -241,10 +211,8 @@ def infrared_transmittance(
     normal: bool = False,
     points_per_e_fold: int = POINTS_PER_E_FOLD,
 ) -> Average:
-    """Share of a black body's radiation that passes a film; see :func:`heat_shares`.
-
-    It is the same from both sides.
-    """
+    """Share of a black body's radiation that passes a film; see :func:`heat_shares`."""
+    # It is the same from both sides.
     return heat_shares(
         film, temperature, normal=normal, points_per_e_fold=points_per_e_fold
     ).transmittance

@@ -46,26 +46,11 @@ _COLUMNS = (
 
 @dataclass(frozen=True, eq=False)
 class CameraBand:
-    """Relative spectral response of a thermal camera, linear between the points of a table.
+    """Relative spectral response of a thermal camera, linear between the points of a table."""
 
-    Attributes
-    ----------
-    wavelength : array, shape (m,)
-        Increasing [m].
-    response : array, shape (m,)
-        Relative response [1]; zero outside the table.
-    assumed : bool
-        Whether the band is this package's assumption and not the camera's own.
-
-    Raises
-    ------
-    ParameterError
-        If wavelengths do not increase or are not infrared, or the response is negative or zero.
-    """
-
-    wavelength: np.ndarray
-    response: np.ndarray
-    assumed: bool = False
+    wavelength: np.ndarray  # shape (m,); increasing [m]
+    response: np.ndarray  # shape (m,); relative response [1]; zero outside the table
+    assumed: bool = False  # Whether the band is this package's assumption and not the camera's own
     _nodes: np.ndarray = field(init=False, repr=False)
     _weights: np.ndarray = field(init=False, repr=False)
 
@@ -139,22 +124,7 @@ def flat_band(shortest: float, longest: float, *, assumed: bool = False) -> Came
 
 
 def read_response(path: str | Path) -> CameraBand:
-    """Read the spectral response of a camera.
-
-    Parameters
-    ----------
-    path : str or path
-        Table with the columns ``wavelength [um]`` and ``response``, the latter in any unit.
-
-    Returns
-    -------
-    CameraBand
-
-    Raises
-    ------
-    ConfigurationError
-        One line that names file and line.
-    """
+    """Read the spectral response of a camera; ``path`` [um]."""
     numbers = read_table(path, _COLUMNS, strict=True).numbers
     order = np.argsort(numbers["wavelength"])
     try:
@@ -164,23 +134,7 @@ def read_response(path: str | Path) -> CameraBand:
 
 
 def parse_band(text: str) -> CameraBand | None:
-    """Camera's band from the text of an option.
-
-    Parameters
-    ----------
-    text : str
-        Ends of a flat band such as ``"7.5-14 um"``, the name of a file for
-        :func:`read_response`, or ``"total"`` for all wavelengths alike.
-
-    Returns
-    -------
-    CameraBand or None
-        None for ``"total"``.
-
-    Raises
-    ------
-    ConfigurationError
-        If the text is none of these.
+    """Camera's band from the text of an option; none for ``"total"``.
 
     Examples
     --------

@@ -214,30 +214,7 @@ def given_readings(
 def standard_uncertainties(
     method: Method, values: np.ndarray, accuracy: float | None = None
 ) -> np.ndarray:
-    """Standard uncertainty of readings that state none.
-
-    Parameters
-    ----------
-    method : Method
-    values : array, shape (4, ...)
-        In the order of the method's readings.
-    accuracy : float, optional
-        That of a thermal camera [K], or of a light meter over its reading [1]. By default errors
-        are evenly distributed within :data:`CAMERA_LIMITS` or :data:`METER_LIMIT`.
-
-    Returns
-    -------
-    array, shape (4, ...)
-        In the unit of the readings.
-
-    Raises
-    ------
-    ParameterError
-        If the accuracy is negative, or that of a light meter above one.
-
-    References
-    ----------
-    [ThermalVision]_ for a camera, [DIN5032]_ for a light meter.
+    """Standard uncertainty of readings that state none, shape (4, ...); ``values`` (4, ...).
 
     Examples
     --------
@@ -245,6 +222,7 @@ def standard_uncertainties(
     >>> standard_uncertainties(THERMAL, hot_and_cold).round(2)
     array([1.73, 1.15, 1.5 , 1.15])
     """
+    # Source: [ThermalVision]_ for a camera, [DIN5032]_ for a light meter.
     if accuracy is not None:
         require_range("accuracy", accuracy, 0.0, 1.0 if method == LIGHT else np.inf)
     if method == LIGHT:

@@ -61,28 +61,6 @@ class RadioLink(Checked):
 
     .. math:: P = k_B T R\,\frac{E_b}{N_0}\,\frac{L\,L_0\,m}{G_t G_r}
 
-    Attributes
-    ----------
-    distance : array
-        Between the antennas, d [m].
-    frequency : array
-        [Hz].
-    data_rate : array
-        R while it sends [bit/s].
-    noise_temperature : array
-        Of receiver and sky together, T [K].
-    transmit_gain_dbi, receive_gain_dbi : array
-        Of the antennas [dB over one that sends evenly in all directions].
-    required_signal_db : array
-        Energy per bit over noise density at the receiver, :math:`E_b/N_0` [dB].
-    losses_db : array
-        Of cables, air, pointing and polarisation, :math:`L_0` [dB].
-    margin_db : array
-        m [dB].
-    efficiency : array
-        Power sent over power that the transmitter takes [1].
-    duty : array
-        Share of the time in which it sends [1].
 
     Raises
     ------
@@ -95,17 +73,20 @@ class RadioLink(Checked):
     that does not send belongs to an item of the budget.
     """
 
-    distance: LinkDistance
-    frequency: Frequency
-    data_rate: DataRate
-    noise_temperature: Temperature
+    distance: LinkDistance  #: Between the antennas, d [m]
+    frequency: Frequency  #: [Hz]
+    data_rate: DataRate  #: R while it sends [bit/s]
+    noise_temperature: Temperature  #: Of receiver and sky together, T [K]
+    #: Of the antennas [dB over one that sends evenly in all directions]
     transmit_gain_dbi: Decibels = 0.0
+    #: Of the antennas [dB over one that sends evenly in all directions]
     receive_gain_dbi: Decibels = 0.0
+    #: Energy per bit over noise density at the receiver, :math:`E_b/N_0` [dB]
     required_signal_db: Decibels = REQUIRED_SIGNAL_DB
-    losses_db: Decibels = 0.0
-    margin_db: Decibels = 3.0
-    efficiency: Efficiency = 0.3
-    duty: Fraction = 1.0
+    losses_db: Decibels = 0.0  #: Of cables, air, pointing and polarisation, :math:`L_0` [dB]
+    margin_db: Decibels = 3.0  #: m [dB]
+    efficiency: Efficiency = 0.3  #: Power sent over power that the transmitter takes [1]
+    duty: Fraction = 1.0  #: Share of the time in which it sends [1]
 
     def transmit_power(self) -> Array:
         """Power that the antenna sends while it sends [W]."""

@@ -25,17 +25,11 @@ _DEGREES = tuple(quantity_of(kind) or Quantity() for kind in (Latitude, Longitud
 
 
 class Wind(NamedTuple):
-    """Velocity of the gas over ground.
+    """Velocity of the gas over ground."""
 
-    Attributes
-    ----------
-    east, north, up : array, shape (...)
-        Components [m/s].
-    """
-
-    east: Numeric
-    north: Numeric
-    up: Numeric
+    east: Numeric  #: Components [m/s]
+    north: Numeric  #: Components [m/s]
+    up: Numeric  #: Components [m/s]
 
 
 class Place(NamedTuple):

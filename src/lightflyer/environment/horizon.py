@@ -94,14 +94,6 @@ class Limb(Checked):
     with the refractivity N there, the scale height H and the distance a to the planet's centre.
     Half of that happens before the edge, and of the other half, what lies below the flyer.
 
-    Attributes
-    ----------
-    height : array
-        Altitude of the edge [m].
-    refractivity : array
-        Refractive index of the air at that height, less one [1].
-    scale_height : array
-        In which the air's density falls by a factor e [m].
 
     Notes
     -----
@@ -109,9 +101,10 @@ class Limb(Checked):
     against the planet.
     """
 
-    height: Altitude = 20e3
+    height: Altitude = 20e3  #: Altitude of the edge [m]
+    #: Refractive index of the air at that height, less one [1]
     refractivity: Refractivity = 2.01e-5
-    scale_height: Length = 6.38e3
+    scale_height: Length = 6.38e3  #: In which the air's density falls by a factor e [m]
 
     def at(self, height: Numeric) -> "Limb":
         """The limb at another height, of the same air."""

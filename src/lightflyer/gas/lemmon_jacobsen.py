@@ -21,31 +21,18 @@ class LemmonJacobsen(NamedTuple):
 
     with μPa s, g/mol, nm and mW/(m K).
 
-    Attributes
-    ----------
-    molar_mass : float
-        :math:`M` [g/mol].
-    diameter : float
-        :math:`\sigma` [nm].
-    energy : float
-        :math:`\epsilon/k` [K].
-    critical_temperature : float
-        :math:`T_c` [K].
-    of_viscosity : float
-        :math:`N_1` [mW/(m K) per μPa s].
-    terms : tuple of tuple
-        :math:`N_i` [mW/(m K)] and :math:`n_i` of the other terms.
 
     References
     ----------
     [LemmonJacobsen2004]_
     """
 
-    molar_mass: float
-    diameter: float
-    energy: float
-    critical_temperature: float
-    of_viscosity: float
+    molar_mass: float  #: :math:`M` [g/mol]
+    diameter: float  #: :math:`\sigma` [nm]
+    energy: float  #: :math:`\epsilon/k` [K]
+    critical_temperature: float  #: :math:`T_c` [K]
+    of_viscosity: float  #: :math:`N_1` [mW/(m K) per μPa s]
+    #: :math:`N_i` [mW/(m K)] and :math:`n_i` of the other terms
     terms: tuple[tuple[float, float], ...]
 
     def viscosity(self, temperature: np.ndarray) -> np.ndarray:

@@ -224,24 +224,6 @@ class Cauchy(Checked):
 class Formula(Medium):
     """A medium whose n and k follow from a formula with parameters.
 
-    Attributes
-    ----------
-    name : str
-    terms : tuple of Term
-        Added to ``permittivity``; empty where there is a ``cauchy``.
-    permittivity : array
-        At energies far above all terms [1].
-    cauchy : Cauchy or None
-    density : array or None
-        Mass density [kg/m³].
-    density_source : str
-    shortest, longest : float
-        Wavelengths at which the formula was fitted [m]; by default it is taken to hold at all.
-    extrapolation : Extrapolation
-        Policy outside of them. ``hold`` goes on with the formula.
-    origin : str
-        Where the parameters come from.
-
     Raises
     ------
     ParameterError
@@ -260,14 +242,18 @@ class Formula(Medium):
     """
 
     name: str = eqx.field(static=True)
-    terms: tuple[Term, ...] = ()
-    permittivity: Permittivity = 1.0
+    terms: tuple[Term, ...] = ()  #: Added to ``permittivity``; empty where there is a ``cauchy``
+    permittivity: Permittivity = 1.0  #: At energies far above all terms [1]
     cauchy: Cauchy | None = None
-    density: Numeric | None = None
+    density: Numeric | None = None  #: Mass density [kg/m³]
     density_source: str = eqx.field(static=True, default="")
+    #: Wavelengths at which the formula was fitted [m]; by default it is taken to hold at all
     shortest: float = eqx.field(static=True, default=0.0)
+    #: Wavelengths at which the formula was fitted [m]; by default it is taken to hold at all
     longest: float = eqx.field(static=True, default=np.inf)
+    #: Policy outside of them. ``hold`` goes on with the formula
     extrapolation: Extrapolation = eqx.field(static=True, default=Extrapolation.ERROR)
+    #: Where the parameters come from
     origin: str = eqx.field(static=True, default="a formula with given parameters")
 
     def __check_init__(self) -> None:

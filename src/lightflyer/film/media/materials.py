@@ -53,26 +53,6 @@ class Segment(NamedTuple):
 class Material(Medium):
     """Complex refractive index n + ik and mass density of a material, from fixed tables.
 
-    Attributes
-    ----------
-    name : str
-    segments : tuple of Segment
-        In order of wavelength. Across a gap between two of them n and k are linear.
-    density : array or None
-        Mass density [kg/m³]; None where it depends on the sample and must be given.
-    density_source : str
-    description : str
-        What was measured.
-    tac : Measured or None
-        Thermal accommodation coefficient of its surface in air [1]; None if never measured.
-    tac_source : str
-    extrapolation : Extrapolation
-        Policy outside the range.
-    remarks : tuple of str
-        What a reader of results must know of the tables, one line each.
-    temperature : float or None
-        Of the sample, where it is stated [K].
-
     Raises
     ------
     ParameterError
@@ -80,14 +60,20 @@ class Material(Medium):
     """
 
     name: str = eqx.field(static=True)
+    #: In order of wavelength. Across a gap between two of them n and k are linear
     segments: tuple[Segment, ...] = eqx.field(static=True)
+    #: Mass density [kg/m³]; None where it depends on the sample and must be given
     density: Numeric | None = None
     density_source: str = eqx.field(static=True, default="")
-    description: str = eqx.field(static=True, default="")
+    description: str = eqx.field(static=True, default="")  #: What was measured
+    #: Thermal accommodation coefficient of its surface in air [1]; None if never measured
     tac: Measured | None = eqx.field(static=True, default=None)
     tac_source: str = eqx.field(static=True, default="")
+    #: Policy outside the range
     extrapolation: Extrapolation = eqx.field(static=True, default=Extrapolation.ERROR)
+    #: What a reader of results must know of the tables, one line each
     remarks: tuple[str, ...] = eqx.field(static=True, default=())
+    #: Of the sample, where it is stated [K]
     temperature: float | None = eqx.field(static=True, default=None)
 
     def __check_init__(self) -> None:

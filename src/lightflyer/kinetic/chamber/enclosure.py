@@ -14,25 +14,16 @@ TALLEST = 8.0  # Largest height of floor or lid, over the radius of the side wal
 
 @dataclass(frozen=True)
 class Surface:
-    """Floor, lid or side wall of a chamber.
+    """Floor, lid or side wall of a chamber."""
 
-    Attributes
-    ----------
-    distance : float
-        From the disk's centre [disk radii].
-    solid : bool
-        Whether as many molecules leave as arrive. Otherwise it is the end of a reservoir: gas at
-        rest enters at the pressure far away and T_c.
-    temperature : float
-        T/T_c − 1; in the linear problem in the unit of the disk's perturbation. 0 at a reservoir.
-    tac : float
-        Thermal accommodation coefficient: all molecules leave diffusely, at T_c plus this share of
-        the way from the temperature of those that arrive to that of the wall.
-    """
-
-    distance: float
+    distance: float  #: From the disk's centre [disk radii]
+    #: Whether as many molecules leave as arrive. Otherwise it is the end of a reservoir: gas at
+    #: rest enters at the pressure far away and T_c
     solid: bool = True
+    #: T/T_c − 1; in the linear problem in the unit of the disk's perturbation. 0 at a reservoir
     temperature: float = 0.0
+    #: Thermal accommodation coefficient: all molecules leave diffusely, at T_c plus this share of
+    #: the way from the temperature of those that arrive to that of the wall
     tac: float = 1.0
 
 

@@ -204,7 +204,7 @@ def test_twenty_pages_are_apart_and_need_little_memory(site, workplace):
         thread.start()
     for thread in threads:
         thread.join()
-    assert resident() - before < 20 * 2e6
+    assert resident() - before < 20 * 5e6
     areas = set()
     for number, document in enumerate(documents):
         url, summary = found[number]

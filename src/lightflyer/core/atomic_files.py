@@ -1,8 +1,8 @@
 """Files that are whole or not there."""
 
 import os
+import secrets
 import shutil
-import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
@@ -41,13 +41,8 @@ def remove_unfinished() -> None:
 def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
     """Write several files into a directory, all of them or none."""
     made = not directory.exists()
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        staging = tempfile.TemporaryDirectory(prefix=TEMPORARY, dir=directory)
-    except OSError as error:
-        raise OutputError(f"{directory}: cannot be written: {error.strerror}") from None
+    temporary = directory / f"{TEMPORARY}{secrets.token_hex(4)}"
     names: list[str] = []
-    temporary = Path(staging.name)
 
     def stage(name: str) -> Path:
         names.append(name)
@@ -57,15 +52,19 @@ def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
 
     finished = False
     try:
-        with staging, unfinished(temporary), unfinished(directory) if made else nullcontext():
+        # known before they are made: an interrupt may come at any moment
+        with unfinished(temporary), unfinished(directory) if made else nullcontext():
+            directory.mkdir(parents=True, exist_ok=True)
+            temporary.mkdir()
             yield stage
             with _RENAMING:
                 for name in names:
                     (directory / name).parent.mkdir(exist_ok=True)
                     os.replace(temporary / name, directory / name)
-        finished = True
+            finished = True
     except OSError as error:
         raise OutputError(f"{directory}: cannot be written: {error.strerror or error}") from None
     finally:
+        shutil.rmtree(temporary, ignore_errors=True)
         if made and not finished and directory.exists() and not any(directory.iterdir()):
             directory.rmdir()

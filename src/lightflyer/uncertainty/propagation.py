@@ -8,6 +8,7 @@ distributions, cut off where a value is impossible, and repeats the prediction.
 """
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,7 +38,7 @@ FEWEST_SAMPLES = 100
 """Samples below which the ends of a 95 % band mean nothing: two or three lie outside of it."""
 
 COVERAGE = (2.5, 97.5)  # Percentiles of the bands
-BAND_POINTS = 61  # Coordinates at which the bands of the figures are known
+BAND_POINTS = 121  # Coordinates at which the bands of the figures are known
 
 BANDS = (
     "levitation_irradiance",
@@ -53,6 +54,7 @@ BANDS = (
 EDGES = ("lower", "upper")  # Names of the edges of a band
 
 _POSITIVE = "levitation_irradiance"  # goes with the inverse of the TACs' difference
+_SLOW = "levitation_"  # how the names of outputs begin that take longest: every other point serves
 _MARGIN = 10  # points of the prediction's table searched beyond the nominal range
 _LIGHT_SPAN = 30.0  # irradiance, over the least, up to which the nominal range reaches
 _SEARCHED_POINTS = 31  # over the whole searched range, besides those of the bands
@@ -234,15 +236,19 @@ def propagate(
         asked = {target.quantity for target in targets} - {""}
         wanted = tuple(dict.fromkeys((*names, *sorted(asked))))
         whole = search_grid(prediction.setup, _SEARCHED_POINTS)
-        coordinates = np.concatenate([points, grid, whole])
-        table = monte_carlo.tabulate_samples(inputs, drawn.samples, coordinates, wanted)
+        coordinates = np.concatenate([points, grid[:: 2 if over is None else 1], whole])
+        tabulate = partial(monte_carlo.tabulate_samples, inputs, drawn.samples)
+        table = tabulate(coordinates, wanted)
         searched, where = (whole[0], whole[-1]), prediction.coordinate
         found = monte_carlo.search_samples(
             inputs, drawn.samples, coordinates, table, searched, where
         )
         sampled = {target.name: _sampled(target, found, where, table) for target in targets}
-        shown = slice(points.size, points.size + grid.size)
+        shown = slice(points.size, coordinates.size - whole.size)
+        quick = tuple(name for name in names if not name.startswith(_SLOW))
         bands = _quantiles({name: table[name][:, shown] for name in names})
+        if over is None:
+            bands = _with_points_between(bands, _quantiles(tabulate(grid[1::2], quick)))
     else:
         bands = _normal_bands(slopes, names, points.size)
     return PredictionUncertainty(
@@ -432,6 +438,19 @@ def _quantiles(table: Table) -> tuple[Table, Table]:
         ends = np.percentile(whole, COVERAGE, axis=0, method="nearest")
         low[name], high[name] = np.where(np.isfinite(ends), ends, np.nan)
     return low, high
+
+
+def _with_points_between(
+    even: tuple[Table, Table], odd: tuple[Table, Table]
+) -> tuple[Table, Table]:
+    """Both ends of the bands with the points between those that all outputs have."""
+    # what is not known there, irradiances and temperatures, is the geometric mean of its neighbours
+    whole: tuple[Table, Table] = {}, {}
+    for found, known, between in zip(whole, even, odd, strict=True):
+        for name, values in known.items():
+            row = found[name] = np.empty(2 * values.size - 1)
+            row[::2], row[1::2] = values, between.get(name, np.sqrt(values[:-1] * values[1:]))
+    return whole
 
 
 def _normal_bands(slopes: Derivatives, names: tuple[str, ...], first: int) -> tuple[Table, Table]:

@@ -449,7 +449,8 @@ def _with_points_between(
     for found, known, between in zip(whole, even, odd, strict=True):
         for name, values in known.items():
             row = found[name] = np.empty(2 * values.size - 1)
-            row[::2], row[1::2] = values, between.get(name, np.sqrt(values[:-1] * values[1:]))
+            row[::2] = values
+            row[1::2] = between[name] if name in between else np.sqrt(values[:-1] * values[1:])
     return whole
 
 

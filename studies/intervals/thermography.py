@@ -37,11 +37,11 @@ class Camera:
         x = H * C / (wavelength * K * self._table[:, None])
         self._seen = np.trapezoid(wavelength**-5.0 / np.expm1(x), wavelength)
 
-    def seen(self, temperature: np.ndarray) -> np.ndarray:
+    def radiance(self, temperature: np.ndarray) -> np.ndarray:
         """Radiance at temperatures [K], in any unit."""
         return np.exp(np.interp(temperature, self._table, np.log(self._seen)))
 
-    def shown(self, radiance: np.ndarray) -> np.ndarray:
+    def apparent_temperature(self, radiance: np.ndarray) -> np.ndarray:
         """Apparent temperature [K] of radiances."""
         return np.interp(np.log(radiance), np.log(self._seen), self._table)
 
@@ -60,9 +60,9 @@ def rows(
     """Readings, shape (4, count) [K]: a hotplate's own temperature where it is not black."""
     reflectance, transmittance, remainder = truth
     hot = rng.uniform(400.0, 450.0) + WANDER * rng.normal(size=count)
-    cold = np.full(count, camera.camera_radiance(ambient))
-    plate = emissivity * camera.camera_radiance(hot) + (1.0 - emissivity) * cold
-    own = camera.camera_radiance(ambient + warmth)
+    cold = np.full(count, camera.radiance(ambient))
+    plate = emissivity * camera.radiance(hot) + (1.0 - emissivity) * cold
+    own = camera.radiance(ambient + warmth)
     lower = reflectance * plate + transmittance * cold + remainder * own
     upper = transmittance * plate + reflectance * cold + remainder * own
     radiance = np.stack([plate, lower, upper, cold])

@@ -22,6 +22,7 @@ from lightflyer.environment.light.sun import sun_from_earth, sun_in_sky
 from lightflyer.environment.mars import season_irradiance
 from lightflyer.environment.view_factor import ground_view_factor
 from lightflyer.environment.wind.gradient import balanced_rotation
+from lightflyer.film.media import effective_media
 from lightflyer.film.media.dispersion import drude, lorentz, tauc_lorentz
 from lightflyer.program.entry_point import is_entry_point
 
@@ -131,7 +132,7 @@ CASES["film.tauc_lorentz"] = lambda x: tauc_lorentz(
 CASES["film.lorentz"] = lambda x: lorentz(1.8 * _EV, 1.5, 2.0 * x * _EV, 0.3 * _EV)[1]
 CASES["film.drude"] = lambda x: drude(0.2 * x * _EV, 9.0 * _EV, 0.1 * _EV)[1]
 for name in ("bruggeman", "maxwell_garnett", "parallel", "series"):
-    CASES[f"film.{name}"] = lambda x, name=name: getattr(lf.film, name)(
+    CASES[f"film.{name}"] = lambda x, name=name: getattr(effective_media, name)(
         np.array([1.0, 2.5]) * x, np.array([0.1, 0.3]), np.array([0.4, 0.6])
     )[0]
 

@@ -52,7 +52,7 @@ class FlyerSection(Alternative):
         return super().keys_of(described) | films
 
     def build(self, film: FilmProperties | None, incidence: float) -> AbstractFlyer:
-        """The flyer; ``film`` [film]; ``film``: what ```` says, where :attr:`needs_film`."""
+        """The flyer; ``film``: what ``[film]`` says, where :attr:`needs_film`."""
         films = {
             name: film if name == _FILM else getattr(self, name).build(incidence)
             for name in self.flyer_type.film_names()

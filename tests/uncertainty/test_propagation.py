@@ -11,6 +11,7 @@ from lightflyer.design.design import ObjectDesign
 from lightflyer.environment.earth import Lu2023Section
 from lightflyer.film.section import MeasuredFilmSection
 from lightflyer.force.lu2023 import Lu2023ForceSection
+from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
 
 FILM = {
@@ -299,3 +300,22 @@ def test_possible_draws_are_as_they_come():
     plain = np.random.default_rng(3).multivariate_normal([0.5], [[1e-4]], 200)
     np.testing.assert_array_equal(drawn.samples, plain)
     assert (drawn.refused, drawn.why) == (0.0, "")
+
+
+def test_samples_without_a_solution_are_counted(both, monkeypatch):
+    design = ObjectDesign(both.prediction.setup, {"flyer.film.absorptance": 0.03})
+    tabulate = monte_carlo.tabulate_samples
+
+    def with_gaps(inputs, samples, coordinate, names):
+        table = tabulate(inputs, samples, coordinate, names)
+        found = {name: values.copy() for name, values in table.items()}
+        if "levitation_irradiance" in found:
+            found["levitation_irradiance"].flat[:1] = np.nan
+        return found
+
+    monkeypatch.setattr(monte_carlo, "tabulate_samples", with_gaps)
+    found = lf.propagate(design, prediction=both.prediction, samples=100)
+    assert any("Monte Carlo balances missed their tolerance" in text for text in found.warnings)
+    monkeypatch.undo()
+    found = lf.propagate(design, prediction=both.prediction, samples=100)
+    assert not any("missed their tolerance" in text for text in found.warnings)

@@ -211,7 +211,7 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
             try:
                 stored = stored_study(folder)
             except ValueError:
-                raise _loss(folder, records / _STUDY) from None
+                raise _damaged_record(folder, records / _STUDY) from None
             require_same(folder, stored["description"], description)
             chunks = Chunks(study.shape, tuple(stored["block"]))
             if not _group_is_intact(folder, study, chunks):
@@ -258,7 +258,7 @@ def require_same(folder: Path, stored: dict[str, str], asked: dict[str, str]) ->
         raise OutputError("\n".join([first, *shown]))
 
 
-def _loss(folder: Path, path: Path) -> OutputError:
+def _damaged_record(folder: Path, path: Path) -> OutputError:
     """Error about a store's own record that cannot be read."""
     return OutputError(
         f"{folder}: {path.relative_to(folder)} is damaged or missing; restore it, choose another "
@@ -276,7 +276,7 @@ def _create(folder: Path, study: Study, description: dict[str, str], chunks: Chu
     """Fill a store's folder; writing the study, which comes last, makes it a store."""
     journal, mine = folder / _RECORDS / _JOURNAL, _names_in_group(study)
     if journal.is_file() and journal.stat().st_size:
-        raise _loss(folder, folder / _RECORDS / _STUDY)
+        raise _damaged_record(folder, folder / _RECORDS / _STUDY)
     leftovers = [path for path in folder.iterdir() if path.name != _RECORDS]
     if not all(path.name in mine or path.name.startswith("zarr.") for path in leftovers):
         raise OutputError(

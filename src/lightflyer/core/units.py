@@ -112,11 +112,11 @@ def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
         parsed = units.parse_units(_EXPONENT.sub(r"**\1", unit))
     except pint.UndefinedUnitError:
         raise ConfigurationError(
-            f'"{text}": unit "{written}" is unknown; {_want(target)}'
+            f'"{text}": unit "{written}" is unknown; {_unit_advice(target)}'
         ) from None
     if not units.is_compatible_with(parsed, units.parse_units(target)):
         raise ConfigurationError(
-            f'"{text}": unit "{written}" is of the wrong kind; {_want(target)}'
+            f'"{text}": unit "{written}" is of the wrong kind; {_unit_advice(target)}'
         )
     return lambda value: float(units.Quantity(value, parsed).to(target).magnitude)
 
@@ -159,7 +159,7 @@ def file_unit(unit: str) -> str:
     return written.get(unit, unit)
 
 
-def _want(target: str) -> str:
+def _unit_advice(target: str) -> str:
     return f"give one that converts to {target}" if target else "write a pure number or a %"
 
 

@@ -19,7 +19,7 @@ _Seed = Annotated[int, pydantic.Field(strict=True, ge=0)]
 _Method = Literal[tuple(METHODS)]  # type: ignore[valid-type]
 
 
-def _list_names(value: Any) -> tuple[str, ...]:
+def _as_names(value: Any) -> tuple[str, ...]:
     """One name, or several, as several."""
     names = (value,) if isinstance(value, str) else value
     if isinstance(names, list | tuple) and all(isinstance(name, str) for name in names):
@@ -27,7 +27,7 @@ def _list_names(value: Any) -> tuple[str, ...]:
     raise ValueError('is not the name of an output, such as "payload", or a list of such names')
 
 
-_Names = Annotated[tuple[str, ...], pydantic.BeforeValidator(_list_names)]
+_Names = Annotated[tuple[str, ...], pydantic.BeforeValidator(_as_names)]
 _Entries = Annotated[dict[str, Any], pydantic.Field(default_factory=dict)]
 
 

@@ -239,6 +239,7 @@ def propagate(
         coordinates = np.concatenate([points, grid[:: 2 if over is None else 1], whole])
         tabulate = partial(monte_carlo.tabulate_samples, inputs, drawn.samples)
         table = tabulate(coordinates, wanted)
+        told += _unsolved(table)
         searched, where = (whole[0], whole[-1]), prediction.coordinate
         found = monte_carlo.search_samples(
             inputs, drawn.samples, coordinates, table, searched, where
@@ -285,6 +286,17 @@ def _diagnostics(drawn: Drawn) -> tuple[str, ...]:
     return (
         f"{100.0 * drawn.refused:.2g} % of the Monte Carlo draws were impossible and were drawn "
         f"again ({drawn.why}); first order does not know of that limit",
+    )
+
+
+def _unsolved(table: Table) -> tuple[str, ...]:
+    """What is missing in the samples, where a balance has no solution within the tolerance."""
+    missing = np.isnan(table["lift_over_weight"]) | np.isnan(table["levitation_irradiance"])
+    if not missing.any():
+        return ()
+    return (
+        f"{100.0 * missing.mean():.2g} % of the Monte Carlo balances missed their tolerance; they "
+        "count as places that no light lifts",
     )
 
 

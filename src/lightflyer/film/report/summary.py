@@ -176,7 +176,7 @@ class FilmSummary:
             found |= {f"lamp_absorptance_{side}": mean for side, mean in self.lamp.items()}
         found |= {f"emittance_{side}": mean for side, mean in self.thermal.items()}
         found |= {f"emittance_normal_{side}": mean for side, mean in self.thermal_normal.items()}
-        found |= _name_parts(self.passing, self.light)
+        found |= _transmittances_by_name(self.passing, self.light)
         return {name: _coverage(average, self._described) for name, average in found.items()}
 
 
@@ -222,7 +222,7 @@ def _averages(
     }
 
 
-def _name_parts(passing: Mapping[str, Average], light: Spectrum) -> dict[str, Average]:
+def _transmittances_by_name(passing: Mapping[str, Average], light: Spectrum) -> dict[str, Average]:
     """Transmittances by their names among the values."""
     found = {"solar_transmittance": passing["solar"]}
     if light is not am0():
@@ -242,7 +242,10 @@ def _values(film: Film, light: Spectrum, averages: dict[str, dict[str, Average]]
     for side, thermal in averages["thermal"].items():
         entries[f"emittance_{side}"] = thermal.value
         entries[f"emittance_normal_{side}"] = averages["thermal_normal"][side].value
-    entries |= {name: mean.value for name, mean in _name_parts(averages["passing"], light).items()}
+    entries |= {
+        name: mean.value
+        for name, mean in _transmittances_by_name(averages["passing"], light).items()
+    }
     return entries | {"selectivity": _selectivity(averages["lamp"], averages["thermal"])}
 
 

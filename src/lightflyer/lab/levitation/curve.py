@@ -314,8 +314,8 @@ def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.D
                 owner,
                 {"units": "1", "long_name": "position of the sample, from 0"},
             ),
-            "point_pressure": ("point", points("pressure"), _name_parts("Pa", "gas pressure")),
-            "point_irradiance": ("point", points("irradiance"), _name_parts(*light)),
+            "point_pressure": ("point", points("pressure"), _attributes("Pa", "gas pressure")),
+            "point_irradiance": ("point", points("irradiance"), _attributes(*light)),
             "pressure": nodes("pressure", "Pa", "gas pressure"),
             "irradiance": nodes("irradiance", "W m-2", "LOESS curve of the irradiance"),
             "lower": nodes("lower", "W m-2", "lower end of the 99 % band"),
@@ -327,5 +327,5 @@ def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.D
     )
 
 
-def _name_parts(units: str, long_name: str) -> dict[str, str]:
+def _attributes(units: str, long_name: str) -> dict[str, str]:
     return {"units": units, "long_name": long_name}

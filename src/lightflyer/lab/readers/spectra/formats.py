@@ -71,7 +71,7 @@ def _choose(source: Source, spectra: list[RawSpectrum], options: ReadOptions) ->
     if options.quantity is not None:
         fit = [one for one in fit if shows(one, options.quantity)] or fit
     if options.spectrum is not None:
-        return _name_parts(source, spectra, options.spectrum)
+        return _choose_spectrum(source, spectra, options.spectrum)
     if len(spectra) == 1:
         return spectra[0]
     if not fit:
@@ -98,7 +98,7 @@ def _list_names(spectra: list[RawSpectrum], fit: list[RawSpectrum]) -> str:
     return ", ".join(names[:_LISTED]) + more
 
 
-def _name_parts(source: Source, spectra: list[RawSpectrum], spectrum: str) -> RawSpectrum:
+def _choose_spectrum(source: Source, spectra: list[RawSpectrum], spectrum: str) -> RawSpectrum:
     """The spectrum of this number or title."""
     if spectrum.isascii() and spectrum.isdigit() and 1 <= int(spectrum[:9]) <= len(spectra):
         return spectra[int(spectrum[:9]) - 1]

@@ -67,16 +67,15 @@ def truth(case: Case) -> dict[str, np.ndarray]:
         wavelength = light.wavelength[inside]
         power = light.irradiance[inside]
         for side in ("top", "bottom"):
-            absorbed = [absorptance(case, side, at, 1.0) for at in wavelength]
+            absorbed = absorptance(case, side, wavelength, 1.0)
             found[f"{kind}_absorptance_{side}"] = _mean(absorbed, power, wavelength)
     wavelength = np.geomspace(shortest, longest, _WAVELENGTHS)
     nodes, shares = np.polynomial.legendre.leggauss(_DIRECTIONS)
     cosines = 0.5 * (nodes + 1.0)
     for side in ("top", "bottom"):
-        normal = [absorptance(case, side, at, 1.0) for at in wavelength]
-        whole = [sum(share * one * absorptance(case, side, at, one)
-                     for one, share in zip(cosines, shares, strict=True))
-                 for at in wavelength]  # fmt: skip
+        normal = absorptance(case, side, wavelength, 1.0)
+        whole = sum(share * one * absorptance(case, side, wavelength, one)
+                    for one, share in zip(cosines, shares, strict=True))  # fmt: skip
         for name, spectral in (("emittance_normal", normal), ("emittance", whole)):
             found[f"{name}_{side}"] = np.array(
                 [_mean(spectral, planck(wavelength, t), wavelength) for t in TEMPERATURES]
@@ -85,19 +84,22 @@ def truth(case: Case) -> dict[str, np.ndarray]:
     return found | {"selectivity": found["lamp_absorptance_top"] / (0.5 * both)}
 
 
-def absorptance(case: Case, side: str, wavelength: float, cosine: float) -> float:
+def absorptance(case: Case, side: str, wavelength: np.ndarray, cosine: float) -> np.ndarray:
     """Absorptance of unpolarised light by tmm."""
     step = 1 if side == "top" else -1
-    index = [complex(*material(name).index(wavelength)) for name in case.materials][::step]
+    layers = [np.array(material(name).index(wavelength)) for name in case.materials][::step]
     d = [np.inf, *case.thickness[::step], np.inf]
-    index = [1.0, *index, 1.0]
-    if cosine == 1.0:
-        data = tmm.coh_tmm("s", index, d, 0.0, wavelength)
-    else:
-        data = tmm.unpolarized_RT(index, d, np.arccos(cosine), wavelength)
-    return float(1.0 - data["R"] - data["T"])
+    found = []
+    for number, at in enumerate(wavelength):
+        index = [1.0, *(complex(*one[:, number]) for one in layers), 1.0]
+        if cosine == 1.0:
+            data = tmm.coh_tmm("s", index, d, 0.0, at)
+        else:
+            data = tmm.unpolarized_RT(index, d, np.arccos(cosine), at)
+        found.append(1.0 - data["R"] - data["T"])
+    return np.array(found)
 
 
-def _mean(values: list[float], weight: np.ndarray, wavelength: np.ndarray) -> float:
-    over = np.trapezoid(np.array(values) * weight, wavelength)
+def _mean(values: np.ndarray, weight: np.ndarray, wavelength: np.ndarray) -> float:
+    over = np.trapezoid(values * weight, wavelength)
     return float(over / np.trapezoid(weight, wavelength))

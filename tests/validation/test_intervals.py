@@ -33,8 +33,8 @@ def study():
 def test_intervals_cover(study, module):
     """Far too narrow ones are found here, those that are somewhat so by the study."""
     covered = defaultdict(list)
-    for seed in range(CASES.get(module, MOST_CASES)):
-        for trial in study.run_one(module, 10_000 + seed):
+    for case in range(CASES.get(module, MOST_CASES)):
+        for trial in study.run_one(module, 10_000 + 2 * case):  # one of two films that alternate
             covered[trial.quantity].append(trial.covered)
             assert trial.low <= trial.high
             assert not math.isnan(trial.low + trial.high)

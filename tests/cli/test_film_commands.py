@@ -63,7 +63,8 @@ def test_film_says_what_it_extrapolated(run, film_file):
 
 
 def test_held_data_are_not_called_data(run, film_file):
-    path = film_file("[film]\n", '[film]\nextrapolation = "hold"\n')
+    stack = FILM.replace(" ± 2", "").replace("[film]\n", '[film]\nextrapolation = "hold"\n')
+    path = film_file(text=stack)
     code, text, _ = run("film", path, "--json", "--temperatures", "300 K", "--at", "30 um")
     assert code == 0
     found = json.loads(text)

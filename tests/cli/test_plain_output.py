@@ -34,20 +34,13 @@ def test_one_place_makes_consoles():
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
-def test_any_encoding_of_the_terminal(tmp_path, encoding):
-    flyer = tmp_path / "flyer.toml"
-    environment = os.environ | {"PYTHONIOENCODING": encoding}
-
-    def run(*arguments):
-        return subprocess.run(
-            [sys.executable, "-m", "lightflyer", *arguments, str(flyer)],
-            capture_output=True,
-            env=environment,
-            check=True,
-        ).stdout.decode(encoding)
-
-    run("init", "--model", "lu2023")  # which compiles fastest
-    printed = run("predict")
+def test_any_encoding_of_the_terminal(flyer_file, encoding):
+    printed = subprocess.run(
+        [sys.executable, "-m", "lightflyer", "predict", str(flyer_file())],
+        capture_output=True,
+        env=os.environ | {"PYTHONIOENCODING": encoding},
+        check=True,
+    ).stdout.decode(encoding)
     assert {"ascii": "W/m^2", "cp1252": "W/m²", "utf-8": "W/m²"}[encoding] in printed
     assert "?" not in printed
 

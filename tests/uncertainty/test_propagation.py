@@ -282,7 +282,7 @@ def dark(absorptance, spread, **changes):
 @pytest.mark.parametrize("one", [0, 1])
 @pytest.mark.parametrize("transmittance", [0.05, 0.0])
 def test_draws_that_are_impossible_are_drawn_again_and_counted(one, transmittance):
-    value, spread, count = 0.9, 0.06, 4000
+    value, spread, count = 0.9, 0.06, 2000
     limit = 1.0 - transmittance  # absorbed and transmitted light together
     inputs = uncertain_inputs(dark(value, spread, transmittance=transmittance)[one])
     drawn = draw_possible(inputs, count, seed=3)

@@ -1,6 +1,7 @@
 import gc
 import importlib.metadata
 import os
+from functools import partial
 from pathlib import Path
 
 # Most of the suite's time is XLA's optimisation of small kernels. These are the flags of the XLA
@@ -21,6 +22,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer import cli
+from lightflyer.program.entry_point import entry_point
 
 # What one worker compiled serves the others, and the next run; JAX knows a program by its content.
 # A largest size makes JAX lock the folder.
@@ -39,6 +41,12 @@ def film():
 @pytest.fixture
 def disk(film):
     return lf.Disk(film, radius=0.01)
+
+
+@pytest.fixture(scope="session")
+def by_numpy():
+    """Make a function run by NumPy from its trace: XLA would compile what runs a few times."""
+    return partial(entry_point, way="numpy")
 
 
 @pytest.fixture

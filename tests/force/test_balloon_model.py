@@ -142,12 +142,12 @@ def outcomes(x, closed):
 
 
 @pytest.mark.parametrize("closed", [False, True])
-def test_derivatives_jit_and_vmap(closed):
+def test_derivatives_jit_and_vmap(by_numpy, closed):
     shifts = 1e-5 * np.diag(POINT)
     moved = np.concatenate([POINT + shifts, POINT - shifts, POINT[None]])
     with lf.float64():
-        values = np.asarray(jax.jit(jax.vmap(lambda x: outcomes(x, closed)))(moved))
-        slope = np.asarray(jax.jit(jax.jacfwd(lambda x: outcomes(x, closed)))(jnp.asarray(POINT)))
+        values = np.asarray(by_numpy(jax.vmap(lambda x: outcomes(x, closed)))(moved))
+        slope = np.asarray(by_numpy(jax.jacfwd(lambda x: outcomes(x, closed)))(jnp.asarray(POINT)))
         plain = np.asarray(outcomes(POINT, closed))
     size = POINT.size
     expected = (values[:size] - values[size : 2 * size]) / 2e-5
@@ -155,14 +155,14 @@ def test_derivatives_jit_and_vmap(closed):
     np.testing.assert_allclose(slope * POINT, expected.T, rtol=5e-6, atol=5e-8)
 
 
-def test_levitation_irradiance_has_a_gradient():
+def test_levitation_irradiance_has_a_gradient(by_numpy):
     with lf.float64():
 
         def needed(radius):
             x = jnp.asarray(POINT).at[0].set(radius)
             return lf.levitate(*build(x, False)).irradiance
 
-        both = jax.jit(jax.vmap(jax.value_and_grad(needed)))
+        both = by_numpy(jax.vmap(jax.value_and_grad(needed)))
         found, slope = both(jnp.asarray([2.9, 2.9 + 1e-5, 2.9 - 1e-5]))
         found, slope = np.asarray(found), np.asarray(slope)
     assert slope[0] == pytest.approx((found[1] - found[2]) / 2e-5, rel=1e-5)

@@ -370,17 +370,17 @@ def differences(values, step=1e-5):
     return (values[:size] - values[size : 2 * size]) / (2.0 * step)
 
 
-def test_derivatives_jit_and_vmap():
+def test_derivatives_jit_and_vmap(by_numpy):
     with lf.float64():
-        values = np.asarray(jax.jit(jax.vmap(outcomes))(jnp.asarray(moved())))
+        values = np.asarray(by_numpy(jax.vmap(outcomes))(jnp.asarray(moved())))
         np.testing.assert_allclose(values[-1], np.asarray(outcomes(POINT)), rtol=1e-12)
-        forward = np.asarray(jax.jit(jax.jacfwd(outcomes))(jnp.asarray(POINT)))
-        reverse = np.asarray(jax.jit(jax.jacrev(outcomes))(jnp.asarray(POINT)))
+        forward = np.asarray(by_numpy(jax.jacfwd(outcomes))(jnp.asarray(POINT)))
+        reverse = np.asarray(by_numpy(jax.jacrev(outcomes))(jnp.asarray(POINT)))
     np.testing.assert_allclose(reverse, forward, rtol=1e-8, atol=1e-12)
     np.testing.assert_allclose(forward * POINT, differences(values).T, rtol=2e-6, atol=2e-8)
 
 
-def test_levitation_and_its_derivatives():
+def test_levitation_and_its_derivatives(by_numpy):
     flyers, state = build(moved().T)
     found = lf.levitate(flyers, state, MODEL)
     assert np.all(found.levitates)
@@ -389,7 +389,7 @@ def test_levitation_and_its_derivatives():
         lf.lift(flyers, lit, MODEL), lf.flight.weight(flyers, lit), rtol=1e-9
     )
     with lf.float64():
-        slope = jax.jit(jax.grad(lambda x: lf.levitate(*build(x), MODEL).irradiance))(POINT)
+        slope = by_numpy(jax.grad(lambda x: lf.levitate(*build(x), MODEL).irradiance))(POINT)
     np.testing.assert_allclose(
         np.asarray(slope) * POINT, differences(found.irradiance), rtol=2e-6, atol=1e-4
     )

@@ -12,6 +12,7 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
+    Insist,
     finish,
     optional_share,
     quantity,
@@ -49,6 +50,7 @@ def ftir_command(
     film: Path | None = None,
     out: Path | None = None,
     update: Path | None = None,
+    insist: Insist = False,
     face: Literal["top", "bottom", "both"] = "both",
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -90,6 +92,8 @@ def ftir_command(
         Folder to write the record (JSON, NetCDF) and the figure into.
     update
         Flyer file to write the emissivity over the band into; needs --reflectance.
+    insist
+        Have --update write also what is most likely of a wrong unit, or not determined.
     face
         Face of that film.
     json_output
@@ -133,7 +137,8 @@ def ftir_command(
     values = {} if emissivity is None else dict.fromkeys(emittance_keys(face), emissivity)
     written, updated = write_record(
         out, "ftir", document, to_dataset(result), lambda: _figures(result, computed),
-        updating(update, values, "ftir", [*files, *([reflectance] if reflectance else [])]),
+        updating(update, values, "ftir", [*files, *([reflectance] if reflectance else [])],
+                 insist=insist),
         figures,
     )  # fmt: skip
     if json_output:

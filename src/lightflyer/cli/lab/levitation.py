@@ -11,6 +11,7 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
+    Insist,
     finish,
     optional_share,
     quantity,
@@ -52,6 +53,7 @@ def levitation_command(
     pressure_unit: Literal["Pa", "Torr", "mTorr", "mbar"] = "Pa",
     out: Path | None = None,
     update: Path | None = None,
+    insist: Insist = False,
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
 ) -> None:
@@ -95,6 +97,8 @@ def levitation_command(
     update
         Flyer file to write the calibrated force coefficients into, with the ± of points and
         instruments; the file's own ± are not counted twice.
+    insist
+        Have --update write also what is most likely of a wrong unit, or not determined.
     json_output
         Print one JSON object instead of tables.
     figures
@@ -129,7 +133,7 @@ def levitation_command(
     written, updated = write_record(
         out, "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]),
         lambda: _figures(curves, pressure_unit, models),
-        updating(update, values, "levitation", files),
+        updating(update, values, "levitation", files, insist=insist),
         figures,
     )  # fmt: skip
     if json_output:

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]
 """Input files of a command."""
 
+Insist = Annotated[bool, Parameter(negative=())]
+"""Whether --update also writes what is most likely of a wrong unit."""
+
 _SHOWN_REJECTED = 10
 
 
@@ -161,6 +164,8 @@ def updating(
     values: "Mapping[tuple[str, str], Estimate]",
     name: str,
     files: Sequence[Path],
+    *,
+    insist: bool,
 ) -> Callable[[], list[str]]:
     """Function that writes values into a flyer file, if one is named; see :func:`write_record`."""
 
@@ -170,7 +175,7 @@ def updating(
         from lightflyer.config.update import update_flyer_file
 
         origin = ", ".join([f"lab {name}", *(file.name for file in files)])
-        return update_flyer_file(flyer, values, origin)
+        return update_flyer_file(flyer, values, origin, insist=insist)
 
     return update
 

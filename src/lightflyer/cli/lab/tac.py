@@ -10,6 +10,7 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
+    Insist,
     difference,
     finish,
     interval_text,
@@ -61,6 +62,7 @@ def tac_command(
     plateau_accuracy: str | None = None,
     out: Path | None = None,
     update: Path | None = None,
+    insist: Insist = False,
     face: Literal["top", "bottom", "both"] | None = None,
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -115,6 +117,8 @@ def tac_command(
         Folder to write the record (JSON, NetCDF) and the figure into.
     update
         Flyer file to write the coefficient into, with its total uncertainty; needs --face.
+    insist
+        Have --update write also what is most likely of a wrong unit, or not determined.
     face
         Face of that film which has the measured surface.
     json_output
@@ -156,7 +160,7 @@ def tac_command(
     document = tac_record.summary(fits) | read | {"warnings": warnings}
     written, updated = write_record(
         out, "tac", document, tac_record.to_dataset(fits, warnings), lambda: _figures(fits),
-        updating(update, values, f"tac, {reading} reading, in {gas}", files),
+        updating(update, values, f"tac, {reading} reading, in {gas}", files, insist=insist),
         figures,
     )  # fmt: skip
     if json_output:
@@ -304,6 +308,7 @@ def _show(console: Console, fits: "Sequence[TacFit]") -> None:
             f"δ {related[0, 1]:.2f}, with C {related[0, 2]:.2f}",
             soft_wrap=True,
         )  # fmt: skip
+        console.print(_errors_table(fit))
     if len(fits) > 1:
         console.print(_runs_table(fits))
         console.print(f"mean accommodation coefficient {mean_tac(fits)}")
@@ -324,6 +329,19 @@ def _parameters_table(fit: "TacFit") -> Table:
             _unit_text(one.unit),
         )
     table.add_row("slope δα", f"{fit.slope.value:.4g}", interval_text(fit.slope), "", "1")
+    return table
+
+
+def _errors_table(fit: "TacFit") -> Table:
+    """Errors of the instruments that the fit takes."""
+    from lightflyer.lab.tac.accuracy import IN_WORDS
+
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("error by the fit", "in stated ±", "stated ±", "unit"):
+        table.add_column(heading, justify="right" if "±" in heading else "left")
+    for name, pull in fit.common_errors.items():
+        said, scale, unit = IN_WORDS[name]
+        table.add_row(said, f"{pull:+.2f}", f"{scale * getattr(fit.accuracy, name):g}", unit)
     return table
 
 

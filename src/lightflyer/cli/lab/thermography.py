@@ -8,6 +8,7 @@ from rich.console import Console
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
+    Insist,
     difference,
     estimate_table,
     finish,
@@ -55,6 +56,7 @@ def thermography_command(
     seed: Seed = 0,
     out: Path | None = None,
     update: Path | None = None,
+    insist: Insist = False,
     face: Literal["top", "bottom", "both"] = "both",
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -117,6 +119,8 @@ def thermography_command(
         Folder to write the record (JSON, NetCDF) and the figure into.
     update
         Flyer file to write the emissivity (the absorptance for a light meter) into.
+    insist
+        Have --update write also what is most likely of a wrong unit, or not determined.
     face
         Face of that film.
     json_output
@@ -153,7 +157,7 @@ def thermography_command(
         out, "thermography", document, thermography.to_dataset(result, [str(f) for f in files]),
         lambda: _figures(result),
         updating(update, _values(result, face, light_meter=light_meter),
-                 f"thermography, {result.meaning}", files),
+                 f"thermography, {result.meaning}", files, insist=insist),
         figures,
     )  # fmt: skip
     if json_output:

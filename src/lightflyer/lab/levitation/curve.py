@@ -13,6 +13,7 @@ import numpy as np
 
 from lightflyer.calibration.diagnostics import step_warning
 from lightflyer.calibration.inputs import instruments
+from lightflyer.calibration.points import doubts
 from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
@@ -198,6 +199,8 @@ def _diagnostics(
     found = None if step else found_step(points.irradiance)
     if found is not None:
         said.append(step_warning(points.name, found))
+    of_points = doubts(points.pressure, points.irradiance, points.properties.get("diameter"))
+    said += [f"{points.name}: {text}" for text in of_points]
     if points.in_ground_effect:
         gap, diameter = 1e3 * float(points.floor_gap or 0.0), 1e3 * points.properties["diameter"]
         said.append(

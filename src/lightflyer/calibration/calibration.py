@@ -20,7 +20,7 @@ from scipy.special import chdtrc, chdtri, fdtri
 from lightflyer.calibration.diagnostics import diagnose
 from lightflyer.calibration.inputs import instruments
 from lightflyer.calibration.least_squares import LeastSquares
-from lightflyer.calibration.points import Points
+from lightflyer.calibration.points import Points, log_uncertainty
 from lightflyer.calibration.problem import (
     DEFAULT_FREE,
     UNREACHABLE,
@@ -409,7 +409,7 @@ def _solve_weighted(
     try:
         best, _ = fit.solve(start)
         for _ in range(_EFFECTIVE_VARIANCE_PASSES if points.has_uncertainty else 0):
-            spread = _log_uncertainty(points, fit.at(best).slope)
+            spread = log_uncertainty(points.numbers, fit.at(best).slope, points.source)
             fit = LeastSquares(problem, 1.0 / spread)
             best, _ = fit.solve(best)
     except ParameterError:
@@ -417,21 +417,6 @@ def _solve_weighted(
     except ValueError as error:
         raise ConvergenceError(f"calibration: {error}") from None
     return fit, best, spread
-
-
-def _log_uncertainty(points: Points, slope: np.ndarray) -> np.ndarray:
-    """Uncertainty of log-irradiance, that of pressure included by the curve's slope."""
-    exact = np.zeros(len(points))
-    light = points.numbers.get("irradiance_uncertainty", exact) / points.irradiance
-    pressure = points.numbers.get("pressure_uncertainty", exact) / points.pressure
-    spread = np.hypot(light, slope * pressure)
-    if np.any(spread == 0.0):
-        point = int(np.argmin(spread)) + 1
-        raise ParameterError(
-            f"{points.source}: point {point} has no uncertainty, but others have; give one for each"
-        )
-    require_positive(uncertainty=spread)
-    return spread
 
 
 def _require_distinct(weighted: np.ndarray, names: list[str]) -> None:

@@ -8,13 +8,14 @@ Such a file looks like this; further columns are optional::
 """
 
 import difflib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD, require_step
+from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import (
     AccommodationCoefficient,
@@ -235,6 +236,23 @@ def doubts(pressure: np.ndarray, irradiance: np.ndarray, diameter: float | None)
         scaled = _SCALED.unlikely(float(pressure[least]) * diameter)
         found.append(("pressure of least irradiance times diameter", scaled))
     return [f"{name} = {why}" for name, why in found if why]
+
+
+def log_uncertainty(
+    numbers: Mapping[str, np.ndarray], slope: np.ndarray, source: str
+) -> np.ndarray:
+    """Uncertainty of log-irradiance, that of pressure included by the curve's slope; shape (n,)."""
+    exact = np.zeros(slope.size)
+    light = numbers.get("irradiance_uncertainty", exact) / numbers["irradiance"]
+    pressure = numbers.get("pressure_uncertainty", exact) / numbers["pressure"]
+    spread = np.hypot(light, slope * pressure)
+    if np.any(spread == 0.0):
+        point = int(np.argmin(spread)) + 1
+        raise ParameterError(
+            f"{source}: point {point} has no uncertainty, but others have; give one for each"
+        )
+    require_positive(uncertainty=spread)
+    return spread
 
 
 def read_points(path: str | Path, *, columns: str | None = None, strict: bool = False) -> Points:

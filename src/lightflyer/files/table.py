@@ -50,6 +50,10 @@ class Table:
         """Number of rows."""
         return len(self.lines)
 
+    def not_used(self, option: str, column: str) -> None:
+        """Note an option that a column replaces."""
+        self.notes.append(f"{option} is not used: {self.source} has the column {column}")
+
     def without(self, reasons: dict[int, str]) -> "Table":
         """Reject further rows; without these rows, which are added to the rejected ones."""
         keep = np.ones(len(self), bool)

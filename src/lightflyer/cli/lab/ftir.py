@@ -21,7 +21,7 @@ from lightflyer.cli.lab.shared import (
     updating,
     write_record,
 )
-from lightflyer.cli.options import Json
+from lightflyer.cli.options import Json, only_with
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError
 
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 _PERCENT = 100.0
 
 
+@only_with(
+    reflectance_spectrum="reflectance", collection="reflectance", face="update", insist="update"
+)
 def ftir_command(
     files: Files,
     /,
@@ -120,8 +123,7 @@ def ftir_command(
     result = reduce_ftir(
         spectra, mirrors,
         band=_ends(band),
-        temperatures=[quantity("--temperatures", one, "K").value
-                      for one in temperatures.split(",") if one.strip()],
+        temperatures=_temperatures(temperatures),
         accuracy=optional_share("--accuracy", accuracy),
     )  # fmt: skip
     if update is not None:
@@ -151,6 +153,13 @@ def ftir_command(
     finish(console, figures, written, updated, update)
 
 
+def _temperatures(text: str) -> list[float]:
+    found = [quantity("--temperatures", one, "K").value for one in text.split(",") if one.strip()]
+    if not found or min(found) <= 0.0:
+        raise ConfigurationError(f'--temperatures "{text}": needs temperatures above 0 K')
+    return found
+
+
 def _require_radiating(result: "Ftir") -> None:
     """A flyer's film must radiate; an emissivity of zero is none."""
     if result.emissivity is not None and result.emissivity.value <= 0.0:
@@ -165,6 +174,8 @@ def _ends(band: str) -> tuple[float, float]:
     centre = quantity("--band", band, "m^-1")
     if not centre.uncertainty:
         raise ConfigurationError(f'--band "{band}" has no width; write "900 ± 400 cm^-1"')
+    if centre.uncertainty >= centre.value:
+        raise ConfigurationError(f'--band "{band}" reaches below zero')
     return centre.value - centre.uncertainty, centre.value + centre.uncertainty
 
 

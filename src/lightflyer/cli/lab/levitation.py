@@ -21,7 +21,7 @@ from lightflyer.cli.lab.shared import (
     updating,
     write_record,
 )
-from lightflyer.cli.options import Json, Seed
+from lightflyer.cli.options import Json, Seed, only_with
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import open_interval_text
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 _PERCENT = 100.0
 
 
+@only_with(calibrate="flyer", keep_ground_effect="calibrate", update="calibrate", insist="update")
 def levitation_command(
     files: Files,
     /,
@@ -108,7 +109,6 @@ def levitation_command(
     from lightflyer.lab.levitation import curve as levitation
     from lightflyer.lab.levitation.data import read_lift_offs
 
-    _require_flyer(flyer, calibrate=calibrate, update=update is not None)
     read = [read_lift_offs(file, columns=columns) for file in files]
     accuracies = {
         "pressure_accuracy": optional_share("--pressure-accuracy", pressure_accuracy),
@@ -148,13 +148,6 @@ def levitation_command(
     finish(console, figures, written, updated, update)
 
 
-def _require_flyer(flyer: Path | None, *, calibrate: bool, update: bool) -> None:
-    if update and not calibrate:
-        raise ConfigurationError("--update writes calibrated force coefficients; add --calibrate")
-    if calibrate and flyer is None:
-        raise ConfigurationError("--calibrate starts from a flyer; name its file by --flyer")
-
-
 def _coefficients(fit: "Calibration") -> "dict[tuple[str, str], Estimate]":
     from lightflyer.lab.levitation.model import measured_coefficients
 
@@ -162,11 +155,14 @@ def _coefficients(fit: "Calibration") -> "dict[tuple[str, str], Estimate]":
 
 
 def _distinct(lots: Sequence[Any]) -> Sequence[Any]:
+    from lightflyer.lab.record import require_distinct
+
     seen: dict[str, str] = {}
     for one in lots:
         if one.name in seen:
             raise ConfigurationError(f"{one.place}: {one.name} is also in {seen[one.name]}")
         seen[one.name] = one.place
+    require_distinct([(f"{one.place}: {one.name}", (one.pressure, one.irradiance)) for one in lots])
     return lots
 
 

@@ -14,7 +14,7 @@ from lightflyer.cli.lab.shared import (
     show_warnings,
     write_record,
 )
-from lightflyer.cli.options import Json, Seed
+from lightflyer.cli.options import Json, Seed, only_with
 from lightflyer.cli.output import print_json, printer
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 _PERCENT = 100.0
 
 
+@only_with(insist="update")
 def optics_command(
     sample_file: Path,
     /,

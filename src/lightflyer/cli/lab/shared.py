@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]
 """Input files of a command."""
 
+_USUAL = {"--diameter": "mm", "--wall": "cm", "--size": "um", "--band": "cm^-1"}
+"""Units that messages propose, where they are not those of SI."""
+
 Insist = Annotated[bool, Parameter(negative=())]
 """Whether --update also writes what is most likely of a wrong unit."""
 
@@ -35,7 +38,7 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
     from lightflyer.core.units import parse
 
     try:
-        return parse(text if unit else _number_or_text(text), unit)
+        return parse(text if unit else _number_or_text(text), unit, _USUAL.get(option, ""))
     except ConfigurationError as error:
         raise ConfigurationError(f"{option}: {error}") from None
 

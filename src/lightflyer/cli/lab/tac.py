@@ -23,7 +23,7 @@ from lightflyer.cli.lab.shared import (
     updating,
     write_record,
 )
-from lightflyer.cli.options import Json
+from lightflyer.cli.options import Json, only_with
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError
 
@@ -39,6 +39,7 @@ _KINETIC = "kinetic"  # reading of force models that have none of the paper's
 _NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
 
 
+@only_with(face="update", insist="update")
 def tac_command(
     files: Files,
     /,
@@ -128,6 +129,7 @@ def tac_command(
     """
     out = figures.folder(out)
     from lightflyer.gas import GASES
+    from lightflyer.lab.record import require_distinct
     from lightflyer.lab.tac import fit as tac
     from lightflyer.lab.tac import record as tac_record
     from lightflyer.lab.tac.accuracy import TacAccuracy, unstated_accuracies
@@ -150,8 +152,9 @@ def tac_command(
     surroundings = None if ambient is None else quantity("--ambient", ambient, "K").value
     runs = [
         read_tac(file, columns=columns, thermometer=thermometer, ambient_temperature=surroundings)
-        for file in _distinct(files)
+        for file in files
     ]
+    require_distinct([(run.source, (run.pressure, run.power)) for run in runs])
     fits = [tac.fit_tac(run, **options) for run in runs]
     warnings = tac_record.warnings_of(fits)
     values, about_flyer = _for_flyer_file(fits, update, face)
@@ -209,13 +212,6 @@ def _stated_value(
         found["temperature"] = difference("--temperature-accuracy", temperature, "K")
     width, spread = (None, None) if diameter is None else quantity("--diameter", diameter, "m")
     return width, found if spread is None else found | {"diameter": spread}
-
-
-def _distinct(files: Sequence[Path]) -> Sequence[Path]:
-    for number, file in enumerate(files):
-        if file in files[:number]:
-            raise ConfigurationError(f"{file}: is listed twice")
-    return files
 
 
 def _for_flyer_file(

@@ -1,5 +1,6 @@
 """Calibration, against finite differences of the model, SciPy's minimiser and known truths."""
 
+import re
 from importlib import resources
 from typing import ClassVar
 
@@ -372,6 +373,34 @@ def test_two_points_with_nothing_to_spare(setup):
     assert np.all(fit.intervals[:, 0] < fit.values)
     assert "as many parameters as points" in " ".join(fit.warnings)
     assert fit.summary()["reduced_chi_squared"] is None
+
+
+@pytest.mark.parametrize("copies", [1, 30])
+def test_residuals_in_an_arc_are_said_and_more_points_do_not_narrow_the_interval(setup, copies):
+    pressure = np.geomspace(1.5, 25.0, 14 * copies)
+    arc = 0.3 * np.cos(1.5 * np.pi * np.linspace(-1.0, 1.0, pressure.size))
+    light = np.exp(log_light(pressure, 0.02) + arc)
+    lot = Points("arc", ["one"] * light.size, {"pressure": pressure, "irradiance": light})
+    fit = lf.calibrate(setup, points=lot, **EXACT)
+    assert "the model does not fit them; intervals are wider" in " ".join(fit.warnings)
+    low, high = fit.intervals[0]
+    assert low < 0.4 < high
+    assert 0.1 < np.log(high / low) < 1.5
+
+
+def test_a_parameter_that_ran_to_its_end_for_want_of_points_stops(setup):
+    pressure = np.geomspace(1.2, 1.3, 6)
+    light = np.exp(log_light(pressure, 0.02)) * [0.7, 1.3, 0.8, 1.2, 0.6, 1.4]
+    lot = Points("few", ["one"] * 6, {"pressure": pressure, "irradiance": light})
+    with pytest.raises(lf.ParameterError, match=r"do not determine tac_bottom: 1\.3 ± "):
+        lf.calibrate(setup, points=lot, free=["tac_top", "tac_bottom"], **EXACT)
+
+
+def test_numbers_of_a_wrong_unit_are_said(setup, exact):
+    fit = lf.calibrate(setup, points=points(1e-3 * exact), **EXACT)  # kW taken for W
+    said = " ".join(fit.warnings)
+    assert "synthetic 2 cm: irradiance = " in said
+    assert re.search(r"c_cont = \S+ is unlikely, 0.04 to 30 is usual: .*check the units", said)
 
 
 def test_parameters_that_can_hardly_be_told_apart():

@@ -60,6 +60,23 @@ def test_impossible_value_leaves_the_file(flyer_file):
     assert [file.name for file in path.parent.iterdir()] == ["flyer.toml"]
 
 
+@pytest.mark.parametrize(
+    ("estimate", "says"),
+    [
+        (Estimate.normal(0.05, 0.01), "film.tac_top = 0.05 is unlikely, 0.2 to 1.3 is usual"),
+        (Estimate.normal(0.9, 0.95), "film.tac_top = 0.9 ± 0.95 is not determined"),
+    ],
+)
+def test_what_is_unlikely_is_written_only_if_one_insists(flyer_file, estimate, says):
+    path, values = flyer_file(), {("film", "tac_top"): estimate}
+    before = path.read_bytes()
+    with pytest.raises(lf.ConfigurationError, match=f"{says}.*--insist.*is unchanged"):
+        update_flyer_file(path, values, "x")
+    assert path.read_bytes() == before
+    update_flyer_file(path, values, "x", insist=True)
+    assert f'tac_top = "{measured_text(estimate)}"' in path.read_text(encoding="utf-8")
+
+
 def test_a_file_without_a_film_is_refused_in_one_line(tmp_path):
     path = tmp_path / "sandwich.toml"
     text = (resources.files("lightflyer") / "data" / "flyer-sandwich.toml").read_text("utf-8")

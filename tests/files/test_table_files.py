@@ -143,6 +143,17 @@ def test_a_share_shown_in_percent(save, name):
     assert read_table(path, COLUMNS).numbers["absorptance"] == pytest.approx([0.07], rel=1e-15)
 
 
+@pytest.mark.parametrize("name", ["transmittance", "transmittance [%]", "%T"])
+def test_a_spectrum_shown_in_percent(save, name):
+    def change(book):
+        for row in (2, 3, 4):
+            book["S"][f"B{row}"].number_format = "0.0 %"
+
+    rows = [["wavenumber [cm^-1]", name], [900, 0.8], [1000, 0.75], [1100, 0.5]]
+    found = lf.lab.read_spectrum(save(change, S=rows))
+    assert found.value == pytest.approx([0.8, 0.75, 0.5], rel=1e-12)
+
+
 def test_a_percent_sign_that_only_shows(save):
     path = save(percent_sign, S=[[*HEADER, "absorptance [%]"], ["a", 30, 5, 7.0]])
     assert read_table(path, COLUMNS).numbers["absorptance"] == pytest.approx([0.07], rel=1e-15)

@@ -14,9 +14,10 @@ from lightflyer.film.optics.thickness import thickness_uncertainty
 from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample, read_sample
 from lightflyer.lab.optics.fit import fit_optics, to_dataset
 from lightflyer.lab.optics.model import OpticalModel, Problem
-from lightflyer.lab.optics.search import correlation_length, intervals, search
+from lightflyer.lab.optics.search import intervals, search
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.synthetic.optics import TRUTH, optics_files
+from lightflyer.numerics.residuals import correlation_length
 
 TRUE = np.array([TRUTH["germanium"], TRUTH["porosity"], TRUTH["mylar"]])
 

@@ -15,7 +15,7 @@ from lightflyer.lab.tac import fit as tac
 from lightflyer.lab.tac import problem as tac_problem
 from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy
 from lightflyer.lab.tac.data import TacRun
-from lightflyer.lab.tac.diagnostics import rows_off_the_curve
+from lightflyer.lab.tac.diagnostics import misfit_warnings, rows_off_the_curve
 from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC_LAW, KineticLaw
 from lightflyer.lab.tac.record import mean_tac, summary
 
@@ -363,7 +363,7 @@ def test_coefficient_above_one_is_said(rng):
 def test_tiny_coefficient_is_said():
     run = independent_run(40)
     fit = tac.fit_tac(shifted(run, pressure=133.3), **OPTIONS)  # Torr taken for Pa
-    assert any("check the unit of the pressure" in text for text in fit.warnings)
+    assert any("technical surfaces in air" in text for text in fit.warnings)
 
 
 def test_scatter_that_leaves_a_coefficient_undetermined(rng):
@@ -428,3 +428,30 @@ def test_missing_extra_is_named(monkeypatch, rng):
     monkeypatch.setitem(sys.modules, "lmfit", None)
     with pytest.raises(lf.MissingExtraError, match=r"needs lmfit: pip install 'lightflyer\[lab\]'"):
         tac.fit_tac(independent_run(40, 0.01, rng), **OPTIONS)
+
+
+def sherman_run(count, rng, noise=0.01):
+    """A run by the mean of both resistances, free-molecular and continuum, as Sherman has it."""
+    pressure, per_mole = np.geomspace(1e-3, 100.0, count), 8.314462618 / 0.0289652
+    alpha, ratio, offset = TRUTH
+    thin = alpha * 6.0 * np.sqrt(per_mole / (2.0 * np.pi * 295.0)) * pressure  # both faces
+    dense = 8.0 * 0.02655 / (np.pi * 0.5 * DIAMETER)
+    conductance = ratio * (thin * dense / (thin + dense) + offset)
+    power = conductance * np.pi * DIAMETER**2 / 4.0 * (323.0 - 295.0)
+    return run_of(pressure, power * (1.0 + noise * rng.normal(size=count)))
+
+
+def test_another_law_is_said_and_more_rows_do_not_narrow_the_interval(rng):
+    fits = [tac.fit_tac(sherman_run(count, rng), diameter=DIAMETER) for count in (2_000, 40_000)]
+    few, many = (fit.tac.interval for fit in fits)
+    for fit in fits:
+        assert fit.tac.interval[0] < TRUTH[0] < fit.tac.interval[1]
+        assert any("the law does not fit them" in text for text in fit.warnings)
+        assert max(map(abs, fit.common_errors.values())) < 1.0
+    assert many[1] - many[0] > 0.9 * (few[1] - few[0])
+
+
+def test_an_instrument_that_is_off_by_more_than_stated_is_said():
+    values = {"tac": 2.5, "gauge": -0.4, "plateau": 2.71}
+    (text,) = misfit_warnings(1.0, 60, values)
+    assert text.startswith("the fit wants errors of plateau +2.7 stated standard uncertainties")

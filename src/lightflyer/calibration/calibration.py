@@ -20,7 +20,7 @@ from scipy.special import chdtrc, chdtri, fdtri
 from lightflyer.calibration.diagnostics import diagnose
 from lightflyer.calibration.inputs import instruments
 from lightflyer.calibration.least_squares import LeastSquares
-from lightflyer.calibration.points import Points
+from lightflyer.calibration.points import Points, log_uncertainty
 from lightflyer.calibration.problem import (
     DEFAULT_FREE,
     UNREACHABLE,
@@ -36,6 +36,7 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.numerics.residuals import alike_points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,6 +48,8 @@ _RANK_TOLERANCE = 1e-8  # of the Jacobian's singular values
 _INVOLVED = 0.03  # share of a direction that names a parameter in a message
 _EFFECTIVE_VARIANCE_PASSES = 3
 _START_FACTORS = (2.0, 0.5, 5.0, 0.2, 20.0, 0.05, 100.0, 0.01)  # of starting values, in turn
+_UNDETERMINED = 1.0  # relative standard uncertainty of a value at the end of its range
+_NEAR_END = 1e-3  # distance from there, of a log-parameter
 _AT_END = 1e-6  # distance of a log-parameter from the end of its range that counts as none
 
 
@@ -79,6 +82,9 @@ class Calibration(PrintedResult):
     freedom: int
     error_scale: float  #: Factor by which the stated uncertainties were multiplied
     residuals: np.ndarray  #: shape (n,); measured minus fitted log-irradiance
+    #: Points of neighbouring pressures whose residuals are alike: 1 where the model fits. Intervals
+    #: from an estimated scatter are those of so many times fewer points
+    alike: float
     #: shape (n,); standard uncertainty of each point's log-irradiance, that of pressure included
     uncertainty: np.ndarray
     fitted: np.ndarray  #: shape (n,); fitted irradiance [W/m²]
@@ -155,6 +161,7 @@ class Calibration(PrintedResult):
             "reduced_chi_squared": _plain(self.reduced_chi_squared),
             "chi_squared_probability": _plain(self.chi_squared_probability),
             "stated_errors_scaled_by": self.error_scale,
+            "alike_points": self.alike,
             "warnings": list(self.warnings),
         }
 
@@ -270,12 +277,14 @@ def _calibration(
     estimated = not points.has_uncertainty
     scaled = scale_errors and not estimated
     _require_freedom(freedom, points.source, scaled=scaled)
-    variance = cost / freedom if estimated or scaled else 1.0
-    limit = cost + _threshold(variance, freedom, estimated=estimated or scaled)
     values, residuals = np.exp(best), fit.measured - here.value
+    alike = alike_points((residuals * fit.weight)[np.lexsort((points.pressure, points.samples))])
+    variance = alike * cost / freedom if estimated else cost / freedom if scaled else 1.0
+    limit = cost + _threshold(variance, freedom, estimated=estimated or scaled)
     in_logarithms = _covariance(fit, best) * variance
     inputs = from_inputs(fit, best)
     steps = np.sqrt(np.diag(in_logarithms))
+    _require_determined(problem, best, steps)
     ends = np.array([fit.interval(best, limit, row, step) for row, step in enumerate(steps)])
     if estimated:
         wider = _unevenness(here.jacobian, residuals, in_logarithms)
@@ -299,10 +308,22 @@ def _calibration(
         freedom=freedom,
         error_scale=math.sqrt(variance) if scaled else 1.0,
         residuals=residuals,
-        uncertainty=spread * math.sqrt(variance),
+        alike=alike,
+        uncertainty=spread * math.sqrt(variance / alike if estimated else variance),
         fitted=np.exp(here.value),
         warnings=(),
     )
+
+
+def _require_determined(problem: Problem, best: np.ndarray, steps: np.ndarray) -> None:
+    """Raise where a parameter went to the end of its range because the points leave it free."""
+    at_end = np.abs(best - problem.bounds).min(axis=0) < _NEAR_END
+    for row in np.flatnonzero(at_end & (steps > _UNDETERMINED)):
+        value = math.exp(best[row])
+        raise ParameterError(
+            f"the points do not determine {problem.names[row]}: {value:.3g} ± "
+            f"{value * steps[row]:.2g}, at the end of its range; fit fewer parameters, or fix it"
+        )
 
 
 def _require_freedom(freedom: int, source: str, *, scaled: bool) -> None:
@@ -388,7 +409,7 @@ def _solve_weighted(
     try:
         best, _ = fit.solve(start)
         for _ in range(_EFFECTIVE_VARIANCE_PASSES if points.has_uncertainty else 0):
-            spread = _log_uncertainty(points, fit.at(best).slope)
+            spread = log_uncertainty(points.numbers, fit.at(best).slope, points.source)
             fit = LeastSquares(problem, 1.0 / spread)
             best, _ = fit.solve(best)
     except ParameterError:
@@ -396,21 +417,6 @@ def _solve_weighted(
     except ValueError as error:
         raise ConvergenceError(f"calibration: {error}") from None
     return fit, best, spread
-
-
-def _log_uncertainty(points: Points, slope: np.ndarray) -> np.ndarray:
-    """Uncertainty of log-irradiance, that of pressure included by the curve's slope."""
-    exact = np.zeros(len(points))
-    light = points.numbers.get("irradiance_uncertainty", exact) / points.irradiance
-    pressure = points.numbers.get("pressure_uncertainty", exact) / points.pressure
-    spread = np.hypot(light, slope * pressure)
-    if np.any(spread == 0.0):
-        point = int(np.argmin(spread)) + 1
-        raise ParameterError(
-            f"{points.source}: point {point} has no uncertainty, but others have; give one for each"
-        )
-    require_positive(uncertainty=spread)
-    return spread
 
 
 def _require_distinct(weighted: np.ndarray, names: list[str]) -> None:

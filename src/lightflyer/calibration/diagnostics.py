@@ -33,27 +33,38 @@ def diagnose(fit: Calibration) -> list[str]:
 def _about_errors(fit: Calibration) -> list[str]:
     if not fit.freedom:
         return ["there are as many parameters as points: nothing shows whether the model fits"]
+    said = []
+    if fit.alike > 1.0:
+        count = len(fit.points)
+        said.append(
+            "residuals at neighbouring pressures are alike, as if of only "
+            f"{count / fit.alike:.0f} points in place of {count}: the model does not fit them; "
+            f"intervals are {'wider for it' if fit.estimated_scatter else 'too narrow'}"
+        )
     if fit.estimated_scatter or fit.error_scale != 1.0:
-        return []
+        return said
     found = f"reduced chi-squared {fit.reduced_chi_squared:.3g}, {fit.freedom} degrees of freedom"
     ratio = math.sqrt(fit.reduced_chi_squared)
     if fit.chi_squared_probability < LEAST_PROBABILITY:
         return [
+            *said,
             f"the points scatter {ratio:.3g} times as much as their stated uncertainties say "
             f"({found}): the intervals are too narrow; scale the errors, or find what the "
-            "uncertainties or the model leave out"
+            "uncertainties or the model leave out",
         ]
     if fit.chi_squared_probability > 1.0 - LEAST_PROBABILITY:
         return [
             f"the points scatter only {ratio:.2g} times as much as their stated uncertainties say "
             f"({found}): the intervals may be too wide"
         ]
-    return []
+    return said
 
 
 def _about_intervals(fit: Calibration) -> list[str]:
     said = []
     for row, (name, parameter) in enumerate(zip(fit.names, fit.problem.parameters, strict=True)):
+        doubt = parameter.target.quantity.unlikely(fit.values[row])
+        said += [f"{name} = {doubt}"] if doubt else []
         least, most = parameter.ends
         at = np.exp(parameter.log_bounds)
         if np.any(np.abs(fit.values[row] / at - 1.0) < _AT_END):

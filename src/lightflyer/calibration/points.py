@@ -8,12 +8,14 @@ Such a file looks like this; further columns are optional::
 """
 
 import difflib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD, require_step
+from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import (
     AccommodationCoefficient,
@@ -29,6 +31,7 @@ from lightflyer.core.quantity import (
 from lightflyer.files.table import Rejected, Table, read_table
 from lightflyer.files.table_layout import Column
 
+_SCALED = Quantity("Pa*m", likely=(0.01, 0.5), known="the paper's disks in air have 0.09")
 REQUIRED = ("pressure", "irradiance")  # Columns that every file has
 
 
@@ -37,7 +40,12 @@ def _positive(kind: object) -> Quantity:
 
 
 _PRESSURE = Column("pressure", Pressure, ("p", "chamber_pressure"), required=True)
-_IRRADIANCE = Column("irradiance", _positive(Irradiance), ("i", "intensity"), required=True)
+_LIGHT = replace(
+    _positive(Irradiance),
+    likely=(20.0, 2e5),
+    known="less lifts no film, and more burns it",
+)
+_IRRADIANCE = Column("irradiance", _LIGHT, ("i", "intensity"), required=True)
 _SAMPLE_COLUMNS = (
     Column("diameter", Length),
     Column("areal_density", ArealDensity),
@@ -142,7 +150,15 @@ class Points:
             near = difflib.get_close_matches(plain, known, n=1, cutoff=_LEAST_ALIKE)
             hint = f'; did you mean "{near[0]}"?' if near else ""
             rows.append(f"{self.source}: the column {name} is not used{hint}")
-        return (*rows, *self.reading, *self.notes)
+        return (*rows, *self.reading, *self.notes, *self._doubts())
+
+    def _doubts(self) -> Iterator[str]:
+        for name in dict.fromkeys(self.samples):
+            one = self.where(self.of(name))
+            sizes = one.numbers.get("diameter", [None])
+            yield from (
+                f"{name}: {text}" for text in doubts(one.pressure, one.irradiance, sizes[0])
+            )
 
     @property
     def table(self) -> Table:
@@ -210,6 +226,33 @@ class Points:
             stated = self.numbers.get("irradiance_uncertainty", np.zeros(len(self)))
             numbers["irradiance_uncertainty"] = np.hypot(stated, UNIFORM_SPREAD * step)
         return replace(self, numbers=numbers, step=step)
+
+
+def doubts(pressure: np.ndarray, irradiance: np.ndarray, diameter: float | None) -> list[str]:
+    """What in points of one sample is most likely of a wrong unit; pressure and light (n,)."""
+    least = int(np.argmin(irradiance))
+    found = [("irradiance", _LIGHT.unlikely(irradiance))]
+    if diameter is not None:
+        scaled = _SCALED.unlikely(float(pressure[least]) * diameter)
+        found.append(("pressure of least irradiance times diameter", scaled))
+    return [f"{name} = {why}" for name, why in found if why]
+
+
+def log_uncertainty(
+    numbers: Mapping[str, np.ndarray], slope: np.ndarray, source: str
+) -> np.ndarray:
+    """Uncertainty of log-irradiance, that of pressure included by the curve's slope; shape (n,)."""
+    exact = np.zeros(slope.size)
+    light = numbers.get("irradiance_uncertainty", exact) / numbers["irradiance"]
+    pressure = numbers.get("pressure_uncertainty", exact) / numbers["pressure"]
+    spread = np.hypot(light, slope * pressure)
+    if np.any(spread == 0.0):
+        point = int(np.argmin(spread)) + 1
+        raise ParameterError(
+            f"{source}: point {point} has no uncertainty, but others have; give one for each"
+        )
+    require_positive(uncertainty=spread)
+    return spread
 
 
 def read_points(path: str | Path, *, columns: str | None = None, strict: bool = False) -> Points:

@@ -6,6 +6,7 @@ A command is one module here, registered by name so that it is imported only whe
 
 import contextlib
 import os
+import re
 import sys
 import warnings
 from collections.abc import Sequence
@@ -146,7 +147,7 @@ class _Warnings:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; mistakes of the user's become one line each and exit code 2."""
-    given = sys.argv[1:] if arguments is None else list(arguments)
+    given = _with_negatives(sys.argv[1:] if arguments is None else list(arguments))
     try:
         with working(next(iter(given), app.name[0])) as display, warnings.catch_warnings():
             warnings.simplefilter("always", ParameterWarning)
@@ -172,6 +173,20 @@ def main(arguments: Sequence[str] | None = None) -> None:
         where = "the output" if error.filename is None else error.filename
         _abandon_output()
         _fail(f"{where}: {error.strerror or error}")
+
+
+def _with_negatives(given: Sequence[str]) -> list[str]:
+    """Arguments with values such as "-3 mm" joined to their options, or they would seem options."""
+    joined: list[str] = []
+    for word in map(str, given):
+        if joined and _NEGATIVE.match(word) and _OPTION.fullmatch(joined[-1]):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
+_NEGATIVE, _OPTION = re.compile(r"-[\d.,]"), re.compile(r"--[a-z-]+")
 
 
 def _fail(text: str) -> None:

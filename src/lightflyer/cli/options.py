@@ -1,9 +1,14 @@
 """Options that several commands have, with what they may be."""
 
-from typing import Annotated
+import inspect
+from collections.abc import Callable
+from functools import wraps
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
+
+from lightflyer.core.errors import ParameterError
 
 MOST_SAMPLES = 1_000_000
 
@@ -12,3 +17,33 @@ Seed = Annotated[int, Parameter(validator=Number(gte=0, lt=2**63))]  # Seed of r
 
 Samples = Annotated[int, Parameter(validator=Number(gte=0, lte=MOST_SAMPLES))]
 """Number of random samples, which take memory each."""
+
+
+def only_with(**needs: str) -> Callable[[Callable[..., None]], Any]:
+    """Have a command refuse options that do nothing without another, by the option's name."""
+
+    def refusing(command: Callable[..., None]) -> Callable[..., None]:
+        signature = inspect.signature(command)
+
+        @wraps(command)
+        def checked(*args: Any, **named: Any) -> None:
+            given = {
+                name
+                for name, value in signature.bind_partial(*args, **named).arguments.items()
+                if value != signature.parameters[name].default
+            }
+            for name, other in needs.items():
+                if name in given and other not in given:
+                    raise ParameterError(
+                        f"{_as_typed(name)} does nothing without {_as_typed(other)}"
+                    )
+            command(*args, **named)
+
+        checked.needs = needs  # type: ignore[attr-defined]
+        return checked
+
+    return refusing
+
+
+def _as_typed(name: str) -> str:
+    return f"--{name.replace('_', '-')}"

@@ -5,7 +5,7 @@ import math
 import os
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TextIO
 
@@ -45,9 +45,13 @@ def measured_text(estimate: "Estimate", digits: int = _DIGITS) -> str:
 
 
 def update_flyer_file(
-    path: str | Path, values: Mapping[tuple[str, str], "Estimate"], origin: str
+    path: str | Path,
+    values: Mapping[tuple[str, str], "Estimate"],
+    origin: str,
+    *,
+    insist: bool = False,
 ) -> list[str]:
-    """Write values with their uncertainties and their origin into a flyer file."""
+    """Write values with ± and origin; ``insist``: also what :func:`_require_likely` refuses."""
     from lightflyer.config.reader import read_flyer_file  # slow to import
 
     path = Path(path)
@@ -68,14 +72,14 @@ def update_flyer_file(
         text = measured_text(estimate)
         _put(table, key, text, f"measured: {origin}, {datetime.date.today().isoformat()}")
         written.append(f'{section}.{key} = "{text}"')
-    _replace(path, tomlkit.dumps(document))
+    replace_file(path, document, () if insist else [".".join(name) for name in values])
     return written
 
 
-def replace_file(path: Path, document: Any) -> None:
-    """Replace a flyer file by a changed one, if that is valid."""
+def replace_file(path: Path, document: Any, measured: Collection[str] = ()) -> None:
+    """Replace a flyer file by a changed one, if that is valid, and its measured numbers likely."""
     tomlkit = extra("tomlkit", "updating a flyer file", "lab")
-    _replace(path, tomlkit.dumps(document))
+    _replace(path, tomlkit.dumps(document), measured)
 
 
 def write_design(
@@ -176,18 +180,20 @@ def _put(table: Any, key: str, text: str, origin: str) -> None:
     table[key].trivia.comment_ws = "  "
 
 
-def _replace(path: Path, text: str) -> None:
-    """Replace the file if the text is a valid flyer file."""
+def _replace(path: Path, text: str, measured: Collection[str] = ()) -> None:
+    """Replace the file if the text is a valid flyer file, with likely measured numbers."""
     # beside the file, so that relative names of other files in it stay valid
     try:
         handle, name = tempfile.mkstemp(prefix=TEMPORARY, suffix=".toml", dir=path.parent)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
     with unfinished(Path(name)), os.fdopen(handle, "w", encoding="utf-8") as file:
-        _check_and_rename(file, Path(name), path, text)
+        _check_and_rename(file, Path(name), path, text, measured)
 
 
-def _check_and_rename(file: TextIO, staged: Path, path: Path, text: str) -> None:
+def _check_and_rename(
+    file: TextIO, staged: Path, path: Path, text: str, measured: Collection[str]
+) -> None:
     """Write the text to a temporary file, and rename that where it is a valid flyer file."""
     from lightflyer.config.reader import read_flyer_file
 
@@ -195,7 +201,7 @@ def _check_and_rename(file: TextIO, staged: Path, path: Path, text: str) -> None
         with file:
             file.write(text)
         try:
-            read_flyer_file(staged)
+            _require_likely(read_flyer_file(staged), measured)
         except ConfigurationError as error:
             said = "; ".join(str(error).replace(str(staged), str(path)).splitlines())
             left = "the file is unchanged" if path.exists() else "nothing is written"
@@ -206,6 +212,20 @@ def _check_and_rename(file: TextIO, staged: Path, path: Path, text: str) -> None
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
     finally:
         staged.unlink(missing_ok=True)
+
+
+def _require_likely(file: Any, measured: Collection[str]) -> None:
+    """Refuse measured numbers that are most likely of a wrong unit, or hardly measured."""
+    for part, section in file.parts().items():
+        for key, quantity, value in section.numbers():
+            name = f"{part}.{key}"
+            if name not in measured or value is None:
+                continue
+            problem = quantity.unlikely(value.value)
+            if problem is None and (value.uncertainty or 0.0) >= abs(value.value):
+                problem = f"{value.value:.3g} ± {value.uncertainty:.3g} is not determined"
+            if problem:
+                raise ConfigurationError(f"{name} = {problem}; --insist writes it all the same")
 
 
 def _mode_of(path: Path) -> int:

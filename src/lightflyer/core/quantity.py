@@ -46,6 +46,9 @@ class Quantity:
     # slip of the unit or of the pen
     sizes: tuple[float, float] = (0.0, math.inf)
     why: str = ""  # What ends the sizes, in words
+    # Range of what is measured. A value beyond is possible, but most likely one of a wrong unit
+    likely: tuple[float, float] = (-math.inf, math.inf)
+    known: str = ""  # What ends that range, in words
     # Value that a file has where it gives none and an object has None
     in_files: Measured | None = None
 
@@ -74,6 +77,18 @@ class Quantity:
         bad, most = size[beyond][0], size[beyond][0] > largest
         limit = f"at most {largest:g}" if most else f"at least {smallest:g}"
         return f"{bad:g} must be {limit} {self.unit}: {self.why}"
+
+    def unlikely(self, value: Any) -> str | None:
+        """Say in words why a measured value is in doubt, None where it is not."""
+        low, high = self.likely
+        beyond = np.ravel(value)[~((np.ravel(value) >= low) & (np.ravel(value) <= high))]
+        if not beyond.size:
+            return None
+        unit = f" {self.unit}" if self.unit else ""
+        return (
+            f"{beyond[0]:.4g}{unit} is unlikely, {low:g} to {high:g} is usual: {self.known}; check "
+            "the units"
+        )
 
     def number(self, name: str, value: Any) -> Any:
         """Number or array in the unit, from whatever a script gives."""
@@ -164,7 +179,13 @@ Length = Annotated[
 Thickness = Annotated[
     Numeric,
     Quantity(
-        "m", 0.0, open_below=True, sizes=(1e-10, 1e-2), why="atoms are larger, films are thinner"
+        "m",
+        0.0,
+        open_below=True,
+        sizes=(1e-10, 1e-2),
+        why="atoms are larger, films are thinner",
+        likely=(3e-10, 2e-4),
+        known="graphene is the thinnest film, and no light lifts one as thick as paper",
     ),
 ]
 Roughness = Annotated[
@@ -295,9 +316,26 @@ OscillatorStrength = Annotated[Numeric, Quantity("", 0.0)]
 Permittivity = Annotated[Numeric, Quantity("", 0.0, sizes=(0.0, 1e4), why="no medium has more")]
 Fraction = Annotated[Numeric, Quantity("", 0.0, 1.0)]
 OpenFraction = Annotated[Numeric, Quantity("", 0.0, HIGHEST_OPEN_FRACTION)]
-Emittance = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]
-AccommodationCoefficient = Annotated[Numeric, Quantity("", 0.0, HIGHEST_TAC, open_below=True)]
+Emittance = Annotated[
+    Numeric,
+    Quantity("", 0.0, 1.0, open_below=True, likely=(5e-3, 1.0), known="polished gold has 0.02"),
+]
+AccommodationCoefficient = Annotated[
+    Numeric,
+    Quantity(
+        "",
+        0.0,
+        HIGHEST_TAC,
+        open_below=True,
+        likely=(0.2, HIGHEST_TAC),
+        known="technical surfaces in air have 0.6 to 1",
+    ),
+]
 Coefficient = Annotated[Numeric, Quantity("", 0.0, open_below=True)]
+ForceCoefficient = Annotated[
+    Numeric,
+    Quantity("", 0.0, open_below=True, likely=(0.04, 30.0), known="the paper has 0.4 and 3"),
+]
 Correlation = Annotated[Numeric, Quantity("", -1.0, 1.0)]
 StandardErrors = Annotated[Numeric, Quantity("", -10.0, 10.0, in_files=Measured(0.0, 1.0))]
 Incidence = Annotated[Numeric, Quantity("deg", 0.0, 90.0)]

@@ -34,6 +34,7 @@ class Measured(NamedTuple):
 
 DIGITS = 12  # Of a number that is written into a file: a prediction from it repeats the search's
 
+_COLD = 100.0  # kelvin, below which a temperature without a unit is meant in °C
 _FAR = 1e6  # a value beside which offsets of temperature scales are small
 
 _SEPARATOR = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
@@ -163,8 +164,14 @@ def _unit_advice(target: str) -> str:
     return f"give one that converts to {target}" if target else "write a pure number or a %"
 
 
-def parse(text: str | float, unit: str) -> Measured:
-    """Read a number with its unit and, if stated, its uncertainty; in ``unit``.
+def _no_unit(text: str | float, value: float, unit: str, usual: str) -> ConfigurationError:
+    if not usual:
+        usual = "°C" if unit == "K" and value < _COLD else {"rad": "deg"}.get(unit, unit)
+    return ConfigurationError(f'"{text}" has no unit; write "{text} {usual}"')
+
+
+def parse(text: str | float, unit: str, usual: str = "") -> Measured:
+    """Read a number with its unit and uncertainty; in ``unit``. ``usual``: what messages propose.
 
     Examples
     --------
@@ -179,7 +186,7 @@ def parse(text: str | float, unit: str) -> Measured:
         raise ConfigurationError(f"{in_toml(text)} is not a number{_with_unit(unit)}")
     if not isinstance(text, str):
         if unit:
-            raise ConfigurationError(f'{text} has no unit; write "{text} {unit}"')
+            raise _no_unit(text, text, unit, usual)
         return _finite(Measured(float(text)), str(text))
     first, *rest = _SEPARATOR.split(text)
     if len(rest) > 1:
@@ -192,7 +199,7 @@ def parse(text: str | float, unit: str) -> Measured:
         )
     value_unit = value_unit or own_unit
     if unit and not value_unit:
-        raise ConfigurationError(f'"{text}" has no unit; write "{text} {unit}"')
+        raise _no_unit(text, value, unit, usual)
     convert = _converter(value_unit or "dimensionless", unit, text)
     if uncertainty is None:
         return _finite(Measured(convert(value)), text)

@@ -50,6 +50,10 @@ class Table:
         """Number of rows."""
         return len(self.lines)
 
+    def not_used(self, option: str, column: str) -> None:
+        """Note an option that a column replaces."""
+        self.notes.append(f"{option} is not used: {self.source} has the column {column}")
+
     def without(self, reasons: dict[int, str]) -> "Table":
         """Reject further rows; without these rows, which are added to the rejected ones."""
         keep = np.ones(len(self), bool)
@@ -106,7 +110,7 @@ def _read(file: Lines, found: Layout, *, strict: bool, unique: bool = False) -> 
     ]
     if not rows:
         raise ConfigurationError(f"{file.name}: has a header but no rows")
-    timed = any(one.column.name == "time" for one in found.columns.values())
+    timed = any(name.partition("[")[0].strip(' "').casefold() == "time" for name in found.names)
     repeated = _repeat(file.name, rows) if unique or timed else {}
     notes = _require_whole(file, rows, found)
     table = _with_si(file, [row for row in rows if row[0] not in repeated], found, say=not strict)

@@ -23,6 +23,8 @@ class Lines(NamedTuple):
 
 def read_lines(path: Path) -> list[Lines]:
     """Tables that a file may hold; one, or one for each sheet of a workbook that holds anything."""
+    if path.suffix == ".toml":
+        raise ConfigurationError(f"{path}: is a TOML file, such as a flyer's, not a table")
     book, sheet = split_sheet(path)
     content = read_bytes(book)
     if is_workbook(content, str(book)):

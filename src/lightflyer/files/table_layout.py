@@ -185,7 +185,10 @@ def _from_option(
         None,
     )
     if first is None:
-        raise ConfigurationError(f"{path}: has no row that starts with a number")
+        raise ConfigurationError(
+            f"{path}: has no row that starts with a number if split into the {len(names)} "
+            "columns of --columns; name every column, those that are not needed as -"
+        )
     known = _place(columns, names, f"--columns of {path}", closed=True)
     return Layout(_delimiter_of_row(lines[first], len(names), delimiter), names, first, known)
 

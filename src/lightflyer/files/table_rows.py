@@ -249,11 +249,11 @@ def _not_a_number(cell: str, name: str) -> str:
 
 
 def _in_percent(cell: str, one: Placed, marks: Marks) -> float | None:
-    """Value of a cell such as ``75 %`` in a column of pure numbers, in the unit of the column."""
-    if not cell.endswith("%") or one.column.quantity.unit or one.column.any_unit:
+    """Value of a cell such as ``75 %`` in a column of pure numbers, in the column's unit."""
+    if not cell.endswith("%") or one.column.quantity.unit:
         return None
     value = marks.number(cell[:-1].rstrip())
-    return None if value is None else value / _PERCENT / one.scale
+    return value if value is None or one.column.any_unit else value / _PERCENT / one.scale
 
 
 def _require_plain(cell: str, place: str) -> None:

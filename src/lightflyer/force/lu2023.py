@@ -12,7 +12,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.core.quantity import Coefficient
+from lightflyer.core.quantity import ForceCoefficient
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
 from lightflyer.environment.base import EnvironmentState
@@ -189,8 +189,8 @@ class Lu2023(AbstractForceModel):
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
     feels_walls: ClassVar[bool] = False
 
-    c_fm: Coefficient = _FITTED_C_FM
-    c_cont: Coefficient = _FITTED_C_CONT
+    c_fm: ForceCoefficient = _FITTED_C_FM
+    c_cont: ForceCoefficient = _FITTED_C_CONT
     reading: Reading = REPORTED
 
     @entry_point

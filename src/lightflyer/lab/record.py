@@ -1,9 +1,13 @@
 """The NetCDF record of a measurement."""
 
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 import lightflyer
+from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,6 +29,15 @@ def joint_warnings(found: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
         if text not in shared
     ]
     return own + shared
+
+
+def require_distinct(measured: Sequence[tuple[str, Any]]) -> None:
+    """Refuse the same data twice, which would count as a repeat; names, and arrays (n,)."""
+    for (first, one), (second, other) in combinations(measured, 2):
+        if np.array_equal(one, other, equal_nan=True):
+            raise ConfigurationError(
+                f"{second}: has the same data as {first}; each measurement may be given once"
+            )
 
 
 def dataset(

@@ -1,4 +1,5 @@
 import json
+from importlib import resources
 
 import pytest
 import xarray as xr
@@ -9,8 +10,6 @@ from lightflyer.config.reader import read_flyer_file
 def test_points_to_record_with_model_and_calibration(examples, lab):
     folder = examples("levitation")
     lf_file = folder / "flyer.toml"
-    from importlib import resources
-
     template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
     lf_file.write_text(template.read_text(encoding="utf-8"), encoding="utf-8")
     code, out, err = lab(
@@ -66,6 +65,27 @@ def test_bad_input(folder, lab, text, arguments, says):
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert says in err
     assert not (folder / "o").exists()
+
+
+def test_kilowatts_taken_for_watts_reach_no_flyer_file(examples, lab):
+    folder = examples("levitation")
+    path = folder / "flyer.toml"
+    template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
+    path.write_text(template.read_text(encoding="utf-8"), encoding="utf-8")
+    text = (folder / "levitation.csv").read_text(encoding="utf-8")
+    assert "kW/m^2" in text
+    (folder / "watts.csv").write_text(text.replace("kW/m^2", "W/m^2"), encoding="utf-8")
+    before = path.read_bytes()
+    given = ["levitation", "watts.csv", "--flyer", path, "--calibrate", "--draws", "100"]
+    code, out, err = lab(*given, "--update", path)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "is unlikely" in err
+    assert "--insist" in err
+    assert path.read_bytes() == before
+    code, out, err = lab(*given, "--update", path, "--insist")
+    assert (code, err) == (0, "")
+    assert "W/m^2 is unlikely, 20 to 200000 is usual" in out
+    assert path.read_bytes() != before
 
 
 def test_steps_in_the_record(folder, lab):

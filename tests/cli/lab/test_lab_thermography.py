@@ -124,7 +124,8 @@ def test_scalars(lab):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        ([], "give a file, or also hotplate_temperature"),
+        ([], "give a file, or also --hotplate, --lower"),
+        ([*GIVEN, "--hotplate-emissivity", "0.2 ± 0.3"], "is not known"),
         (["missing.csv"], "missing.csv: cannot be read"),
         (["missing.jpg", "--regions", "upper=1:2,3:4"], "missing.jpg: cannot be read"),
         (["missing.jpg"], "an image needs --regions"),
@@ -218,4 +219,4 @@ def test_a_matrix_with_regions_is_an_image(folder, lab):
     assert found["emissivity"]["value"] == pytest.approx(same["emissivity"]["value"], abs=1e-6)
     code, _, err = lab("thermography", "m.csv", "--image-unit", "K", "--ambient", "22 °C")
     assert code == 2
-    assert "--image-… are for an image" in err
+    assert "--image-unit does nothing without --regions" in err

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.lab.shared import optional_share, quantity
-from lightflyer.cli.options import Json, Samples, Seed
+from lightflyer.cli.options import Json, Samples, Seed, only_with
 from lightflyer.cli.output import print_json, printer, show, write_json
 from lightflyer.files.result_text import warning_lines
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from lightflyer.calibration.calibration import Calibration
 
 
+@only_with(samples="posterior", seed="posterior")
 def calibrate_command(
     points_file: Path,
     /,

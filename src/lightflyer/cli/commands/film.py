@@ -112,7 +112,11 @@ def _quantities(option: str, text: str, unit: str) -> Any:
     from lightflyer.core.units import parse
 
     try:
-        values = [parse(part.strip(), unit).value for part in text.split(",") if part.strip()]
+        values = [
+            parse(part.strip(), unit, "nm" if unit == "m" else "").value
+            for part in text.split(",")
+            if part.strip()
+        ]
     except ConfigurationError as error:
         raise ConfigurationError(f"{option}: {error}") from None
     if not values:

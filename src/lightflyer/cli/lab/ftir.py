@@ -12,6 +12,7 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
+    Insist,
     finish,
     optional_share,
     quantity,
@@ -20,7 +21,7 @@ from lightflyer.cli.lab.shared import (
     updating,
     write_record,
 )
-from lightflyer.cli.options import Json
+from lightflyer.cli.options import Json, only_with
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError
 
@@ -33,6 +34,9 @@ if TYPE_CHECKING:
 _PERCENT = 100.0
 
 
+@only_with(
+    reflectance_spectrum="reflectance", collection="reflectance", face="update", insist="update"
+)
 def ftir_command(
     files: Files,
     /,
@@ -49,6 +53,7 @@ def ftir_command(
     film: Path | None = None,
     out: Path | None = None,
     update: Path | None = None,
+    insist: Insist = False,
     face: Literal["top", "bottom", "both"] = "both",
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -90,6 +95,8 @@ def ftir_command(
         Folder to write the record (JSON, NetCDF) and the figure into.
     update
         Flyer file to write the emissivity over the band into; needs --reflectance.
+    insist
+        Have --update write also what is most likely of a wrong unit, or not determined.
     face
         Face of that film.
     json_output
@@ -116,8 +123,7 @@ def ftir_command(
     result = reduce_ftir(
         spectra, mirrors,
         band=_ends(band),
-        temperatures=[quantity("--temperatures", one, "K").value
-                      for one in temperatures.split(",") if one.strip()],
+        temperatures=_temperatures(temperatures),
         accuracy=optional_share("--accuracy", accuracy),
     )  # fmt: skip
     if update is not None:
@@ -133,7 +139,8 @@ def ftir_command(
     values = {} if emissivity is None else dict.fromkeys(emittance_keys(face), emissivity)
     written, updated = write_record(
         out, "ftir", document, to_dataset(result), lambda: _figures(result, computed),
-        updating(update, values, "ftir", [*files, *([reflectance] if reflectance else [])]),
+        updating(update, values, "ftir", [*files, *([reflectance] if reflectance else [])],
+                 insist=insist),
         figures,
     )  # fmt: skip
     if json_output:
@@ -144,6 +151,13 @@ def ftir_command(
     _show(console, result)
     show_warnings(console, warnings)
     finish(console, figures, written, updated, update)
+
+
+def _temperatures(text: str) -> list[float]:
+    found = [quantity("--temperatures", one, "K").value for one in text.split(",") if one.strip()]
+    if not found or min(found) <= 0.0:
+        raise ConfigurationError(f'--temperatures "{text}": needs temperatures above 0 K')
+    return found
 
 
 def _require_radiating(result: "Ftir") -> None:
@@ -160,6 +174,8 @@ def _ends(band: str) -> tuple[float, float]:
     centre = quantity("--band", band, "m^-1")
     if not centre.uncertainty:
         raise ConfigurationError(f'--band "{band}" has no width; write "900 ± 400 cm^-1"')
+    if centre.uncertainty >= centre.value:
+        raise ConfigurationError(f'--band "{band}" reaches below zero')
     return centre.value - centre.uncertainty, centre.value + centre.uncertainty
 
 

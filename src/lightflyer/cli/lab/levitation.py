@@ -11,6 +11,7 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
+    Insist,
     finish,
     optional_share,
     quantity,
@@ -20,7 +21,7 @@ from lightflyer.cli.lab.shared import (
     updating,
     write_record,
 )
-from lightflyer.cli.options import Json, Seed
+from lightflyer.cli.options import Json, Seed, only_with
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import open_interval_text
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 _PERCENT = 100.0
 
 
+@only_with(calibrate="flyer", keep_ground_effect="calibrate", update="calibrate", insist="update")
 def levitation_command(
     files: Files,
     /,
@@ -52,6 +54,7 @@ def levitation_command(
     pressure_unit: Literal["Pa", "Torr", "mTorr", "mbar"] = "Pa",
     out: Path | None = None,
     update: Path | None = None,
+    insist: Insist = False,
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
 ) -> None:
@@ -95,6 +98,8 @@ def levitation_command(
     update
         Flyer file to write the calibrated force coefficients into, with the ± of points and
         instruments; the file's own ± are not counted twice.
+    insist
+        Have --update write also what is most likely of a wrong unit, or not determined.
     json_output
         Print one JSON object instead of tables.
     figures
@@ -104,7 +109,6 @@ def levitation_command(
     from lightflyer.lab.levitation import curve as levitation
     from lightflyer.lab.levitation.data import read_lift_offs
 
-    _require_flyer(flyer, calibrate=calibrate, update=update is not None)
     read = [read_lift_offs(file, columns=columns) for file in files]
     accuracies = {
         "pressure_accuracy": optional_share("--pressure-accuracy", pressure_accuracy),
@@ -129,7 +133,7 @@ def levitation_command(
     written, updated = write_record(
         out, "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]),
         lambda: _figures(curves, pressure_unit, models),
-        updating(update, values, "levitation", files),
+        updating(update, values, "levitation", files, insist=insist),
         figures,
     )  # fmt: skip
     if json_output:
@@ -144,13 +148,6 @@ def levitation_command(
     finish(console, figures, written, updated, update)
 
 
-def _require_flyer(flyer: Path | None, *, calibrate: bool, update: bool) -> None:
-    if update and not calibrate:
-        raise ConfigurationError("--update writes calibrated force coefficients; add --calibrate")
-    if calibrate and flyer is None:
-        raise ConfigurationError("--calibrate starts from a flyer; name its file by --flyer")
-
-
 def _coefficients(fit: "Calibration") -> "dict[tuple[str, str], Estimate]":
     from lightflyer.lab.levitation.model import measured_coefficients
 
@@ -158,11 +155,14 @@ def _coefficients(fit: "Calibration") -> "dict[tuple[str, str], Estimate]":
 
 
 def _distinct(lots: Sequence[Any]) -> Sequence[Any]:
+    from lightflyer.lab.record import require_distinct
+
     seen: dict[str, str] = {}
     for one in lots:
         if one.name in seen:
             raise ConfigurationError(f"{one.place}: {one.name} is also in {seen[one.name]}")
         seen[one.name] = one.place
+    require_distinct([(f"{one.place}: {one.name}", (one.pressure, one.irradiance)) for one in lots])
     return lots
 
 

@@ -8,12 +8,13 @@ from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
+    Insist,
     finish,
     show_rejected,
     show_warnings,
     write_record,
 )
-from lightflyer.cli.options import Json, Seed
+from lightflyer.cli.options import Json, Seed, only_with
 from lightflyer.cli.output import print_json, printer
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 _PERCENT = 100.0
 
 
+@only_with(insist="update")
 def optics_command(
     sample_file: Path,
     /,
@@ -31,6 +33,7 @@ def optics_command(
     starts: int = 16,
     out: Path | None = None,
     update: Path | None = None,
+    insist: Insist = False,
     seed: Seed = 0,
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -52,6 +55,8 @@ def optics_command(
     update
         Flyer file whose [film] has the same layers, to write the fitted numbers, their ± and their
         correlations into.
+    insist
+        Have --update write also what is most likely of a wrong unit, or not determined.
     seed
         Seed of the starts, and of the bands of n and k.
     json_output
@@ -81,7 +86,7 @@ def optics_command(
             return []
         from lightflyer.lab.optics.flyer_file import update_layers
 
-        return update_layers(update, result, sample_file.name)
+        return update_layers(update, result, sample_file.name, insist=insist)
 
     written, updated = write_record(
         out, "optics", document, to_dataset(result), lambda: _figures(result), write, figures,

@@ -17,7 +17,7 @@ from lightflyer.cli.lab.shared import (
     show_warnings,
     write_record,
 )
-from lightflyer.cli.options import Json, Seed
+from lightflyer.cli.options import Json, Seed, only_with
 from lightflyer.cli.output import print_json, printer
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ _NAMES = {
 }
 
 
+@only_with(flatten_order="flatten")
 def roughness_command(
     files: Files,
     /,
@@ -94,6 +95,7 @@ def roughness_command(
         _show_channels(files, json_output=json_output)
         return
     from lightflyer.lab.readers.height_map import read_height_map
+    from lightflyer.lab.record import require_distinct
     from lightflyer.lab.surface.reduction import roughness, summary, to_dataset
 
     options: dict[str, Any] = {
@@ -103,6 +105,7 @@ def roughness_command(
     }  # fmt: skip
     width = None if size is None else quantity("--size", size, "m").value
     maps = [read_height_map(file, size=width, unit=unit, channel=channel) for file in files]
+    require_distinct([(one.source, one.height) for one in maps])
     results = [roughness(one, **options) for one in maps]
     document = summary(results)
     written, _ = write_record(

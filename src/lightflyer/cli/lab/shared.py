@@ -24,6 +24,12 @@ if TYPE_CHECKING:
 Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]
 """Input files of a command."""
 
+_USUAL = {"--diameter": "mm", "--wall": "cm", "--size": "um", "--band": "cm^-1"}
+"""Units that messages propose, where they are not those of SI."""
+
+Insist = Annotated[bool, Parameter(negative=())]
+"""Whether --update also writes what is most likely of a wrong unit."""
+
 _SHOWN_REJECTED = 10
 
 
@@ -32,7 +38,7 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
     from lightflyer.core.units import parse
 
     try:
-        return parse(text if unit else _number_or_text(text), unit)
+        return parse(text if unit else _number_or_text(text), unit, _USUAL.get(option, ""))
     except ConfigurationError as error:
         raise ConfigurationError(f"{option}: {error}") from None
 
@@ -161,6 +167,8 @@ def updating(
     values: "Mapping[tuple[str, str], Estimate]",
     name: str,
     files: Sequence[Path],
+    *,
+    insist: bool,
 ) -> Callable[[], list[str]]:
     """Function that writes values into a flyer file, if one is named; see :func:`write_record`."""
 
@@ -170,7 +178,7 @@ def updating(
         from lightflyer.config.update import update_flyer_file
 
         origin = ", ".join([f"lab {name}", *(file.name for file in files)])
-        return update_flyer_file(flyer, values, origin)
+        return update_flyer_file(flyer, values, origin, insist=insist)
 
     return update
 

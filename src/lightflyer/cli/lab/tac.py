@@ -10,6 +10,7 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
+    Insist,
     difference,
     finish,
     interval_text,
@@ -22,7 +23,7 @@ from lightflyer.cli.lab.shared import (
     updating,
     write_record,
 )
-from lightflyer.cli.options import Json
+from lightflyer.cli.options import Json, only_with
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError
 
@@ -38,6 +39,7 @@ _KINETIC = "kinetic"  # reading of force models that have none of the paper's
 _NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
 
 
+@only_with(face="update", insist="update")
 def tac_command(
     files: Files,
     /,
@@ -61,6 +63,7 @@ def tac_command(
     plateau_accuracy: str | None = None,
     out: Path | None = None,
     update: Path | None = None,
+    insist: Insist = False,
     face: Literal["top", "bottom", "both"] | None = None,
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -115,6 +118,8 @@ def tac_command(
         Folder to write the record (JSON, NetCDF) and the figure into.
     update
         Flyer file to write the coefficient into, with its total uncertainty; needs --face.
+    insist
+        Have --update write also what is most likely of a wrong unit, or not determined.
     face
         Face of that film which has the measured surface.
     json_output
@@ -124,6 +129,7 @@ def tac_command(
     """
     out = figures.folder(out)
     from lightflyer.gas import GASES
+    from lightflyer.lab.record import require_distinct
     from lightflyer.lab.tac import fit as tac
     from lightflyer.lab.tac import record as tac_record
     from lightflyer.lab.tac.accuracy import TacAccuracy, unstated_accuracies
@@ -146,8 +152,9 @@ def tac_command(
     surroundings = None if ambient is None else quantity("--ambient", ambient, "K").value
     runs = [
         read_tac(file, columns=columns, thermometer=thermometer, ambient_temperature=surroundings)
-        for file in _distinct(files)
+        for file in files
     ]
+    require_distinct([(run.source, (run.pressure, run.power)) for run in runs])
     fits = [tac.fit_tac(run, **options) for run in runs]
     warnings = tac_record.warnings_of(fits)
     values, about_flyer = _for_flyer_file(fits, update, face)
@@ -156,7 +163,7 @@ def tac_command(
     document = tac_record.summary(fits) | read | {"warnings": warnings}
     written, updated = write_record(
         out, "tac", document, tac_record.to_dataset(fits, warnings), lambda: _figures(fits),
-        updating(update, values, f"tac, {reading} reading, in {gas}", files),
+        updating(update, values, f"tac, {reading} reading, in {gas}", files, insist=insist),
         figures,
     )  # fmt: skip
     if json_output:
@@ -205,13 +212,6 @@ def _stated_value(
         found["temperature"] = difference("--temperature-accuracy", temperature, "K")
     width, spread = (None, None) if diameter is None else quantity("--diameter", diameter, "m")
     return width, found if spread is None else found | {"diameter": spread}
-
-
-def _distinct(files: Sequence[Path]) -> Sequence[Path]:
-    for number, file in enumerate(files):
-        if file in files[:number]:
-            raise ConfigurationError(f"{file}: is listed twice")
-    return files
 
 
 def _for_flyer_file(
@@ -304,6 +304,7 @@ def _show(console: Console, fits: "Sequence[TacFit]") -> None:
             f"δ {related[0, 1]:.2f}, with C {related[0, 2]:.2f}",
             soft_wrap=True,
         )  # fmt: skip
+        console.print(_errors_table(fit))
     if len(fits) > 1:
         console.print(_runs_table(fits))
         console.print(f"mean accommodation coefficient {mean_tac(fits)}")
@@ -324,6 +325,19 @@ def _parameters_table(fit: "TacFit") -> Table:
             _unit_text(one.unit),
         )
     table.add_row("slope δα", f"{fit.slope.value:.4g}", interval_text(fit.slope), "", "1")
+    return table
+
+
+def _errors_table(fit: "TacFit") -> Table:
+    """Errors of the instruments that the fit takes."""
+    from lightflyer.lab.tac.accuracy import IN_WORDS
+
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("error by the fit", "in stated ±", "stated ±", "unit"):
+        table.add_column(heading, justify="right" if "±" in heading else "left")
+    for name, pull in fit.common_errors.items():
+        said, scale, unit = IN_WORDS[name]
+        table.add_row(said, f"{pull:+.2f}", f"{scale * getattr(fit.accuracy, name):g}", unit)
     return table
 
 

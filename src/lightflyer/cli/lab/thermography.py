@@ -8,6 +8,7 @@ from rich.console import Console
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
+    Insist,
     difference,
     estimate_table,
     finish,
@@ -19,7 +20,7 @@ from lightflyer.cli.lab.shared import (
     updating,
     write_record,
 )
-from lightflyer.cli.options import Json, Seed
+from lightflyer.cli.options import Json, Seed, only_with
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError
 
@@ -32,6 +33,14 @@ if TYPE_CHECKING:
     from lightflyer.lab.thermography.thermal_image import ThermalImage
 
 
+@only_with(
+    image_unit="regions",
+    image_zero="image_unit",
+    image_emissivity="regions",
+    image_reflected="regions",
+    face="update",
+    insist="update",
+)
 def thermography_command(
     file: Path | None = None,
     /,
@@ -55,6 +64,7 @@ def thermography_command(
     seed: Seed = 0,
     out: Path | None = None,
     update: Path | None = None,
+    insist: Insist = False,
     face: Literal["top", "bottom", "both"] = "both",
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -117,6 +127,8 @@ def thermography_command(
         Folder to write the record (JSON, NetCDF) and the figure into.
     update
         Flyer file to write the emissivity (the absorptance for a light meter) into.
+    insist
+        Have --update write also what is most likely of a wrong unit, or not determined.
     face
         Face of that film.
     json_output
@@ -153,7 +165,7 @@ def thermography_command(
         out, "thermography", document, thermography.to_dataset(result, [str(f) for f in files]),
         lambda: _figures(result),
         updating(update, _values(result, face, light_meter=light_meter),
-                 f"thermography, {result.meaning}", files),
+                 f"thermography, {result.meaning}", files, insist=insist),
         figures,
     )  # fmt: skip
     if json_output:
@@ -191,6 +203,8 @@ def _scene(band: str | None, emissivity: str | None, film: str | None) -> "Scene
 
     camera = UNCOOLED if band is None else parse_band(band)
     own = BLACK if emissivity is None else quantity("--hotplate-emissivity", emissivity, "")
+    if (own.uncertainty or 0.0) >= own.value:
+        raise ConfigurationError(f'--hotplate-emissivity "{emissivity}" is not known by its ±')
     warmth = None if film is None else quantity("--film-temperature", film, "K")
     try:
         return Scene(camera, own, warmth)
@@ -231,15 +245,13 @@ def _image(
     )
 
     if file is None or not (regions or is_thermal_image(file)):
-        if regions or any(settings):
-            raise ConfigurationError("--image-… are for an image; give its file and --regions")
+        if regions:
+            raise ConfigurationError("--regions is for an image; give its file")
         return None
     if regions is None:
         raise ConfigurationError(f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."')
     parse_regions(regions)
     unit, zero, emissivity, reflected = settings
-    if zero is not None and unit is None:
-        raise ConfigurationError("--image-zero needs --image-unit")
     own, behind = (
         None if text is None else quantity(option, text, of).value
         for option, text, of in (

@@ -35,7 +35,7 @@ from lightflyer.lab.ftir.means import (
 )
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
-from lightflyer.lab.record import dataset
+from lightflyer.lab.record import dataset, require_distinct
 from lightflyer.lab.spectrum_noise import noise_density
 
 if TYPE_CHECKING:
@@ -200,6 +200,7 @@ def reduce_ftir(
     """
     used = DEFAULT_ACCURACY if accuracy is None else accuracy
     _check(spectra, reflectances, band, temperatures, used)
+    require_distinct([(one.source, (one.wavenumber, one.value)) for one in spectra])
     low, high = _common_range([*spectra, *reflectances])
     inside = (max(band[0], low), min(band[1], high))
     uncovered_band = _uncovered_band(band, low, high, spectra[0].source)

@@ -1,7 +1,7 @@
 r"""Optimal pressure and minimum irradiance from levitation points.
 
-LOESS of degree 2 on logarithms smooths the points at which a sample lifted off. The minimum of the
-curve is the least irradiance at which the sample levitates.
+Local regression of degree 2 on logarithms, twice, smooths the points at which a sample lifted off.
+The minimum of the curve is the least irradiance at which the sample levitates.
 """
 
 from collections.abc import Sequence
@@ -11,16 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.calibration.diagnostics import step_warning
+from lightflyer.calibration.diagnostics import LEAST_PROBABILITY, step_warning
 from lightflyer.calibration.inputs import instruments
+from lightflyer.calibration.points import doubts, log_uncertainty
 from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.extras import extra
-from lightflyer.lab.estimate import CONFIDENCE, Estimate
+from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
-from lightflyer.lab.levitation.minimum import DEGREE, Minimum, minimum
+from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother
 from lightflyer.lab.record import dataset, joint_warnings
+from lightflyer.numerics.residuals import alike_points
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,14 +29,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SPAN = 0.75  # Fraction of a sample's points in each local fit; the default of LOESS
-BAND_CONFIDENCE = 0.99  # Confidence of the band about the curve
 DRAWS = 2000  # Number of simulated measurements
 
 LEAST_POINTS, LEAST_PRESSURES = 8, 6
 """Fewest points and pressures of a curve."""
 
-_LEAST_SPREAD = 1e-6  # of log-pressure
-_GRID = 300  # pressures of a curve
+_LEAST_SPREAD = 1e-6  # of log-pressure, and of a curve's log-irradiance
+_NO_MINIMUM = 0.9  # share of the measured log-pressures within the interval of the optimum
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,11 @@ class LevitationCurve:
     #: beyond: then its interval is open there, and that of the irradiance below
     at_edge: bool
     pressure: np.ndarray  #: shape (m,); pressures of the curve [Pa]
-    irradiance: np.ndarray  #: shape (m,); LOESS curve and its 99 % band [W/m²]
-    lower: np.ndarray  #: shape (m,); LOESS curve and its 99 % band [W/m²]
-    upper: np.ndarray  #: shape (m,); LOESS curve and its 99 % band [W/m²]
+    irradiance: np.ndarray  #: shape (m,); the curve [W/m²]
+    #: shape (m,); its 95 % band, which contains the instruments' calibration [W/m²]
+    lower: np.ndarray
+    #: shape (m,); its 95 % band, which contains the instruments' calibration [W/m²]
+    upper: np.ndarray
     #: shape (b, 2); draws of the logarithms of pressure and irradiance at the true minimum, without
     #: the instruments' calibration
     draws: np.ndarray
@@ -62,7 +64,7 @@ class LevitationCurve:
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw points, curve with its 99 % band, and minimum."""
+        """Draw points, curve with its 95 % band, and minimum."""
         from lightflyer.lab.levitation.figures import plot_curve
 
         return plot_curve(self, ax)
@@ -89,7 +91,7 @@ def levitation_curve(
     pressure_accuracy: float | None = None,
     irradiance_accuracy: float | None = None,
 ) -> LevitationCurve:
-    r"""Fit a LOESS curve to a sample's points, and find its minimum.
+    r"""Fit a smooth curve to a sample's points, and find its minimum.
 
     Parameters
     ----------
@@ -115,45 +117,37 @@ def levitation_curve(
     Raises
     ------
     ConfigurationError
-        If there are too few points or pressures.
+        If there are too few points or pressures, or only some have an uncertainty.
     ParameterError
         If an accuracy is not between 0 and 1, or the step is not smaller than every irradiance.
-    MissingExtraError
-        If scikit-misc is not installed.
 
     Notes
     -----
-    Curve and 99 % band are those of LOESS of degree 2 [Cleveland1988]_ on logarithms. The minimum
-    is that of the curve plus LOESS of its residuals ("twicing" [Tukey1977]_), which removes most
-    of the bias of smoothing a bend. Its 95 % interval is that of simulated measurements; see
-    :mod:`lightflyer.lab.levitation.minimum`.
+    The curve is LOESS of degree 2 [Cleveland1988]_ on logarithms plus LOESS of its residuals
+    ("twicing" [Tukey1977]_), which removes most of the bias of smoothing a bend. Points weigh by
+    their uncertainties where these are stated. The 95 % intervals of curve and minimum are those of
+    simulated measurements; see :mod:`lightflyer.lab.levitation.minimum`.
     """
     require_range("span", span, 0.1, 1.0)
     require_range("draws", draws, 100)
     accuracies, assumed = instruments(pressure_accuracy, irradiance_accuracy)
     _require_enough(points)
     require_step(step, points.irradiance, points.place)
-    loess = extra("skmisc.loess", "smoothing levitation points", "lab").loess
     x, y = np.log(points.pressure), np.log(points.irradiance - CENTRE * step)
-    grid = np.linspace(x.min(), x.max(), _GRID)
-    fitted = _loess(loess, x, y, span)
-    if fitted is None:
-        raise ConfigurationError(
-            f"{points.place}: LOESS cannot fit {points.name}; add points or widen the span"
-        )
-    predicted = fitted.predict(grid, stderror=True)
-    band = predicted.confidence(1.0 - BAND_CONFIDENCE)
-    least = minimum(x, points.irradiance, span=span, draws=draws, seed=seed, step=step)
-    pressure, irradiance = _estimates(least, tuple(accuracies.values()), seed)
+    least = minimum(
+        x, points.irradiance, span=span, draws=draws, seed=seed, step=step,
+        stated=_stated(points, x, y, span),
+    )  # fmt: skip
+    pressure, irradiance, band = _estimates(least, tuple(accuracies.values()), seed)
     return LevitationCurve(
         points=points,
         optimal_pressure=pressure,
         minimum_irradiance=irradiance,
         at_edge=least.edge != 0,
-        pressure=np.exp(grid),
-        irradiance=np.exp(predicted.values),
-        lower=np.exp(band.lower),
-        upper=np.exp(band.upper),
+        pressure=np.exp(least.grid),
+        irradiance=np.exp(least.curve),
+        lower=np.exp(np.minimum(band[0], least.curve)),
+        upper=np.exp(np.maximum(band[1], least.curve)),
         draws=np.stack([least.places, least.values], axis=1),
         step=step,
         warnings=(*_diagnostics(points, least, pressure, step), *assumed),
@@ -162,8 +156,8 @@ def levitation_curve(
 
 def _estimates(
     least: Minimum, accuracies: tuple[float, ...], seed: int
-) -> tuple[Estimate, Estimate]:
-    """Optimal pressure and minimum irradiance, the instruments' calibration included."""
+) -> tuple[Estimate, Estimate, np.ndarray]:
+    """Optimum, least irradiance and log-irradiances of the band, with the instruments' errors."""
     rng = np.random.default_rng([seed, len(least.places)])
     gauge, meter = (one * rng.normal(size=len(least.places)) for one in accuracies)
     pressure = _estimate(least.place, least.places + gauge, "Pa")
@@ -177,7 +171,19 @@ def _estimates(
     pressure = replace(pressure, interval=(low, high))
     if least.edge:
         irradiance = replace(irradiance, interval=(0.0, irradiance.interval[1]))
-    return pressure, irradiance
+    slope = np.gradient(least.curve, least.grid)
+    band = central_interval(least.curves + meter[:, None] - np.outer(gauge, slope), axis=0)
+    return pressure, irradiance, band
+
+
+def _stated(points: LiftOffs, x: np.ndarray, y: np.ndarray, span: float) -> np.ndarray | None:
+    """Uncertainty of each log-irradiance, that of pressure included; None where none is stated."""
+    if not points.uncertainties.keys() & {"irradiance_uncertainty", "pressure_uncertainty"}:
+        return None
+    order = np.unique(x, return_index=True)[1]
+    slope = np.gradient(smoother(x, x, span)[order] @ y, x[order])
+    numbers = {"pressure": points.pressure, "irradiance": points.irradiance, **points.uncertainties}
+    return log_uncertainty(numbers, np.interp(x, x[order], slope), points.place)
 
 
 def _diagnostics(
@@ -195,9 +201,25 @@ def _diagnostics(
             f"{points.place}: the optimum of {points.name} may lie beyond its pressures: extend "
             "the measurement"
         )
+    inside = np.clip(np.log(np.maximum(pressure.interval, 1e-300)), least.grid[0], least.grid[-1])
+    if np.ptp(inside) > _NO_MINIMUM * np.ptp(least.grid) or np.ptp(least.curve) < _LEAST_SPREAD:
+        said.append(f"{points.place}: the points of {points.name} show no minimum")
+    if least.probability < LEAST_PROBABILITY or least.probability > 1.0 - LEAST_PROBABILITY:
+        more = least.excess > 1.0
+        said.append(
+            f"the points of {points.name} scatter {least.excess:.2g} times as much as their stated "
+            f"uncertainties say: intervals are {'those of the scatter' if more else 'too wide'}"
+        )
+    if alike_points(least.residuals[np.argsort(points.pressure, kind="stable")]) > 1.0:
+        said.append(
+            f"residuals of {points.name} at neighbouring pressures are alike: the curve does not "
+            "follow its points; intervals are too narrow; try a narrower --span"
+        )
     found = None if step else found_step(points.irradiance)
     if found is not None:
         said.append(step_warning(points.name, found))
+    of_points = doubts(points.pressure, points.irradiance, points.properties.get("diameter"))
+    said += [f"{points.name}: {text}" for text in of_points]
     if points.in_ground_effect:
         gap, diameter = 1e3 * float(points.floor_gap or 0.0), 1e3 * points.properties["diameter"]
         said.append(
@@ -220,16 +242,6 @@ def _require_enough(points: LiftOffs) -> None:
             f"{place}: {name} was measured at {pressures} pressure{'s' * (pressures != 1)}; a "
             f"curve needs {LEAST_PRESSURES} or more"
         )
-
-
-def _loess(loess: Any, x: np.ndarray, y: np.ndarray, span: float) -> Any:
-    """Fitted curve, or None where LOESS cannot fit the points."""
-    curve = loess(x, y, span=span, degree=DEGREE)
-    try:
-        curve.fit()
-    except ValueError:
-        return None
-    return curve
 
 
 def _estimate(log_value: float, log_draws: np.ndarray, unit: str) -> Estimate:
@@ -317,9 +329,9 @@ def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.D
             "point_pressure": ("point", points("pressure"), _attributes("Pa", "gas pressure")),
             "point_irradiance": ("point", points("irradiance"), _attributes(*light)),
             "pressure": nodes("pressure", "Pa", "gas pressure"),
-            "irradiance": nodes("irradiance", "W m-2", "LOESS curve of the irradiance"),
-            "lower": nodes("lower", "W m-2", "lower end of the 99 % band"),
-            "upper": nodes("upper", "W m-2", "upper end of the 99 % band"),
+            "irradiance": nodes("irradiance", "W m-2", "curve of the irradiance"),
+            "lower": nodes("lower", "W m-2", "lower end of the 95 % band"),
+            "upper": nodes("upper", "W m-2", "upper end of the 95 % band"),
         },
         files,
         warnings=warnings_of(curves),

@@ -18,6 +18,7 @@ from lightflyer.files.drawing import (
     new_figure,
     plain_decades,
 )
+from lightflyer.lab.estimate import NORMAL_FACTOR
 
 if TYPE_CHECKING:
     from lightflyer.lab.levitation.curve import LevitationCurve
@@ -40,7 +41,7 @@ def levitation_curves(
     pressure_unit: str = "Pa",
     models: Mapping[str, ModelCurves] | None = None,
 ) -> Axes:
-    """Draw points, LOESS curves with their 99 % bands, and each minimum."""
+    """Draw points with their stated ±, curves with their 95 % bands, and each minimum."""
     models = models or {}
     per_pascal = 1.0 / scale_and_offset(pressure_unit, "Pa")[0]
     opacity = _OPACITY / max(1.0, len(curves) / _FEW)
@@ -53,7 +54,13 @@ def levitation_curves(
         ax.plot(pressure, curve.irradiance * _PER_KILOWATT, color=colour, lw=1.4)
         ax.plot([], [], marker, ls="-", color=colour, mfc="none", ms=5, lw=1.4, label=points.name)
         light = points.irradiance * _PER_KILOWATT
-        ax.plot(points.pressure * per_pascal, light, marker, ls="", color=colour, mfc="none", ms=5)
+        bars = {
+            name: NORMAL_FACTOR * scale * points.uncertainties.get(f"{column}_uncertainty", 0.0)
+            for name, column, scale in (("xerr", "pressure", per_pascal),
+                                        ("yerr", "irradiance", _PER_KILOWATT))
+        }  # fmt: skip
+        ax.errorbar(points.pressure * per_pascal, light, fmt=marker, color=colour, mfc="none", ms=5,
+                    lw=0.7, **bars)  # fmt: skip
         if curve.step:  # the light that suffices lies on these lines
             ax.vlines(points.pressure * per_pascal, light - curve.step * _PER_KILOWATT, light,
                       color=colour, lw=0.8)  # fmt: skip
@@ -61,19 +68,22 @@ def levitation_curves(
         for style, drawn in zip(_MODEL_STYLES, models.values(), strict=False):
             at, needed = drawn[points.name]
             ax.plot(at * per_pascal, needed * _PER_KILOWATT, color=colour, ls=style, lw=1)
-    for style, name in zip(_MODEL_STYLES, models, strict=False):
-        ax.plot([], [], color=GREY, ls=style, lw=1, label=name)
     light = np.concatenate([curve.points.irradiance for curve in curves]) * _PER_KILOWATT
     ax.set(xscale="log", yscale="log")
     ax.set_ylim(light.min() / _ABOVE, light.max() * _ABOVE)
+    for style, (name, lines) in zip(_MODEL_STYLES, models.items(), strict=False):
+        needed = np.concatenate([drawn[1] for drawn in lines.values()]) * _PER_KILOWATT
+        seen = np.any((needed > light.min() / _ABOVE) & (needed < light.max() * _ABOVE))
+        label = name if seen else f"{name}: beyond the axes"
+        ax.plot([], [], color=GREY, ls=style, lw=1, label=label)
     plain_decades(ax.xaxis)
     plain_decades(ax.yaxis)
     ax.set_xlabel(f"pressure [{pressure_unit}]")
     ax.set_ylabel("irradiance to levitate [kW/m²]")
     ax.grid(alpha=0.25, which="both")
     ax.plot([], [], "*", color=GREY, ms=9, mec="white", mew=0.5, label=f"minimum, {INTERVAL}")
-    ax.fill_between([], [], [], color=GREY, alpha=0.3, lw=0, label="99 % band of a line")
-    legend_below(ax, title="points: measured; solid lines: LOESS")
+    ax.fill_between([], [], [], color=GREY, alpha=0.3, lw=0, label="95 % band of a line")
+    legend_below(ax, title="points: measured, with stated ± (95 %); solid lines: LOESS, twice")
     return ax
 
 

@@ -8,7 +8,9 @@ measurements cheap to find, for few points too, where resampling the points them
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import chdtrc
 
+from lightflyer.calibration.diagnostics import LEAST_PROBABILITY
 from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD
 
 DEGREE = 2  # Degree of the local polynomials
@@ -28,15 +30,24 @@ class Minimum:
     places: np.ndarray  # shape (b,); draws from the distribution of the true minimum
     values: np.ndarray
     edges: np.ndarray  # shape (b,); the same as ``edge`` of each draw
+    grid: np.ndarray  # shape (m,); log-pressures of the curve
+    curve: np.ndarray  # shape (m,); log-irradiance there
+    curves: np.ndarray  # shape (b, m); draws from the distribution of the true curve
+    residuals: np.ndarray  # shape (n,); of log-irradiance, in standard errors as stated or found
+    # Scatter over what is stated, and the probability of more by chance; NaN where none is stated
+    excess: float
+    probability: float
 
 
-def smoother(x: np.ndarray, places: np.ndarray, span: float) -> np.ndarray:
-    """Matrix of local regression with LOESS' tricube weights, shape (m, n); ``x`` (n,)."""
+def smoother(
+    x: np.ndarray, places: np.ndarray, span: float, weight: np.ndarray | float = 1.0
+) -> np.ndarray:
+    """Matrix of local regression with LOESS' tricube weights, shape (m, n); ``weight`` (n,)."""
     count = max(int(span * x.size), DEGREE + 1)
     distance = np.abs(places[:, None] - x)
     reach = np.sort(distance, axis=1)[:, count - 1 : count]
     reach = np.where(reach > 0.0, reach, 1.0)
-    root = np.sqrt(np.clip(1.0 - (distance / reach) ** 3, 0.0, None) ** 3)
+    root = np.sqrt(np.clip(1.0 - (distance / reach) ** 3, 0.0, None) ** 3 * weight)
     powers = (x - places[:, None])[..., None] ** np.arange(DEGREE + 1)
     return np.asarray(np.linalg.pinv(powers * root[..., None], _TINY)[:, 0, :] * root)
 
@@ -49,30 +60,42 @@ def minimum(
     draws: int,
     seed: int,
     step: float = 0.0,
+    stated: np.ndarray | None = None,
 ) -> Minimum:
-    """Find the minimum of the curve through points, and simulate its error; ``x`` (n,)."""
+    """Find the minimum of the curve through points, and simulate its error; ``stated`` (n,) [1]."""
     # The curve is smoothed and its residuals are smoothed and added ("twicing"). Simulated
     # measurements have the curve found, normal scatter whose variance is drawn from the
     # distribution of the estimate, and, with steps, light raised in the same steps from a random
     # start. Their minima's errors are those of the result: taken off the irradiance, and added to
-    # the pressure with another error as large as what twicing moves it by.
+    # the pressure with another error as large as what twicing moves it by. Where the uncertainty
+    # of each log-irradiance is stated, points weigh by it, and scatter so unless they scatter more.
     rng = np.random.default_rng(seed)
     y = np.log(light - CENTRE * step)
     grid = np.linspace(x.min(), x.max(), _GRID)
-    once, at_points = smoother(x, grid, span), smoother(x, x, span)
+    rounding = UNIFORM_SPREAD * step / np.exp(y)
+    error = np.ones(x.size) if stated is None else np.hypot(stated, rounding)
+    weight = (error.min() / error) ** 2
+    once, at_points = smoother(x, grid, span, weight), smoother(x, x, span, weight)
     again = 2.0 * np.eye(x.size) - at_points
     twice, fitted = once @ again, at_points @ again @ y
     (place,), (value,), (edge,) = _least(grid, (twice @ y)[None])
     (smoothed,), *_ = _least(grid, (once @ y)[None])
     (start,), (bottom,), _ = _least(grid, (twice @ fitted)[None])
-    spread = _spreads(np.eye(x.size) - at_points @ again, y, draws, rng)
-    if step:
-        rounding = UNIFORM_SPREAD * step * np.sqrt(np.mean(np.exp(-2.0 * fitted)))
-        spread = np.sqrt(np.maximum(spread**2 - rounding**2, 0.0))
-    simulated = fitted + spread[:, None] * rng.normal(size=(draws, x.size))
+    residual = (np.eye(x.size) - at_points @ again) * error / error[:, None]
+    spread, variance, freedom = _spreads(residual, y / error, draws, rng)
+    probability = float(chdtrc(freedom, freedom * variance))
+    if stated is not None:
+        spread = np.outer(spread if probability < LEAST_PROBABILITY else np.ones(draws), stated)
+    elif step:
+        rounded = UNIFORM_SPREAD * step * np.sqrt(np.mean(np.exp(-2.0 * fitted)))
+        spread = np.sqrt(np.maximum(spread**2 - rounded**2, 0.0))[:, None]
+    else:
+        spread = spread[:, None]
+    simulated = fitted + spread * rng.normal(size=(draws, x.size))
     if step:
         simulated = _step_lines(simulated, step, rng)
-    places, values, edges = _least(grid, simulated @ twice.T)
+    curves = simulated @ twice.T
+    places, values, edges = _least(grid, curves)
     smoothing = abs(place - smoothed) * rng.normal(size=draws)
     return Minimum(
         float(place),
@@ -81,19 +104,25 @@ def minimum(
         place + (places - start) + smoothing,
         value - (values - bottom),
         edges,
+        grid,
+        twice @ y,
+        twice @ (y + fitted) - curves,
+        (y - fitted) / error,
+        np.nan if stated is None else float(np.sqrt(variance)),
+        np.nan if stated is None else probability,
     )
 
 
 def _spreads(
     residual: np.ndarray, y: np.ndarray, draws: int, rng: np.random.Generator
-) -> np.ndarray:
-    """Draws of the scatter about the curve, given the matrix that makes residuals."""
+) -> tuple[np.ndarray, float, float]:
+    """Draws of the scatter about the curve, its variance and degrees of freedom; ``y`` (n,)."""
     square = residual.T @ residual
     first, second = np.trace(square), np.trace(square @ square)
     freedom = first**2 / second
     misfit = residual @ y  # its square, unlike y @ square @ y, is never negative by rounding
     variance = float(misfit @ misfit) / first
-    return np.asarray(np.sqrt(variance * freedom / rng.chisquare(freedom, draws)))
+    return np.sqrt(variance * freedom / rng.chisquare(freedom, draws)), variance, freedom
 
 
 def _step_lines(y: np.ndarray, step: float, rng: np.random.Generator) -> np.ndarray:

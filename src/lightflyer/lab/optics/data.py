@@ -27,6 +27,7 @@ from lightflyer.film.sample_section import SampleSection
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.raw import Ordinate
 from lightflyer.lab.readers.spectrum_data import read_spectrum
+from lightflyer.lab.record import require_distinct
 
 Polarisation = Literal["s", "p", "none"]
 
@@ -227,6 +228,9 @@ def read_sample(path: str | Path) -> OpticsSample:
         return changed.film()
 
     spectra = tuple(one.read() for one in file.spectra)
+    require_distinct(
+        [(one.label, (one.spectrum.wavenumber, one.spectrum.value)) for one in spectra]
+    )
     sample = OpticsSample(build, free, spectra, section, str(path), same)
     try:
         build({one.name: one.start for one in free})

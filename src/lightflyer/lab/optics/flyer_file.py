@@ -23,26 +23,29 @@ _LEAST = 0.005  # correlation that is written
 _KEPT = 6  # digits of a correlation
 
 
-def update_layers(path: str | Path, fit: OpticsFit, origin: str) -> list[str]:
+def update_layers(
+    path: str | Path, fit: OpticsFit, origin: str, *, insist: bool = False
+) -> list[str]:
     """Write fitted numbers of layers, their ± and their correlations into a flyer file."""
     path = Path(path)
     names = list(fit.numbers)
     require_same_layers(path, fit.sample)
     _require_told(path, fit, names)
     document: Any = extra("tomlkit", "updating a flyer file", "lab").parse(read_text(path))
-    table, told = document["film"], []
+    table, told, written = document["film"], [], []
     for name, estimate in fit.numbers.items():
         text = measured_text(_in_written_unit(estimate), _DIGITS)
         for alias in _aliases(fit.sample, name):
             _put(table, alias, text)
             told.append(f'film.{alias} = "{text}"')
+            written += [] if insist else [f"film.{alias}"]
     entries = _correlations(fit, names)
     kept = [one for one in table.get("correlated", []) if not _touches(one, fit, names)]
     if kept or entries:
         table["correlated"] = [*kept, *entries]
     told += [f"film.correlated: {' and '.join(one['of'])} {one['value']:+.3f}" for one in entries]
     table["layers"].comment(f"fitted: lab optics, {origin}, {datetime.date.today().isoformat()}")
-    replace_file(path, document)
+    replace_file(path, document, written)
     return told
 
 

@@ -9,6 +9,7 @@ from scipy.stats import qmc
 from lightflyer.core.errors import ConvergenceError
 from lightflyer.lab.estimate import student_factor
 from lightflyer.lab.optics.model import LEAST_ERROR, Problem, Solution
+from lightflyer.numerics.residuals import correlation_length
 
 STARTS = 16  # Points between the bounds from which minima are looked for
 
@@ -55,29 +56,6 @@ class Fit:
     def factor(self) -> float:
         """Half width of a 95 % interval in standard errors."""
         return student_factor(self.freedom)
-
-
-def correlation_length(residual: np.ndarray) -> tuple[float, float]:
-    r"""Number of points in which residuals are alike; returns ``length``, ``freedom``."""
-    # .. math:: \left(1+\frac{2W+1}{n}\right)\left(1 + 2\sum_{k=1}^W\rho_k\right)
-    #
-    # with the autocorrelations up to where they are no longer positive. The first factor removes
-    # the bias of a sum of few autocorrelations of few points.
-    #
-    # Source: [Geyer1992]_ for the end of the sum, [Wolff2004]_ for its bias and its variance.
-    size = len(residual)
-    power = np.abs(np.fft.rfft(residual, 2 * size)) ** 2
-    auto = np.fft.irfft(power)[:size]
-    if not auto[0] > 0.0:
-        return 1.0, float(size)
-    auto = auto / auto[0]
-    # an even and the next odd lag together: noise makes single ones negative too early
-    pairs = auto[: 2 * (size // 2)].reshape(-1, 2).sum(axis=1)
-    negative = np.flatnonzero(pairs <= 0.0)
-    last = negative[0] if negative.size else len(pairs)
-    window = 4 * last - 1  # 2W + 1, as the last lag of the sum is 2 last - 1
-    bias = 1.0 + window / size
-    return float(max(1.0, bias * (2.0 * pairs[:last].sum() - 1.0))), float(size / window)
 
 
 def scatter_of(problem: Problem, solution: Solution) -> tuple[Scatter, ...]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.text import read_text
+from lightflyer.files.encoding import plain_text, read_bytes, split_lines
 from lightflyer.files.number_marks import (
     COMMA,
     POINT,
@@ -40,7 +40,8 @@ class _Row(NamedTuple):
 def read_number_matrix(path: str | Path, what: str) -> NumberMatrix:
     """Read a matrix of numbers, with any delimiter, decimal points or decimal commas."""
     path = Path(path)
-    lines = list(enumerate(read_text(path).splitlines(), start=1))
+    text = plain_text(read_bytes(path), str(path))
+    lines = list(enumerate(split_lines(text), start=1))
     written = [(number, line) for number, line in lines if line.strip() and not is_comment(line)]
     if not written:
         raise ConfigurationError(f"{path}: is empty; a matrix of {what} is needed")

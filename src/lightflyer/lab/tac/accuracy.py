@@ -12,7 +12,7 @@ PIRANI_ACCURACY = 0.05
 """Standard uncertainty of a Pirani gauge, of the reading [1]: its maker's limits, 10 % at
 0.05 to 0.1 Pa and 5 % up to 10 kPa, divided by √3 are 5.8 and 2.9 % [LeyboldTTR91]_."""
 
-_IN_WORDS = {  # name, factor to the unit, unit
+IN_WORDS = {  # name, factor to the unit, unit
     "gauge": ("pressure gauge", 100.0, "%"),
     "gauge_zero": ("gauge's zero", 1.0, "Pa"),
     "power": ("power", 100.0, "%"),
@@ -92,7 +92,7 @@ def unstated_accuracies(stated: Iterable[str]) -> list[str]:
     known, usual = set(stated), TacAccuracy()
     missing = {
         said: f"± {scale * getattr(usual, name):g} {unit}"
-        for name, (said, scale, unit) in _IN_WORDS.items()
+        for name, (said, scale, unit) in IN_WORDS.items()
         if name not in known
     }
     return list(assumed_accuracies(missing))

@@ -99,6 +99,10 @@ def read_tac(
     """
     table = read_table(path, COLUMNS, layout=columns)
     _require_columns(table, thermometer, ambient_temperature)
+    if ambient_temperature is not None and "ambient_temperature" in table.numbers:
+        table.not_used("--ambient", "ambient_temperature")
+    if thermometer is not None and "heater_temperature" in table.numbers:
+        table.not_used("--calibration", "heater_temperature")
     table = table.without(_not_heated(table, thermometer, ambient_temperature))
     if not len(table):
         raise ConfigurationError(f"{table.rejected[0]}; all rows are rejected")

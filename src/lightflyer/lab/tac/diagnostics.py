@@ -1,14 +1,16 @@
 """What may be wrong with a heater's run, and with what is found from it."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy import stats
 from scipy.optimize import least_squares
 
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import AccommodationCoefficient, Quantity, quantity_of
 from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.tac.accuracy import IN_WORDS
 from lightflyer.lab.tac.data import TacRun
 from lightflyer.lab.tac.problem import PARAMETERS, Problem, first_guess
 
@@ -17,9 +19,9 @@ POSSIBLE_TAC = 1.0  # Largest accommodation coefficient of any surface
 MOST_TAC = 2.0
 """Largest coefficient that a measurement may give by its systematic errors; [Lu2023]_ has 1.14."""
 
-LEAST_LIKELY_TAC = 0.2
-"""Below it a coefficient in air is most likely a wrong unit (an assumption; [Lu2023]_ has 0.69 to
-1.14)."""
+FAR = 2.0  # Standard uncertainties of an error, from which a fit is in doubt
+_TAC = quantity_of(AccommodationCoefficient) or Quantity()
+LEAST_LIKELY_TAC = _TAC.likely[0]  # Below it a coefficient is most likely one of a wrong unit
 
 MOST_RELATIVE_UNCERTAINTY = 0.25
 """Standard uncertainty over value, above which a run does not determine a coefficient."""
@@ -212,10 +214,7 @@ def result_warnings(estimates: dict[str, Estimate], reading: str) -> list[str]:
                if beyond else "which no surface has, but 1 is within its uncertainty")
         )  # fmt: skip
     if tac.value < LEAST_LIKELY_TAC:
-        texts.append(
-            f"accommodation coefficient {tac.value:.3g} is unlikely in air, where technical "
-            f"surfaces have more than {LEAST_LIKELY_TAC:g}: check the unit of the pressure"
-        )
+        texts.append(f"accommodation coefficient {_TAC.unlikely(tac.value)}")
     low, high = LIKELY_AREA_RATIOS
     if not low <= ratio.value <= high:
         texts.append(
@@ -236,6 +235,28 @@ def model_warnings(tac: float, reading: str, kinetic: float | None) -> list[str]
         f"that of the kinetic equation ({kinetic:.3g}); the interval leaves this error of "
         "the formula out"
     ]
+
+
+def misfit_warnings(alike: float, rows: int, values: Mapping[str, float]) -> list[str]:
+    """Lines about rows that follow another curve; ``values``: of all unknowns."""
+    texts = []
+    if alike > 1.0:
+        texts.append(
+            "rows of neighbouring pressures deviate from the fit together, as if only "
+            f"{rows / alike:.0f} of {rows} were independent: the law does not fit them; the "
+            "intervals are wider for it"
+        )
+    far = {
+        name: value for name, value in values.items()
+        if name not in PARAMETERS and abs(value) > FAR
+    }  # fmt: skip
+    if far:
+        wanted = ", ".join(f"{IN_WORDS[name][0]} {value:+.1f}" for name, value in far.items())
+        texts.append(
+            f"the fit wants errors of {wanted} stated standard uncertainties: an instrument, or "
+            "the law, is off by more than is stated"
+        )
+    return texts
 
 
 def listed(lines: Sequence[int], source: str, most: int = 8) -> str:

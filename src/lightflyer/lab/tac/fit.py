@@ -31,6 +31,7 @@ from lightflyer.lab.tac.data import TacRun
 from lightflyer.lab.tac.diagnostics import (
     cut,
     listed,
+    misfit_warnings,
     model_warnings,
     require_possible,
     require_possible_temperatures,
@@ -61,8 +62,6 @@ if TYPE_CHECKING:
 
 LU2023_HEATER_DIAMETER = 24e-3  # Diameter of the paper's heater [m]; [Lu2023]_ supplement
 HEATERS = {"lu2023": LU2023_HEATER_DIAMETER}  # Diameters of named heaters [m]
-CORRELATED = 0.5  # Correlation of neighbouring residuals above which intervals are too narrow
-NOISELESS = 1e-6  # Relative scatter of rows that a model computed; what is left of them is rounding
 
 _LEAST_ROWS = 6
 _WEIGHTINGS = 2
@@ -94,6 +93,9 @@ class TacFit:
     #: Best values of the errors that all rows have in common, in their standard errors
     common_errors: dict[str, float]
     scatter: float  #: Relative scatter of the measured conductance about the fit [1]
+    #: Rows of neighbouring pressures that deviate from the fit together, 1 where the law fits: the
+    #: intervals are those of so many times fewer rows
+    alike: float
     #: Coefficient that the same rows give by each of the other laws; None where a fit fails
     by_reading: dict[str, float | None]
     #: shape (m,); measured :math:`P/(A\,\Delta T)` of the fitted rows [W/(m² K)]
@@ -152,11 +154,6 @@ class TacFit:
         return float(self.run.heater_temperature[self.kept].std(ddof=1) / self.mean_temperature)
 
     @property
-    def residual_correlation(self) -> float:
-        """Correlation between residuals at neighbouring pressures [1]."""
-        return _neighbours((self.conductance - self.fitted) * self.weight, self.pressure)
-
-    @property
     def correlation(self) -> np.ndarray:
         """Correlations of the three parameters' total errors [1], shape (3, 3)."""
         spread = np.sqrt(np.diag(self.covariance))
@@ -204,18 +201,12 @@ class TacFit:
             "covariance": self.covariance.tolist(),
             "correlation": self.correlation.tolist(),
             "scatter": self.scatter,
-            "residual_correlation": self.residual_correlation,
+            "alike_rows": self.alike,
             "heater_temperature": {"mean_k": self.mean_temperature,
                                    "coefficient_of_variation": self.temperature_variation},
             "pressure_range_pa": [low, high],
             "warnings": list(self.warnings),
         }  # fmt: skip
-
-
-def _neighbours(residuals: np.ndarray, pressure: np.ndarray) -> float:
-    ordered = residuals[np.argsort(pressure, kind="stable")]
-    power = float(ordered @ ordered)
-    return float(ordered[1:] @ ordered[:-1]) / power if power else 0.0
 
 
 def heater_power(
@@ -398,12 +389,7 @@ def _result(
         texts.insert(0, f"{listed(lines, run.source)}: left out, off the curve of all other rows")
     texts += result_warnings(estimates, reading)
     texts += model_warnings(estimates["tac"].value, reading, others.get(KINETIC))
-    related = _neighbours((problem.conductance - fitted) * problem.weight, problem.pressure)
-    if related > CORRELATED and solution.scatter > NOISELESS:
-        texts.append(
-            f"neighbouring rows deviate from the fit together (correlation {related:.2f}): the "
-            "intervals are too narrow"
-        )
+    texts += misfit_warnings(solution.alike, len(fitted), solution.values)
     if undetermined:
         texts.append(undetermined)
     return TacFit(
@@ -420,6 +406,7 @@ def _result(
         covariance=solution.covariance,
         common_errors={name: solution.values[name] for name in problem.errors.names},
         scatter=solution.scatter,
+        alike=solution.alike,
         by_reading=others,
         conductance=problem.conductance,
         fitted=fitted,

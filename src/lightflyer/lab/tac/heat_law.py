@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core import constants
+from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.force.kinetic.collisions import HeatedGas, with_collisions
 from lightflyer.force.kinetic.disk import viscosity_exponent
@@ -160,6 +161,11 @@ class KineticLaw(AbstractHeatLaw):
         gas: AbstractGas,
     ) -> tuple[np.ndarray, np.ndarray]:
         """See :meth:`AbstractHeatLaw.at`."""
+        if self.wall_distance is not None and self.wall_distance <= 0.5 * diameter:
+            raise ParameterError(
+                f"a wall {self.wall_distance:g} m from the heater's centre is inside the heater, "
+                f"whose radius is {0.5 * diameter:g} m"
+            )
         near = 0.0 if self.wall_distance is None else 0.5 * diameter / self.wall_distance
         found: Any = _kinetic(tac, pressure, ambient, heater, diameter, near, gas)
         return found

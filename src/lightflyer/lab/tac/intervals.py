@@ -14,6 +14,7 @@ import numpy as np
 from lightflyer.lab.estimate import Estimate, student_factor
 from lightflyer.lab.tac.problem import PARAMETERS, Problem, minimise
 from lightflyer.lab.tac.profile import profile_interval
+from lightflyer.numerics.residuals import alike_points
 
 POSITIVE = ("tac", "area_ratio")  # Parameters whose logarithms have the more nearly normal errors
 
@@ -26,7 +27,7 @@ _LARGEST_EXPONENT = 300.0
 _UNITS = ("", "", "W/(m^2 K)")
 _ROUNDING = 1e-10  # relative scatter that is rounding, not noise
 _LEAST_SCATTER = 1e-4  # relative; no bench measures a conductance better
-_ROUNDS = 3  # of scatter and common errors, each from the other
+_ROUNDS = 6  # of scatter and common errors, each from the other
 _SAME = 1e-3  # standard errors
 
 
@@ -37,6 +38,7 @@ class Solution:
     # The three parameters and the common errors in standard errors, by name
     values: dict[str, float]
     scatter: float  # Relative scatter of the rows [1]
+    alike: float  # Rows of neighbouring pressures that deviate from the fit together
     covariance: np.ndarray  # Total, of the three parameters, shape (3, 3)
     total: dict[str, Estimate]  # By names of PARAMETERS, with profile intervals
     statistical: dict[str, Estimate]
@@ -48,27 +50,28 @@ class Solution:
 def solve(problem: Problem, guess: tuple[float, float, float]) -> Solution:
     """Minimise, and find all intervals; ``guess``: the three parameters near the minimum."""
     freedom = len(problem.conductance) - len(PARAMETERS)
-    held, (_, result), total = _minimise_both(problem, guess)
+    held, (_, result), total, alike = _minimise_both(problem, guess)
     scatter = _scatter(result, held)
     freedoms = dict.fromkeys(PARAMETERS, float(freedom))
-    normal = _normal(result, freedoms)
+    normal = _normal(result, freedoms, alike)
     statistical = normal
     if scatter > _ROUNDING:  # rows without scatter have no profile
         # very many rows are grouped; what scatters within a group is in the scatter already
-        rows = held.grouped().scaled(1.0 / scatter)
+        rows = held.grouped().scaled(1.0 / (scatter * math.sqrt(alike)))
         values = _values(minimise(rows, _values(result, PARAMETERS))[1], PARAMETERS)
         statistical = _profiles(rows, values, normal, freedoms)
     if total is None:
         return Solution(
-            _by_name(result, PARAMETERS), scatter, np.asarray(result.covar), statistical,
-            statistical, normal, normal,
+            _by_name(result, PARAMETERS), scatter, alike, alike * np.asarray(result.covar),
+            statistical, statistical, normal, normal,
         )  # fmt: skip
     freedoms = _freedoms(total[1], normal, freedom)
     total_normal = _normal(total[1], freedoms)
-    scaled = problem.grouped().scaled(1.0 / _row_error(problem, scatter))
+    scaled = problem.grouped().scaled(1.0 / _row_error(problem, scatter, alike))
     return Solution(
         values=_by_name(total[1], problem.names),
         scatter=scatter,
+        alike=alike,
         covariance=np.asarray(total[1].covar)[: len(PARAMETERS), : len(PARAMETERS)],
         total=_profiles(scaled, _values(total[1], problem.names), total_normal, freedoms),
         statistical=statistical,
@@ -79,37 +82,49 @@ def solve(problem: Problem, guess: tuple[float, float, float]) -> Solution:
 
 def best_tac(problem: Problem, guess: tuple[float, float, float]) -> float:
     """Coefficient at the minimum of :func:`solve`, without its intervals."""
-    _, plain, total = _minimise_both(problem, guess)
+    _, plain, total, _ = _minimise_both(problem, guess)
     return float((plain if total is None else total)[1].params["tac"].value)
 
 
 def _minimise_both(
     problem: Problem, guess: tuple[float, float, float]
-) -> tuple[Problem, tuple[Any, Any], tuple[Any, Any] | None]:
+) -> tuple[Problem, tuple[Any, Any], tuple[Any, Any] | None, float]:
     """Fits with the common errors held at their best, and with them free if there are any."""
-    start, total = [*guess], None
+    # Rows that deviate from the fit together count as fewer, or very many would move the common
+    # errors far for what the law leaves out.
+    start, total, alike = [*guess], None, 1.0
     common = [0.0] * len(problem.errors.names)
     for _ in range(_ROUNDS):
         held = problem.with_common_errors(common)
         plain = minimise(held, start)
         start = _values(plain[1], PARAMETERS)
+        scatter = _scatter(plain[1], held)
         if not common:
+            alike = _alike(problem, start)
             break
-        scaled = problem.grouped().scaled(1.0 / _row_error(problem, _scatter(plain[1], held)))
-        total = minimise(scaled, [*start, *common], scale=False)
+        row_error = _row_error(problem, scatter, alike)
+        total = minimise(problem.grouped().scaled(1.0 / row_error), [*start, *common], scale=False)
         before, common = common, _values(total[1], problem.errors.names)
         start = _values(total[1], PARAMETERS)
-        if np.allclose(before, common, atol=_SAME):
+        known, alike = alike, max(alike, _alike(problem, [*start, *common]))
+        if np.allclose(before, common, atol=_SAME) and alike == known:
             break
-    return held, plain, total
+    return held, plain, total, alike
 
 
-def _row_error(problem: Problem, scatter: float) -> float:
+def _alike(problem: Problem, values: Sequence[float]) -> float:
+    """Rows of neighbouring pressures that deviate from a fit together, in effect."""
+    residuals = (problem.model(*values) - problem.conductance) * problem.weight
+    return alike_points(residuals[np.argsort(problem.pressure, kind="stable")])
+
+
+def _row_error(problem: Problem, scatter: float, alike: float) -> float:
     """Relative error of a row such that the mean over a decade keeps the law's own error [1]."""
     # Without it very many rows would seem to measure the gauge's error by the shape of the curve.
     decades = max(float(np.log10(problem.pressure.max() / problem.pressure.min())), 1.0)
     per_decade = len(problem.pressure) / decades
-    return max(float(np.hypot(scatter, LAW_ERROR * np.sqrt(per_decade))), _LEAST_SCATTER)
+    both = np.hypot(scatter * np.sqrt(alike), LAW_ERROR * np.sqrt(per_decade))
+    return max(float(both), _LEAST_SCATTER)
 
 
 def _scatter(result: Any, problem: Problem) -> float:
@@ -124,9 +139,9 @@ def _by_name(result: Any, names: tuple[str, ...]) -> dict[str, float]:
     return dict(zip(names, _values(result, names), strict=True))
 
 
-def _normal(result: Any, freedoms: Mapping[str, float]) -> dict[str, Estimate]:
+def _normal(result: Any, freedoms: Mapping[str, float], alike: float = 1.0) -> dict[str, Estimate]:
     """The three parameters with the intervals of their covariance."""
-    spread = np.sqrt(np.diag(np.asarray(result.covar)))[: len(PARAMETERS)]
+    spread = np.sqrt(alike * np.diag(np.asarray(result.covar)))[: len(PARAMETERS)]
     found = {}
     for name, value, one, unit in zip(
         PARAMETERS, _values(result, PARAMETERS), spread, _UNITS, strict=True

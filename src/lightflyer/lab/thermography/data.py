@@ -164,6 +164,8 @@ def read_readings(
     for name in method.readings:
         if name not in table.numbers and name not in given:
             raise ConfigurationError(f"{path}: the column {name} is missing")
+        if name in table.numbers and name in given:
+            table.not_used(f"--{name.removesuffix('_temperature')}", name)
         one = given.get(name, Measured(0.0))
         values.append(table.numbers.get(name, np.full(len(table), one.value)))
         own = table.numbers.get(f"{name}_uncertainty")
@@ -202,7 +204,8 @@ def given_readings(
     """
     missing = [name for name in method.readings if name not in given]
     if missing:
-        raise ConfigurationError(f"give a file, or also {', '.join(missing)}")
+        options = ", ".join(f"--{name.removesuffix('_temperature')}" for name in missing)
+        raise ConfigurationError(f"give a file, or also {options}")
     checked = _check(given, method)
     picked = [checked[name] for name in method.readings]
     values = np.array([[one.value] for one in picked])

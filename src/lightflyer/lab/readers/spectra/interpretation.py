@@ -95,6 +95,8 @@ def measured(source: Source, raw: RawSpectrum, options: ReadOptions) -> Measured
     if distinct.size < 2:
         source.refuse(f"has {distinct.size} wavenumber; a spectrum needs two or more")
     mean = np.bincount(place, value) / count
+    if distinct.size < value.size:
+        notes.append(f"{value.size - distinct.size} points repeat a wavenumber; each has its mean")
     return MeasuredSpectrum(
         str(source.path), quantity, distinct, mean, raw.rejected, metadata, collection, tuple(notes)
     )

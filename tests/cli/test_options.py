@@ -1,0 +1,107 @@
+"""Options that do nothing are refused, and data that count twice."""
+
+import inspect
+from importlib import import_module
+from pkgutil import iter_modules
+
+import pytest
+
+import lightflyer as lf
+import lightflyer.cli.commands
+import lightflyer.cli.lab
+from lightflyer.cli.options import only_with
+
+
+def dependent_options():
+    """Command, option and what it needs, of all commands that state any."""
+    for package in (lightflyer.cli.commands, lightflyer.cli.lab):
+        for module in iter_modules(package.__path__):
+            for command in vars(import_module(f"{package.__name__}.{module.name}")).values():
+                for name, other in getattr(command, "needs", {}).items():
+                    yield pytest.param(command, name, other, id=f"{module.name}-{name}")
+
+
+@pytest.mark.parametrize(("command", "option", "other"), list(dependent_options()))
+def test_an_option_that_does_nothing_alone_is_refused(command, option, other):
+    parameters = inspect.signature(command).parameters
+    assert other in parameters
+    needed = [one.name for one in parameters.values() if one.default is inspect.Parameter.empty]
+    text = f"--{option} does nothing without --{other}".replace("_", "-")
+    with pytest.raises(lf.ParameterError, match=text):
+        command(*needed, **{option: "not the default"})
+
+
+def test_the_options_of_the_lab_bench_are_among_them():
+    found = {one.id for one in dependent_options()}
+    assert {"tac-face", "ftir-collection", "roughness-flatten_order", "calibrate-samples",
+            "levitation-keep_ground_effect", "thermography-image_zero"} <= found  # fmt: skip
+    assert {
+        f"{name}-insist" for name in ("tac", "ftir", "optics", "thermography", "levitation")
+    } <= found
+
+
+def test_with_the_other_option_the_command_runs():
+    @only_with(one="two")
+    def command(*, one: int = 1, two: int = 2) -> None:
+        calls.append((one, two))
+
+    calls = []
+    command(one=3, two=4)
+    command(two=4)
+    command(one=1)  # the default, which does nothing by itself
+    assert calls == [(3, 4), (1, 4), (1, 2)]
+
+
+@pytest.mark.parametrize("name", ["tac", "ftir", "levitation", "roughness"])
+def test_the_same_data_twice_are_refused(name, run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run("lab", "example", name)[0] == 0
+    first = next(
+        file for file in sorted(tmp_path.iterdir())
+        if run("lab", name, file.name)[0] == 0
+    )  # fmt: skip
+    copy = tmp_path / f"copy{first.suffix}"
+    copy.write_bytes(first.read_bytes())
+    for twice in (first, copy):
+        code, out, err = run("lab", name, first.name, twice.name)
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        assert "has the same data as" in err or "is also in" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["tac", "tac-reduced.txt", "--diameter", "-3 mm"], "-0.003"),
+        (["tac", "tac-reduced.txt", "--gauge-accuracy", "-5 %"], "--gauge-accuracy"),
+        (["tac", "tac-reduced.txt", "--diameter", "24"], 'write "24 mm"'),
+        (["tac", "tac-reduced.txt", "--ambient", "22"], 'write "22 °C"'),
+        (["tac", "tac-reduced.txt", "--wall", "1 cm"], "is inside the heater"),
+        (["tac", "tac-reduced.txt", "--wall", "12 mm"], "is inside the heater"),
+        (["levitation", "flyer.toml"], "flyer.toml: is a TOML file"),
+        (["thermography"], "or also --hotplate, --lower, --upper, --ambient"),
+    ],
+)
+def test_what_labs_write_gets_an_answer_that_helps(run, tmp_path, monkeypatch, arguments, says):
+    monkeypatch.chdir(tmp_path)
+    run("lab", "example", "tac")
+    (tmp_path / "flyer.toml").write_text("", encoding="utf-8")
+    code, out, err = run("lab", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert says in err
+
+
+def test_an_option_beside_its_column_is_said(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run("lab", "example", "tac")
+    code, out, _ = run("lab", "tac", "tac-reduced.txt", "--ambient", "100 °C")
+    assert code == 0
+    assert "--ambient is not used: tac-reduced.txt has the column ambient_temperature" in out
+
+
+def test_a_first_value_that_starts_with_a_dash_is_no_option(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rows = "\n".join(f"{i} {1.0 + 0.3 * i} {900 + 20 * (i - 5) ** 2}" for i in range(12))
+    (tmp_path / "bare.txt").write_text(rows, encoding="utf-8")
+    columns = "-, pressure [Pa], irradiance [W/m^2]"
+    code, _, err = run("lab", "levitation", "bare.txt", "--columns", columns, "--draws", "100")
+    assert (code, err) == (0, "")

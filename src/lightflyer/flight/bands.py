@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.precision import float64
 from lightflyer.core.quantity import require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment
@@ -148,8 +149,12 @@ def levitation_bands(
     count = (
         _POINTS if coordinate.step is None else max(3, round((high - low) / coordinate.step) + 1)
     )
-    searched = _Searched(flyer, environment, model, low, high, count, coordinate.logarithmic)
-    bands = _levitation_bands(searched)
+    with float64():
+        ends = jnp.asarray([low, high], jnp.float64)
+        first, last = jnp.log(ends) if coordinate.logarithmic else ends
+        grid = jnp.linspace(first, last, count)
+    searched = _Searched(flyer, environment, model, coordinate.logarithmic)
+    bands = _levitation_bands(searched, grid)
     if throw:
         require_converged("levitation band", bands.status, jnp.zeros(()))
     return bands
@@ -161,16 +166,7 @@ class _Searched(eqx.Module):
     flyer: AbstractFlyer
     environment: AbstractEnvironment
     model: AbstractForceModel
-    low: Numeric
-    high: Numeric
-    count: int = eqx.field(static=True)  # of places: as an argument it would be traced for any
     logarithmic: bool = eqx.field(static=True)
-
-    @property
-    def grid(self) -> Array:
-        """Coordinates of the first look, or their logarithms, shape (count,)."""
-        ends = jnp.asarray([self.low, self.high])
-        return jnp.linspace(*(jnp.log(ends) if self.logarithmic else ends), self.count)
 
     def margin(self, place: Array) -> Array:
         """Lift over weight, minus one, at a coordinate or its logarithm."""
@@ -182,8 +178,7 @@ class _Searched(eqx.Module):
 
 
 @entry_point
-def _levitation_bands(searched: _Searched) -> Band:
-    grid = searched.grid
+def _levitation_bands(searched: _Searched, grid: Array) -> Band:
     # the table only chooses brackets: the edges' derivative comes from their own equation
     frozen = jax.lax.stop_gradient(searched)
     margins, peak, height = scan(frozen.margin, grid)

@@ -117,12 +117,7 @@ def _whole_axes(equation: Any) -> dict[str, Any]:
 
 
 def _accumulation(equation: Any) -> dict[str, Any]:
-    given = equation.params
-    return {
-        "axis": int(given["axis"]),
-        "reverse": bool(given["reverse"]),
-        "shape": _shape_of(equation),
-    }
+    return _along_axis(equation) | {"reverse": bool(equation.params["reverse"])}
 
 
 def _search(equation: Any) -> dict[str, Any]:
@@ -184,11 +179,9 @@ PARAMETERS: dict[str, Callable[[Any], dict[str, Any]]] = {
         "num_keys": int(equation.params["num_keys"]),
         "shape": _shape_of(equation),
     },
-    "split": lambda equation: {
-        "sizes": list(lengths_of(equation.params["sizes"])),
-        "axis": int(equation.params["axis"]),
-        "shape": _shape_of(equation),
-    },
+    "split": lambda equation: (
+        _along_axis(equation) | {"sizes": list(lengths_of(equation.params["sizes"]))}
+    ),
     "stack": _along_axis,
     "squeeze": lambda equation: {"dimensions": list(map(int, equation.params["dimensions"]))},
     "unstack": _along_axis,

@@ -13,6 +13,7 @@ if importlib.metadata.version("jaxlib").startswith("0.10."):
         "--xla_cpu_opt_preset=CPU_OPT_PRESET_FAST_COMPILE",
     )
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the processors
 os.environ.setdefault("LIGHTFLYER_CACHE", "off")  # tests of it choose a folder of their own
 os.environ.setdefault("LIGHTFLYER_PROGRESS", "off")  # a slow machine would see it anywhere
 

@@ -49,6 +49,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_SPELLED_OUT)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait on matrices as small as ours
     from lightflyer.cli import main as run  # takes a while
     from lightflyer.cli.code_cache import keep_code
 

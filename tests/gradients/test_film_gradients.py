@@ -34,11 +34,11 @@ def test_optics_forward_and_reverse():
         check_grads(outcomes, (jnp.asarray(POINT),), order=1, modes=["fwd", "rev"], rtol=1e-5)
 
 
-def test_optics_under_jit_and_vmap():
+def test_optics_under_jit_and_vmap(by_numpy):
     points = POINT * np.linspace(0.9, 1.1, 5)[:, None]
     with lf.float64():
         plain = np.array([outcomes(point) for point in points])
-        mapped = jax.jit(jax.vmap(outcomes))(points)
+        mapped = by_numpy(jax.vmap(outcomes))(points)
     np.testing.assert_allclose(mapped, plain, rtol=1e-12, atol=1e-15)
 
 
@@ -65,12 +65,12 @@ def shares_of_tmm(x):
     return np.array([one[name] for name in "RT" for one in found])
 
 
-def test_slopes_are_those_of_tmm():
+def test_slopes_are_those_of_tmm(by_numpy):
     """Central differences of tmm, which are good to 1e-7 of the largest."""
     step = 1e-5
     with lf.float64():
-        forward = jax.jit(jax.vmap(jax.jacfwd(shares)))(EDGES)
-        reverse = jax.jit(jax.vmap(jax.jacrev(shares)))(EDGES)
+        forward = by_numpy(jax.vmap(jax.jacfwd(shares)))(EDGES)
+        reverse = by_numpy(jax.vmap(jax.jacrev(shares)))(EDGES)
     np.testing.assert_allclose(forward, reverse, rtol=1e-10, atol=1e-12)
     inner = [0, 1, 4, 5, 6]  # tmm refuses gain, and incidence below zero
     for point, slopes in zip(EDGES, reverse, strict=True):

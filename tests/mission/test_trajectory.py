@@ -107,7 +107,7 @@ def test_sinking_without_lift_is_that_of_scipy_and_another_atmosphere(flown, dis
     assert flown["sinking"].end_altitude == pytest.approx(expected.y[0, -1], abs=2.0)
 
 
-def test_no_place_is_special_when_sun_and_air_are_turned_as_well(sky, closed_form_disk):
+def test_no_place_is_special_when_sun_and_air_are_turned_as_well(by_numpy, sky, closed_form_disk):
     here, step, count = (0.3, 0.2), 900.0, 24
     turns = np.stack([np.eye(3), TURN, to_pole(here)])
     starts = [released(place_of(turn @ vector(*here))) for turn in turns]
@@ -120,7 +120,7 @@ def test_no_place_is_special_when_sun_and_air_are_turned_as_well(sky, closed_for
         one = lambda craft, start, time, flown: steady_rate(  # noqa: E731
             craft, start, Limits(0.0, 200e3), time, flown
         )
-        rate = jax.jit(jax.vmap(one, in_axes=(0, 0, None, 0)))
+        rate = by_numpy(jax.vmap(one, in_axes=(0, 0, None, 0)))
         flown = np.stack([np.asarray(scaled(start)) for start in starts])
         begin = flown[0]
         for number in range(count):

@@ -262,27 +262,27 @@ def central_differences(function, numbers, step):
     return np.moveaxis(np.array(rows), 0, -1)
 
 
-def test_derivatives_are_those_of_finite_differences():
+def test_derivatives_are_those_of_finite_differences(by_numpy):
     numbers = scalar_case()
     with lf.float64():
         forward = jax.jacfwd(excesses_of)(jnp.array(numbers))
-        reverse = jax.jit(jax.jacrev(excesses_of))(jnp.array(numbers))
-        expected = central_differences(jax.jit(excesses_of), numbers, 1e-5)
+        reverse = by_numpy(jax.jacrev(excesses_of))(jnp.array(numbers))
+        expected = central_differences(by_numpy(excesses_of), numbers, 1e-5)
     np.testing.assert_allclose(forward, expected, rtol=1e-8)
     np.testing.assert_allclose(reverse, forward, rtol=1e-13)
 
 
-def test_second_derivatives_are_those_of_finite_differences():
+def test_second_derivatives_are_those_of_finite_differences(by_numpy):
     numbers = scalar_case()
     with lf.float64():
-        first = jax.jit(jax.jacfwd(excesses_of))
+        first = by_numpy(jax.jacfwd(excesses_of))
         expected = central_differences(first, numbers, 1e-5)
-        second = jax.jit(jax.hessian(excesses_of))(jnp.array(numbers))
+        second = by_numpy(jax.hessian(excesses_of))(jnp.array(numbers))
     np.testing.assert_allclose(second, expected, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(second, np.swapaxes(second, 1, 2), rtol=1e-12)
 
 
-def test_gradients_of_a_batch_stay_with_their_elements():
+def test_gradients_of_a_batch_stay_with_their_elements(by_numpy):
     nodes = designs(3, 2, (1e-3, 1e3), count=20)
 
     def summed(nodes):
@@ -291,16 +291,16 @@ def test_gradients_of_a_batch_stay_with_their_elements():
 
     with lf.float64():
         inputs = jax.tree.map(jnp.asarray, nodes)
-        together = jax.jit(jax.grad(summed))(inputs)
+        together = by_numpy(jax.grad(summed))(inputs)
         poisoned = jax.tree.map(lambda row: row.at[:, 7].set(jnp.nan), inputs)
-        beside_nan = jax.jit(jax.grad(summed))(poisoned)
+        beside_nan = by_numpy(jax.grad(summed))(poisoned)
     for whole, damaged in zip(together, beside_nan, strict=True):
         assert np.all(np.isnan(damaged[:, 7]))
         keep = np.arange(20) != 7
         np.testing.assert_allclose(np.asarray(damaged)[:, keep], np.asarray(whole)[:, keep])
 
 
-def test_vmap_and_shapes():
+def test_vmap_and_shapes(by_numpy):
     """Bodies of shape (5,) and powers of shape (4, 1) give excesses of shape (4, 5)."""
     nodes = designs(2, 1, (1e-3, 1e3), count=5)
     powers = np.array([[1.0, 2.0, 5.0, 10.0], [3.0, 1.0, 1.0, 0.5]])
@@ -310,7 +310,7 @@ def test_vmap_and_shapes():
 
     with lf.float64():
         plain, outcome = of_power(jnp.asarray(powers)[:, :, None])
-        mapped, statuses = jax.jit(jax.vmap(of_power, in_axes=1))(jnp.asarray(powers))
+        mapped, statuses = by_numpy(jax.vmap(of_power, in_axes=1))(jnp.asarray(powers))
     assert plain[0].shape == mapped[0].shape == outcome.status.shape == (4, 5)
     np.testing.assert_allclose(mapped, plain, rtol=1e-13)
     np.testing.assert_array_equal(statuses.status, outcome.status)

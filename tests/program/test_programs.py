@@ -82,6 +82,10 @@ FUNCTIONS = {
     "scans": lambda x: jax.lax.scan(lambda a, b: (a + b, a * b), 0.0, x)[1],
     "loops": lambda x: jax.lax.fori_loop(0, 20, lambda i, y: y + jnp.sin(y) / (i + 1), x),
     "branches": lambda x: jax.lax.cond(x[0] > 0.0, jnp.sin, jnp.cos, x),
+    "rows": lambda x: jnp.stack([*jnp.stack([x, 2.0 * x])][::-1], axis=1),
+    "slopes of tables": lambda x: jax.vmap(jax.grad(lambda x, at: x[at] ** 3), (0, 0))(
+        x[:, None] + jnp.arange(3.0), jnp.searchsorted(jnp.sort(x), x)
+    ),
     "slopes": jax.vmap(jax.grad(lambda x: jnp.exp(-(x**2)))),
 }
 

@@ -189,7 +189,6 @@ class _Runner:
         self._elementwise = elementwise
         self._traced: dict[Any, _Traced | None] = {}
         self._spent: dict[Any, float] = {}  # time that NumPy took, by the shapes of a call
-        self._settled: set[Any] = set()  # calls that are XLA's from now on, by their shapes
         self._run: dict[Program, tuple[float, float]] = {}  # calls a piece, work an element
         self._compiled = jax.jit(self._promoted)
         self._narrowed: dict[tuple[str, ...], _Runner] = {}
@@ -215,12 +214,8 @@ class _Runner:
             return self._compiled(*args, **kwargs)
         arrays = [_in_double(leaf) for leaf in leaves]
         way = _forced() or self._way
-        call = structure, tuple(array.shape for array in arrays)
-        by_xla = way == "xla" or (way is None and call in self._settled)
-        found = None if by_xla else self._by_numpy(arrays, structure, way)
+        found = None if way == "xla" else self._by_numpy(arrays, structure, way)
         if found is None:
-            if way is None:
-                self._settled.add(call)  # what NumPy took is never forgotten
             found = jax.tree.map(lambda leaf: np.asarray(leaf)[()], self._by_xla(arrays, structure))
         return found
 

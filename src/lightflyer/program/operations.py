@@ -248,6 +248,12 @@ def _stack(lengths: Lengths, *values: Any, shape: list[Length], axis: int) -> An
     return np.stack([filled(value, shape, lengths) for value in values], axis)
 
 
+@_rule("unstack")
+def _unstack(lengths: Lengths, value: Any, *, shape: list[Length], axis: int) -> Any:
+    parts = [*np.moveaxis(filled(value, shape, lengths), axis, 0)]
+    return parts if len(parts) > 1 else parts[0]
+
+
 @_rule("split")
 def _split(
     lengths: Lengths, value: Any, *, sizes: list[Length], axis: int, shape: list[Length]
@@ -398,6 +404,8 @@ def _scatter(
     window_dims: list[int],
     inserted: list[int],
     start_index_map: list[int],
+    operand_batching: list[int],
+    index_batching: list[int],
     add: bool,
     mode: str,
 ) -> Any:
@@ -407,7 +415,8 @@ def _scatter(
     new = filled(updates, update_shape, lengths)
     batch = [axis for axis in range(new.ndim) if axis not in window_dims]
     new = np.transpose(new, [*batch, *window_dims])
-    kept = [axis for axis in range(full.ndim) if axis not in inserted]
+    single = {*inserted, *operand_batching}
+    kept = [axis for axis in range(full.ndim) if axis not in single]
     for where in np.ndindex(*places.shape[:-1]):
         begins, part = [0] * full.ndim, new[where]
         widths = [1] * full.ndim
@@ -416,13 +425,15 @@ def _scatter(
         for axis, begin in zip(start_index_map, places[where], strict=True):
             last = full.shape[axis] - widths[axis]
             begins[axis] = int(begin) if mode != "clip" else min(max(int(begin), 0), last)
+        for axis, along in zip(operand_batching, index_batching, strict=True):
+            begins[axis] = where[along]
         if any(
             begin < 0 or begin + width > length
             for begin, width, length in zip(begins, widths, full.shape, strict=True)
         ):
             continue
         into = tuple(
-            begin if axis in inserted else slice(begin, begin + widths[axis])
+            begin if axis in single else slice(begin, begin + widths[axis])
             for axis, begin in enumerate(begins)
         )
         full[into] = full[into] + part if add else part

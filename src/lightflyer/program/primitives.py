@@ -7,7 +7,6 @@ from typing import Any
 import jax
 import numpy as np
 
-from lightflyer.program.operations import UnsupportedError
 from lightflyer.program.program import Length
 
 
@@ -81,8 +80,6 @@ def _gather(equation: Any) -> dict[str, Any]:
 def _scatter(equation: Any, *, add: bool) -> dict[str, Any]:
     given = equation.params
     numbers = given["dimension_numbers"]
-    if numbers.operand_batching_dims or numbers.scatter_indices_batching_dims:
-        raise UnsupportedError('operation "scatter" has batches of operands')
     clips = given["mode"] == jax.lax.GatherScatterMode.CLIP
     return {
         "shape": _shape_of(equation),
@@ -91,6 +88,8 @@ def _scatter(equation: Any, *, add: bool) -> dict[str, Any]:
         "window_dims": list(numbers.update_window_dims),
         "inserted": list(numbers.inserted_window_dims),
         "start_index_map": list(numbers.scatter_dims_to_operand_dims),
+        "operand_batching": list(numbers.operand_batching_dims),
+        "index_batching": list(numbers.scatter_indices_batching_dims),
         "add": add,
         "mode": "clip" if clips else "fill",
     }
@@ -105,6 +104,10 @@ def _dot(equation: Any) -> dict[str, Any]:
     }
 
 
+def _along_axis(equation: Any) -> dict[str, Any]:
+    return {"shape": _shape_of(equation), "axis": int(equation.params["axis"])}
+
+
 def _axes(equation: Any) -> dict[str, Any]:
     return {"axes": [int(axis) for axis in equation.params["axes"]]}
 
@@ -114,12 +117,7 @@ def _whole_axes(equation: Any) -> dict[str, Any]:
 
 
 def _accumulation(equation: Any) -> dict[str, Any]:
-    given = equation.params
-    return {
-        "axis": int(given["axis"]),
-        "reverse": bool(given["reverse"]),
-        "shape": _shape_of(equation),
-    }
+    return _along_axis(equation) | {"reverse": bool(equation.params["reverse"])}
 
 
 def _search(equation: Any) -> dict[str, Any]:
@@ -181,16 +179,12 @@ PARAMETERS: dict[str, Callable[[Any], dict[str, Any]]] = {
         "num_keys": int(equation.params["num_keys"]),
         "shape": _shape_of(equation),
     },
-    "split": lambda equation: {
-        "sizes": list(lengths_of(equation.params["sizes"])),
-        "axis": int(equation.params["axis"]),
-        "shape": _shape_of(equation),
-    },
-    "stack": lambda equation: {
-        "shape": _shape_of(equation),
-        "axis": int(equation.params["axis"]),
-    },
+    "split": lambda equation: (
+        _along_axis(equation) | {"sizes": list(lengths_of(equation.params["sizes"]))}
+    ),
+    "stack": _along_axis,
     "squeeze": lambda equation: {"dimensions": list(map(int, equation.params["dimensions"]))},
+    "unstack": _along_axis,
     "transpose": lambda equation: {"permutation": list(map(int, equation.params["permutation"]))},
 }
 """Parameters of operations, as data, by the primitive's name."""

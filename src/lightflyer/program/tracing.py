@@ -36,7 +36,8 @@ _IDENTITIES = {
 }
 """Operations that only matter to JAX's transformations."""
 
-_RENAMED = {"add_any": "add", "expand_dims": "reshape", "shift_right_logical": "shift"}
+_RENAMED = {"add_any": "add", "expand_dims": "reshape", "scatter-add": "scatter_add",
+            "shift_right_logical": "shift"}  # fmt: skip
 _CALLS = ("jaxpr", "call_jaxpr", "fun_jaxpr")  # names of the parameter that holds what is called
 
 

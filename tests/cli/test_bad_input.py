@@ -236,7 +236,7 @@ COMMANDS = [
     (f"{KINETIC} --gas xenon", 'Choose from: "monatomic", "diatomic"'),
     (f"{KINETIC} --boundary 1", "is not at least 1.5"),
     (f"{KINETIC} --floor 2 --lid 3", "--floor, --lid and --side belong together: --side not given"),
-    (f"{KINETIC} --floor-temperature 0.1", "--floor-temperature needs --floor, --lid and --side"),
+    (f"{KINETIC} --floor-temperature 0.1", "--floor-temperature needs --floor"),
     (f"{KINETIC} --floor 0.01 --lid 3 --side 3", "--floor = 0.01 is not at least 0.1"),
     (f"{KINETIC} --floor 2 --lid 3 --side 3 --boundary 4", "--boundary cannot be combined with"),
     (f"{KINETIC} --floor 2 --lid 3 --side 3 --reservoir roof", 'Choose from: "floor", "lid"'),

@@ -235,7 +235,7 @@ COMMANDS = [
     ("kinetic --kn 1", "--tac-top requires an argument"),
     (f"{KINETIC} --gas xenon", 'Choose from: "monatomic", "diatomic"'),
     (f"{KINETIC} --boundary 1", "is not at least 1.5"),
-    (f"{KINETIC} --floor 2 --lid 3", "--floor, --lid and --side belong together: --side not given"),
+    (f"{KINETIC} --floor 2 --lid 3", "--lid needs --side; alone it does nothing"),
     (f"{KINETIC} --floor-temperature 0.1", "--floor-temperature needs --floor"),
     (f"{KINETIC} --floor 0.01 --lid 3 --side 3", "--floor = 0.01 is not at least 0.1"),
     (f"{KINETIC} --floor 2 --lid 3 --side 3 --boundary 4", "--boundary cannot be combined with"),
@@ -250,8 +250,8 @@ COMMANDS = [
     ("lab example tac --seed -1", "--seed. Must be >= 0"),
     ("lab tac points.csv", "needs the column heater_power"),
     ("lab ftir points.csv", "has no known column"),
-    ("lab levitation points.csv --update flyer.toml", "add --calibrate"),
-    ("lab thermography", "give a file, or also hotplate_temperature"),
+    ("lab levitation points.csv --update flyer.toml", "--update needs --calibrate"),
+    ("lab thermography", "give a file, or also --hotplate, --lower"),
     ("lab roughness points.csv", "is not a number"),
     ("lab roughness matrix.txt --size 1um --channel Height", "has no effect"),
     ("materials Ge", "takes no further Ge"),
@@ -292,7 +292,7 @@ def test_options_are_written_with_blanks(run, folder, monkeypatch):
         (("compare", "flyer.toml", "flyer.toml", "--altitudes", "80 km to 50 km"), "is no range"),
         (("calibrate", "points.csv", "--free", ""), "no parameters to fit"),
         (("calibrate", "points.csv", "--free", "emittance[Ge 9 cm]"), "has no sample"),
-        (("lab", "thermography", "--hotplate", "350 K"), "or also lower_temperature"),
+        (("lab", "thermography", "--hotplate", "350 K"), "or also --lower, --upper"),
     ):
         assert message in require_one_line(run(*line))
 

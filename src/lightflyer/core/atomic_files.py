@@ -16,7 +16,6 @@ TEMPORARY = ".lightflyer-"  # What the names of temporary files and folders begi
 
 _LEFT_BEHIND = 86400.0  # age of a temporary folder from which no run is at it any more [s]
 _RESULTS = (".json", ".nc", ".pdf", ".png", ".svg")
-_SHOWN = 5  # files named in a warning
 
 _UNFINISHED: set[Path] = set()
 _RENAMING = threading.Lock()
@@ -48,8 +47,7 @@ def _say_what_else(directory: Path, names: set[str]) -> None:
     # text and tables may be what the run has read
     found = sorted(path.name for path in directory.iterdir() if path.suffix in _RESULTS)
     if others := [name for name in found if name not in names]:
-        shown = ", ".join(others[:_SHOWN]) + " and more" * (len(others) > _SHOWN)
-        text = f"{directory}: {shown} are not of this run, but were there before"
+        text = f"{directory}: {', '.join(others)} are not of this run, but were there before"
         warnings.warn(text, ParameterWarning, stacklevel=3)
 
 

@@ -245,10 +245,8 @@ def misfit_warnings(alike: float, rows: int, values: Mapping[str, float]) -> lis
             f"{rows / alike:.0f} of {rows} were independent: the law does not fit them; the "
             "intervals are wider for it"
         )
-    far = {
-        name: value for name, value in values.items()
-        if name not in PARAMETERS and abs(value) > FAR
-    }  # fmt: skip
+    pulls = {name: value for name, value in values.items() if name not in PARAMETERS}
+    far = {name: value for name, value in pulls.items() if abs(value) > FAR}
     if far:
         wanted = ", ".join(f"{IN_WORDS[name][0]} {value:+.1f}" for name, value in far.items())
         texts.append(

@@ -186,7 +186,7 @@ COMMANDS = [
     ("predict nothere.toml", "nothere.toml: cannot be read: No such file"),
     ("predict folder", "folder: cannot be read: Is a directory"),
     ("predict empty.toml", "is empty; 'lightflyer init' writes an example"),
-    ("predict latin.toml", "latin.toml:1: is not a text file"),
+    ("predict latin.toml", "latin.toml:1: is not text in UTF-8"),
     ("predict points.csv", "points.csv:6: is not valid TOML"),
     ("predict study.toml", "is a study file: run it with sweep"),
     ("predict flyer.toml --at 70", "--at: .* has no unit"),

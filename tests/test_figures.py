@@ -321,17 +321,15 @@ def examples(tmp_path_factory):
     return folder
 
 
-def test_rows_below_zero_are_shown_on_a_logarithmic_axis(examples):
+def test_residuals_of_a_heater_are_in_a_panel_of_their_own(examples):
     fit = lf.lab.fit_tac(lf.lab.read_tac(examples / "tac-reduced.txt"))
     figure = fit.plot()
     require_legible(figure)
-    left, right = figure.axes
-    gas = fit.conductance / fit.area_ratio.value - fit.offset.value - fit.radiation
-    bottom = right.get_ylim()[0]
-    (below,) = (one for one in right.get_lines() if "at or below" in str(one.get_label()))
-    assert below.get_xdata().size == np.sum(gas < bottom) > 0
-    assert not below.get_clip_on()
-    assert any("95 %" in label for label in texts(left))
+    _, right = figure.axes
+    points = next(one for one in right.get_lines() if one.get_marker() not in ("", "None"))
+    expected = 100.0 * (fit.conductance / fit.fitted - 1.0)[fit.order]
+    np.testing.assert_allclose(points.get_ydata(), expected)
+    assert 0.85 < np.mean(np.abs(expected) < 196.0 * fit.scatter) <= 1.0
 
 
 @pytest.mark.parametrize("style", STYLES)

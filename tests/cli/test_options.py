@@ -25,10 +25,12 @@ def dependent_options():
 def test_an_option_that_does_nothing_alone_is_refused(command, option, other):
     parameters = inspect.signature(command).parameters
     assert other in parameters
-    needed = [one.name for one in parameters.values() if one.default is inspect.Parameter.empty]
-    text = f"--{option} does nothing without --{other}".replace("_", "-")
+    required = [one for one in parameters.values() if one.default is inspect.Parameter.empty]
+    by_place = [one.name for one in required if one.kind is one.POSITIONAL_ONLY]
+    by_name = {one.name: one.name for one in required if one.kind is not one.POSITIONAL_ONLY}
+    text = f"--{option} needs --{other}; alone it does nothing".replace("_", "-")
     with pytest.raises(lf.ParameterError, match=text):
-        command(*needed, **{option: "not the default"})
+        command(*by_place, **by_name, **{option: "not the default"})
 
 
 def test_the_options_of_the_lab_bench_are_among_them():

@@ -98,7 +98,9 @@ def test_equals_plain_scipy(rng):
 
     def residuals(parameters):
         alpha, ratio, offset = parameters
-        gas = 1.0 / (1.0 / (alpha * fit.free_molecular) + 1.0 / fit.continuum)
+        gas = 1.0 / (
+            1.0 / (alpha * fit.limits.free_molecular) + 1.0 / fit.limits.continuum(fit.tac.value)
+        )
         return (ratio * (gas + offset) - fit.conductance) * fit.weight
 
     plain = least_squares(residuals, (1.0, 1.0, 1.0), xtol=1e-15, ftol=1e-15, gtol=1e-15)

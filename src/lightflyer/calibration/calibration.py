@@ -278,7 +278,8 @@ def _calibration(
     scaled = scale_errors and not estimated
     _require_freedom(freedom, points.source, scaled=scaled)
     values, residuals = np.exp(best), fit.measured - here.value
-    alike = alike_points((residuals * fit.weight)[np.lexsort((points.pressure, points.samples))])
+    order = np.lexsort((points.pressure, np.array(points.samples)))
+    alike = alike_points((residuals * fit.weight)[order])
     variance = alike * cost / freedom if estimated else cost / freedom if scaled else 1.0
     limit = cost + _threshold(variance, freedom, estimated=estimated or scaled)
     in_logarithms = _covariance(fit, best) * variance

@@ -40,11 +40,7 @@ def _positive(kind: object) -> Quantity:
 
 
 _PRESSURE = Column("pressure", Pressure, ("p", "chamber_pressure"), required=True)
-_LIGHT = replace(
-    _positive(Irradiance),
-    likely=(20.0, 2e5),
-    known="less lifts no film, and more burns it",
-)
+_LIGHT = replace(_positive(Irradiance), likely=(20.0, 2e5), known="more burns a film")
 _IRRADIANCE = Column("irradiance", _LIGHT, ("i", "intensity"), required=True)
 _SAMPLE_COLUMNS = (
     Column("diameter", Length),
@@ -156,9 +152,8 @@ class Points:
         for name in dict.fromkeys(self.samples):
             one = self.where(self.of(name))
             sizes = one.numbers.get("diameter", [None])
-            yield from (
-                f"{name}: {text}" for text in doubts(one.pressure, one.irradiance, sizes[0])
-            )
+            found = doubts(one.pressure, one.irradiance, sizes[0])
+            yield from (f"{name}: {text}" for text in found)
 
     @property
     def table(self) -> Table:

@@ -34,16 +34,11 @@ def only_with(**needs: str) -> Callable[[Callable[..., None]], Any]:
             }
             for name, other in needs.items():
                 if name in given and other not in given:
-                    raise ParameterError(
-                        f"{_as_typed(name)} does nothing without {_as_typed(other)}"
-                    )
+                    option, needed = (f"--{one.replace('_', '-')}" for one in (name, other))
+                    raise ParameterError(f"{option} needs {needed}; alone it does nothing")
             command(*args, **named)
 
         checked.needs = needs  # type: ignore[attr-defined]
         return checked
 
     return refusing
-
-
-def _as_typed(name: str) -> str:
-    return f"--{name.replace('_', '-')}"

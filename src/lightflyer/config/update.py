@@ -72,14 +72,10 @@ def update_flyer_file(
         text = measured_text(estimate)
         _put(table, key, text, f"measured: {origin}, {datetime.date.today().isoformat()}")
         written.append(f'{section}.{key} = "{text}"')
-    replace_file(path, document, () if insist else [".".join(name) for name in values])
+    replace_file(
+        path, tomlkit.dumps(document), () if insist else [".".join(name) for name in values]
+    )
     return written
-
-
-def replace_file(path: Path, document: Any, measured: Collection[str] = ()) -> None:
-    """Replace a flyer file by a changed one, if that is valid, and its measured numbers likely."""
-    tomlkit = extra("tomlkit", "updating a flyer file", "lab")
-    _replace(path, tomlkit.dumps(document), measured)
 
 
 def write_design(
@@ -101,7 +97,7 @@ def write_design(
         if not _in_line(table):
             table[key].comment("; ".join(filter(None, (kept, f"optimised: {origin}"))))
             table[key].trivia.comment_ws = "  "
-    _replace(path, f"{_WRITTEN} {origin}\n{tomlkit.dumps(document)}")
+    replace_file(path, f"{_WRITTEN} {origin}\n{tomlkit.dumps(document)}")
 
 
 def require_free(path: Path) -> None:
@@ -180,7 +176,7 @@ def _put(table: Any, key: str, text: str, origin: str) -> None:
     table[key].trivia.comment_ws = "  "
 
 
-def _replace(path: Path, text: str, measured: Collection[str] = ()) -> None:
+def replace_file(path: Path, text: str, measured: Collection[str] = ()) -> None:
     """Replace the file if the text is a valid flyer file, with likely measured numbers."""
     # beside the file, so that relative names of other files in it stay valid
     try:

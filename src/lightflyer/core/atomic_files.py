@@ -4,13 +4,18 @@ import os
 import secrets
 import shutil
 import threading
+import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
-from lightflyer.core.errors import OutputError
+from lightflyer.core.errors import OutputError, ParameterWarning
 
 TEMPORARY = ".lightflyer-"  # What the names of temporary files and folders begin with
+
+_LEFT_BEHIND = 86400.0  # age of a temporary folder from which no run is at it any more [s]
+_RESULTS = (".json", ".nc", ".pdf", ".png", ".svg")
 
 _UNFINISHED: set[Path] = set()
 _RENAMING = threading.Lock()
@@ -37,6 +42,15 @@ def remove_unfinished() -> None:
             path.rmdir()
 
 
+def _say_what_else(directory: Path, names: set[str]) -> None:
+    """Warn of results in a folder that are not of this run."""
+    # text and tables may be what the run has read
+    found = sorted(path.name for path in directory.iterdir() if path.suffix in _RESULTS)
+    if others := [name for name in found if name not in names]:
+        text = f"{directory}: {', '.join(others)} are not of this run, but were there before"
+        warnings.warn(text, ParameterWarning, stacklevel=3)
+
+
 @contextmanager
 def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
     """Write several files into a directory, all of them or none."""
@@ -55,6 +69,9 @@ def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
         # known before they are made: an interrupt may come at any moment
         with unfinished(temporary), unfinished(directory) if made else nullcontext():
             directory.mkdir(parents=True, exist_ok=True)
+            for left in directory.glob(f"{TEMPORARY}*"):  # of a run that was killed
+                if left.is_dir() and time.time() - left.stat().st_mtime > _LEFT_BEHIND:
+                    shutil.rmtree(left, ignore_errors=True)
             temporary.mkdir()
             yield stage
             with _RENAMING:
@@ -62,6 +79,7 @@ def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
                     (directory / name).parent.mkdir(exist_ok=True)
                     os.replace(temporary / name, directory / name)
             finished = True
+            _say_what_else(directory, {Path(name).parts[0] for name in names})
     except OSError as error:
         raise OutputError(f"{directory}: cannot be written: {error.strerror or error}") from None
     finally:

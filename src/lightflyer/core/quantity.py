@@ -178,16 +178,10 @@ Length = Annotated[
 ]
 Thickness = Annotated[
     Numeric,
-    Quantity(
-        "m",
-        0.0,
-        open_below=True,
-        sizes=(1e-10, 1e-2),
-        why="atoms are larger, films are thinner",
-        likely=(3e-10, 2e-4),
-        known="graphene is the thinnest film, and no light lifts one as thick as paper",
-    ),
-]
+    Quantity("m", 0.0, open_below=True, sizes=(1e-10, 1e-2),
+             why="atoms are larger, films are thinner", likely=(3e-10, 2e-4),
+             known="graphene is the thinnest film, and no light lifts one as thick as paper"),
+]  # fmt: skip
 Roughness = Annotated[
     Numeric,
     Quantity("m", 0.0, sizes=(1e-11, 1e-4), why="atoms are larger, films are smoother"),
@@ -322,15 +316,9 @@ Emittance = Annotated[
 ]
 AccommodationCoefficient = Annotated[
     Numeric,
-    Quantity(
-        "",
-        0.0,
-        HIGHEST_TAC,
-        open_below=True,
-        likely=(0.2, HIGHEST_TAC),
-        known="technical surfaces in air have 0.6 to 1",
-    ),
-]
+    Quantity("", 0.0, HIGHEST_TAC, open_below=True, likely=(0.2, HIGHEST_TAC),
+             known="technical surfaces in air have 0.6 to 1"),
+]  # fmt: skip
 Coefficient = Annotated[Numeric, Quantity("", 0.0, open_below=True)]
 ForceCoefficient = Annotated[
     Numeric,

@@ -32,9 +32,7 @@ def read_text(path: Path) -> str:
         raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         line = 1 + error.object[: error.start].count(b"\n")
-        raise ConfigurationError(
-            f"{path}:{line}: is not a text file in UTF-8; save it so"
-        ) from None
+        raise ConfigurationError(f"{path}:{line}: is not text in UTF-8; save it so") from None
     noted = _noted.get()
     if noted is not None:
         noted.append(path)

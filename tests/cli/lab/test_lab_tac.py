@@ -169,8 +169,8 @@ def test_pressure_in_the_wrong_unit_is_not_written(examples, lab, flyer_file):
     before = path.read_bytes()
     code, out, err = lab("tac", "raw.txt", "--update", path, "--face", "top")
     assert (code, out) == (2, "")
-    assert "is below 0.2 beyond its uncertainty" in err
-    assert "check the unit of the pressure (Pa or Torr); " in err
+    assert "is unlikely, 0.2 to 1.3 is usual" in err
+    assert "check the units; --insist" in err
     assert err.count("\n") == 1
     assert path.read_bytes() == before
 

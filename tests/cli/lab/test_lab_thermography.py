@@ -219,4 +219,4 @@ def test_a_matrix_with_regions_is_an_image(folder, lab):
     assert found["emissivity"]["value"] == pytest.approx(same["emissivity"]["value"], abs=1e-6)
     code, _, err = lab("thermography", "m.csv", "--image-unit", "K", "--ambient", "22 °C")
     assert code == 2
-    assert "--image-unit does nothing without --regions" in err
+    assert "--image-unit needs --regions" in err

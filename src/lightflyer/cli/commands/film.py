@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.lab.shared import quantities
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.core.errors import ConfigurationError
@@ -69,7 +70,7 @@ def film_command(
     from lightflyer.film.report.summary import FilmSummary
 
     section = read_film_file(film_file)
-    asked = _quantities("--temperatures", temperatures, "K")
+    asked = quantities("--temperatures", temperatures, "K")
     directions = _directions(angles)
     film = section.film()
     written = section.written_layers
@@ -106,24 +107,6 @@ def film_command(
     figures.tell(console, paths, "add --out FOLDER to write figures and data")
 
 
-def _quantities(option: str, text: str, unit: str) -> Any:
-    import numpy as np
-
-    from lightflyer.core.units import parse
-
-    try:
-        values = [
-            parse(part.strip(), unit, "nm" if unit == "m" else "").value
-            for part in text.split(",")
-            if part.strip()
-        ]
-    except ConfigurationError as error:
-        raise ConfigurationError(f"{option}: {error}") from None
-    if not values:
-        raise ConfigurationError(f'{option} "{text}" has no quantity in it')
-    return np.array(values)
-
-
 def _points(
     film: "Film",
     at: str | None,
@@ -136,7 +119,7 @@ def _points(
     from lightflyer.film.optics.thickness import thickness_uncertainty
     from lightflyer.film.report.summary import possible_interval
 
-    wavelengths = _quantities("--at", at, "m")
+    wavelengths = quantities("--at", at, "m")
 
     def optics(one: "Film") -> dict[str, Any]:
         found = one.optics(wavelengths).unpolarised()
@@ -177,7 +160,7 @@ def _directions(angles: str | None) -> Any:
         return None
     import numpy as np
 
-    asked = _quantities("--angles", angles, "rad")
+    asked = quantities("--angles", angles, "rad")
     right = 0.5 * np.pi
     if asked.size == 1 and 0.0 < asked[0] < right:
         asked = np.arange(0.0, right * (1.0 - _ROUNDING), asked[0])

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
-from lightflyer.cli.options import Json
+from lightflyer.cli.options import Json, only_with
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
@@ -24,6 +24,11 @@ if TYPE_CHECKING:
 SurfaceName = Literal["floor", "lid", "side"]
 
 
+@only_with(
+    top_temperature_ratio="temperature_ratio", floor="lid", lid="side", side="floor",
+    reservoir="floor", floor_temperature="floor", lid_temperature="lid", side_temperature="side",
+    chamber_tac="floor",
+)  # fmt: skip
 def kinetic_command(
     *,
     kn: float,
@@ -131,8 +136,6 @@ def kinetic_command(
             "--top-temperature and --bottom-temperature belong to the linear problem and cannot be "
             "combined with --temperature-ratio"
         )
-    if temperature_ratio is None and top_temperature_ratio is not None:
-        raise ParameterError("--top-temperature-ratio needs --temperature-ratio, of the lower face")
     from lightflyer.core.atomic_files import output_directory
 
     # a folder that cannot be written is found before, not after, a long solution
@@ -203,17 +206,8 @@ def _chamber(
     tac: float,
 ) -> "Chamber | None":
     """Chamber of given options, or none."""
-    missing = [f"--{name}" for name, distance in distances.items() if distance is None]
-    if len(missing) == len(distances):
-        given = [f"--{name}-temperature" for name, value in temperatures.items() if value]
-        given += ["--reservoir"] * bool(reservoirs) + ["--chamber-tac"] * (tac != 1.0)
-        if given:
-            raise ParameterError(f"{given[0]} needs --floor, --lid and --side")
+    if None in distances.values():  # then all are: each option needs the next
         return None
-    if missing:
-        raise ParameterError(
-            f"--floor, --lid and --side belong together: {' and '.join(missing)} not given"
-        )
     from lightflyer.kinetic import Chamber, Surface
 
     return Chamber(

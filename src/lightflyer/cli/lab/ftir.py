@@ -15,6 +15,7 @@ from lightflyer.cli.lab.shared import (
     Insist,
     finish,
     optional_share,
+    quantities,
     quantity,
     show_rejected,
     show_warnings,
@@ -123,7 +124,7 @@ def ftir_command(
     result = reduce_ftir(
         spectra, mirrors,
         band=_ends(band),
-        temperatures=_temperatures(temperatures),
+        temperatures=list(quantities("--temperatures", temperatures, "K")),
         accuracy=optional_share("--accuracy", accuracy),
     )  # fmt: skip
     if update is not None:
@@ -151,13 +152,6 @@ def ftir_command(
     _show(console, result)
     show_warnings(console, warnings)
     finish(console, figures, written, updated, update)
-
-
-def _temperatures(text: str) -> list[float]:
-    found = [quantity("--temperatures", one, "K").value for one in text.split(",") if one.strip()]
-    if not found or min(found) <= 0.0:
-        raise ConfigurationError(f'--temperatures "{text}": needs temperatures above 0 K')
-    return found
 
 
 def _require_radiating(result: "Ftir") -> None:

@@ -22,7 +22,7 @@ from lightflyer.cli.lab.shared import (
     write_record,
 )
 from lightflyer.cli.options import Json, Seed, only_with
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import open_interval_text
 
@@ -106,6 +106,7 @@ def levitation_command(
         How figures are written.
     """
     out = figures.folder(out)
+    from lightflyer.calibration.text import fit_parts
     from lightflyer.lab.levitation import curve as levitation
     from lightflyer.lab.levitation.data import read_lift_offs
 
@@ -143,7 +144,7 @@ def levitation_command(
     show_read(console, tables)
     _show(console, curves)
     if fit is not None:
-        _show_fit(console, fit)
+        show(console, fit_parts(fit))
     show_warnings(console, document["warnings"])
     finish(console, figures, written, updated, update)
 
@@ -192,21 +193,6 @@ def _models(
         name: {curve.points.name: model_curve(curve.points, one) for curve in curves}
         for name, one in setups.items()
     }, fit
-
-
-def _show_fit(console: Console, fit: "Calibration") -> None:
-    for row, name in enumerate(fit.names):
-        console.print(
-            f"calibrated {name} {fit.values[row]:.4g}: given inputs "
-            f"{open_interval_text(*fit.intervals[row])}, in total "
-            f"{open_interval_text(*fit.total_intervals[row])}",
-            soft_wrap=True,
-        )  # fmt: skip
-    inputs = ", ".join(fit.contributions) or "nothing else"
-    console.print(
-        f"given inputs: the points' scatter alone; in total: also the ± of {inputs}",
-        soft_wrap=True,
-    )  # fmt: skip
 
 
 def _figures(

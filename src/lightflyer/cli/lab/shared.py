@@ -13,6 +13,7 @@ from lightflyer.cli.output import write_json
 from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
     from matplotlib.figure import Figure
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]
 """Input files of a command."""
 
-_USUAL = {"--diameter": "mm", "--wall": "cm", "--size": "um", "--band": "cm^-1"}
+_USUAL = {"--diameter": "mm", "--wall": "cm", "--size": "um", "--at": "nm", "--band": "cm^-1"}
 """Units that messages propose, where they are not those of SI."""
 
 Insist = Annotated[bool, Parameter(negative=())]
@@ -41,6 +42,16 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
         return parse(text if unit else _number_or_text(text), unit, _USUAL.get(option, ""))
     except ConfigurationError as error:
         raise ConfigurationError(f"{option}: {error}") from None
+
+
+def quantities(option: str, text: str, unit: str) -> "np.ndarray":
+    """Values of an option such as ``--at "550 nm, 10 um"``, at least one; ``unit``: SI unit."""
+    import numpy as np
+
+    values = [quantity(option, part, unit).value for part in text.split(",") if part.strip()]
+    if not values:
+        raise ConfigurationError(f'{option} "{text}" has no quantity in it')
+    return np.array(values)
 
 
 def difference(option: str, text: str, unit: str) -> float:

@@ -47,7 +47,6 @@ def tac_command(
     columns: str | None = None,
     calibration: Path | None = None,
     ambient: str | None = None,
-    heater: Literal["lu2023"] = "lu2023",
     diameter: str | None = None,
     tolerance: str = "1 K",
     emissivity: str | None = None,
@@ -84,11 +83,9 @@ def tac_command(
         temperature.
     ambient
         Temperature of gas and walls where the files have no such column, such as "22 °C".
-    heater
-        Preset of the heater: lu2023 is the paper's, with a diameter of 24 mm.
     diameter
-        Diameter of the heater, such as "24.0 ± 0.1 mm", in place of the preset's. Default of the
-        ±: 0.1 mm, assumed.
+        Diameter of the heater, such as "20.0 ± 0.1 mm". Default: the paper's 24 mm; of the ±,
+        0.1 mm, assumed.
     tolerance
         Largest distance of the heater temperature from its median; other rows are dropped.
     emissivity
@@ -142,7 +139,7 @@ def tac_command(
         plateau_accuracy,
     )  # fmt: skip
     options: dict[str, Any] = {
-        "diameter": tac.HEATERS[heater] if width is None else width,
+        "diameter": tac.LU2023_HEATER_DIAMETER if width is None else width,
         "tolerance": difference("--tolerance", tolerance, "K"),
         "law": _law(reading, wall),
         "gas": GASES[gas],

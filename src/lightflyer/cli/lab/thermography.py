@@ -34,13 +34,9 @@ if TYPE_CHECKING:
 
 
 @only_with(
-    image_unit="regions",
-    image_zero="image_unit",
-    image_emissivity="regions",
-    image_reflected="regions",
-    face="update",
-    insist="update",
-)
+    image_unit="regions", image_zero="image_unit", image_emissivity="regions",
+    image_reflected="regions", face="update", insist="update",
+)  # fmt: skip
 def thermography_command(
     file: Path | None = None,
     /,

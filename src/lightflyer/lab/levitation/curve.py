@@ -35,6 +35,7 @@ LEAST_POINTS, LEAST_PRESSURES = 8, 6
 """Fewest points and pressures of a curve."""
 
 _LEAST_SPREAD = 1e-6  # of log-pressure, and of a curve's log-irradiance
+_TOO = ("those of the scatter", "too wide")  # of more and of less scatter than stated
 _NO_MINIMUM = 0.9  # share of the measured log-pressures within the interval of the optimum
 
 
@@ -205,10 +206,9 @@ def _diagnostics(
     if np.ptp(inside) > _NO_MINIMUM * np.ptp(least.grid) or np.ptp(least.curve) < _LEAST_SPREAD:
         said.append(f"{points.place}: the points of {points.name} show no minimum")
     if least.probability < LEAST_PROBABILITY or least.probability > 1.0 - LEAST_PROBABILITY:
-        more = least.excess > 1.0
         said.append(
             f"the points of {points.name} scatter {least.excess:.2g} times as much as their stated "
-            f"uncertainties say: intervals are {'those of the scatter' if more else 'too wide'}"
+            f"uncertainties say: intervals are {_TOO[least.excess < 1.0]}"
         )
     if alike_points(least.residuals[np.argsort(points.pressure, kind="stable")]) > 1.0:
         said.append(

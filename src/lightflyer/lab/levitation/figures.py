@@ -54,13 +54,13 @@ def levitation_curves(
         ax.plot(pressure, curve.irradiance * _PER_KILOWATT, color=colour, lw=1.4)
         ax.plot([], [], marker, ls="-", color=colour, mfc="none", ms=5, lw=1.4, label=points.name)
         light = points.irradiance * _PER_KILOWATT
-        bars = {
-            name: NORMAL_FACTOR * scale * points.uncertainties.get(f"{column}_uncertainty", 0.0)
-            for name, column, scale in (("xerr", "pressure", per_pascal),
-                                        ("yerr", "irradiance", _PER_KILOWATT))
-        }  # fmt: skip
-        ax.errorbar(points.pressure * per_pascal, light, fmt=marker, color=colour, mfc="none", ms=5,
-                    lw=0.7, **bars)  # fmt: skip
+        stated = points.uncertainties
+        right, up = (
+            NORMAL_FACTOR * scale * stated.get(f"{name}_uncertainty", np.zeros(light.size))
+            for name, scale in (("pressure", per_pascal), ("irradiance", _PER_KILOWATT))
+        )
+        ax.errorbar(points.pressure * per_pascal, light, up, right, fmt=marker, color=colour,
+                    mfc="none", ms=5, lw=0.7)  # fmt: skip
         if curve.step:  # the light that suffices lies on these lines
             ax.vlines(points.pressure * per_pascal, light - curve.step * _PER_KILOWATT, light,
                       color=colour, lw=0.8)  # fmt: skip

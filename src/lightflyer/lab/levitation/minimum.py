@@ -86,11 +86,9 @@ def minimum(
     probability = float(chdtrc(freedom, freedom * variance))
     if stated is not None:
         spread = np.outer(spread if probability < LEAST_PROBABILITY else np.ones(draws), stated)
-    elif step:
+    else:
         rounded = UNIFORM_SPREAD * step * np.sqrt(np.mean(np.exp(-2.0 * fitted)))
         spread = np.sqrt(np.maximum(spread**2 - rounded**2, 0.0))[:, None]
-    else:
-        spread = spread[:, None]
     simulated = fitted + spread * rng.normal(size=(draws, x.size))
     if step:
         simulated = _step_lines(simulated, step, rng)

@@ -228,9 +228,8 @@ def read_sample(path: str | Path) -> OpticsSample:
         return changed.film()
 
     spectra = tuple(one.read() for one in file.spectra)
-    require_distinct(
-        [(one.label, (one.spectrum.wavenumber, one.spectrum.value)) for one in spectra]
-    )
+    measured = (one.spectrum for one in spectra)
+    require_distinct([(one.source, (one.wavenumber, one.value)) for one in measured])
     sample = OpticsSample(build, free, spectra, section, str(path), same)
     try:
         build({one.name: one.start for one in free})

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _HEIGHT = 4.6
 _MOST_POINTS = 2000  # drawn of one spectrum
+_MARKS = 35  # of its points that are marked, about
 _LOGARITHMIC = 3.0  # ratio of wavelengths from which the axis is
 _MANTISSAS = (1.0, 2.0, 3.0, 5.0, 7.0)
 
@@ -30,13 +31,13 @@ _MANTISSAS = (1.0, 2.0, 3.0, 5.0, 7.0)
 def spectra(result: "OpticsFit", ax: Axes) -> Axes:
     """Draw spectra over wavelength with what the instruments read by the fit."""
     for number, one in enumerate(result.spectra):
-        x, measured = _thinned_points(one, one.measured.spectrum.value)
         colour = PALETTE[number % len(PALETTE)]
-        ax.plot(x, measured, ".", ms=2.5, color=colour, alpha=0.6)
         x, fitted = _thinned_points(one, one.reading)
         ax.plot(x, fitted, ls=LINES[number % len(LINES)], lw=1.2, color=colour,
                 label=one.measured.label)  # fmt: skip
-    ax.plot([], [], ".", ms=4, color=GREY, label="measured")
+        x, measured = _thinned_points(one, one.measured.spectrum.value, _MARKS)
+        ax.plot(x, measured, "o", ms=3, mfc="none", mew=0.7, color=colour, zorder=3)
+    ax.plot([], [], "o", ms=3, mfc="none", mew=0.7, color=GREY, label="measured, some points")
     ax.plot([], [], "-", lw=1.2, color=GREY, label="fitted")
     values = [part for one in result.spectra for part in (one.reading, one.measured.spectrum.value)]
     ax.set_ylim(min(0.0, *(one.min() for one in values)), max(one.max() for one in values) * 1.05)
@@ -74,8 +75,10 @@ def constants(result: "OpticsFit", n_ax: Axes, k_ax: Axes) -> None:
         legend_below(ax, most=2)
 
 
-def _thinned_points(one: "FittedSpectrum", value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    step = max(1, len(value) // _MOST_POINTS)
+def _thinned_points(
+    one: "FittedSpectrum", value: np.ndarray, most: int = _MOST_POINTS
+) -> tuple[np.ndarray, np.ndarray]:
+    step = max(1, len(value) // most)
     return one.measured.spectrum.wavelength[::step] / MICROMETRE, value[::step]
 
 

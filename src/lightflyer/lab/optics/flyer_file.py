@@ -45,7 +45,7 @@ def update_layers(
         table["correlated"] = [*kept, *entries]
     told += [f"film.correlated: {' and '.join(one['of'])} {one['value']:+.3f}" for one in entries]
     table["layers"].comment(f"fitted: lab optics, {origin}, {datetime.date.today().isoformat()}")
-    replace_file(path, document, written)
+    replace_file(path, document.as_string(), written)
     return told
 
 

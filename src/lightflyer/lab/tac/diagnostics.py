@@ -21,7 +21,6 @@ MOST_TAC = 2.0
 
 FAR = 2.0  # Standard uncertainties of an error, from which a fit is in doubt
 _TAC = quantity_of(AccommodationCoefficient) or Quantity()
-LEAST_LIKELY_TAC = _TAC.likely[0]  # Below it a coefficient is most likely one of a wrong unit
 
 MOST_RELATIVE_UNCERTAINTY = 0.25
 """Standard uncertainty over value, above which a run does not determine a coefficient."""
@@ -213,7 +212,7 @@ def result_warnings(estimates: dict[str, Estimate], reading: str) -> list[str]:
             + ("beyond its uncertainty: no surface has it; check pressure, plateau and reading"
                if beyond else "which no surface has, but 1 is within its uncertainty")
         )  # fmt: skip
-    if tac.value < LEAST_LIKELY_TAC:
+    if tac.value < _TAC.likely[0]:
         texts.append(f"accommodation coefficient {_TAC.unlikely(tac.value)}")
     low, high = LIKELY_AREA_RATIOS
     if not low <= ratio.value <= high:
@@ -246,10 +245,8 @@ def misfit_warnings(alike: float, rows: int, values: Mapping[str, float]) -> lis
             f"{rows / alike:.0f} of {rows} were independent: the law does not fit them; the "
             "intervals are wider for it"
         )
-    far = {
-        name: value for name, value in values.items()
-        if name not in PARAMETERS and abs(value) > FAR
-    }  # fmt: skip
+    pulls = {name: value for name, value in values.items() if name not in PARAMETERS}
+    far = {name: value for name, value in pulls.items() if abs(value) > FAR}
     if far:
         wanted = ", ".join(f"{IN_WORDS[name][0]} {value:+.1f}" for name, value in far.items())
         texts.append(

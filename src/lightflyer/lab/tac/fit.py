@@ -61,7 +61,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LU2023_HEATER_DIAMETER = 24e-3  # Diameter of the paper's heater [m]; [Lu2023]_ supplement
-HEATERS = {"lu2023": LU2023_HEATER_DIAMETER}  # Diameters of named heaters [m]
 
 _LEAST_ROWS = 6
 _WEIGHTINGS = 2
@@ -112,16 +111,6 @@ class TacFit:
     def pressure(self) -> np.ndarray:
         """Pressure of the fitted rows [Pa], shape (m,)."""
         return self.run.pressure[self.kept]
-
-    @property
-    def free_molecular(self) -> np.ndarray:
-        """Free-molecular conductance at a coefficient of one [W/(m² K)], shape (m,)."""
-        return self.limits.free_molecular
-
-    @property
-    def continuum(self) -> np.ndarray:
-        """Continuum conductance at the fitted coefficient [W/(m² K)], shape (m,)."""
-        return self.limits.continuum(self.tac.value)
 
     @cached_property
     def order(self) -> np.ndarray:

@@ -44,7 +44,6 @@ class Solution:
     statistical: dict[str, Estimate]
     # With the intervals of the covariance, of positive parameters symmetric in the logarithm
     total_normal: dict[str, Estimate]
-    statistical_normal: dict[str, Estimate]
 
 
 def solve(problem: Problem, guess: tuple[float, float, float]) -> Solution:
@@ -63,7 +62,7 @@ def solve(problem: Problem, guess: tuple[float, float, float]) -> Solution:
     if total is None:
         return Solution(
             _by_name(result, PARAMETERS), scatter, alike, alike * np.asarray(result.covar),
-            statistical, statistical, normal, normal,
+            statistical, statistical, normal,
         )  # fmt: skip
     freedoms = _freedoms(total[1], normal, freedom)
     total_normal = _normal(total[1], freedoms)
@@ -76,7 +75,6 @@ def solve(problem: Problem, guess: tuple[float, float, float]) -> Solution:
         total=_profiles(scaled, _values(total[1], problem.names), total_normal, freedoms),
         statistical=statistical,
         total_normal=total_normal,
-        statistical_normal=normal,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from lightflyer.lab.estimate import Estimate, weighted_mean
 from lightflyer.lab.record import dataset, joint_warnings
-from lightflyer.lab.tac.diagnostics import BOUNDS, LEAST_LIKELY_TAC, POSSIBLE_TAC
+from lightflyer.lab.tac.diagnostics import BOUNDS, POSSIBLE_TAC
 from lightflyer.lab.tac.fit import TacFit
 from lightflyer.lab.tac.problem import PARAMETERS
 
@@ -53,11 +53,6 @@ def why_no_property(fits: Sequence[TacFit]) -> str | None:
     )
     if mean.interval[0] > POSSIBLE_TAC:
         return f"{said} is above 1 beyond its uncertainty"
-    if mean.interval[1] < LEAST_LIKELY_TAC:
-        return (
-            f"{said} is below {LEAST_LIKELY_TAC:g} beyond its uncertainty, as no technical surface "
-            "in air: check the unit of the pressure (Pa or Torr)"
-        )
     return None
 
 

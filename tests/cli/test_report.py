@@ -50,7 +50,9 @@ def points(tmp_path):
     def write(*names):
         path = tmp_path / "points.csv"
         quoted = ['"' + name.replace('"', '""') + '"' for name in names or ("Ge",)]
-        rows = (f"{name},{x:g},{y:g}\n" for name in quoted for x, y in CURVE)
+        rows = (  # no two samples have the same points
+            f"{name},{x:g},{y + number:g}\n" for number, name in enumerate(quoted) for x, y in CURVE
+        )
         path.write_text(HEADER + "".join(rows), encoding="utf-8")
         return path
 

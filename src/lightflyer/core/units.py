@@ -167,7 +167,8 @@ def _unit_advice(target: str) -> str:
 def _no_unit(text: str | float, value: float, unit: str, usual: str) -> ConfigurationError:
     if not usual:
         usual = "°C" if unit == "K" and value < _COLD else {"rad": "deg"}.get(unit, unit)
-    return ConfigurationError(f'"{text}" has no unit; write "{text} {usual}"')
+    given = in_toml(text)
+    return ConfigurationError(f'{given} has no unit; write "{text} {usual}"')
 
 
 def parse(text: str | float, unit: str, usual: str = "") -> Measured:

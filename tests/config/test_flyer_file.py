@@ -217,7 +217,7 @@ def test_every_mistake_names_its_line_and_what_is_allowed(flyer_file, old, new, 
         (b"", "is empty"),
         (b"  \n", "is empty"),
         (b"[flyer", "is not valid TOML"),
-        (b"\xff\xfe\x00binary", "is not a text file"),
+        (b"\xff\xfe\x00binary", "is not text in UTF-8"),
         (b"diameter = 2 cm", "is not valid TOML"),
     ],
 )

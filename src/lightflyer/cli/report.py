@@ -80,7 +80,7 @@ class Report:
         """Write the page, whole or not at all."""
         from lightflyer.core.atomic_files import output_directory
 
-        with output_directory(self.path.parent) as stage:
+        with output_directory(self.path.parent, shared=True) as stage:
             stage(self.path.name).write_text(self._page(), encoding="utf-8")
 
     def close(self) -> None:

@@ -52,8 +52,8 @@ def _say_what_else(directory: Path, names: set[str]) -> None:
 
 
 @contextmanager
-def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
-    """Write several files into a directory, all of them or none."""
+def output_directory(directory: Path, *, shared: bool = False) -> Iterator[Callable[[str], Path]]:
+    """Write several files into a directory, all of them or none; others may share it."""
     made = not directory.exists()
     temporary = directory / f"{TEMPORARY}{secrets.token_hex(4)}"
     names: list[str] = []
@@ -79,7 +79,8 @@ def output_directory(directory: Path) -> Iterator[Callable[[str], Path]]:
                     (directory / name).parent.mkdir(exist_ok=True)
                     os.replace(temporary / name, directory / name)
             finished = True
-            _say_what_else(directory, {Path(name).parts[0] for name in names})
+            if not shared:
+                _say_what_else(directory, {Path(name).parts[0] for name in names})
     except OSError as error:
         raise OutputError(f"{directory}: cannot be written: {error.strerror or error}") from None
     finally:

@@ -244,7 +244,7 @@ def _count(swarm: _Swarm, folder: Path | None, scheduler: str | None) -> Counts:
     counted = Counted("flying", swarm.ensemble.members, "flights", done)
     for batch, counts in _fly(swarm, missing, scheduler):
         if folder is not None:
-            with output_directory(folder) as path:
+            with output_directory(folder, shared=True) as path:
                 np.savez(path(_name(batch)), **counts._asdict())
         found[batch] = counts
         counted.add(swarm.size(batch))
@@ -298,7 +298,7 @@ def _keep(swarm: _Swarm, folder: Path) -> dict[int, Counts]:
                 raise OutputError(
                     f"{folder}: already exists and is no swarm; choose another folder"
                 )
-            with output_directory(folder) as path:
+            with output_directory(folder, shared=True) as path:
                 path(_STUDY).write_text(json.dumps(described, indent=1), encoding="utf-8")
             return {}
         stored = json.loads(record.read_text(encoding="utf-8"))

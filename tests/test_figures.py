@@ -364,6 +364,10 @@ def test_spectra_of_two_kinds_differ_in_colour(examples):
     first, second = figure.axes[0].get_lines()[:2]
     assert first.get_color() != second.get_color()
     assert first.get_linestyle() != second.get_linestyle()
+    (emitted,) = (line for line in figure.axes[0].get_lines() if line.get_label() == "emissivity")
+    at = emitted.get_xdata() * 100.0  # 1/cm to 1/m
+    kept = [np.interp(at, spectrum.wavenumber, spectrum.value) for spectrum in (one, other)]
+    np.testing.assert_allclose(emitted.get_ydata(), 1.0 - kept[0] - kept[1], atol=1e-12)
 
 
 @pytest.mark.parametrize(

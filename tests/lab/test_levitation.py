@@ -226,6 +226,41 @@ def test_the_minimum_lies_on_the_curve_within_its_band(truth, rng):
         )
 
 
+def parabola():
+    x = np.linspace(-1.0, 2.0, 15)
+    return x, LiftOffs("a", np.exp(x), np.exp(0.8 * (x - 0.4) ** 2 + 7.0), "a.csv:2")
+
+
+@pytest.mark.parametrize("meter", [True, False])
+def test_the_band_has_the_instruments_errors(meter):
+    """A wrong light meter moves the curve up, a wrong gauge along: up by the slope."""
+    accuracies = {"irradiance_accuracy": 0.1 * meter, "pressure_accuracy": 0.1 * (not meter)}
+    curve = levitation_curve(parabola()[1], **accuracies)
+    slope = 1.6 * (np.log(curve.pressure) - 0.4)
+    expected = np.full(slope.size, 0.1) if meter else 0.1 * np.abs(slope)
+    half = 0.5 * np.log(curve.upper / curve.lower)
+    np.testing.assert_allclose(half, 1.96 * expected, rtol=0.06, atol=0.01)
+
+
+def test_errors_of_pressure_weigh_by_the_slope_of_the_curve(rng):
+    x, exact = parabola()
+    read = np.exp(x + 0.05 * rng.normal(size=x.size))
+    light = {"irradiance_uncertainty": 0.005 * exact.irradiance}
+    both = light | {"pressure_uncertainty": 0.05 * read}
+    for known, scatters in ((light, True), (both, False)):
+        points = replace(exact, pressure=read, uncertainties=known)
+        said = " ".join(levitation_curve(points).warnings)
+        assert ("times as much" in said) is scatters
+
+
+def test_stated_errors_are_drawn_as_intervals_of_95_percent():
+    points = stated(parabola()[1], 0.05)
+    bars, *_ = levitation_curve(points).plot().axes[0].containers
+    (vertical,) = (one for one in bars.lines[2] if np.ptp(one.get_segments()[0][:, 1]) > 0.0)
+    half = [0.5 * np.ptp(segment[:, 1]) for segment in vertical.get_segments()]
+    np.testing.assert_allclose(half, 1.96 * 0.05e-3 * points.irradiance, rtol=1e-3)
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.3])
 def test_points_without_a_minimum_are_said(rng, noise):
     pressure = np.geomspace(1.0, 30.0, 14)
@@ -294,6 +329,14 @@ def test_files_and_ground_effect(tmp_path):
                     encoding="utf-8")  # fmt: skip
     with pytest.raises(lf.ConfigurationError, match=r"points\.csv:2: a has more than one diam"):
         read_lift_offs(path)
+
+
+def test_repeated_lines_of_a_log_with_times_are_rejected(tmp_path):
+    path = tmp_path / "points.csv"
+    rows = "0,1,20\n1,2,30\n1,2,30\n2,2,30\n"
+    for time, kept in (("time [s]", 3), ("remark", 4)):
+        path.write_text(f"{time},pressure [Pa],irradiance [W/m^2]\n{rows}", encoding="utf-8")
+        assert len(read_lift_offs(path)[1]) == kept
 
 
 def test_model_and_calibration(truth, rng):

@@ -453,6 +453,14 @@ def test_another_law_is_said_and_more_rows_do_not_narrow_the_interval(rng):
     assert many[1] - many[0] > 0.9 * (few[1] - few[0])
 
 
+def test_intervals_of_another_law_are_alike_by_profile_and_by_covariance(rng):
+    fit = tac.fit_tac(sherman_run(4_000, rng, 0.002), diameter=DIAMETER, accuracy=EXACT)
+    assert fit.alike > 4.0
+    for name in ("area_ratio", "offset"):
+        by_covariance, whole = fit.covariance_intervals[name], fit.estimates()[name].interval
+        assert np.ptp(by_covariance) == pytest.approx(np.ptp(whole), rel=0.1)
+
+
 def test_an_instrument_that_is_off_by_more_than_stated_is_said():
     values = {"tac": 2.5, "gauge": -0.4, "plateau": 2.71}
     (text,) = misfit_warnings(1.0, 60, values)

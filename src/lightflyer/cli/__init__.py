@@ -23,6 +23,8 @@ from lightflyer.core.errors import LightflyerError, ParameterWarning
 EXIT_FAILURE = 2
 EXIT_INTERRUPTED = 130
 
+_NEGATIVE, _OPTION = re.compile(r"-[\d.,]"), re.compile(r"--[a-z-]+")
+
 app = cyclopts.App(
     name="lightflyer",
     help="Design, test and fly photophoretic light-flyers: thin films that levitate in sunlight.",
@@ -184,9 +186,6 @@ def _with_negatives(given: Sequence[str]) -> list[str]:
         else:
             joined.append(word)
     return joined
-
-
-_NEGATIVE, _OPTION = re.compile(r"-[\d.,]"), re.compile(r"--[a-z-]+")
 
 
 def _fail(text: str) -> None:

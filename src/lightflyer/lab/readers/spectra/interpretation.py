@@ -96,7 +96,7 @@ def measured(source: Source, raw: RawSpectrum, options: ReadOptions) -> Measured
         source.refuse(f"has {distinct.size} wavenumber; a spectrum needs two or more")
     mean = np.bincount(place, value) / count
     if distinct.size < value.size:
-        notes.append(f"{value.size - distinct.size} points repeat a wavenumber; each has its mean")
+        notes.append(f"{value.size} points have {distinct.size} wavenumbers; each has their mean")
     return MeasuredSpectrum(
         str(source.path), quantity, distinct, mean, raw.rejected, metadata, collection, tuple(notes)
     )

@@ -3,7 +3,8 @@
 The heat loss is interpolated from the kinetic solver's own results and, in dense gas, conducted by
 a disk in a gas of the US Standard Atmosphere: NumPy and SciPy, none of the package's formulas.
 Gauge, power meter, thermometers, diameter and plateau are off by what the command's accuracies
-say.
+say. Two conditions are of another kind: the limits in series (Sherman's interpolation) in place of
+the solver's results, and a plateau that drifts by as much as it is uncertain while pressure rises.
 """
 
 from functools import cache
@@ -35,6 +36,8 @@ class Condition(NamedTuple):
     rows: int
     gauge: float  # relative accuracy
     zero: float  # [Pa]
+    in_series: bool = False  # whether heat follows Sherman's interpolation
+    drift: float = 0.0  # of the plateau over the run, in its standard uncertainties
 
 
 CONDITIONS = {
@@ -42,6 +45,11 @@ CONDITIONS = {
     "narrow range": Condition(1.0, 6.0, 40, 0.05, 0.01),
     "10 rows": Condition(1e-3, 200.0, 10, 0.05, 0.01),
     "capacitance manometer": Condition(1e-3, 200.0, 60, 0.0025, 0.002),
+    "2000 rows": Condition(1e-3, 200.0, 2000, 0.05, 0.01),
+    "Sherman's law": Condition(1e-3, 200.0, 60, 0.05, 0.01, in_series=True),
+    "Sherman's law, 2000 rows": Condition(1e-3, 200.0, 2000, 0.05, 0.01, in_series=True),
+    "plateau drifts": Condition(1e-3, 200.0, 60, 0.05, 0.01, drift=1.0),
+    "plateau drifts, 2000 rows": Condition(1e-3, 200.0, 2000, 0.05, 0.01, drift=1.0),
 }
 
 
@@ -110,7 +118,7 @@ def factor_of_collisions(knudsen, cold):
     return np.exp((1.0 - share) * low + share * high) * simulated / conduction
 
 
-def gas_conductance(pressure, hot, cold, tac, diameter, plateau):
+def gas_conductance(pressure, hot, cold, tac, diameter, plateau, *, in_series=False):
     """Conductance of the gas around a disk, both faces, per area of one [W/(m² K)]."""
     (knudsens, ratios, tacs), values = solved()
     # through the three temperatures and the three coefficients of the table
@@ -123,6 +131,8 @@ def gas_conductance(pressure, hot, cold, tac, diameter, plateau):
     knudsen = path / diameter
     thin = tac * (GAMMA + 1.0) / (GAMMA - 1.0) / 8.0 * speed / cold * 2.0 * pressure
     dense = 4.0 * diameter * conducted(hot, cold) / (0.25 * np.pi * diameter**2 * (hot - cold))
+    if in_series:
+        return thin / (1.0 + thin / (dense * (1.0 + plateau)))
     limit = np.log(np.mean(thin / dense * knudsen / tac))
     position = np.concatenate([[0.0], knudsens])  # straight in Kn between the limit and the table
     within = PchipInterpolator(np.log(knudsens), curve)(np.log(np.clip(knudsen, 0.03, 30.0)))
@@ -152,7 +162,12 @@ def run_of(rng, condition, accuracy):
     )  # fmt: skip
     diameter, hot = DIAMETER + wider, HEATER - temperature
     pressure = np.geomspace(condition.lowest, condition.highest, condition.rows)
-    gas = gas_conductance(pressure, hot, AMBIENT, truth["tac"], diameter, plateau)
+    if condition.drift:
+        late = condition.drift * accuracy.plateau * rng.normal()
+        plateau = plateau + late * np.linspace(-0.5, 0.5, condition.rows)
+    gas = gas_conductance(
+        pressure, hot, AMBIENT, truth["tac"], diameter, plateau, in_series=condition.in_series
+    )
     area = 0.25 * np.pi * diameter**2
     watts = truth["area_ratio"] * (gas + truth["offset"]) * area * (hot - AMBIENT)
     watts *= (1.0 + power) * (1.0 + NOISE * rng.normal(size=pressure.size))

@@ -12,6 +12,7 @@ from lightflyer.files.table import Table
 from lightflyer.gas import AIR, LU2023_AIR
 from lightflyer.lab.estimate import student_factor
 from lightflyer.lab.tac import fit as tac
+from lightflyer.lab.tac import intervals
 from lightflyer.lab.tac import problem as tac_problem
 from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy
 from lightflyer.lab.tac.data import TacRun
@@ -44,6 +45,12 @@ def independent_run(count, noise=0.0, rng=None, reported=False, lowest=1e-4, hig
     if rng is not None:
         power = power * (1.0 + noise * rng.normal(size=count))
     return run_of(pressure, power)
+
+
+@pytest.fixture
+def exact_law(monkeypatch):
+    """No error of the law's shape."""
+    monkeypatch.setattr(intervals, "LAW_ERROR", 0.0)
 
 
 def values_of(fit):
@@ -126,7 +133,7 @@ ACCURACY = TacAccuracy(
 )
 
 
-def test_total_intervals_equal_lmfit_with_common_errors_as_parameters(rng):
+def test_total_intervals_equal_lmfit_with_common_errors_as_parameters(exact_law, rng):
     """The whole problem written out here and handed to lmfit, its profiles included."""
     fit = tac.fit_tac(independent_run(30, 0.02, rng), accuracy=ACCURACY, **OPTIONS)
     limits, pressure = fit.limits, fit.pressure
@@ -192,7 +199,7 @@ def shifted(run, pressure=1.0, zero=0.0, power=1.0):
         ("diameter", 1e-3, {}, DIAMETER + 1e-4),
     ],
 )
-def test_common_errors_propagate_as_finite_differences(name, size, change, diameter):
+def test_common_errors_propagate_as_finite_differences(exact_law, name, size, change, diameter):
     """Total variance is that of the scatter and of each error's effect on the fitted values."""
     accuracy = TacAccuracy(**dict.fromkeys(EXACT.__dict__, 0.0) | {name: size})
     run = independent_run(60, 0.02, np.random.default_rng(1), lowest=0.01)
@@ -233,7 +240,7 @@ def test_intervals_of_the_scatter_cover_the_truth(rng):
     assert np.all((inside >= low) & (inside <= high)), inside / count
 
 
-def test_only_the_slope_is_free_of_the_plateau(rng):
+def test_only_the_slope_is_free_of_the_plateau(exact_law, rng):
     """α and δ are told apart by the plateau alone: its error is theirs, not their product's."""
     run = independent_run(60, 0.005, rng)
     sure, unsure = (

@@ -14,8 +14,9 @@ STUDY = Path(__file__).parents[2] / "studies" / "intervals"
 # of those that take a second or more each; fewer than four could not fail
 CASES = {"calibrate": 4, "film": 4, "predict": 8, "roughness": 4, "tac": 8}
 MOST_CASES = 16
-# wider than they need be, as the documentation says: the scatter of few points is poorly known
-CAUTIOUS = ("8 points", "three repeats, scatter like accuracy")
+# wider than they need be, as the documentation says: the scatter of few points is poorly known, and
+# the law of a narrow range is exact there, but not in a laboratory
+CAUTIOUS = ("8 points", "three repeats, scatter like accuracy", "narrow range")
 CONFIDENCE = 0.95
 CHANCE = 1e-5  # of a false alarm, for each quantity
 MODULES = sorted({path.stem for path in STUDY.glob("*.py")} - {"study", "trial"})

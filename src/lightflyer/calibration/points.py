@@ -40,7 +40,9 @@ def _positive(kind: object) -> Quantity:
 
 
 _PRESSURE = Column("pressure", Pressure, ("p", "chamber_pressure"), required=True)
-_LIGHT = replace(_positive(Irradiance), likely=(20.0, 2e5), known="less lifts no film, more burns it")
+_LIGHT = replace(
+    _positive(Irradiance), likely=(20.0, 2e5), known="less lifts no film, more burns it"
+)
 _IRRADIANCE = Column("irradiance", _LIGHT, ("i", "intensity"), required=True)
 _SAMPLE_COLUMNS = (
     Column("diameter", Length),

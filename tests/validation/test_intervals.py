@@ -17,6 +17,8 @@ MOST_CASES = 16
 # wider than they need be, as the documentation says: the scatter of few points is poorly known, and
 # the law of a narrow range is exact there, but not in a laboratory
 CAUTIOUS = ("8 points", "three repeats, scatter like accuracy", "narrow range")
+# and those that the documentation says fall short: no residual shows a drift that parameters take up
+SHORT = {"plateau drifts": 90.0}
 CONFIDENCE = 0.95
 CHANCE = 1e-5  # of a false alarm, for each quantity
 MODULES = sorted({path.stem for path in STUDY.glob("*.py")} - {"study", "trial"})
@@ -55,7 +57,8 @@ def test_the_table_keeps_its_promise():
         assert int(row["cases"]) >= 300, row
         share, error = float(row["share [%]"]), float(row["± [%]"])
         cautious = any(words in row["quantity"] for words in CAUTIOUS)
-        assert 93.0 - 2.0 * error <= share <= (100.0 if cautious else 97.0 + 2.0 * error), row
+        least = next((low for words, low in SHORT.items() if words in row["quantity"]), 93.0)
+        assert least - 2.0 * error <= share <= (100.0 if cautious else 97.0 + 2.0 * error), row
 
 
 def command_of(module):

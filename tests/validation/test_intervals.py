@@ -17,7 +17,7 @@ MOST_CASES = 16
 # wider than they need be, as the documentation says: the scatter of few points is poorly known, and
 # the law of a narrow range is exact there, but not in a laboratory
 CAUTIOUS = ("8 points", "three repeats, scatter like accuracy", "narrow range")
-# and those that the documentation says fall short: no residual shows a drift that parameters take up
+# those that fall short, as it says too: no residual shows a drift that the parameters take up
 SHORT = {"plateau drifts": 90.0}
 CONFIDENCE = 0.95
 CHANCE = 1e-5  # of a false alarm, for each quantity

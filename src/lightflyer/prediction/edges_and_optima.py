@@ -1,7 +1,7 @@
 """Edges of the bands and optima of flyers, many at once, where a table shows that they are."""
 
 from collections.abc import Callable
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from lightflyer.flight.grid_refinement import (
 from lightflyer.prediction.evaluator import Table
 
 _LIFT, _LIGHT = _SEARCHED = "lift_over_weight", "levitation_irradiance"
+_HEAT = "temperature"
 
 Names: TypeAlias = tuple[str, ...] | None
 """Outputs that are asked for; None for all that are reported."""
@@ -34,6 +35,14 @@ class Found(NamedTuple):
     easiest: np.ndarray  # Place of the least light, shape (m,)
     at_best: Table  # Outputs there, shape (m,)
     at_easiest: Table
+
+
+class Usable(NamedTuple):
+    """Where m flyers levitate and their films survive; places are NaN where there is none."""
+
+    edges: np.ndarray  # Lower and upper edge of each part of the bands, shape (2, parts, m)
+    best: np.ndarray  # Place of the largest payload in them, shape (m,)
+    at_best: Table  # Outputs there, shape (m,)
 
 
 def find_edges_and_optima(
@@ -56,27 +65,97 @@ def find_edges_and_optima(
         {name: np.where(np.isnan(found), np.nan, values[row]) for name, values in there.items()}
         for row, found in enumerate(optima)
     )
-
     # the place of most payload is added so as not to miss a narrow band
     places, lifts = with_point(place, table[_LIFT], optima[0], best[_LIFT])
-    flies = lifts >= 1.0
-    count = int(band_count(flies).max())
-    brackets = [band_brackets(places, flies, 1 + number) for number in range(max(count, 1))]
-    outside, inside, exists, is_open = (np.stack(part, 1) for part in zip(*brackets, strict=True))
-    if widest:
-        width = np.where(exists[0], inside[1] - inside[0], -np.inf)
-        chosen = np.broadcast_to(first_largest(width), (2, width.shape[1]))
-        outside, inside, exists, is_open = (
-            at(part.swapaxes(0, 1), chosen)[:, None] for part in (outside, inside, exists, is_open)
-        )
 
     def margins(places: np.ndarray) -> np.ndarray:
-        spread = places.reshape(len(places), -1, places.shape[-1])
-        return tabulate(spread, (_LIFT,))[_LIFT].reshape(places.shape) - 1.0
+        return _of_spread(tabulate, places, (_LIFT,))[_LIFT] - 1.0
 
-    edges = crossing(margins, outside, inside, exists & ~is_open)
-    edges = np.where(exists, edges, np.nan)
+    edges = _edges(margins, places, lifts >= 1.0, widest=widest)
     return Found(edges, optima[0], optima[1], at_best=best, at_easiest=easiest)
+
+
+def find_usable(
+    tabulate: Tabulate,
+    place: np.ndarray,
+    table: Table,
+    bands: np.ndarray,
+    best: tuple[np.ndarray, Table],
+    highest: float,
+) -> Usable:
+    """Find the parts of bands in which films bear a temperature, and the best place in them."""
+    # of all bands, shape (2, bands, m), and of the place of most payload, (m,)
+
+    def margins(places: np.ndarray) -> np.ndarray:
+        table = _of_spread(tabulate, places, (_LIFT, _HEAT))
+        return np.minimum(table[_LIFT] - 1.0, coolness(table[_HEAT], highest))
+
+    # the best place, and the edges of the bands, which levitate, are added to the table's rows
+    added = np.stack([best[0], *bands.reshape(-1, best[0].size)])
+    lifts = np.ones(added.shape)
+    lifts[0] = best[1][_LIFT]
+    known = ~np.isnan(added)
+    added, lifts = np.where(known, added, place[0]), np.where(known, lifts, table[_LIFT][0])
+    rows = np.broadcast_to(place[:, None], table[_LIFT].shape), table[_LIFT], table[_HEAT]
+    more = added, lifts, _of_spread(tabulate, added, (_HEAT,))[_HEAT]
+    columns = [np.concatenate(column) for column in zip(rows, more, strict=True)]
+    order = np.argsort(columns[0], axis=0, kind="stable")
+    places, lifts, heats = (np.take_along_axis(column, order, axis=0) for column in columns)
+    usable = (lifts >= 1.0) & (coolness(heats, highest) >= 0.0)
+    parts = _edges(margins, places, usable, settled=bands)
+
+    def payloads(places: np.ndarray) -> np.ndarray:
+        return _of_spread(tabulate, places, ("payload",))["payload"]
+
+    within = np.any((parts[0] <= best[0]) & (best[0] <= parts[1]), axis=0)
+    if within.all():
+        return Usable(parts, *best)
+    exists = ~np.isnan(parts[0])
+    tops, heights = peak(payloads, *np.where(exists, parts, place[0]))
+    top, some = at(tops, first_largest(np.where(exists, heights, -np.inf))), exists.any(axis=0)
+    place_of_most = np.where(within, best[0], np.where(some, top, np.nan))
+    values = _of_spread(tabulate, top[None], None).items()
+    at_best = {
+        name: np.where(within, best[1][name], np.where(some, row[0], np.nan))
+        for name, row in values
+    }
+    return Usable(parts, place_of_most, at_best)
+
+
+def _of_spread(tabulate: Tabulate, places: np.ndarray, names: Names) -> Table:
+    """Outputs at places of any shape (..., m)."""
+    spread = places.reshape(len(places), -1, places.shape[-1])
+    return {name: row.reshape(places.shape) for name, row in tabulate(spread, names).items()}
+
+
+def _edges(
+    margins: Callable[[np.ndarray], np.ndarray],
+    places: np.ndarray,
+    inside: np.ndarray,
+    *,
+    widest: bool = False,
+    settled: Any = (),
+) -> np.ndarray:
+    """Edges of the bands inside of which a margin is positive, shape (2, bands, m)."""
+    # places that are settled are edges already
+    count = int(band_count(inside).max())
+    brackets = [band_brackets(places, inside, 1 + number) for number in range(max(count, 1))]
+    outside, within, exists, is_open = (np.stack(part, 1) for part in zip(*brackets, strict=True))
+    if widest:
+        width = np.where(exists[0], within[1] - within[0], -np.inf)
+        chosen = np.broadcast_to(first_largest(width), (2, width.shape[1]))
+        outside, within, exists, is_open = (
+            at(part.swapaxes(0, 1), chosen)[:, None] for part in (outside, within, exists, is_open)
+        )
+    sought = exists & ~is_open & ~np.isin(within, settled)
+    edges = crossing(margins, outside, within, sought)
+    return np.where(exists, edges, np.nan)
+
+
+def coolness(temperature: np.ndarray, highest: float) -> np.ndarray:
+    """How far a temperature is below a film's limit, as a share of it."""
+    # NaN stands where no light lifts the flyer: on the way there it gets hotter and hotter
+    return np.nan_to_num(1.0 - temperature / highest, nan=-1.0)
 
 
 def _objectives(lift: np.ndarray, light: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Outputs of one flyer at any number of coordinates."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -44,3 +45,43 @@ class Evaluator:
         """One coordinate and all outputs there."""
         values = self(np.array([coordinate]))
         return Place(coordinate, {name: float(column[0]) for name, column in values.items()})
+
+
+class Rows:
+    """Table of one flyer as a search takes it: along the coordinate's axis, solved rows alone."""
+
+    def __init__(
+        self,
+        evaluate: Evaluator,
+        coordinates: np.ndarray,
+        table: Table,
+        exact: Sequence[float] = (),
+    ):
+        solved = ~np.isnan(table["lift_over_weight"])
+        self._evaluate, self._axis = evaluate, evaluate.setup.environment.coordinate
+        self.places = self._axis.to_axis(coordinates[solved])  # shape (n,)
+        # coordinates that are given back without rounding
+        self._exact = np.array([*coordinates[solved][[0, -1]], *exact])
+        self.columns = {name: row[solved, None] for name, row in table.items()}  # shape (n, 1)
+
+    def coordinates(self, places: np.ndarray) -> np.ndarray:
+        """Coordinates of places of any shape."""
+        found = self._axis.from_axis(places)
+        for place, coordinate in zip(self._axis.to_axis(self._exact), self._exact, strict=True):
+            found = np.where(places == place, coordinate, found)
+        return found
+
+    def tabulate(self, places: np.ndarray, names: tuple[str, ...] | None = None) -> Table:
+        """Outputs at places of any shape."""
+        found = self._evaluate(self.coordinates(places).ravel(), names=names)
+        return {name: values.reshape(places.shape) for name, values in found.items()}
+
+    def place(self, place: np.ndarray, outputs: Table) -> Place:
+        """One place, shape (1,), with its outputs."""
+        values = {name: float(one[0]) for name, one in outputs.items()}
+        return Place(float(self.coordinates(place)[0]), values)
+
+    def ranges(self, edges: np.ndarray) -> list[tuple[float, float]]:
+        """Ranges of the coordinate between edges, shape (2, n, 1), that exist."""
+        found = self.coordinates(edges[:, :, 0])
+        return [(float(lower), float(upper)) for lower, upper in found.T if lower == lower]

@@ -26,8 +26,8 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.files.result_text import NARROW, Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.prediction.edges_and_optima import Names, find_edges_and_optima
-from lightflyer.prediction.evaluator import POINTS, Evaluator, Place, Table
+from lightflyer.prediction.edges_and_optima import find_edges_and_optima
+from lightflyer.prediction.evaluator import POINTS, Evaluator, Place, Rows, Table
 from lightflyer.prediction.verdict import Verdict, verdict_of
 
 if TYPE_CHECKING:
@@ -304,7 +304,7 @@ def predict_design(
     coordinates = search_grid(setup, POINTS)
     asked = _reported_coordinates(where, coordinates, at)
     table = evaluate(coordinates)
-    bands, best, easiest = _edges_and_optima(evaluate, where, coordinates, table)
+    bands, best, easiest = _edges_and_optima(Rows(evaluate, coordinates, table))
     at_asked = evaluate(asked) if asked.size else dict.fromkeys(table, asked)
     edges = np.array(bands).reshape(-1, 2)
     pressures = edges
@@ -372,32 +372,16 @@ def _unsolved(where: Coordinate, coordinates: np.ndarray, table: Table) -> Itera
 
 
 def _edges_and_optima(
-    evaluate: Evaluator, where: Coordinate, coordinates: np.ndarray, table: Table
+    rows: Rows,
 ) -> tuple[list[tuple[float, float]], Place, Place | None]:
     """Bands, place of the largest payload, and of the least light where any lifts the flyer."""
-    solved = ~np.isnan(table["lift_over_weight"])
-    coordinates, table = coordinates[solved], {name: row[solved] for name, row in table.items()}
-    place = where.to_axis(coordinates)
-
-    def of_place(places: np.ndarray) -> np.ndarray:
-        found = where.from_axis(places)
-        for end in (0, -1):  # exactly, however it is rounded
-            found = np.where(places == place[end], coordinates[end], found)
-        return found
-
-    def tabulate(places: np.ndarray, names: Names = None) -> Table:
-        found = evaluate(of_place(places).ravel(), names=names)
-        return {name: values.reshape(places.shape) for name, values in found.items()}
-
-    rows = {name: values[:, None] for name, values in table.items()}
-    found = find_edges_and_optima(tabulate, place, rows)
-    edges = of_place(found.edges[:, :, 0])
-    bands = [(float(lower), float(upper)) for lower, upper in edges.T if lower == lower]
-    best, easiest = (
-        Place(float(of_place(place)[0]), {name: float(one[0]) for name, one in values.items()})
-        for place, values in ((found.best, found.at_best), (found.easiest, found.at_easiest))
+    found = find_edges_and_optima(rows.tabulate, rows.places, rows.columns)
+    easiest = rows.place(found.easiest, found.at_easiest)
+    return (
+        rows.ranges(found.edges),
+        rows.place(found.best, found.at_best),
+        None if np.isnan(easiest.coordinate) else easiest,
     )
-    return bands, best, None if np.isnan(easiest.coordinate) else easiest
 
 
 def _map(evaluate: Evaluator, coordinates: np.ndarray, easiest: Place | None) -> TemperatureMap:

@@ -152,6 +152,12 @@ def _edges(
     return np.where(exists, edges, np.nan)
 
 
+def widest_of(edges: np.ndarray) -> np.ndarray:
+    """Edges of the widest part, shape (2, m); ``edges`` (2, parts, m)."""
+    width = np.nan_to_num(edges[1] - edges[0], nan=-np.inf)
+    return at(edges.swapaxes(0, 1), np.broadcast_to(first_largest(width), edges[:, 0].shape))
+
+
 def coolness(temperature: np.ndarray, highest: float) -> np.ndarray:
     """How far a temperature is below a film's limit, as a share of it."""
     # NaN stands where no light lifts the flyer: on the way there it gets hotter and hotter

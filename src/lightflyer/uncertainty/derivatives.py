@@ -51,10 +51,10 @@ class Derivatives:
         variance = np.einsum("ip,ij,jp->p", gradient, self.covariance, gradient)
         return np.sqrt(np.maximum(variance, 0.0))
 
-    def edge(self, point: int) -> np.ndarray:
-        """Gradient of the coordinate at which lift equals weight, shape (k,)."""
-        lift = "lift_over_weight"
-        return -self.change[lift][:-1, point] / self.change[lift][-1, point]
+    def level(self, name: str, point: int) -> np.ndarray:
+        """Gradient of the coordinate at which an output keeps its value, shape (k,)."""
+        rows = self.change[name][:, point]
+        return -rows[:-1] / rows[-1]
 
     def optimum(self, objective: str, point: int) -> np.ndarray:
         """Gradient of the coordinate of an optimum, shape (k,)."""

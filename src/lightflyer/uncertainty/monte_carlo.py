@@ -8,10 +8,24 @@ import numpy as np
 
 from lightflyer.design.outputs import table_of, tabulate
 from lightflyer.environment.base import Coordinate
-from lightflyer.prediction.edges_and_optima import Found, Names, find_edges_and_optima
+from lightflyer.prediction.edges_and_optima import (
+    Names,
+    find_edges_and_optima,
+    find_usable,
+    widest_of,
+)
 from lightflyer.prediction.evaluator import Table
 from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import Inputs
+
+LOWER, UPPER, MOST_PAYLOAD, LEAST_LIGHT = "lower", "upper", "payload", "levitation_irradiance"
+"""What moves a result: an edge of the widest band, or the place of an optimum."""
+
+USABLE_LOWER, USABLE_UPPER, HELD = "usable lower", "usable upper", "held"
+"""What moves one that the film's limit decides: an edge of the widest part of the bands that the
+film survives, or the place of most payload in them."""
+
+HEAT = "temperature"
 
 _tabulate_each = entry_point(tabulate)
 
@@ -47,15 +61,35 @@ def search_samples(
     table: Table,
     searched: tuple[float, float],
     where: Coordinate,
-) -> Found:
-    """The widest band and the optima of each sample in a range, of which ``table`` has the ends."""
+) -> dict[str, tuple[np.ndarray, Table]]:
+    """Edges and optima of each sample in a range, of which ``table`` has the ends."""
+    # Coordinate and outputs of each sample, shape (samples,), by what moves a result there.
     increasing, order = np.unique(coordinate, return_index=True)
     inside = (searched[0] <= increasing) & (increasing <= searched[1])
     rows = {name: values[:, order[inside]].T for name, values in table.items()}
+    places = where.to_axis(increasing[inside])
 
     def look(places: np.ndarray, names: Names) -> Table:
         each = where.from_axis(np.moveaxis(places, -1, 0).reshape(len(samples), -1))
         found = tabulate_samples(inputs, samples, each, names or tuple(table))
         return {name: values.T.reshape(places.shape) for name, values in found.items()}
 
-    return find_edges_and_optima(look, where.to_axis(increasing[inside]), rows, widest=True)
+    found = find_edges_and_optima(look, places, rows, widest=True)
+    edges = found.edges[:, 0]
+    there = np.where(np.isnan(edges), places[0], edges)
+    hot = look(there[:, None], (HEAT,))[HEAT][:, 0]
+    at_edges = [{HEAT: row} for row in np.where(np.isnan(edges), np.nan, hot)]
+    known = {
+        LOWER: (edges[0], at_edges[0]),
+        UPPER: (edges[1], at_edges[1]),
+        MOST_PAYLOAD: (found.best, found.at_best),
+        LEAST_LIGHT: (found.easiest, found.at_easiest),
+    }
+    highest = inputs.design.setup.flyer.highest_temperature
+    if highest is not None:
+        best = found.best, found.at_best
+        usable = find_usable(look, places, rows, found.edges, best, float(highest))
+        ends = widest_of(usable.edges)
+        known |= {USABLE_LOWER: (ends[0], {}), USABLE_UPPER: (ends[1], {})}
+        known[HELD] = usable.best, usable.at_best
+    return {name: (where.from_axis(place), values) for name, (place, values) in known.items()}

@@ -18,15 +18,25 @@ from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
 from lightflyer.design.outputs import outputs_of
-from lightflyer.environment.base import AbstractEnvironment, Coordinate
+from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import NARROW, Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.prediction.edges_and_optima import Found
 from lightflyer.prediction.evaluator import Place
 from lightflyer.prediction.prediction import Prediction, predict_design, search_grid
-from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.derivatives import Derivatives, derivatives
 from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs
+from lightflyer.uncertainty.monte_carlo import (
+    HEAT,
+    HELD,
+    LEAST_LIGHT,
+    LOWER,
+    MOST_PAYLOAD,
+    UPPER,
+    USABLE_LOWER,
+    USABLE_UPPER,
+    search_samples,
+    tabulate_samples,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,9 +61,11 @@ BANDS = (
 )
 """Outputs that have bands over the coordinate, besides those of the force model's own."""
 
-EDGES = ("lower", "upper")  # Names of the edges of a band
+EDGES = LOWER, UPPER  # Names of the edges of a band
 
-_POSITIVE = "levitation_irradiance"  # goes with the inverse of the TACs' difference
+_LIFT = "lift_over_weight"
+_LEVELS = _LIFT, HEAT  # outputs that keep their value at an edge, whatever else changes
+_POSITIVE = LEAST_LIGHT  # goes with the inverse of the TACs' difference
 _SLOW = "levitation_"  # how the names of outputs begin that take longest: every other point serves
 _MARGIN = 10  # points of the prediction's table searched beyond the nominal range
 _LIGHT_SPAN = 30.0  # irradiance, over the least, up to which the nominal range reaches
@@ -66,9 +78,10 @@ Table = dict[str, np.ndarray]
 class _Target:
     """One result: which output, in which unit, at which coordinate, and what moves that."""
 
-    # ``mover`` is empty at a fixed coordinate, ``lower`` or ``upper`` at an edge, or names the
-    # objective of an optimum. Without a quantity the coordinate itself is the result. ``at_end``:
-    # the optimum is an end of the searched range, which does not move to first order.
+    # ``mover`` is empty at a fixed coordinate, else one of those of the Monte Carlo search; there
+    # ``keeps`` names the output that keeps its value, or the objective of an optimum. Without a
+    # quantity the coordinate itself is the result. ``at_end``: the optimum is an end of the
+    # searched range, which does not move to first order.
 
     name: str
     nominal: float
@@ -76,6 +89,7 @@ class _Target:
     scale: float
     point: int
     mover: str = ""
+    keeps: str = ""
     at_end: bool = False
 
 
@@ -237,14 +251,12 @@ def propagate(
         wanted = tuple(dict.fromkeys((*names, *sorted(asked))))
         whole = search_grid(prediction.setup, _SEARCHED_POINTS)
         coordinates = np.concatenate([points, grid[:: 2 if over is None else 1], whole])
-        tabulate = partial(monte_carlo.tabulate_samples, inputs, drawn.samples)
+        tabulate = partial(tabulate_samples, inputs, drawn.samples)
         table = tabulate(coordinates, wanted)
         told += _unsolved(table)
         searched, where = (whole[0], whole[-1]), prediction.coordinate
-        found = monte_carlo.search_samples(
-            inputs, drawn.samples, coordinates, table, searched, where
-        )
-        sampled = {target.name: _sampled(target, found, where, table) for target in targets}
+        found = search_samples(inputs, drawn.samples, coordinates, table, searched, where)
+        sampled = {target.name: _sampled(target, found, table) for target in targets}
         shown = slice(points.size, coordinates.size - whole.size)
         quick = tuple(name for name in names if not name.startswith(_SLOW))
         bands = _quantiles({name: table[name][:, shown] for name in names})
@@ -262,7 +274,7 @@ def propagate(
         seed=seed,
         coordinate=grid,
         endless=frozenset(target.name for target in targets if target.quantity == _POSITIVE),
-        edges=frozenset(target.name for target in targets if target.mover in EDGES),
+        edges=frozenset(target.name for target in targets if target.keeps in _LEVELS),
         low=bands[0],
         high=bands[1],
         warnings=told,
@@ -308,30 +320,31 @@ class _Targets:
         self.known = outputs_of(prediction.setup)
         self.ends = (prediction.coordinates[0], prediction.coordinates[-1])
         self.points: list[float] = []
+        self.moved = "", ""
         self.targets: list[_Target] = []
 
-    def at(self, coordinate: float) -> None:
-        """Let what is added next be at a coordinate."""
+    def at(self, coordinate: float, mover: str = "", keeps: str = "") -> None:
+        """Let what is added next be at a coordinate, and say what moves that."""
         self.points.append(coordinate)
+        self.moved = mover, keeps
 
-    def add(self, name: str, value: float, output: str, scale: float, mover: str = "") -> None:
+    def add(self, name: str, value: float, output: str, scale: float) -> None:
         """A result at the last coordinate; one that is not finite is left out."""
         if np.isfinite(value):
             point, at_end = len(self.points) - 1, self.points[-1] in self.ends
-            self.targets.append(_Target(name, scale * value, output, scale, point, mover, at_end))
+            self.targets.append(
+                _Target(name, scale * value, output, scale, point, *self.moved, at_end)
+            )
 
-    def add_coordinate(self, name: str, mover: str) -> None:
+    def add_coordinate(self, name: str) -> None:
         """The last coordinate itself."""
-        factor = self.prediction.coordinate_key[1]
-        self.add(name, self.points[-1], "", factor, mover)
+        self.add(name, self.points[-1], "", self.prediction.coordinate_key[1])
 
-    def add_outputs(
-        self, group: str, place: Place, names: tuple[str, ...], mover: str = ""
-    ) -> None:
+    def add_outputs(self, group: str, place: Place, names: tuple[str, ...]) -> None:
         """Some outputs at the last coordinate."""
         for output in names:
             key, scale = self.known[output].json
-            self.add(f"{group}.{key}", place.values[output], output, scale, mover)
+            self.add(f"{group}.{key}", place.values[output], output, scale)
 
 
 def _central(drawn: np.ndarray, *, endless: bool) -> dict[str, Any]:
@@ -355,30 +368,52 @@ def _targets(prediction: Prediction) -> tuple[list[_Target], np.ndarray]:
     """The results of a prediction, and the coordinates at which they are."""
     found = _Targets(prediction)
     key, _ = prediction.coordinate_key
-    unit = key.removeprefix(prediction.coordinate.name)
+    name = prediction.coordinate.name
+    unit = key.removeprefix(name)
     widest = prediction.widest
     if widest is not None:
         for edge, coordinate in zip(EDGES, prediction.bands[widest], strict=True):
             if coordinate not in found.ends:  # else it is not the flyer's own edge
-                found.at(coordinate)
-                found.add_coordinate(f"{prediction.coordinate.name}_band{unit}.{edge}", edge)
+                found.at(coordinate, edge, _LIFT)
+                found.add_coordinate(f"{name}_band{unit}.{edge}")
+    _add_verdict(found, f"verdict.usable_band{unit}", key)
     if prediction.easiest is not None:
         group, light = prediction.coordinate.easiest_keys
-        values, mover = prediction.easiest.values, "levitation_irradiance"
-        found.at(prediction.easiest.coordinate)
-        found.add_coordinate(f"{group}.{key}", mover)
-        found.add(f"{group}.{light}", values[mover], mover, 1.0, mover)
+        values = prediction.easiest.values
+        found.at(prediction.easiest.coordinate, LEAST_LIGHT, LEAST_LIGHT)
+        found.add_coordinate(f"{group}.{key}")
+        found.add(f"{group}.{light}", values[LEAST_LIGHT], LEAST_LIGHT, 1.0)
         hot = "levitation_temperature"
-        found.add(f"{group}.temperature_k", values[hot], hot, 1.0, mover)
-    found.at(prediction.best.coordinate)
-    found.add_coordinate(f"best.{key}", "payload")
-    found.add_outputs("best", prediction.best, prediction.best_names, "payload")
+        found.add(f"{group}.temperature_k", values[hot], hot, 1.0)
+    found.at(prediction.best.coordinate, MOST_PAYLOAD, MOST_PAYLOAD)
+    found.add_coordinate(f"best.{key}")
+    found.add_outputs("best", prediction.best, prediction.best_names)
     given = ("pressure", "gas_temperature")
     names = tuple(name for name in prediction.point_names if name not in given)
     for number in range(prediction.asked.size):
         found.at(float(prediction.asked[number]))
         found.add_outputs(f"at[{number}]", prediction.place(number), names)
     return found.targets, np.array(found.points)
+
+
+def _add_verdict(found: _Targets, band: str, key: str) -> None:
+    """Add the flyer's place of rest, where its film survives, and what it carries there."""
+    verdict, bands = found.prediction.verdict, found.prediction.bands
+    if verdict.rest is not None:
+        found.at(verdict.rest.coordinate, UPPER, _LIFT)
+        found.add_outputs("verdict.rest", verdict.rest, (HEAT,))
+    if verdict.best is None or verdict.highest_temperature is None:
+        return
+    lifted = {edge for ends in bands for edge in ends}
+    part = max(verdict.usable, key=lambda ends: ends[1] - ends[0])
+    for edge, mover, coordinate in zip(EDGES, (USABLE_LOWER, USABLE_UPPER), part, strict=True):
+        if coordinate not in found.ends:
+            found.at(coordinate, mover, _LIFT if coordinate in lifted else HEAT)
+            found.add_coordinate(f"{band}.{edge}")
+    best = verdict.best
+    found.at(best.coordinate, HELD, MOST_PAYLOAD if best is found.prediction.best else HEAT)
+    found.add_coordinate(f"verdict.best.{key}")
+    found.add_outputs("verdict.best", best, ("payload", HEAT))
 
 
 def _even_grid(prediction: Prediction) -> np.ndarray:
@@ -416,10 +451,10 @@ def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
 def _spread(target: _Target, slopes: Derivatives) -> float:
     """Standard uncertainty of a result to first order."""
     point = target.point
-    if target.mover in EDGES:
-        moving = slopes.edge(point)
-    elif target.mover and not target.at_end:
-        moving = slopes.optimum(target.mover, point)
+    if target.keeps in _LEVELS:
+        moving = slopes.level(target.keeps, point)
+    elif target.keeps and not target.at_end:
+        moving = slopes.optimum(target.keeps, point)
     else:
         moving = np.zeros(len(slopes.covariance))
     if target.quantity:
@@ -427,19 +462,14 @@ def _spread(target: _Target, slopes: Derivatives) -> float:
     return target.scale * slopes.spread(moving)
 
 
-def _sampled(target: _Target, found: Found, where: Coordinate, table: Table) -> np.ndarray:
+def _sampled(
+    target: _Target, found: dict[str, tuple[np.ndarray, Table]], table: Table
+) -> np.ndarray:
     """One result in each sample, shape (samples,)."""
     if not target.mover:
-        values = table[target.quantity][:, target.point]
-    elif target.mover in EDGES:
-        values = where.from_axis(found.edges[EDGES.index(target.mover), 0])
-    else:
-        optimal = target.mover == "payload"
-        place, outputs = (
-            (found.best, found.at_best) if optimal else (found.easiest, found.at_easiest)
-        )
-        values = outputs[target.quantity] if target.quantity else where.from_axis(place)
-    return target.scale * values
+        return target.scale * table[target.quantity][:, target.point]
+    coordinate, outputs = found[target.mover]
+    return target.scale * (outputs[target.quantity] if target.quantity else coordinate)
 
 
 def _quantiles(table: Table) -> tuple[Table, Table]:

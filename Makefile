@@ -9,7 +9,6 @@ STAMP = $(VENV)/.installed
 demo: $(STAMP)  ## predict the 2-cm germanium disk, with bands; table here, figures and data in demo/
 	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml > /dev/null; }
 	$(BIN)/lightflyer predict demo/flyer.toml --out demo
-	@echo "copy demo/flyer.toml, change it, and run: $(BIN)/lightflyer predict COPY --out FOLDER"
 
 # All tests of a file run in one process, where its programs are compiled once.
 test: $(STAMP)  ## run the tests

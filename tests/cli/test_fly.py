@@ -106,7 +106,7 @@ def test_a_mission_writes_what_it_says(fly, folder):
         f"{name}.png" for name in ("altitude", "ground_track", "flight", "survival", "launches")
     ]
     for name in names:
-        assert f"wrote {out / name}" in shown
+        assert name in shown
         assert (out / name).stat().st_size > 300
     summary = json.loads((out / "mission.json").read_text(encoding="utf-8"))
     assert summary["end_reason"] == "still_flying"

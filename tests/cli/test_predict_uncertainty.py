@@ -34,7 +34,7 @@ def folder(tmp_path):
 
 def test_bands_for_a_file_with_uncertainties(run, folder):
     flyer, out = folder / "flyer.toml", folder / "out"
-    code, text, errors = run("predict", flyer, "--out", out, "--samples", "100")
+    code, text, errors = run("predict", flyer, "--out", out, "--samples", "100", "--verbose")
     assert code == 0, errors
     told = text[: text.index("wrote ")]
     bands = told[told.index("95 % band of") : told.index("from the ±")].splitlines()

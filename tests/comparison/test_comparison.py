@@ -125,7 +125,7 @@ def test_chambers_are_compared_over_pressure():
     assert [flyer.name for flyer in found.flyers] == ["disk of 2 cm", "disk of 2 cm (2)"]
     ratios = found.coordinates[1:] / found.coordinates[:-1]
     np.testing.assert_allclose(ratios, ratios[0])
-    assert set(found.listed) <= {digit * 10.0**n for digit in (1.0, 3.0) for n in range(-4, 6)}
+    assert {1.0, 10.0} < set(found.listed)
     assert found.dataset.pressure.attrs["units"] == "Pa"
 
 

@@ -176,7 +176,7 @@ def test_own_environment_depends_on_place_and_time(film):
             return lf.environment.Coordinate(
                 name="altitude", unit="m", long_name="geometric altitude", lowest=0.0,
                 highest=1e5, searched=(0.0, 1e5), logarithmic=False, shown_unit="km",
-                points=(5e4,), easiest_keys=("minimum_irradiance", "value_w_m2"),
+                easiest_keys=("minimum_irradiance", "value_w_m2"),
             )  # fmt: skip
 
         def state(self, coordinate, place=None):
@@ -200,7 +200,6 @@ def test_own_environment_depends_on_place_and_time(film):
     later_power = lf.equilibrium(disk, later, model).absorbed_power
     assert later_power == pytest.approx(noon_power * np.cos(np.pi / 3.0), rel=1e-12)
     found = lf.predict(disk, Carousel(), model)
-    assert found.summary()["at"][0]["altitude_km"] == 50.0
     assert found.best.values["lift_over_weight"] == pytest.approx(
         lf.lift(disk, noon, model) / lf.flight.weight(disk, noon), rel=1e-9
     )

@@ -50,7 +50,16 @@ def test_no_more_than_the_searched_range(setup):
     prediction = lf.predict(dataclasses.replace(setup, search_range=(70e3, 74e3)))
     assert prediction.bands == [(70e3, 74e3)]
     assert prediction.coordinates[[0, -1]].tolist() == [70e3, 74e3]
-    assert prediction.asked.tolist() == [70e3]
+    assert prediction.asked.tolist() == np.arange(70e3, 74.1e3, 500.0).tolist()
+
+
+def test_round_coordinates_around_the_bands_are_reported(setup):
+    prediction = lf.predict(setup)  # 68.0 km to 78.0 km
+    assert prediction.asked.tolist() == [68e3, 70e3, 72e3, 74e3, 76e3, 78e3]
+    chamber = lf.Chamber().coordinate
+    assert chamber.round_points(0.95, 7.2, 8).tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+    assert chamber.round_points(0.02, 40.0, 8).tolist() == [0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0]
+    assert chamber.round_points(1.1, 1.2, 8).tolist() == [1.1, 1.2]
 
 
 def test_any_number_of_points_may_be_asked_for(setup):

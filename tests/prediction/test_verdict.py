@@ -118,7 +118,7 @@ def test_without_flight_or_limit(disk):
     heavy = dataclasses.replace(disk, payload=1e-3)
     prediction = lf.predict(heavy, earth, lf.Lu2023())
     assert prediction.verdict.limit == "light"
-    assert "It does not fly in " in str(prediction)
+    assert "It does not fly: " in str(prediction)
     free = lf.predict(disk, earth, lf.Lu2023())
     assert free.verdict.usable == free.bands
     assert (free.verdict.survives, free.verdict.strongest_light) == (None, None)

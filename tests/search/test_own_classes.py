@@ -49,7 +49,7 @@ class Shaft(AbstractEnvironment):
     def coordinate(self):
         return Coordinate(
             name="depth", unit="m", long_name="depth below the surface", lowest=0.0, highest=3e3,
-            searched=(0.0, 3e3), logarithmic=False, shown_unit="m", points=(0.0, 1e3),
+            searched=(0.0, 3e3), logarithmic=False, shown_unit="m",
             easiest_keys=("easiest", "irradiance_w_m2"),
         )  # fmt: skip
 

@@ -313,7 +313,7 @@ def test_samples_without_a_solution_are_counted(both, monkeypatch):
             found["levitation_irradiance"].flat[:1] = np.nan
         return found
 
-    monkeypatch.setattr(monte_carlo, "tabulate_samples", with_gaps)
+    monkeypatch.setattr("lightflyer.uncertainty.propagation.tabulate_samples", with_gaps)
     found = lf.propagate(design, prediction=both.prediction, samples=100)
     assert any("Monte Carlo balances missed their tolerance" in text for text in found.warnings)
     monkeypatch.undo()

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from lightflyer.cli import report as reports
 from lightflyer.cli.output import say
 from lightflyer.core.errors import ParameterError
+from lightflyer.files.result_text import wrapped
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -111,8 +112,11 @@ class ResultOptions(FigureOptions):
         """Print which files were written; ``otherwise``: what to print where none was."""
         begun = reports.current
         kept = [path for path in written if begun is None or not path.is_relative_to(begun.folder)]
-        for path in kept:
-            say(console, f"wrote {path}")
+        folders = dict.fromkeys(path.parent for path in kept)
+        for folder in folders:
+            names = [path.name for path in kept if path.parent == folder]
+            several = wrapped(f"wrote into {folder}: {', '.join(names)}")
+            say(console, several if len(names) > 1 else f"wrote {folder / names[0]}")
         if not kept and begun is None and otherwise:
             say(console, otherwise)
 

@@ -47,8 +47,6 @@ POINTS = 121  # Length of the common grid
 _LEAST_LIFT = 0.3  # lift over weight around which a flyer is worth drawing
 _AROUND = 0.05  # of the searched range, drawn beyond that on each side
 _LISTED = 12  # most coordinates that are listed
-_FEW_DECADES = 6  # of pressure, in each of which two are listed
-_STEPS = (1.0, 2.0, 5.0, 10.0)
 
 
 @dataclass(frozen=True)
@@ -82,13 +80,8 @@ class Compared:
         if self.uncertainty is None:
             return None
         key, scale = outputs_of(self.setup)[output].json
-        found = self.uncertainty.summary()["results"].get(f"best.{key}")
-        if found is None:
-            return None
-        band = found.get("monte_carlo", found["first_order"])
-        if band["low"] is None or band["high"] is None:
-            return None
-        return band["low"] / scale, band["high"] / scale
+        band = self.uncertainty.bands.get(f"best.{key}")
+        return None if band is None else (band[0] / scale, band[1] / scale)
 
     def summary(self) -> dict[str, Any]:
         """The flyer as a JSON object."""
@@ -263,7 +256,7 @@ def compare(
             predictions.append(predict_design(design, (), searched))
     grid = _common_grid(predictions, searched)
     flyers: list[Compared] = []
-    listed = _round_coordinates(where, float(grid[0]), float(grid[-1]))
+    listed = where.round_points(float(grid[0]), float(grid[-1]), _LISTED)
     for (name, design), prediction in zip(designs.items(), predictions, strict=True):
         report(f"{name}: 95 % band", len(designs) + len(flyers), count)
         with _about(name):
@@ -350,23 +343,6 @@ def _common_grid(
     else:
         low, high = searched
     return where.evenly(low, high, POINTS)
-
-
-def _round_coordinates(where: Coordinate, low: float, high: float) -> np.ndarray:
-    """A dozen round coordinates at most within a range."""
-    factor, _ = scale_and_offset(where.unit, where.shown_unit)
-    if where.logarithmic:
-        decades = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
-        digits = (1.0, 3.0) if decades.size <= _FEW_DECADES else (1.0,)
-        found = np.multiply.outer(10.0**decades, digits).ravel()
-    else:
-        span = (high - low) * factor
-        power = 10.0 ** np.floor(np.log10(span / _LISTED))
-        step = next(power * digit for digit in _STEPS if power * digit >= span / _LISTED)
-        first, last = np.ceil(low * factor / step), np.floor(high * factor / step)
-        found = np.arange(first, last + 1.0) * step / factor
-    inside = found[(found >= low) & (found <= high)]
-    return inside if inside.size else np.array([low, high])
 
 
 def _range_near_flight(prediction: Prediction) -> tuple[float, float]:

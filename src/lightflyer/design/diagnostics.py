@@ -18,6 +18,8 @@ UNSTATED_LIMIT = 500.0
 """Temperature above which a film without a stated highest temperature is worth a diagnostic [K]:
 polymer films shrink and melt near it."""
 
+TOO_HOT = "the flyer reaches"  # How a diagnostic of heat begins
+
 _LOOKS = 31  # places within a band that are looked at
 _AT_ONCE = 320  # places: a prediction's table and what is reported beside it
 _ROUNDING = 1e-5  # relative, within which a search meets a limit
@@ -109,11 +111,10 @@ def _of_heat(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:
     if highest is None:
         if hottest > UNSTATED_LIMIT:
             yield (
-                f"the flyer reaches {hottest:.0f} K: does its film bear that? state its "
-                "highest_temperature"
+                f"{TOO_HOT} {hottest:.0f} K: does its film bear that? state its highest_temperature"
             )
     elif hottest > float(highest) * (1.0 + _ROUNDING):
-        yield f"the flyer reaches {hottest:.0f} K, and its film bears {float(highest):.0f} K"
+        yield f"{TOO_HOT} {hottest:.0f} K, and its film bears {float(highest):.0f} K"
 
 
 def diagnose_force(table: dict[str, Any]) -> Iterator[str]:

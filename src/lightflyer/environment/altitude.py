@@ -15,9 +15,7 @@ from lightflyer.environment.section import EnvironmentSection
 _SPACING = 1000.0  # metres, which resolves the layers of every atmosphere
 
 
-def altitude_coordinate(
-    altitude_range: tuple[float, float], highest_searched: float, points: tuple[float, ...]
-) -> Coordinate:
+def altitude_coordinate(altitude_range: tuple[float, float], highest_searched: float) -> Coordinate:
     """Geometric altitude, over the range of an atmosphere.
 
     Parameters
@@ -26,8 +24,6 @@ def altitude_coordinate(
         Lowest and highest altitude with a state [m].
     highest_searched : float
         Altitude above which no search looks by itself [m].
-    points : tuple of float
-        Altitudes reported where none are asked for [m].
 
     Returns
     -------
@@ -43,7 +39,6 @@ def altitude_coordinate(
         searched=(low, min(high, highest_searched)),
         logarithmic=False,
         shown_unit="km",
-        points=points,
         easiest_keys=("minimum_irradiance", "value_w_m2"),
         step=_SPACING,
     )

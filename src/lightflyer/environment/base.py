@@ -17,10 +17,13 @@ from lightflyer.core.quantity import (
     quantity_of,
 )
 from lightflyer.core.types import Numeric
+from lightflyer.core.units import scale_and_offset
 from lightflyer.environment.planet import Planet
 from lightflyer.environment.radiation import Radiation
 from lightflyer.gas.base import AbstractGas
 
+_DIGITS = (range(1, 10), (1, 2, 3, 5), (1, 2, 5), (1, 3), (1,))  # of round pressures
+_STEPS = (1.0, 2.0, 5.0, 10.0)  # of round altitudes
 _DEGREES = tuple(quantity_of(kind) or Quantity() for kind in (Latitude, Longitude))
 
 
@@ -97,7 +100,6 @@ class Coordinate:
     searched: tuple[float, float]  #: Range worth searching for flight, within the former
     logarithmic: bool  #: Whether tables and axes are spaced by the logarithm
     shown_unit: str  #: Unit in tables, figures and JSON
-    points: tuple[float, ...]  #: Values that a prediction reports where nobody asks for others
     #: Names in JSON of the point that needs the least light: of the group and of the irradiance
     easiest_keys: tuple[str, str]
     #: Spacing that resolves an atmosphere's layers; None for a range cut into equal parts
@@ -124,6 +126,23 @@ class Coordinate:
         """Coordinates at even places from low to high, shape (points,)."""
         spaced = np.geomspace if self.logarithmic else np.linspace
         return spaced(low, high, points)
+
+    def round_points(self, low: float, high: float, most: int) -> np.ndarray:
+        """Round coordinates within a range, about ``most`` of them; its ends where none are."""
+        if self.logarithmic:
+            decades = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+            tables = (np.multiply.outer(10.0**decades, digits).ravel() for digits in _DIGITS)
+            parts = [found[(found >= low) & (found <= high)] for found in tables]
+            found = next((part for part in parts if part.size <= most), parts[-1])
+        else:
+            factor, _ = scale_and_offset(self.unit, self.shown_unit)
+            least = (high - low) * factor / most
+            power = 10.0 ** np.floor(np.log10(least))
+            step = next(power * digit for digit in _STEPS if power * digit >= least)
+            first, last = np.ceil(low * factor / step), np.floor(high * factor / step)
+            found = np.arange(first, last + 1.0) * step / factor
+        inside = found[(found >= low) & (found <= high)]
+        return inside if inside.size else np.array([low, high])
 
 
 class AbstractEnvironment(Checked):

@@ -38,9 +38,6 @@ from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.registry import GASES
 
-DEFAULT_PRESSURES = tuple(digit * 10.0**decade for decade in range(-4, 6) for digit in (1.0, 3.0))
-"""Pressures reported one by one where none are asked for, if in the chamber's range [Pa]."""
-
 _PRESSURE = quantity_of(Pressure) or Quantity()
 
 
@@ -129,7 +126,6 @@ class Chamber(AbstractEnvironment):
             searched=(low, high),
             logarithmic=True,
             shown_unit="Pa",
-            points=DEFAULT_PRESSURES,
             easiest_keys=("optimum", "irradiance_w_m2"),
             open_ended=True,
         )

@@ -58,8 +58,6 @@ class Planet(Checked):
         Edge behind which the sun sets, for light by date and place.
     highest_searched : float
         Altitude above which no search looks by itself [m].
-    reported_altitudes : tuple of float
-        Altitudes reported where none are asked for [m].
 
     Raises
     ------
@@ -83,7 +81,6 @@ class Planet(Checked):
     effective_radius: PlanetRadius | None = None
     limb: Limb | None = None
     highest_searched: float = eqx.field(static=True, default=math.inf)
-    reported_altitudes: tuple[float, ...] = eqx.field(static=True, default=())
 
     @property
     def equatorial_radius(self) -> Any:
@@ -141,10 +138,6 @@ def mean_irradiance(semi_major_axis: float, eccentricity: float) -> float:
     )
 
 
-def _kilometres(*altitudes: float) -> tuple[float, ...]:
-    return tuple(1e3 * altitude for altitude in altitudes)
-
-
 EARTH_PLANET: Final = Planet(
     name="Earth",
     radius=6_371_008.7714,
@@ -157,7 +150,6 @@ EARTH_PLANET: Final = Planet(
     effective_radius=constants.EARTH_EFFECTIVE_RADIUS,
     limb=EARTH_LIMB,
     highest_searched=150e3,  # above, the gas carries no film
-    reported_altitudes=_kilometres(*range(50, 101, 5)),  # the mesosphere
 )
 """Earth: size and rotation by the World Geodetic System 1984, [NIMA2000]_, gravity by
 [USSA1976]_ Eq. (17)."""
@@ -185,7 +177,6 @@ MARS_PLANET: Final = Planet(
     infrared=112.0,
     limb=MARS_LIMB,
     highest_searched=130e3,  # top of the reference atmosphere
-    reported_altitudes=_kilometres(*range(30, 81, 5)),
 )
 """Mars; size and rotation by [Archinal2018]_. Gravity is without the planet's rotation, which
 takes 0.5 % of it at the equator."""

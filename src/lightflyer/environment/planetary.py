@@ -89,7 +89,6 @@ class Planetary(AbstractEnvironment):
         return altitude_coordinate(
             self.atmosphere.altitude_range,
             self.planet.highest_searched,
-            self.planet.reported_altitudes,
         )
 
     def assumptions(self) -> tuple[str, ...]:

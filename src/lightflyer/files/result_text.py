@@ -2,6 +2,7 @@
 
 import io
 import math
+import textwrap
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -61,6 +62,11 @@ def width_of(table: "Table") -> "Measurement":
 
     console = Console(width=UNBOUNDED)
     return Measurement.get(console, console.options, table)
+
+
+def wrapped(line: str, width: int = NARROW) -> str:
+    """A text in lines that break between words."""
+    return textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False)
 
 
 def warning_lines(warnings: Iterable[str]) -> Iterator[str]:

@@ -46,6 +46,7 @@ class AbstractFlyer(Checked):
     nodes: eqx.AbstractClassVar[tuple[str, ...]]
     flows: ClassVar[tuple[str, ...]] = ()
     drag_law: ClassVar[str] = "of its own"
+    lifted_by: ClassVar[str] = "the gas around it"
 
     if TYPE_CHECKING:
         # a checker takes annotations for the first arguments of every subclass

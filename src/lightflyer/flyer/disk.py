@@ -42,6 +42,7 @@ class Disk(AbstractThinFlyer):
     """
 
     nodes: ClassVar[tuple[str, ...]] = ("film",)
+    lifted_by: ClassVar[str] = "gas that leaves its bottom face with more energy than its top"
     drag_law: ClassVar[str] = "of a thin disk by the kinetic equation, with inertia"
 
     film: FilmProperties

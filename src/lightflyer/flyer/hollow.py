@@ -132,6 +132,7 @@ class HollowBody(AbstractClosedFlyer):
     """
 
     nodes: ClassVar[tuple[str, ...]] = ("inner", "outer")
+    lifted_by: ClassVar[str] = "a jet of the gas that its wall draws in towards the warmer film"
     drag_law: ClassVar[str] = "of a closed body by its surface and Cunningham's law, with inertia"
     contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 

@@ -88,6 +88,7 @@ class Plate(AbstractThinFlyer):
     """
 
     nodes: ClassVar[tuple[str, ...]] = ("top", "bottom")
+    lifted_by: ClassVar[str] = "gas that creeps through its channels towards the warmer film"
     drag_law: ClassVar[str] = (
         "of a thin disk by the kinetic equation, less the molecules that pass, with inertia"
     )

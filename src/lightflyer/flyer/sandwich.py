@@ -94,6 +94,7 @@ class Sandwich(AbstractThinFlyer):
     """
 
     nodes: ClassVar[tuple[str, ...]] = ("top", "bottom")
+    lifted_by: ClassVar[str] = "gas that creeps through its holes towards the warmer membrane"
     drag_law: ClassVar[str] = (
         "of a thin disk by the kinetic equation, less the molecules that pass, with inertia"
     )

@@ -24,7 +24,7 @@ from lightflyer.design.outputs import (
 )
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
-from lightflyer.files.result_text import NARROW, Parts, PrintedResult
+from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.edges_and_optima import find_edges_and_optima
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Place, Rows, Table
@@ -58,6 +58,9 @@ AT_THE_BEST = (
 """Outputs reported at the coordinate of the largest payload, besides those of the force model and
 of a payload's budget."""
 
+_ROWS = 8  # most coordinates that are reported where none is asked for
+_AROUND = 0.1  # of the bands, by which they reach beyond them
+_LEAST_AROUND = 0.01  # of the searched range
 _MAP_POINTS = (91, 61)  # pressures and irradiances of the temperature map
 _MAP_TOP = 2.0  # its largest irradiance, over the lamp's or the least that levitates
 
@@ -157,11 +160,11 @@ class Prediction(PrintedResult):
         """Where the flyer is usable, where it comes to rest, and what limits it."""
         return verdict_of(self)
 
-    def text_parts(self, width: int = NARROW) -> Parts:
-        """Lines and tables of the text; ``width``: columns of the terminal."""
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
         from lightflyer.prediction.text import prediction_parts
 
-        return prediction_parts(self, width)
+        return prediction_parts(self)
 
     def summary(self) -> dict[str, Any]:
         """The prediction as a JSON object, with a unit at the end of each name."""
@@ -302,9 +305,9 @@ def predict_design(
     setup = design.setup if searched is None else replace(design.setup, search_range=searched)
     evaluate, where = Evaluator(setup), setup.environment.coordinate
     coordinates = search_grid(setup, POINTS)
-    asked = _reported_coordinates(where, coordinates, at)
     table = evaluate(coordinates)
     bands, best, easiest = _edges_and_optima(Rows(evaluate, coordinates, table))
+    asked = _reported_coordinates(where, coordinates, at, bands or [(best.coordinate,) * 2])
     at_asked = evaluate(asked) if asked.size else dict.fromkeys(table, asked)
     edges = np.array(bands).reshape(-1, 2)
     pressures = edges
@@ -345,11 +348,18 @@ def search_grid(setup: Setup, points: int) -> np.ndarray:
 
 
 def _reported_coordinates(
-    where: Coordinate, searched: np.ndarray, at: Sequence[float] | None
+    where: Coordinate,
+    searched: np.ndarray,
+    at: Sequence[float] | None,
+    bands: list[tuple[float, float]],
 ) -> np.ndarray:
+    """Coordinates asked for, or round ones on and around the bands."""
     if at is None:
-        low, high = searched[[0, -1]]
-        return np.array([point for point in where.points if low <= point <= high])
+        ends = where.to_axis(np.array([bands[0][0], bands[-1][1]]))
+        whole = where.to_axis(searched[[0, -1]])
+        more = max(_AROUND * np.ptp(ends), _LEAST_AROUND * np.ptp(whole))
+        low, high = where.from_axis(np.clip(ends + np.array([-more, more]), *whole))
+        return where.round_points(float(low), float(high), _ROWS)
     asked = np.asarray(at, float)
     where.quantity.check(f"{where.name} [{where.unit}]", asked)
     return asked

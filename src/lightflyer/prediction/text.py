@@ -1,60 +1,90 @@
 """A prediction in words: lines and tables."""
 
 import math
-import textwrap
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from rich.table import Table
 
+from lightflyer.design.diagnostics import TOO_HOT
 from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, node_outputs, outputs_of
-from lightflyer.files.result_text import NARROW, Parts, rows_of, warning_lines, width_of
+from lightflyer.files.result_text import (
+    NARROW,
+    Parts,
+    rows_of,
+    warning_lines,
+    width_of,
+    wrapped,
+)
 
 if TYPE_CHECKING:
     from lightflyer.prediction.prediction import Prediction
 
+_NONE: Mapping[str, Any] = MappingProxyType({})
+_TWO_DIGITS = 4.0  # first digit of half a band below which two of its digits are told
+_LONGEST_BAR = 24  # characters
+_ROOM_OF_WEIGHT = 1.05
 
-def prediction_parts(prediction: "Prediction", width: int = NARROW) -> Parts:
-    """The verdict, the results at each coordinate asked for, the bands, and what is assumed."""
-    yield from (_wrapped(line, width) for line in verdict_lines(prediction))
-    yield from _points_tables(prediction, min(width, NARROW))
-    if np.any(_too_hot(prediction)):
+
+Bands: TypeAlias = Mapping[str, tuple[float, float]]
+"""95 % bands of results, by their names in the summary of the uncertainty."""
+
+
+def prediction_parts(
+    prediction: "Prediction", width: int = NARROW, bands: Bands = _NONE, *, verbose: bool = False
+) -> Parts:
+    """The verdict, a table around the bands, and what must be known; ``verbose``: all of it."""
+    width = min(width, NARROW)
+    yield from (wrapped(line, width) for line in verdict_lines(prediction, bands))
+    if prediction.asked.size:
+        yield from (
+            _points_tables(prediction, width) if verbose else [_short_table(prediction, width)]
+        )
+    too_hot = bool(np.any(_too_hot(prediction)))
+    if too_hot:
         yield "* hotter in the light than its film bears"
-    yield _results(prediction, prediction.summary())
-    yield from warning_lines(prediction.warnings)
-    yield _wrapped("; ".join(prediction.assumptions), width)
+    if verbose:
+        yield _results(prediction, prediction.summary())
+    # of heat the verdict says more
+    stated = prediction.verdict.highest_temperature is not None
+    warnings = (text for text in prediction.warnings if not (stated and text.startswith(TOO_HOT)))
+    yield from (wrapped(line, width) for line in warning_lines(warnings))
+    if verbose:
+        yield wrapped("; ".join(prediction.assumptions), width)
 
 
-def _wrapped(line: str, width: int) -> str:
-    return textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False)
-
-
-def verdict_lines(prediction: "Prediction") -> Iterator[str]:
+def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
     """What flies, where, what becomes of it when let go, and what its film allows."""
     setup, found = prediction.setup, prediction.verdict
     own_mass, payload = _mass(float(setup.flyer.own_mass)), _mass(float(setup.flyer.payload), "g")
-    yield f"{setup.flyer.describe()}, {own_mass}, payload {payload}"
-    light, bears = f"{prediction.available:.4g} W/m²", f"{found.highest_temperature or 0.0:.0f} K"
+    carried = f", payload {payload}" if float(setup.flyer.payload) else ""
+    light = f"{prediction.available:.4g} W/m²"
+    yield f"{setup.flyer.describe()}, {own_mass}{carried}, in {light}"
+    bears = f"{found.highest_temperature or 0.0:.0f} K"
     if not prediction.bands:
-        yield f"It does not fly in {light}: lift is at most {_most_lift(prediction)}."
+        yield f"It does not fly: lift is at most {_most_lift(prediction, bands)}."
         return
-    yield f"It flies in {light} {_ranges(prediction, prediction.bands)}."
+    yield f"It flies {_ranges(prediction, prediction.bands, bands, 'band')}."
     rest, best = found.rest, found.best
     if rest is not None:
         film = {
             None: "its film's limit is not stated",
             True: f"its film bears {bears} and survives",
-            False: f"too hot for its film, which bears {bears}",
+            False: f"its film bears {bears}",
         }[found.survives]
-        hot = f"{rest.values['temperature']:.0f} K"
-        yield f"Let go, it rests at {_shown(prediction, rest.coordinate)} and {hot}: {film}."
+        band = bands.get("verdict.rest.temperature_k")
+        hot = _with_band(rest.values["temperature"], band, ".0f", "K")
+        yield f"Let go, it rests at {_shown(prediction, rest.coordinate)} and {hot}; {film}."
     if found.strongest_light == 0.0:
         yield "No light that lifts it is weak enough for its film at rest."
     elif found.survives is False or math.isfinite(found.strongest_light or math.inf):
         yield f"At rest its film survives in up to {found.strongest_light:.4g} W/m²."
     if found.limit == "film":
-        parts = _ranges(prediction, found.usable) if found.usable else "nowhere in that range"
+        parts = "nowhere in that range"
+        if found.usable:
+            parts = _ranges(prediction, found.usable, bands, "verdict.usable_band")
         yield f"Its film survives {parts}{'' if rest else f', as it bears {bears}'}."
     elif rest is None:
         known = found.highest_temperature is not None
@@ -62,32 +92,61 @@ def verdict_lines(prediction: "Prediction") -> Iterator[str]:
             f"Its film bears {bears} and survives." if known else "Its film's limit is not stated."
         )
     if best is not None:
-        place, payload = (
-            _shown(prediction, best.coordinate),
-            _mass(float(f"{best.values['payload']:.3g}")),
-        )
-        yield f"Held at {place} it carries up to {payload}."
+        factor, unit = OUTPUTS["payload"].shown_for(best.values["payload"])
+        json_key, json_factor = OUTPUTS["payload"].json
+        band = bands.get(f"verdict.best.{json_key}", bands.get(f"best.{json_key}"))
+        if band is not None:
+            band = band[0] * factor / json_factor, band[1] * factor / json_factor
+        payload = _with_band(best.values["payload"] * factor, band, ".3g", unit)
+        yield f"Held at {_shown(prediction, best.coordinate)} it carries up to {payload}."
 
 
-def _shown(prediction: "Prediction", coordinate: float) -> str:
+def _with_band(value: float, band: tuple[float, float] | None, form: str, unit: str = "") -> str:
+    """A number with as many digits as its 95 % band allows, and that in brackets."""
+    half = 0.0 if band is None else 0.5 * (band[1] - band[0])
+    unit = f" {unit}" if unit else ""
+    if band is None or not 0.0 < half < math.inf:
+        return f"{value:{form}}{unit}"
+    power = math.floor(math.log10(half))
+    digits = max(0, -power + (half < _TWO_DIGITS * 10.0**power))
+    low, high = (f"{end:.{digits}f}" for end in band)
+    return f"{value:.{digits}f}{unit} ({low} to {high})"
+
+
+def _shown(
+    prediction: "Prediction", coordinate: float, band: tuple[float, float] | None = None
+) -> str:
     """An altitude or pressure with its unit."""
-    factor, unit = prediction.coordinate_key[1], prediction.coordinate.shown_unit
-    return f"{coordinate * factor:{'.3g' if prediction.coordinate.logarithmic else '.1f'}} {unit}"
+    factor, where = prediction.coordinate_key[1], prediction.coordinate
+    form = ".3g" if where.logarithmic else ".1f"
+    return _with_band(coordinate * factor, band, form, where.shown_unit)
 
 
-def _ranges(prediction: "Prediction", bands: list[tuple[float, float]]) -> str:
-    """Ranges in words; what ends with the search is open."""
+def _ranges(
+    prediction: "Prediction", ranges: list[tuple[float, float]], bands: Bands, name: str
+) -> str:
+    """Ranges in words; what ends with the search is open. The widest has bands."""
     first, last = prediction.coordinates[[0, -1]]
-    return " and ".join(
-        f"from {'below ' if low <= first else ''}{_shown(prediction, low)} "
-        f"to {'above ' if high >= last else ''}{_shown(prediction, high)}"
-        for low, high in bands
-    )
+    key, where = prediction.coordinate_key[0], prediction.coordinate
+    unit = key.removeprefix(where.name)
+    name = f"{where.name}_band{unit}" if name == "band" else f"{name}{unit}"
+    widest = max(ranges, key=lambda ends: where.to_axis(ends[1]) - where.to_axis(ends[0]))
+    words = []
+    for ends in ranges:
+        low, high = (
+            _shown(prediction, end, bands.get(f"{name}.{edge}") if ends == widest else None)
+            for end, edge in zip(ends, ("lower", "upper"), strict=True)
+        )
+        below = "below " if ends[0] <= first else ""
+        above = "above " if ends[1] >= last else ""
+        words.append(f"from {below}{low} to {above}{high}")
+    return " and ".join(words)
 
 
-def _most_lift(prediction: "Prediction") -> str:
+def _most_lift(prediction: "Prediction", bands: Bands = _NONE) -> str:
     lift = round(float(prediction.best.values["lift_over_weight"]), 2) + 0.0  # and never -0.00
-    return f"{lift:.2f} of its weight, at {_shown(prediction, prediction.best.coordinate)}"
+    most = _with_band(lift, bands.get("best.lift_over_weight"), ".2f")
+    return f"{most} of its weight, at {_shown(prediction, prediction.best.coordinate)}"
 
 
 def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
@@ -113,7 +172,7 @@ def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
             f"({easiest.values['levitation_temperature']:.1f} K)"
         )
     place = f"at {best.coordinate * factor:{digits}} {unit} ({best.values['temperature']:.1f} K)"
-    rows["best payload"] = _payload(best.values, place)
+    rows["at the peak of lift"] = _payload(best.values, place)
     if prediction.setup.budget is not None:
         rows["payload needs"] = payload_line(best.values)
     return rows_of(rows)
@@ -202,6 +261,20 @@ def _points_tables(prediction: "Prediction", width: int) -> Iterator[Table]:
         yield _points_table(prediction, {name: headings[name] for name in part})
 
 
+def _short_table(prediction: "Prediction", width: int) -> Table:
+    """Table of the temperature and of lift over weight as a bar, at each coordinate asked for."""
+    names = ("pressure", "gas_temperature", "temperature", "lift_over_weight")
+    headings = {name: _COLUMNS[name] for name in names if name != prediction.coordinate.name}
+    table = _points_table(prediction, headings)
+    lifts = np.nan_to_num(prediction.at["lift_over_weight"])
+    room = min(_LONGEST_BAR, width - width_of(table).maximum - 1)
+    scale = room / max(1.0, float(lifts.max()) * _ROOM_OF_WEIGHT)
+    mark = min(room - 1, round(scale))
+    bars = [("█" * max(0, round(lift * scale))).ljust(room) for lift in lifts]
+    drawn = [f"{bar[:mark]}│{bar[mark + 1 :]}".rstrip() for bar in bars]
+    return _points_table(prediction, headings, ("│: weight", drawn))
+
+
 def _too_hot(prediction: "Prediction") -> np.ndarray:
     """Where, of the coordinates asked for, the light makes the film hotter than it bears."""
     highest = prediction.verdict.highest_temperature
@@ -213,8 +286,12 @@ def _own_heading(prediction: "Prediction", name: str) -> str:
     return f"{words}\n[{{}}]" if known.shown[1] else words
 
 
-def _points_table(prediction: "Prediction", headings: dict[str, tuple[str, str]]) -> Table:
-    """Table of some results, each with its heading and format."""
+def _points_table(
+    prediction: "Prediction",
+    headings: dict[str, tuple[str, str]],
+    bars: tuple[str, list[str]] | None = None,
+) -> Table:
+    """Table of some results, each with its heading and format, and perhaps of bars."""
     where, (_, factor) = prediction.coordinate, prediction.coordinate_key
     known = outputs_of(prediction.setup)
     marks = np.where(_too_hot(prediction), "*", "")
@@ -233,6 +310,9 @@ def _points_table(prediction: "Prediction", headings: dict[str, tuple[str, str]]
         # headings may wrap between words, numbers never
         words = max(map(len, [*heading.split(), *cells]))
         table.add_column(heading, justify="right", min_width=words)
+    if bars is not None:
+        columns[bars[0]] = bars[1]
+        table.add_column(bars[0], no_wrap=True)
     for row in zip(*columns.values(), strict=True):
         table.add_row(*row)
     return table

@@ -8,7 +8,7 @@ distributions, cut off where a value is impossible, and repeats the prediction.
 """
 
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
 from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.files.result_text import NARROW, Parts, PrintedResult
+from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.evaluator import Place
 from lightflyer.prediction.prediction import Prediction, predict_design, search_grid
@@ -124,11 +124,23 @@ class PredictionUncertainty(PrintedResult):
 
         return plot_uncertainty(self, what, ax)
 
-    def text_parts(self, width: int = NARROW) -> Parts:
-        """Lines and tables of the text, for a terminal of some width."""
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.prediction.text import prediction_parts
         from lightflyer.uncertainty.text import band_parts
 
-        return band_parts(self.summary(), width)
+        yield from prediction_parts(self.prediction, bands=self.bands)
+        yield from band_parts(self.summary())
+
+    @cached_property
+    def bands(self) -> dict[str, tuple[float, float]]:
+        """95 % band of each result that has one, in the unit of its name."""
+        found = {}
+        for name, result in self.summary()["results"].items():
+            band = result.get("monte_carlo", result["first_order"])
+            if band["low"] is not None and band["high"] is not None:
+                found[name] = band["low"], band["high"]
+        return found
 
     def summary(self) -> dict[str, Any]:
         """Everything as a JSON object; bands are 95 %."""

@@ -22,6 +22,12 @@ def band_parts(uncertainty: dict[str, Any], width: int = NARROW) -> Parts:
     tables = [_bands_table(results, columns) for columns in kept]
     fitting = (table for table in tables if width_of(table).maximum <= width)
     yield next(fitting, tables[-1])
+    yield f"from {sources_line(uncertainty)}"
+    yield from warning_lines(uncertainty["warnings"])
+
+
+def sources_line(uncertainty: dict[str, Any], *, short: bool = False) -> str:
+    """What the bands are from, by a summary; ``short``: without the names of the model's errors."""
     correlation = uncertainty["tac_correlation"]
     note = "" if correlation is None else f", TAC errors correlated by {correlation:g}"
     sources = []
@@ -30,12 +36,11 @@ def band_parts(uncertainty: dict[str, Any], width: int = NARROW) -> Parts:
     if stated:
         sources.append(f"the ± of {', '.join(stated)}{note}")
     if own:
-        sources.append(f"the force model's own errors ({', '.join(own)})")
+        sources.append("the force model's own errors" + ("" if short else f" ({', '.join(own)})"))
     if uncertainty["between_bounds"]:
         names = ", ".join(uncertainty["between_bounds"])
         sources.append(f"the bounds of {names}")
-    yield f"from {', and '.join(sources)}"
-    yield from warning_lines(uncertainty["warnings"])
+    return ", and ".join(sources)
 
 
 def _bands_table(results: dict[str, Any], columns: list[str]) -> Table:

@@ -4,14 +4,15 @@ import gc
 import json
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json, Samples, Seed
-from lightflyer.cli.output import print_json, printer, show, write_json
+from lightflyer.cli.output import print_json, printer, say, show, write_json
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.result_text import warning_lines, wrapped
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from lightflyer.prediction.prediction import Prediction
     from lightflyer.uncertainty.propagation import PredictionUncertainty
 
+    _Results: TypeAlias = tuple[Prediction, dict[str, Any], PredictionUncertainty | None]
+
 
 def predict_command(
     flyer_file: Path,
@@ -31,6 +34,7 @@ def predict_command(
     at: str | None = None,
     json_output: Json = False,
     csv: Annotated[bool, Parameter(negative=())] = False,
+    verbose: Annotated[bool, Parameter(negative=())] = False,
     samples: Samples = 500,
     seed: Seed = 0,
     figures: ResultOptions = AS_USUAL,
@@ -51,6 +55,8 @@ def predict_command(
         Print one JSON object instead of tables.
     csv
         With --out, write the table as CSV too.
+    verbose
+        Print all results, all bands and what is assumed.
     samples
         Monte Carlo samples for the bands of a file with ±; 0 for first order alone.
     seed
@@ -88,8 +94,14 @@ def predict_command(
     if json_output:
         print_json(summary)
         return
-    console = _show(file, results)
-    figures.tell(console, written, "add --out FOLDER to write figures and data")
+    console = printer()
+    if verbose or at is not None or figures.report is not None:
+        _show_all(console, file, results)
+    else:
+        _show(console, file, results)
+    figures.tell(console, written, "--out FOLDER writes figures and data")
+    if not verbose:
+        say(console, f"next: --verbose for all results, or: lightflyer explore {flyer_file}")
 
 
 def _load_in_background() -> threading.Thread:
@@ -133,7 +145,7 @@ def _write(
     out: Path,
     file: "FlyerFile",
     flyer_file: Path,
-    results: "tuple[Prediction, Any, PredictionUncertainty | None]",
+    results: "_Results",
     options: FigureOptions,
     *,
     csv: bool,
@@ -168,19 +180,49 @@ def _write(
     return [out / name for name in names]
 
 
-def _show(
-    file: "FlyerFile", results: "tuple[Prediction, dict[str, Any], PredictionUncertainty | None]"
-) -> "Console":
-    (prediction, summary, uncertainty), console = results, printer()
-    show(console, prediction.text_parts(console.width))
+def _show(console: "Console", file: "FlyerFile", results: "_Results") -> None:
+    """The verdict, a table around the bands, and what stands behind them."""
+    from lightflyer.prediction.text import prediction_parts
+    from lightflyer.uncertainty.text import sources_line
+
+    prediction, _, uncertainty = results
+    bands = {} if uncertainty is None else uncertainty.bands
+    show(console, prediction_parts(prediction, console.width, bands))
+    setup = prediction.setup
+    line = f"lifted by {setup.flyer.lifted_by}; force: {type(setup.model).__name__}"
+    if uncertainty is not None:
+        line += f"; brackets: 95 % bands from {sources_line(uncertainty.summary(), short=True)}"
+    console.print(wrapped(line), soft_wrap=True)
+    if uncertainty is not None:
+        share = uncertainty.share_that_levitates
+        if share is not None and share < 1.0:
+            count = uncertainty.samples
+            console.print(f"it flies in {100.0 * share:.0f} % of {count} samples of these")
+        for warning in warning_lines(uncertainty.warnings):
+            console.print(wrapped(warning), soft_wrap=True)
+    _note_kept(console, file, uncertainty)
+
+
+def _show_all(console: "Console", file: "FlyerFile", results: "_Results") -> None:
+    from lightflyer.prediction.text import prediction_parts
+    from lightflyer.uncertainty.text import band_parts
+
+    prediction, summary, uncertainty = results
+    bands = {} if uncertainty is None else uncertainty.bands
+    show(console, prediction_parts(prediction, console.width, bands, verbose=True))
     for name in filter(summary.__contains__, file.films()):
         console.print(_origins_line(name, summary[name]), soft_wrap=True)
     if uncertainty is not None:
-        show(console, uncertainty.text_parts(console.width))
-    elif file.uncertainties():
+        show(console, band_parts(summary["uncertainty"], console.width))
+    _note_kept(console, file, uncertainty)
+
+
+def _note_kept(
+    console: "Console", file: "FlyerFile", uncertainty: "PredictionUncertainty | None"
+) -> None:
+    if uncertainty is None and file.uncertainties():
         uncertain = ", ".join(file.uncertainties())
         console.print(f"uncertainties of {uncertain} are kept with the data, not propagated")
-    return console
 
 
 def _origins_line(section: str, film: dict[str, Any]) -> str:

@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import Any
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 
 from lightflyer.budget.payload import Needs, light_on_cells
@@ -13,9 +14,11 @@ from lightflyer.core.types import Numeric
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import Equilibrium, equilibrium
-from lightflyer.flight.bands import Band, levitation_band
+from lightflyer.flight.bands import Band, levitation_bands, scan, widest
 from lightflyer.flight.levitation import Levitation, levitate
 from lightflyer.flight.loads import buoyancy, largest_payload, upward_force, weight
+
+_LOOKS = 101  # places of the first look for the largest payload
 
 
 def _list_names(names: Iterable[str]) -> str:
@@ -39,6 +42,7 @@ class OperatingPoint:
     ):
         self.setup, self.coordinate, self._irradiance = setup, coordinate, irradiance
         self.converged: Any = jnp.array(True)
+        self.exists: Any = jnp.array(True)
         self.residual: Any = jnp.zeros(())
 
     @property
@@ -107,6 +111,14 @@ class OperatingPoint:
         """Largest payload in the available light [kg]."""
         return largest_payload(self.flyer, self.state, self.lift)
 
+    @property
+    def usable(self) -> Any:
+        """One where it levitates in the available light and its films survive, else zero."""
+        flies = self.lift >= self.weight
+        highest = self.flyer.highest_temperature
+        cool = True if highest is None else self.balance.temperature <= highest
+        return jnp.where(flies & cool, 1.0, 0.0)
+
     @cached_property
     def needs(self) -> Needs:
         """What the payload of the budget needs in the available light."""
@@ -117,12 +129,72 @@ class OperatingPoint:
     @cached_property
     def band(self) -> Band:
         """Widest band of the coordinate in which it levitates."""
+        return widest(self._bands(usable=False))
+
+    @cached_property
+    def usable_band(self) -> Band:
+        """Widest part of the bands in which its films survive."""
+        return widest(self._usable_bands)
+
+    @cached_property
+    def _usable_bands(self) -> Band:
+        return self._bands(usable=True)
+
+    def _bands(self, *, usable: bool) -> Band:
         setup = self.setup
-        found = levitation_band(
-            setup.flyer, setup.environment, setup.model, setup.searched, throw=False
+        found = levitation_bands(
+            setup.flyer,
+            setup.environment,
+            setup.model,
+            setup.searched,
+            usable=usable,
+            throw=False,
         )
-        self.converged &= found.converged
+        self.converged &= jnp.all(found.converged, axis=0)
         return found
+
+    @cached_property
+    def rest(self) -> "OperatingPoint":
+        """The upper edge of the widest band, at which it comes to rest when let go."""
+        return self.at(self.band.upper, self.band.exists & ~self.band.upper_open)
+
+    @cached_property
+    def peak(self) -> "OperatingPoint":
+        """The place of the largest payload, whatever its films bear."""
+        low, high = (jnp.asarray(end, float) for end in self.setup.searched)
+        return self.at(self._place_of_most(low, high), jnp.array(True))
+
+    @cached_property
+    def usable_payload(self) -> Any:
+        """Largest payload where its films survive [kg]; NaN where they do nowhere."""
+        parts = self._usable_bands
+        low, high = (
+            jnp.where(parts.exists, edge, self.setup.searched[0])
+            for edge in (parts.lower, parts.upper)
+        )
+        found = self.at(self._place_of_most(low, high), parts.exists)
+        return jnp.nanmax(jnp.where(parts.exists, found.payload, jnp.nan), axis=0)
+
+    def at(self, coordinate: Numeric, exists: Any) -> "OperatingPoint":
+        """The same flyer at places, of which only those that exist must converge."""
+        found = OperatingPoint(
+            self.setup, jnp.where(exists, coordinate, self.setup.searched[0]), self._irradiance
+        )
+        balance = found.balance  # which notes whether it converged
+        found.exists = exists
+        self.converged &= jnp.all(balance.converged | ~exists)
+        return found
+
+    def _place_of_most(self, low: Any, high: Any) -> Any:
+        """Place of the largest payload in ranges; at an end it moves with that."""
+        frozen = jax.lax.stop_gradient((self.setup, low, high))
+
+        def payload(way: Any) -> Any:
+            setup, low, high = frozen
+            return OperatingPoint(setup, low + way * (high - low), self._irradiance).payload
+
+        _, way, _ = scan(payload, jnp.linspace(0.0, 1.0, _LOOKS))
+        return low + way * (high - low)
 
     def _note(self, found: Equilibrium | Levitation) -> None:
         self.converged &= found.converged

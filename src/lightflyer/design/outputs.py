@@ -170,6 +170,12 @@ _POINT = (
         json_unit="g/m^2",
     ),
     Output(
+        "usable",
+        "",
+        "whether the flyer levitates in the available light and its film survives",
+        lambda case: case.usable,
+    ),
+    Output(
         "buoyancy",
         "N",
         "buoyancy in the available light, a part of the lift",
@@ -203,6 +209,60 @@ _BAND = (
         "width of the widest altitude band",
         lambda case: jnp.where(case.band.exists, case.band.upper - case.band.lower, 0.0),
         shown_unit="km",
+        over_band=True,
+    ),
+)
+
+_VERDICT = (
+    Output(
+        "rest_temperature",
+        "K",
+        "flyer temperature where it comes to rest, the highest_altitude",
+        lambda case: jnp.where(case.rest.exists, case.rest.balance.temperature, jnp.nan),
+        less_is_better=True,
+        over_band=True,
+    ),
+    Output(
+        "usable_lowest_altitude",
+        "m",
+        "lower edge of the widest part of the altitude bands that the film survives",
+        lambda case: case.usable_band.lower,
+        shown_unit="km",
+        less_is_better=True,
+        over_band=True,
+    ),
+    Output(
+        "usable_highest_altitude",
+        "m",
+        "upper edge of the widest part of the altitude bands that the film survives",
+        lambda case: case.usable_band.upper,
+        shown_unit="km",
+        over_band=True,
+    ),
+    Output(
+        "usable_payload",
+        "kg",
+        "largest payload where the film survives, if something holds the flyer there",
+        lambda case: case.usable_payload,
+        shown_unit="mg",
+        json_unit="mg",
+        over_band=True,
+    ),
+    Output(
+        "afloat_payload",
+        "kg",
+        "largest payload with which the flyer stays up by itself, at the peak of lift",
+        lambda case: case.peak.payload,
+        shown_unit="mg",
+        json_unit="mg",
+        over_band=True,
+    ),
+    Output(
+        "afloat_temperature",
+        "K",
+        "flyer temperature at the peak of lift",
+        lambda case: case.peak.balance.temperature,
+        less_is_better=True,
         over_band=True,
     ),
 )
@@ -285,7 +345,9 @@ _BUDGET = (
 BUDGET_OUTPUTS: dict[str, Output] = {output.name: output for output in _BUDGET}
 """Outputs of the budget of a payload, by name."""
 
-OUTPUTS: dict[str, Output] = {output.name: output for output in (*_POINT, *_BAND, *_DESIGN)}
+OUTPUTS: dict[str, Output] = {
+    output.name: output for output in (*_POINT, *_BAND, *_VERDICT, *_DESIGN)
+}
 """Outputs that every flyer has, by name, and those of its film where there is one."""
 
 

@@ -17,7 +17,7 @@ from lightflyer.core.precision import float64
 from lightflyer.core.quantity import require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.balance import require_converged, require_suitable
+from lightflyer.flight.balance import equilibrium, require_converged, require_suitable
 from lightflyer.flight.grid_refinement import (
     EDGE_TOLERANCE,
     at,
@@ -26,7 +26,7 @@ from lightflyer.flight.grid_refinement import (
     first_largest,
     with_point,
 )
-from lightflyer.flight.loads import lift, weight
+from lightflyer.flight.loads import upward_force, weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
@@ -70,6 +70,7 @@ def levitation_band(
     model: AbstractForceModel,
     search_range: tuple[float, float] | None = None,
     *,
+    usable: bool = False,
     throw: bool = True,
 ) -> Band:
     """The widest band of altitude, or pressure, in which a flyer levitates with its payload.
@@ -84,6 +85,9 @@ def levitation_band(
     search_range : tuple of float, optional
         Coordinates searched, altitudes [m] or pressures [Pa]; by default what the environment
         finds worth searching.
+    usable : bool
+        Whether its films must bear their temperature in the band, where the flyer states what
+        they bear.
     throw : bool
         Raise where an edge has not converged (not under JAX's transformations).
 
@@ -113,8 +117,9 @@ def levitation_band(
     >>> print(f"{band.lower / 1e3:.3f} km to {band.upper / 1e3:.3f} km")
     68.022 km to 78.047 km
     """
-    bands = levitation_bands(flyer, environment, model, search_range, throw=throw)
-    return _widest(bands)
+    return widest(
+        levitation_bands(flyer, environment, model, search_range, usable=usable, throw=throw)
+    )
 
 
 def levitation_bands(
@@ -123,13 +128,14 @@ def levitation_bands(
     model: AbstractForceModel,
     search_range: tuple[float, float] | None = None,
     *,
+    usable: bool = False,
     throw: bool = True,
 ) -> Band:
     """All bands in which a flyer levitates, lowest first.
 
     Parameters
     ----------
-    flyer, environment, model, search_range, throw
+    flyer, environment, model, search_range, usable, throw
         As for :func:`levitation_band`.
 
     Returns
@@ -153,7 +159,7 @@ def levitation_bands(
         ends = jnp.asarray([low, high], jnp.float64)
         first, last = jnp.log(ends) if coordinate.logarithmic else ends
         grid = jnp.linspace(first, last, count)
-    searched = _Searched(flyer, environment, model, coordinate.logarithmic)
+    searched = _Searched(flyer, environment, model, coordinate.logarithmic, usable)
     bands = _levitation_bands(searched, grid)
     if throw:
         require_converged("levitation band", bands.status, jnp.zeros(()))
@@ -167,14 +173,20 @@ class _Searched(eqx.Module):
     environment: AbstractEnvironment
     model: AbstractForceModel
     logarithmic: bool = eqx.field(static=True)
+    usable: bool = eqx.field(static=True)
 
     def margin(self, place: Array) -> Array:
         """Lift over weight, minus one, at a coordinate or its logarithm."""
+        # or, where less, by how much the films are cooler than they bear, as a share of that
         place = jnp.exp(place) if self.logarithmic else place
-        state = self.environment.state(place)
-        require_suitable(self.flyer, state, self.model)
-        force = lift(self.flyer, state, self.model, throw=False)
-        return force / weight(self.flyer, state) - 1.0
+        flyer, state = self.flyer, self.environment.state(place)
+        require_suitable(flyer, state, self.model)
+        found = equilibrium(flyer, state, self.model, throw=False)
+        force = upward_force(flyer, state, self.model, found.unknowns)
+        margin = force / weight(flyer, state) - 1.0
+        if not self.usable or flyer.highest_temperature is None:
+            return margin
+        return jnp.minimum(margin, 1.0 - found.temperature / flyer.highest_temperature)
 
 
 @entry_point
@@ -242,16 +254,17 @@ def _edges(
 
 
 @entry_point
-def _widest(bands: Band) -> Band:
+def widest(bands: Band) -> Band:
+    """The widest of some bands, whose leading axis it lacks."""
     width = jnp.where(bands.exists, bands.upper - bands.lower, -jnp.inf)
-    widest = first_largest(width)
-    numbers = np.arange(width.shape[0], dtype=np.int32).reshape(-1, *[1] * widest.ndim)
+    number_of_widest = first_largest(width)
+    numbers = np.arange(width.shape[0], dtype=np.int32).reshape(-1, *[1] * (width.ndim - 1))
 
     def of_widest(field: Array) -> Array:
         # chosen band by band: JAX cannot transpose a lookup within a caller's single precision
         chosen = field[0]
         for number, entry in zip(numbers[1:], field[1:], strict=True):
-            chosen = jnp.where(number == widest, entry, chosen)
+            chosen = jnp.where(number == number_of_widest, entry, chosen)
         return chosen
 
     return jax.tree.map(of_widest, bands)

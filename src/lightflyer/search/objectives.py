@@ -1,5 +1,6 @@
 """Objectives and constraints as compiled functions with derivatives."""
 
+import copy
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -20,6 +21,7 @@ SCREENED = 512  # Designs evaluated at once: first over the whole cube, then aro
 
 _BATCH_OF_FILMS = 128  # designs evaluated at once where each has a film of its own
 
+_ANY_HEAT = 1e6  # above any temperature [K]
 _SILVERMAN = 1.06  # width of a kernel over the spread, times n^(1/5)
 
 
@@ -251,20 +253,28 @@ class ObjectiveFunction:
         """:meth:`scores` of designs, by all numbers that are free, fixed or uncertain."""
         names = list(designs)
         found: np.ndarray = in_batches(
-            lambda *columns: self._many(dict(zip(names, columns, strict=True))),
+            lambda *columns: self._many(dict(zip(names, columns, strict=True)), self._context),
             list(designs.values()),
             self.batch if size is None else size,
         )
         return found
 
     @cached_property
-    def _many(self) -> Callable[[Mapping[str, Any]], np.ndarray]:
+    def _many(self) -> Callable[..., np.ndarray]:
         def many(designs: Mapping[str, Any], context: Context) -> Any:
             # one film after the other stays in the processor's cache
             films = jax.lax.map(lambda one: self._films(one, context), designs)
             return jax.vmap(lambda one, film: self._scores(one, film, context))(designs, films)
 
-        return self._in_context(many)
+        return _compile(many)
+
+    def whatever_films_bear(self) -> "ObjectiveFunction":
+        """The same function without the limits of its films; what is compiled, it shares."""
+        function = copy.copy(self)
+        of_film = np.array([part.of_film for part in self.problem.constraints], bool)
+        limits = np.where(of_film, _ANY_HEAT, self._context.limits)
+        function._context = Context(self._context.tables, self._context.shift, limits)
+        return function
 
     def without_errors(self) -> "ObjectiveFunction":
         """The objective of designs as they are drawn, with the same films."""
@@ -275,10 +285,13 @@ class ObjectiveFunction:
         function._context = self._context
         return function
 
-    @cached_property
-    def scores_and_jacobian(self) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
+    def scores_and_jacobian(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """:meth:`scores` at a point and their derivatives, shape (m, k); compiled."""
+        found: tuple[np.ndarray, np.ndarray] = self._both(point, self._context)
+        return found
 
+    @cached_property
+    def _both(self) -> Callable[..., Any]:
         def both(point: Any, context: Context) -> Any:
             def scores(one: Any) -> Any:
                 return self.scores(one, None, context)
@@ -291,16 +304,18 @@ class ObjectiveFunction:
             found, push = jax.linearize(scores, point)
             return found, jax.vmap(push, out_axes=1)(jnp.eye(count))
 
-        return self._in_context(both)
+        return _compile(both)
 
-    def _in_context(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        compiled = _compile(function)
-        return lambda *arguments: compiled(*arguments, self._context)
+    def parameter_gradient(
+        self, point: np.ndarray, multipliers: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """Derivatives of the Lagrangian in relative changes of the numbers that are not free."""
+        growth = dict.fromkeys(self._parameters(), 1.0)
+        found: dict[str, np.ndarray] = self._gradient(growth, point, multipliers, self._context)
+        return found
 
     @cached_property
-    def parameter_gradient(self) -> Callable[[np.ndarray, np.ndarray], dict[str, np.ndarray]]:
-        """Derivatives of the Lagrangian in relative changes of the numbers that are not free."""
-        # Takes a point and the constraints' multipliers; compiled.
+    def _gradient(self) -> Callable[..., Any]:
         numbers = self._parameters()
 
         def lagrangian(
@@ -310,8 +325,7 @@ class ObjectiveFunction:
             scores = self.scores(point, changed, context)
             return scores[0] + jnp.dot(multipliers, scores[1:])
 
-        gradient = self._in_context(jax.grad(lagrangian))
-        return lambda point, multipliers: gradient(dict.fromkeys(numbers, 1.0), point, multipliers)
+        return _compile(jax.grad(lagrangian))
 
     def _parameters(self) -> dict[str, float]:
         """Numbers of the design that are neither free nor zero nor costly, by dotted name."""

@@ -10,7 +10,8 @@ and the derivative of :math:`L` in a number that is not free is that of the opti
 theorem), although the best design moves with it.
 """
 
-from collections.abc import Mapping
+import dataclasses
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -22,11 +23,10 @@ from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.core.progress import report
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.files.display_units import amount
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Prediction, predict_design
-from lightflyer.search.diagnostics import diagnose_solution, require_within_range
+from lightflyer.search.diagnostics import diagnose_solution
 from lightflyer.search.local_search import (
     AGREEMENT,
     FEASIBLE,
@@ -36,6 +36,7 @@ from lightflyer.search.local_search import (
 )
 from lightflyer.search.objectives import SCREENED, ObjectiveFunction
 from lightflyer.search.problem import Problem, as_problem
+from lightflyer.search.rivals import Rival, rivals_of
 from lightflyer.search.stacks import Ranking, choose_stack, merit
 from lightflyer.search.tolerance import AsMade, simulate_making
 
@@ -71,12 +72,13 @@ class Optimum(PrintedResult):
     starts: int  #: Number of searches, and of those that found this optimum
     agreeing: int  #: Number of searches, and of those that found this optimum
     evaluations: int  #: Number of evaluations of the objective with its gradient
-    #: Where the best design is outside the range of the force model or of its film, which only a
-    #: problem that allows it has
+    #: Where the best design is outside the range of the force model or of its film
     warnings: tuple[str, ...]
     #: What is lost where the best design is not made exactly: numbers with an ``uncertainty``, and
     #: thicknesses of layers. None where there are none
     as_made: AsMade | None = None
+    #: Designs that would be better but for a limit, or that are within a range
+    rivals: tuple[Rival, ...] = ()
     #: Other stacks of layers, where the film was chosen among several
     ranking: Ranking | None = None
 
@@ -114,6 +116,7 @@ class Optimum(PrintedResult):
             "agreeing": self.agreeing,
             "evaluations": self.evaluations,
             "as_made": None if self.as_made is None else self.as_made.summary(),
+            "rivals": [dataclasses.asdict(rival) for rival in self.rivals],
             "ranking": None if self.ranking is None else self.ranking.summary(),
             "warnings": list(self.warnings),
         }
@@ -165,8 +168,9 @@ def optimise(
     seed : int, optional
         Default 0.
     beyond_range : bool, optional
-        Whether to accept an optimum outside the range of the force model or of its film; by
-        default it is refused, and no flyer gets hotter than its ``highest_temperature``.
+        Whether films may get hotter than their ``highest_temperature``. By default they must not,
+        where the flyer is judged: at the coordinate given, else where it comes to rest, and with
+        ``afloat_payload`` at the peak of lift.
     stacks : dict, optional
         Materials of which the film may be made, instead of its own: ``{"materials": [...],
         "most_layers": 4}``, as in a study file.
@@ -180,8 +184,7 @@ def optimise(
     ConfigurationError
         If a number or an output does not exist or a value is not possible.
     LightflyerError
-        If no design has a value, none satisfies the constraints, or the best one is outside the
-        range of the force model or of its film.
+        If no design has a value or none satisfies the constraints.
 
     References
     ----------
@@ -229,19 +232,15 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
             "several objectives have no single optimum; call pareto for their front"
         )
     starts, scale = _screen(function)
-    searches: list[LocalOptimum] = []
-    for start in starts:
-        report("climbing from several starts", len(searches), len(starts))
-        searches.append(maximise_from(function, start, scale))
-    report("sensitivities of the optimum")
+    searches = _climb(function, starts, scale)
     satisfying = [found for found in searches if found.violation <= FEASIBLE]
-    if not satisfying:
-        least = min(searches, key=lambda found: found.violation)
-        raise LightflyerError(
-            "no design satisfies the constraints; the best violates that of "
-            f"{least.violated} by {100.0 * least.violation:.3g} % of its limit; widen the bounds "
-            "or the limits"
-        )
+    notes: tuple[str, ...] = ()
+    if not satisfying and any(part.of_film for part in problem.constraints):
+        function = function.whatever_films_bear()
+        searches = _climb(function, starts, scale)
+        satisfying = [found for found in searches if found.violation <= FEASIBLE]
+        notes = ("no design within the bounds keeps its film as cool as it must be",)
+    _require_some(satisfying, searches)
     best = max(satisfying, key=lambda found: found.score)
     near = AGREEMENT * max(abs(best.score), scale)
     agreeing = sum(abs(found.score - best.score) <= near for found in satisfying)
@@ -253,7 +252,28 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
         starts=len(searches),
         agreeing=agreeing,
         evaluations=sum(found.evaluations for found in searches),
+        rivals=tuple(rivals_of(function, best, scale)),
+        notes=notes,
     )
+
+
+def _climb(function: ObjectiveFunction, starts: np.ndarray, scale: float) -> list[LocalOptimum]:
+    """Optima that are reached from some starts."""
+    searches: list[LocalOptimum] = []
+    for start in starts:
+        report("climbing from several starts", len(searches), len(starts))
+        searches.append(maximise_from(function, start, scale))
+    return searches
+
+
+def _require_some(satisfying: Sequence[LocalOptimum], searches: Sequence[LocalOptimum]) -> None:
+    if not satisfying:
+        least = min(searches, key=lambda found: found.violation)
+        raise LightflyerError(
+            "no design satisfies the constraints; the best violates that of "
+            f"{least.violated} by {100.0 * least.violation:.3g} % of its limit; widen the bounds "
+            "or the limits"
+        )
 
 
 def _screen(function: ObjectiveFunction) -> tuple[np.ndarray, float]:
@@ -306,7 +326,14 @@ def _best_nearby(
 
 
 def _describe(
-    function: ObjectiveFunction, best: LocalOptimum, *, starts: int, agreeing: int, evaluations: int
+    function: ObjectiveFunction,
+    best: LocalOptimum,
+    *,
+    starts: int,
+    agreeing: int,
+    evaluations: int,
+    rivals: tuple[Rival, ...],
+    notes: tuple[str, ...],
 ) -> Optimum:
     problem = function.problem
     names = [bounds.field.name for bounds in problem.bounds]
@@ -315,14 +342,9 @@ def _describe(
         for name, fraction in zip(names, best.point, strict=True)
         if not _AT_BOUND < fraction < 1.0 - _AT_BOUND
     }
-    design = {
-        bounds.field.name: float(bounds.value(fraction))
-        for bounds, fraction in zip(problem.bounds, best.point, strict=True)
-    }
+    design = problem.free_numbers(best.point)
     objective = problem.objectives[0]
-    warnings = diagnose_solution(problem, design)
-    words = _in_words(problem, objective.sign * best.score, design)
-    require_within_range(problem, warnings, design, words)
+    warnings = (*notes, *diagnose_solution(problem, design))
     multipliers = _multipliers(function, best.point)
     return Optimum(
         problem=problem,
@@ -341,6 +363,7 @@ def _describe(
         evaluations=evaluations,
         warnings=(*warnings, *_does_not_lift(problem, best.score)),
         as_made=simulate_making(function, best.point),
+        rivals=rivals,
     )
 
 
@@ -351,17 +374,6 @@ def _does_not_lift(problem: Problem, score: float) -> tuple[str, ...]:
     if problem.samples or objective.sign < 0.0 or score >= least:
         return ()
     return ("the best design does not lift its weight: none within bounds and constraints flies",)
-
-
-def _in_words(problem: Problem, value: float, design: Mapping[str, float]) -> str:
-    """An objective and a design, with units."""
-    objective = problem.objectives[0].name
-    numbers = [(objective, value, problem.unit_of(objective))]
-    numbers += [
-        (bounds.field.name, design[bounds.field.name], bounds.field.quantity.unit)
-        for bounds in problem.bounds
-    ]
-    return ", ".join(f"{name} {amount(number, unit, 4)}" for name, number, unit in numbers)
 
 
 def _multipliers(function: ObjectiveFunction, point: np.ndarray) -> np.ndarray:

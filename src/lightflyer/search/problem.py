@@ -26,6 +26,9 @@ PROBABILITY = "probability_of_flying"
 
 _MARGIN = "lift_over_weight"
 _HEAT = "temperature"
+# at rest, and with the most that it carries by itself
+_HEAT_OF = dict.fromkeys(("lowest_altitude", "highest_altitude", "band_width"), "rest_temperature")
+_HEAT_OF |= {"afloat_payload": "afloat_temperature"}
 _LIMITS = ("at_least", "at_most")
 
 
@@ -49,6 +52,7 @@ class Constraint:
     name: str  # Name of the output
     limit: float  # In the unit of the output
     sign: float  # 1 for "at least", -1 for "at most"
+    of_film: bool = False  # Whether it is what the film bears, which nobody asked for
 
     @property
     def scale(self) -> float:
@@ -74,21 +78,17 @@ class Choice:
         changes = {"over": shares | over, "constraints": sure, "uncertainty": None, "stacks": None}
         section = self.section.model_copy(update=changes)
         problem = make_problem(self.stacks.design, section, None, self.source)
-        heat = _HEAT in [part.name for part in problem.constraints]
-        coordinate = self.stacks.design.coordinate_name
-        if heat or section.beyond_range or coordinate not in section.over:
+        if any(part.of_film for part in problem.constraints):
             return problem
         # every stack bears another temperature
-        limit = Constraint(_HEAT, self.stacks.limit(self.stacks.sequences[0]), -1.0)
-        return replace(problem, constraints=(*problem.constraints, limit))
+        highest = self.stacks.limit(self.stacks.sequences[0])
+        limits = _limits_of_film(highest, self.stacks.design, section, problem.asked)
+        return replace(problem, constraints=(*problem.constraints, *limits))
 
     def limits(self, problem: "Problem", sequence: Sequence[int]) -> np.ndarray:
         """Limits of a problem's constraints for a stack."""
-        stated = _HEAT in self.section.constraints
-        return np.array([
-            self.stacks.limit(sequence) if part.name == _HEAT and not stated else part.limit
-            for part in problem.constraints
-        ])  # fmt: skip
+        highest = self.stacks.limit(sequence)
+        return np.array([highest if part.of_film else part.limit for part in problem.constraints])
 
     def problem_of(self, sequence: Sequence[int]) -> "Problem":
         """The whole problem with one of the stacks, whose thicknesses are free."""
@@ -139,6 +139,11 @@ class Problem:
         return self.design.needs_recompute(
             list(dict.fromkeys([*names, *self.fixed, *self.samples]))
         )
+
+    def free_numbers(self, point: np.ndarray) -> dict[str, float]:
+        """Free numbers at a point of the unit cube, by name, in the units of the design."""
+        parts = zip(self.bounds, point, strict=True)
+        return {bounds.field.name: float(bounds.value(fraction)) for bounds, fraction in parts}
 
     def means(self) -> dict[str, float]:
         """Means of the uncertain numbers that are not free, by name."""
@@ -240,7 +245,10 @@ def make_problem(
                 'uncertainty = "5 %"'
             )
     _require_quick(design, [*given, *(part.field.name for part in distributions)], source)
-    constraints = _constraints(design, section, source)
+    stated = _constraints(design, section, source)
+    asked = [*(part.name for part in objectives), *(part.name for part in stated)]
+    highest = design.setup.flyer.highest_temperature
+    constraints = (*stated, *_limits_of_film(highest, design, section, asked))
     names = {part.name for part in objectives} | {part.name for part in constraints}
     with errors_at(source, "optimise"):
         if PROBABILITY in names and not distributions:
@@ -379,19 +387,23 @@ def _constraints(
                     'is not a limit; write { at_most = "400 K" } or { at_least = ... }'
                 )
             _check_output(design, name, list(section.over))
-            for word, text in limits.items():
-                found.append(Constraint(name, _limit(design, name, word, text), _sign(word)))
-    return (*found, *_limit_of_film(design, section, [part.name for part in found]))
+            ends = {word: _limit(design, name, word, text) for word, text in limits.items()}
+            if ends.get("at_least", -math.inf) > ends.get("at_most", math.inf):
+                raise ConfigurationError("at_least is above at_most: no design satisfies both")
+            found += [Constraint(name, limit, _sign(word)) for word, limit in ends.items()]
+    return tuple(found)
 
 
-def _limit_of_film(
-    design: AbstractDesign, section: OptimiseSection, limited: Sequence[str]
+def _limits_of_film(
+    highest: Any, design: AbstractDesign, section: OptimiseSection, asked: Sequence[str]
 ) -> Iterator[Constraint]:
-    """What the film bears, where the section says nothing about the temperature itself."""
-    highest = design.setup.flyer.highest_temperature
-    free = section.beyond_range or _HEAT in limited
-    if highest is not None and design.coordinate_name in section.over and not free:
-        yield Constraint(_HEAT, float(highest), -1.0)
+    """What the film bears, wherever the flyer is judged and the section names no temperature."""
+    if highest is None or section.beyond_range:
+        return
+    judged = {_HEAT} if design.coordinate_name in section.over else set()
+    judged |= {_HEAT_OF[name] for name in asked if name in _HEAT_OF}
+    for name in sorted(judged - set(asked)):
+        yield Constraint(name, float(highest), -1.0, of_film=True)
 
 
 def _limit(design: AbstractDesign, name: str, word: str, text: Any) -> float:

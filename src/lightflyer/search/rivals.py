@@ -1,0 +1,48 @@
+"""Designs that stand beside the best one: without a limit that it keeps, or within a range."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import qmc
+
+from lightflyer.core.progress import report
+from lightflyer.search.diagnostics import range_passed
+from lightflyer.search.local_search import AGREEMENT, FEASIBLE, LocalOptimum, maximise_from
+from lightflyer.search.objectives import SCREENED, ObjectiveFunction
+
+_TRIED = 40  # best designs of a sample whose range is looked at
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Another design, and what makes it worth knowing."""
+
+    words: str  #: Such as ``"whatever the film bears"``
+    value: float  #: Objective, in SI units
+    design: dict[str, float]  #: Free numbers by name, in the units of the design
+
+
+def rivals_of(function: ObjectiveFunction, best: LocalOptimum, scale: float) -> Iterator[Rival]:
+    """Rivals of the best design of a problem with one objective."""
+    problem, sign = function.problem, function.problem.objectives[0].sign
+    if any(part.of_film for part in problem.constraints):
+        report("the best design whatever its film bears")
+        found = maximise_from(function.whatever_films_bear(), best.point, scale)
+        if found.violation <= FEASIBLE and found.score - best.score > AGREEMENT * scale:
+            design = problem.free_numbers(found.point)
+            yield Rival("whatever the film bears", sign * found.score, design)
+    passed = range_passed(problem, problem.free_numbers(best.point))
+    if function.is_quick or problem.beyond_range or not passed:
+        return
+    report("designs within the range of the force model")
+    points = qmc.Sobol(len(problem.bounds), rng=problem.seed).random(SCREENED)
+    scores = function.scores_of_many(points)
+    satisfying = np.isfinite(scores).all(axis=1) & (scores[:, 1:] >= -FEASIBLE).all(axis=1)
+    points, scores = points[satisfying], scores[satisfying, 0]
+    for number in np.argsort(-scores)[:_TRIED]:
+        design = problem.free_numbers(points[number])
+        if not range_passed(problem, design):
+            words = f"the best of {SCREENED} designs within the force model's range"
+            yield Rival(words, sign * float(scores[number]), design)
+            return

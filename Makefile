@@ -6,8 +6,8 @@ STAMP = $(VENV)/.installed
 
 .PHONY: demo test check lint types docs pages snippets figures listings wheel bench lock clean
 
-demo: $(STAMP)  ## predict the 2-cm germanium disk, with bands; table here, figures and data in demo/
-	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml > /dev/null; }
+demo: $(STAMP)  ## predict a 5-mm germanium disk, with bands; verdict here, figures and data in demo/
+	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml --kind laden > /dev/null; }
 	$(BIN)/lightflyer predict demo/flyer.toml --out demo
 
 # All tests of a file run in one process, where its programs are compiled once.

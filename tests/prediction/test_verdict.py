@@ -3,6 +3,8 @@
 import dataclasses
 
 import equinox as eqx
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -10,6 +12,8 @@ from scipy.optimize import brentq
 import lightflyer as lf
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.designs import as_design
+from lightflyer.core.precision import float64
+from lightflyer.design.outputs import evaluate
 from lightflyer.prediction.text import verdict_lines
 
 
@@ -90,6 +94,76 @@ def test_rest_limit_and_light_are_roots(kind, near, shown, tmp_path):
     assert len(lines) <= 6
     assert max(map(len, lines)) <= 80
     assert all(number in " ".join(lines) for number in shown)
+
+
+def laden(setup, kilograms):
+    return dataclasses.replace(setup, flyer=dataclasses.replace(setup.flyer, payload=kilograms))
+
+
+def test_a_payload_keeps_a_disk_low_enough_for_its_film(tmp_path):
+    """A disk of 5 mm melts at rest with 0.025 mg aboard, and not with 0.026 mg."""
+    setup = setup_of("laden", tmp_path)
+    empty = laden(setup, 0.0)
+    verdict, truth = lf.predict(empty).verdict, Truth(empty)
+    assert (verdict.survives, verdict.carries_afloat) == (False, True)
+    passed = brentq(lambda place: truth.temperature(place) - 520.0, 77e3, 85e3)
+    assert verdict.ballast[0] == pytest.approx(truth.payload(passed), rel=1e-4)
+    assert verdict.ballast[1] == verdict.best.values["payload"]
+    for share, survives in ((0.99, False), (1.01, True)):
+        found = lf.predict(laden(setup, share * verdict.ballast[0])).verdict
+        assert (found.survives, found.ballast is None) == (survives, survives)
+    assert not lf.predict(laden(setup, 1.01 * verdict.ballast[1])).bands
+    text = str(lf.predict(empty))
+    assert "in up to 945.8 W/m², or with 0.0254 mg or more aboard." in text
+    assert "Afloat at 75.4 km it carries up to 0.0373 mg" in text
+
+
+@pytest.mark.parametrize("kind", ["earth", "laden", "mars"])
+def test_sweeps_have_the_verdict(kind, tmp_path):
+    """The search with derivatives finds what the search of predictions finds."""
+    setup = setup_of(kind, tmp_path)
+    prediction = lf.predict(setup)
+    verdict, best = prediction.verdict, prediction.best.values
+    expected = {
+        "rest_temperature": verdict.rest.values["temperature"],
+        "usable_lowest_altitude": verdict.usable[0][0],
+        "usable_highest_altitude": verdict.usable[0][1],
+        "usable_payload": verdict.best.values["payload"],
+        "afloat_payload": best["payload"],
+        "afloat_temperature": best["temperature"],
+    }
+    with float64():
+        found, converged = evaluate(setup, tuple(expected))
+    assert converged
+    for name, value in expected.items():
+        assert float(found[name]) == pytest.approx(value, rel=1e-6), name
+    places = np.array([0.5, 0.999, 1.001, 1.5]) * verdict.usable[0][1]
+    with float64():
+        here, _ = evaluate(setup, ("usable",), places)
+    inside = (places > verdict.usable[0][0]) & (places < verdict.usable[0][1])
+    assert here["usable"].tolist() == inside.tolist()
+
+
+def test_the_verdict_of_sweeps_has_derivatives(tmp_path):
+    """By central differences of predictions."""
+    setup = setup_of("earth", tmp_path)
+
+    def with_absorptance(absorptance):
+        film = dataclasses.replace(setup.flyer.film, absorptance=absorptance)
+        return dataclasses.replace(setup, flyer=dataclasses.replace(setup.flyer, film=film))
+
+    def outputs(absorptance):
+        found, _ = evaluate(with_absorptance(absorptance), ("usable_payload", "rest_temperature"))
+        return found["usable_payload"] * 1e6, found["rest_temperature"]
+
+    with float64():
+        slopes = jax.jacfwd(outputs)(jnp.asarray(0.75))
+    step = 1e-3
+    ends = [lf.predict(with_absorptance(0.75 + sign * step)).verdict for sign in (1.0, -1.0)]
+    payload = [1e6 * end.best.values["payload"] for end in ends]
+    hot = [end.rest.values["temperature"] for end in ends]
+    assert float(slopes[0]) == pytest.approx((payload[0] - payload[1]) / (2.0 * step), rel=1e-3)
+    assert float(slopes[1]) == pytest.approx((hot[0] - hot[1]) / (2.0 * step), rel=1e-3)
 
 
 def test_a_film_that_no_light_spares(tmp_path):

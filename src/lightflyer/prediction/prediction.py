@@ -229,6 +229,8 @@ class Prediction(PrintedResult):
             "rest": None if rest is None else self.place_summary(rest, names),
             "survives": found.survives,
             "strongest_light_w_m2": None if light is None else _number(light),
+            "ballast_mg": None if found.ballast is None else [1e6 * end for end in found.ballast],
+            "carries_afloat": found.carries_afloat,
         }
 
     def _easiest_summary(self) -> dict[str, Any] | None:

@@ -20,7 +20,9 @@ from lightflyer.files.result_text import (
 )
 
 if TYPE_CHECKING:
+    from lightflyer.prediction.evaluator import Place
     from lightflyer.prediction.prediction import Prediction
+    from lightflyer.prediction.verdict import Verdict
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 _TWO_DIGITS = 4.0  # first digit of half a band below which two of its digits are told
@@ -62,43 +64,55 @@ def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[st
     carried = f", payload {payload}" if float(setup.flyer.payload) else ""
     light = f"{prediction.available:.4g} W/m²"
     yield f"{setup.flyer.describe()}, {own_mass}{carried}, in {light}"
-    bears = f"{found.highest_temperature or 0.0:.0f} K"
     if not prediction.bands:
         yield f"It does not fly: lift is at most {_most_lift(prediction, bands)}."
         return
     yield f"It flies {_ranges(prediction, prediction.bands, bands, 'band')}."
-    rest, best = found.rest, found.best
+    yield from _film_lines(prediction, found, bands)
+    if found.best is not None:
+        held = "Afloat at" if found.carries_afloat else "Held at"
+        place = _shown(prediction, found.best.coordinate)
+        yield f"{held} {place} it carries up to {_most_payload(found.best, bands)}."
+
+
+def _film_lines(prediction: "Prediction", found: "Verdict", bands: Bands) -> Iterator[str]:
+    """What becomes of a flyer when let go, and where and in which light its film survives."""
+    bears, rest = f"{found.highest_temperature or 0.0:.0f} K", found.rest
+    known = found.highest_temperature is not None
+    film = f"its film bears {bears}" if known else "its film's limit is not stated"
     if rest is not None:
-        film = {
-            None: "its film's limit is not stated",
-            True: f"its film bears {bears} and survives",
-            False: f"its film bears {bears}",
-        }[found.survives]
         band = bands.get("verdict.rest.temperature_k")
         hot = _with_band(rest.values["temperature"], band, ".0f", "K")
-        yield f"Let go, it rests at {_shown(prediction, rest.coordinate)} and {hot}; {film}."
-    if found.strongest_light == 0.0:
+        survives = " and survives" if found.survives else ""
+        place = _shown(prediction, rest.coordinate)
+        yield f"Let go, it rests at {place} and {hot}; {film}{survives}."
+    ways = []
+    if found.strongest_light and math.isfinite(found.strongest_light):
+        ways.append(f"in up to {found.strongest_light:.4g} W/m²")
+    if found.ballast is not None:
+        least = _mass(float(f"{found.ballast[0]:.3g}"))
+        ways.append(f"with {least} or more aboard")
+    if ways:
+        yield f"At rest its film survives {', or '.join(ways)}."
+    elif found.survives is False:
         yield "No light that lifts it is weak enough for its film at rest."
-    elif found.survives is False or math.isfinite(found.strongest_light or math.inf):
-        yield f"At rest its film survives in up to {found.strongest_light:.4g} W/m²."
     if found.limit == "film":
         parts = "nowhere in that range"
         if found.usable:
             parts = _ranges(prediction, found.usable, bands, "verdict.usable_band")
         yield f"Its film survives {parts}{'' if rest else f', as it bears {bears}'}."
     elif rest is None:
-        known = found.highest_temperature is not None
-        yield (
-            f"Its film bears {bears} and survives." if known else "Its film's limit is not stated."
-        )
-    if best is not None:
-        factor, unit = OUTPUTS["payload"].shown_for(best.values["payload"])
-        json_key, json_factor = OUTPUTS["payload"].json
-        band = bands.get(f"verdict.best.{json_key}", bands.get(f"best.{json_key}"))
-        if band is not None:
-            band = band[0] * factor / json_factor, band[1] * factor / json_factor
-        payload = _with_band(best.values["payload"] * factor, band, ".3g", unit)
-        yield f"Held at {_shown(prediction, best.coordinate)} it carries up to {payload}."
+        yield f"I{film[1:]}{' and survives' if known else ''}."
+
+
+def _most_payload(best: "Place", bands: Bands) -> str:
+    """The largest payload where the film survives, with its band."""
+    output = OUTPUTS["payload"]
+    (factor, unit), (key, json_factor) = output.shown_for(best.values["payload"]), output.json
+    band = bands.get(f"verdict.best.{key}", bands.get(f"best.{key}"))
+    if band is not None:
+        band = band[0] * factor / json_factor, band[1] * factor / json_factor
+    return _with_band(best.values["payload"] * factor, band, ".3g", unit)
 
 
 def _with_band(value: float, band: tuple[float, float] | None, form: str, unit: str = "") -> str:

@@ -36,9 +36,17 @@ class Verdict:
     #: enough, infinite where none that leaves it within the search is too strong. None where
     #: ``survives`` is
     strongest_light: float | None
+    #: Payloads between which it comes to rest, let go, where its film survives [kg], though it does
+    #: not with its own payload; None where there are none
+    ballast: tuple[float, float] | None
     #: What decides: the light where it lifts the flyer nowhere, the film where it does not survive
     #: in the whole band, else the lift at both edges
     limit: Limit
+
+    @property
+    def carries_afloat(self) -> bool:
+        """Whether it needs nothing to hold it where it carries most: it rests there, so loaded."""
+        return self.survives is True or self.ballast is not None
 
 
 def verdict_of(prediction: "Prediction") -> Verdict:
@@ -47,7 +55,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     stated = found.setup.flyer.highest_temperature
     highest = None if stated is None else float(stated)
     if found.widest is None:
-        return Verdict(highest, [], None, None, None, None, None, "light")
+        return Verdict(highest, [], None, None, None, None, None, None, "light")
     lower, upper = found.bands[found.widest]
     drifts = found.coordinate.name == "altitude"
     rest = evaluate.place(upper) if drifts and upper < found.coordinates[-1] else None
@@ -59,6 +67,10 @@ def verdict_of(prediction: "Prediction") -> Verdict:
         if rest is not None:
             survives = rest.values["temperature"] <= highest
             strongest = _strongest_light(evaluate, found, highest, survives=survives)
+    ballast = None
+    if survives is False and best is found.best:  # the peak of lift, below which nothing floats
+        (top,) = (high for low, high in usable if low <= best.coordinate <= high)
+        ballast = evaluate.place(top).values["payload"], best.values["payload"]
     return Verdict(
         highest_temperature=highest,
         usable=usable,
@@ -67,6 +79,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
         rest=rest,
         survives=survives,
         strongest_light=strongest,
+        ballast=ballast,
         limit="lift" if usable == found.bands else "film",
     )
 

@@ -130,9 +130,12 @@ class ObjectiveFunction:
         """Outputs at a point, with uncertain ones reduced to one number; ``point`` (k,)."""
         scores, _ = self.scores_and_jacobian(point)
         problem, count = self.problem, len(self.problem.objectives)
+        limits = self._context.limits
         limited = {
-            part.name: float(part.limit + part.sign * part.scale * score)
-            for part, score in zip(problem.constraints, scores[count:], strict=True)
+            part.name: float(limit + part.sign * scale * score)
+            for part, limit, scale, score in zip(
+                problem.constraints, limits, _scales(limits), scores[count:], strict=True
+            )
         }
         return limited | {
             part.name: float(part.sign * score)
@@ -225,7 +228,7 @@ class ObjectiveFunction:
         problem = self.problem
         objectives = [part.sign * values[part.name, part.sign] for part in problem.objectives]
         limits = jnp.asarray(context.limits)
-        scales = jnp.where(limits == 0.0, 1.0, jnp.abs(limits))
+        scales = _scales(limits)
         constraints = [
             part.sign * (values[part.name, part.sign] - limits[number]) / scales[number]
             for number, part in enumerate(problem.constraints)
@@ -345,6 +348,11 @@ class ObjectiveFunction:
             for name, value in (stated | problem.fixed | means).items()
             if name not in free and name != design.coordinate_name
         }
+
+
+def _scales(limits: Any) -> Any:
+    """Sizes of limits, by which violations of constraints are measured."""
+    return abs(limits) + (limits == 0.0)
 
 
 def _compile(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -23,11 +23,14 @@ class Template(NamedTuple):
         Name under which it is written where none is given.
     following : tuple of str
         Commands that use it; ``{}`` stands for its path.
+    changes : tuple of (str, str)
+        Texts of the source, and what stands in their place.
     """
 
     source: str
     name: str
     following: tuple[str, ...]
+    changes: tuple[tuple[str, str], ...] = ()
 
     @property
     def is_flyer(self) -> bool:
@@ -36,7 +39,11 @@ class Template(NamedTuple):
 
     def read(self) -> str:
         """The text."""
-        return (resources.files("lightflyer") / "data" / self.source).read_text(encoding="utf-8")
+        folder = resources.files("lightflyer") / "data"
+        text = (folder / self.source).read_text(encoding="utf-8")
+        for before, after in self.changes:
+            text = text.replace(before, after, 1)
+        return text
 
 
 _MODEL = re.compile(r'^model = "([^"]*)".*$', re.M)
@@ -58,6 +65,15 @@ _OTHERS = {
     ),
 }
 _FIRST = "earth"
+_LADEN = (
+    ("the 2-cm germanium-coated mylar disk", "a 5-mm germanium-coated mylar disk"),
+    (
+        "(2023).\n",
+        "(2023),\n# laden so that it comes to rest low enough for its film to survive.\n",
+    ),
+    ('diameter = "2 cm"', 'diameter = "5 mm"'),
+    ('payload = "0 mg"    ', 'payload = "0.03 mg" '),
+)
 
 
 def templates() -> dict[str, Template]:
@@ -78,7 +94,8 @@ def templates() -> dict[str, Template]:
         for name in sorted(names)
         if name.startswith(_PREFIX) and name.endswith(_SUFFIX)
     }
-    return {_FIRST: flyers.pop(_FIRST), **flyers, **_OTHERS}
+    first = flyers.pop(_FIRST)
+    return {_FIRST: first, "laden": first._replace(changes=_LADEN), **flyers, **_OTHERS}
 
 
 def init(
@@ -96,7 +113,8 @@ def init(
     path
         Where to write it; by default flyer.toml, study.toml or points.csv.
     kind
-        What it is. Flyer files: earth (a disk over Earth), chamber (the disk in a vacuum chamber),
+        What it is. Flyer files: earth (a disk over Earth), laden (a smaller one that survives,
+        for what it carries), chamber (the disk in a vacuum chamber),
         mars (the disk over Mars), layers (a film given by its layers), sandwich (two perforated
         membranes over Earth), plate (nanocardboard in the chamber), balloon (a solar balloon over
         Earth), hollow (a sphere that pumps gas, over Earth). A mission: mission. Studies: sweep,

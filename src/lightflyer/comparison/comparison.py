@@ -25,7 +25,7 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.prediction.evaluator import Evaluator, Table
+from lightflyer.prediction.evaluator import Evaluator, Place, Table
 from lightflyer.prediction.prediction import Prediction, predict_design
 from lightflyer.uncertainty.propagation import (
     DEFAULT_SAMPLES,
@@ -69,6 +69,19 @@ class Compared:
         """Flyer and force model in a few words."""
         return f"{self.setup.flyer.describe()}, {type(self.setup.model).__name__}"
 
+    @property
+    def best(self) -> Place:
+        """Where it carries most and its film survives; else the peak of lift."""
+        found = self.prediction.verdict.best
+        return self.prediction.best if found is None else found
+
+    @property
+    def usable_payload(self) -> float:
+        """Largest payload where its film survives [kg]; minus infinity where it does nowhere."""
+        verdict = self.prediction.verdict
+        flies_cool = verdict.best is not None or not self.prediction.bands
+        return self.best.values["payload"] if flies_cool else -np.inf
+
     def band(self, output: str) -> tuple[np.ndarray, np.ndarray] | None:
         """95 % band of an output on the common grid, in SI units; None where there is none."""
         if self.uncertainty is None or output not in self.uncertainty.low:
@@ -76,11 +89,12 @@ class Compared:
         return self.uncertainty.low[output], self.uncertainty.high[output]
 
     def best_band(self, output: str) -> tuple[float, float] | None:
-        """95 % band of an output where the payload is largest, in SI units."""
+        """95 % band of an output at the best place, in SI units."""
         if self.uncertainty is None:
             return None
         key, scale = outputs_of(self.setup)[output].json
-        band = self.uncertainty.bands.get(f"best.{key}")
+        held = self.prediction.verdict.highest_temperature is not None
+        band = self.uncertainty.bands.get(f"{'verdict.' if held else ''}best.{key}")
         return None if band is None else (band[0] / scale, band[1] / scale)
 
     def summary(self) -> dict[str, Any]:
@@ -114,14 +128,12 @@ class Comparison(PrintedResult):
 
     @property
     def best(self) -> Compared:
-        """The flyer of the largest payload."""
-        return max(self.flyers, key=lambda found: found.prediction.best.values["payload"])
+        """The flyer of the largest payload that its film survives."""
+        return max(self.flyers, key=lambda found: found.usable_payload)
 
     def display_unit(self, output: str) -> tuple[float, str]:
         """Factor from an output's SI unit, and the unit, that suit the best of all flyers."""
-        return OUTPUTS[output].shown_for(
-            [found.prediction.best.values[output] for found in self.flyers]
-        )
+        return OUTPUTS[output].shown_for([found.best.values[output] for found in self.flyers])
 
     @cached_property
     def _setups(self) -> dict[str, Setup]:
@@ -142,7 +154,9 @@ class Comparison(PrintedResult):
         """What a reader must know, one line each: surroundings that differ, then each flyer's."""
         unequal = tuple(f"not on one footing: {found}" for found in self.differing_surroundings)
         own = tuple(
-            f"{found.name}: {text}" for found in self.flyers for text in found.prediction.warnings
+            f"{found.name}: {text}"
+            for found in self.flyers
+            for text in found.prediction.other_warnings
         )
         return unequal + self._unequal_bands() + own
 

@@ -3,10 +3,12 @@
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
 from rich.table import Table
 
 from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, budget_outputs
-from lightflyer.files.result_text import Parts, warning_lines
+from lightflyer.files.result_text import Parts, warning_lines, wrapped
+from lightflyer.prediction.text import film_lines
 
 if TYPE_CHECKING:
     from lightflyer.comparison.comparison import Compared, Comparison
@@ -19,7 +21,12 @@ def comparison_parts(comparison: "Comparison") -> Parts:
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         yield f"{letter}  {found.name}: {found.description}"
     yield _best_table(comparison)
+    for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
+        if found.prediction.verdict.highest_temperature is not None:
+            yield from (wrapped(f"{letter}  {line}") for line in film_lines(found.prediction))
     yield _payloads_table(comparison)
+    if any(np.any(_too_hot(found)) for found in comparison.flyers):
+        yield "! hotter than the film bears"
     if any(found.setup.budget is not None for found in comparison.flyers):
         yield needs_table(comparison)
     yield from map(str, comparison.differing_models)
@@ -27,12 +34,12 @@ def comparison_parts(comparison: "Comparison") -> Parts:
 
 
 def _best_table(comparison: "Comparison") -> Table:
-    """Largest payload of each flyer; the best of all is marked."""
+    """Largest payload that each film survives; the best of all is marked."""
     unit, (scale, mass) = comparison.coordinate.shown_unit, comparison.display_unit("payload")
     table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
     table.add_column("")
     headings = (f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
-                "per area\n[g/m²]", "of own\nmass", "hottest\n[K]",
+                "per area\n[g/m²]", "of own\nmass", "hot\n[K]",
                 f"levitates\n[{unit}]")  # fmt: skip
     for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
@@ -44,18 +51,22 @@ def _best_table(comparison: "Comparison") -> Table:
 
 def _best_cells(found: "Compared", scale: float) -> tuple[str, ...]:
     prediction, digits = found.prediction, _digits(found)
-    values, (_, factor) = prediction.best.values, prediction.coordinate_key
+    values, (_, factor) = found.best.values, prediction.coordinate_key
     band = found.best_band("payload")
     shown = {name: values[name] * OUTPUTS[name].shown[0] for name in values if name in OUTPUTS}
     widest = prediction.widest
     flies = "nowhere"
     if widest is not None:
-        low, high = (format(edge * factor, digits) for edge in prediction.bands[widest])
+        ends = zip(prediction.bands[widest], prediction.coordinates[[0, -1]], "<>", strict=True)
+        low, high = (
+            f"{open_mark if edge == end else ''}{format(edge * factor, digits)}"
+            for edge, end, open_mark in ends
+        )
         flies = f"{low} to {high}" + (" …" if len(prediction.bands) > 1 else "")
     return (
         format(values["payload"] * scale, ".4g"),
         "–" if band is None else f"{band[0] * scale:.3g} to {band[1] * scale:.3g}",
-        format(prediction.best.coordinate * factor, digits),
+        format(found.best.coordinate * factor, digits),
         format(shown["payload_per_area"], ".3g"),
         format(shown["relative_payload"], ".3g"),
         format(shown["temperature"], ".0f"),
@@ -70,12 +81,12 @@ def needs_table(comparison: "Comparison") -> Table:
     having = [found for found in comparison.flyers if found.setup.budget is not None]
     scales = {}
     for name, output in BUDGET_OUTPUTS.items():
-        values = [found.prediction.best.values.get(name, math.nan) for found in having]
+        values = [found.best.values.get(name, math.nan) for found in having]
         scales[name], unit = output.shown_for(values)
         heading = f"{name.replace('_', ' ')}\n[{unit.replace('^2', '²')}]"
         table.add_column(heading, justify="right", no_wrap=True)
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
-        known, best = budget_outputs(found.setup), found.prediction.best.values
+        known, best = budget_outputs(found.setup), found.best.values
         cells = [
             format(best[name] * scale, ".4g") if name in known else "–"
             for name, scale in scales.items()
@@ -84,12 +95,18 @@ def needs_table(comparison: "Comparison") -> Table:
     return table
 
 
+def _too_hot(found: "Compared") -> np.ndarray:
+    """Where, of the listed coordinates, the film is hotter than it bears."""
+    highest = found.prediction.verdict.highest_temperature
+    return found.listed["temperature"] > (math.inf if highest is None else highest)
+
+
 def _digits(found: "Compared") -> str:
     return ".3g" if found.prediction.coordinate.logarithmic else ".1f"
 
 
 def _payloads_table(comparison: "Comparison") -> Table:
-    """Payload of each flyer at round coordinates; the largest is marked."""
+    """Payload of each flyer at round coordinates; the largest that its film survives is marked."""
     where, (scale, mass) = comparison.coordinate, comparison.display_unit("payload")
     _, factor = comparison.flyers[0].prediction.coordinate_key
     table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
@@ -97,12 +114,14 @@ def _payloads_table(comparison: "Comparison") -> Table:
     table.add_column(heading, justify="right", no_wrap=True)
     for letter, _ in zip(_LETTERS, comparison.flyers, strict=False):
         table.add_column(letter, justify="right")
+    hot = np.array([_too_hot(found) for found in comparison.flyers])
+    payloads = scale * np.array([found.listed["payload"] for found in comparison.flyers])
+    best = np.max(np.where(hot, 0.0, payloads), axis=0)
+    marks = np.where(hot, "!", np.where(payloads == best, "*", " "))
     for index, coordinate in enumerate(comparison.listed):
-        payloads = [found.listed["payload"][index] * scale for found in comparison.flyers]
-        best = max(payloads)
         cells = [
-            f"{payload:.3g}{'*' if payload == best > 0.0 else ' '}" if payload > 0.0 else "– "
-            for payload in payloads
+            f"{payload:.3g}{mark}" if payload > 0.0 else "– "
+            for payload, mark in zip(payloads[:, index], marks[:, index], strict=True)
         ]
         table.add_row(f"{coordinate * factor:.6g}", *cells)
     return table

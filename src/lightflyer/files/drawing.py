@@ -36,6 +36,8 @@ LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 BAND, INTERVAL = "95 % band", "95 % interval"
 """What shaded bands and error bars are, in legends."""
 
+TOO_HOT = "hotter than its film bears"  # What hatched ranges are
+
 FORMATS = ("png", "svg", "pdf")  # Endings of the files that :func:`save` writes
 OWN_STYLES = ("column",)  # Style sheets of the package: a journal's column of 8.6 cm
 DOTS_PER_INCH = 150  # Of a PNG where nothing else is asked
@@ -168,6 +170,15 @@ def wrapped(label: str, width: int = 28) -> str:
     levitates the flyer [W/m²]
     """
     return "\n".join(textwrap.wrap(label, width))
+
+
+def hatch(ax: Axes, low: float, high: float, label: str = TOO_HOT) -> None:
+    """Hatch a range of the axis along which something is impossible; one entry in the legend."""
+    named = label in ax.get_legend_handles_labels()[1]
+    ax.axvspan(
+        low, high, facecolor="none", edgecolor=VERMILION, hatch="///", alpha=0.35, lw=0.0,
+        label=None if named else label,
+    )  # fmt: skip
 
 
 def legend_below(

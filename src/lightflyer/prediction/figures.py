@@ -20,6 +20,7 @@ from lightflyer.files.drawing import (
     SKY,
     VERMILION,
     figure_for,
+    hatch,
     legend_below,
     new_figure,
     outlined,
@@ -112,10 +113,16 @@ def _write_at(
 
 
 def _shade_bands(prediction: "Prediction", ax: Axes) -> None:
-    for index, band in enumerate(prediction.bands):
-        lower, upper = (across(prediction) * edge for edge in band)
+    """Shade where the flyer levitates, and hatch where its film does not survive that."""
+    factor, usable = across(prediction), prediction.verdict.usable
+    for index, (low, high) in enumerate(prediction.bands):
         label = "levitates in the available light" if index == 0 else None
-        ax.axvspan(lower, upper, color=GREEN, alpha=0.15, lw=0, label=label)
+        ax.axvspan(factor * low, factor * high, color=GREEN, alpha=0.15, lw=0, label=label)
+        inside = [edge for part in usable if low <= part[0] <= high for edge in part]
+        ends = [low, *inside, high]
+        for start, end in zip(ends[::2], ends[1::2], strict=True):
+            if end > start:
+                hatch(ax, factor * start, factor * end)
 
 
 def _coordinate_axis(prediction: "Prediction", ax: Axes) -> None:
@@ -207,6 +214,10 @@ def temperature(prediction: "Prediction", ax: Axes) -> Axes:
     coldest, hottest = table["gas_temperature"][shown].min(), table["temperature"][shown].max()
     if prediction.easiest is not None:
         hottest = max(hottest, prediction.easiest.values["levitation_temperature"])
+    limit = prediction.verdict.highest_temperature
+    if limit is not None:
+        hottest = max(hottest, limit)
+        ax.axhline(limit, color=VERMILION, lw=0.8, ls="--", label=f"film bears {limit:.0f} K")
     ax.set_ylim(coldest - _MARGIN, hottest + _HEADROOM * (hottest - coldest))
     ax.set_ylabel("temperature [K]")
     _coordinate_axis(prediction, ax)
@@ -217,8 +228,9 @@ def temperature(prediction: "Prediction", ax: Axes) -> Axes:
 def payload(prediction: "Prediction", ax: Axes) -> Axes:
     """Draw the largest payload, with the relative payload on the right."""
     factor, (scale, unit) = across(prediction), shown_for_best(prediction, "payload")
-    values = prediction.best.values
-    best, point = values["payload"] * scale, factor * prediction.best.coordinate
+    place = prediction.verdict.best or prediction.best
+    values = place.values
+    best, point = values["payload"] * scale, factor * place.coordinate
     own_mass = float(prediction.setup.flyer.own_mass) * scale
     _shade_bands(prediction, ax)
     places, payloads = factor * prediction.coordinates, prediction.table["payload"] * scale
@@ -228,7 +240,8 @@ def payload(prediction: "Prediction", ax: Axes) -> Axes:
     _write_at(prediction, ax, where, (point, best), _RISE)
     ax.axhline(0.0, color=GREY, lw=0.8)
     low = min(0.0, best) - 0.35 * max(abs(best), 0.3 * own_mass)
-    ax.set_ylim(low, best + 0.3 * (best - low))
+    highest = prediction.best.values["payload"] * scale
+    ax.set_ylim(low, highest + 0.3 * (highest - low))
     ax.set_ylabel(f"largest payload [{unit}]")
 
     def relative(mass: Any) -> Any:

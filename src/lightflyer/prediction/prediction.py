@@ -13,7 +13,7 @@ import numpy as np
 from lightflyer.config.designs import as_design
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.design import AbstractDesign
-from lightflyer.design.diagnostics import diagnose_at, diagnose_force
+from lightflyer.design.diagnostics import TOO_HOT, diagnose_at, diagnose_force
 from lightflyer.design.outputs import (
     budget_outputs,
     json_name,
@@ -112,6 +112,12 @@ class Prediction(PrintedResult):
         needs = () if budget is None else budget.describe()
         of_model = setup.model.assumptions(setup.flyer)
         return (*setup.environment.assumptions(), *of_model, *needs)
+
+    @property
+    def other_warnings(self) -> tuple[str, ...]:
+        """Warnings of what the verdict does not say: it tells where a film survives."""
+        stated = self.verdict.highest_temperature is not None
+        return tuple(text for text in self.warnings if not (stated and text.startswith(TOO_HOT)))
 
     @property
     def coordinate(self) -> Coordinate:

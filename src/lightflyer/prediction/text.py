@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from rich.table import Table
 
-from lightflyer.design.diagnostics import TOO_HOT
 from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, node_outputs, outputs_of
 from lightflyer.files.result_text import (
     NARROW,
@@ -22,7 +21,6 @@ from lightflyer.files.result_text import (
 if TYPE_CHECKING:
     from lightflyer.prediction.evaluator import Place
     from lightflyer.prediction.prediction import Prediction
-    from lightflyer.prediction.verdict import Verdict
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 _TWO_DIGITS = 4.0  # first digit of half a band below which two of its digits are told
@@ -49,10 +47,7 @@ def prediction_parts(
         yield "* hotter in the light than its film bears"
     if verbose:
         yield _results(prediction, prediction.summary())
-    # of heat the verdict says more
-    stated = prediction.verdict.highest_temperature is not None
-    warnings = (text for text in prediction.warnings if not (stated and text.startswith(TOO_HOT)))
-    yield from (wrapped(line, width) for line in warning_lines(warnings))
+    yield from (wrapped(line, width) for line in warning_lines(prediction.other_warnings))
     if verbose:
         yield wrapped("; ".join(prediction.assumptions), width)
 
@@ -68,15 +63,16 @@ def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[st
         yield f"It does not fly: lift is at most {_most_lift(prediction, bands)}."
         return
     yield f"It flies {_ranges(prediction, prediction.bands, bands, 'band')}."
-    yield from _film_lines(prediction, found, bands)
+    yield from film_lines(prediction, bands)
     if found.best is not None:
         held = "Afloat at" if found.carries_afloat else "Held at"
         place = _shown(prediction, found.best.coordinate)
         yield f"{held} {place} it carries up to {_most_payload(found.best, bands)}."
 
 
-def _film_lines(prediction: "Prediction", found: "Verdict", bands: Bands) -> Iterator[str]:
+def film_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
     """What becomes of a flyer when let go, and where and in which light its film survives."""
+    found = prediction.verdict
     bears, rest = f"{found.highest_temperature or 0.0:.0f} K", found.rest
     known = found.highest_temperature is not None
     film = f"its film bears {bears}" if known else "its film's limit is not stated"
@@ -91,7 +87,7 @@ def _film_lines(prediction: "Prediction", found: "Verdict", bands: Bands) -> Ite
         ways.append(f"in up to {found.strongest_light:.4g} W/m²")
     if found.ballast is not None:
         least = _mass(float(f"{found.ballast[0]:.3g}"))
-        ways.append(f"with {least} or more aboard")
+        ways.append(f"with {least} and more")
     if ways:
         yield f"At rest its film survives {', or '.join(ways)}."
     elif found.survives is False:

@@ -108,7 +108,7 @@ def designs():
 
 
 _CALLS = """
-const { about, bands, defaults, evaluate, flyerFile, profile } = lightflyerCore;
+const { about, bands, defaults, evaluate, flyerFile, profile, rest } = lightflyerCore;
 const names = about.numbers.filter((number) => number.computed).map((number) => number.name);
 const named = (row) =>
   ({ ...defaults(), ...Object.fromEntries(names.map((name, at) => [name, row[at]])) });
@@ -120,6 +120,7 @@ const calls = {
   files: (name, rows) => rows.map((row) => flyerFile(name, named(row))),
   bands: (name, [row]) =>
     bands(name, named(row), altitudes, profile(name, named(row), altitudes)),
+  rest: (name, [row]) => rest(name, named(row), altitudes, calls.bands(name, [row])),
 };
 """
 
@@ -133,7 +134,7 @@ def computed(script, designs, run_javascript):
         calls[name, "slopes"] = _si(rows[:SLOPED])
         calls[name, "warnings"] = rows
         calls[name, "files"] = rows[-SLOPED:]
-        calls[name, "bands"] = rows[-1:]
+        calls[name, "bands"] = calls[name, "rest"] = rows[-1:]
     found = run_javascript(
         script + _CALLS,
         [(f"calls.{kind}", (name, rows.tolist())) for (name, kind), rows in calls.items()],
@@ -263,6 +264,9 @@ def test_predict_reproduces_a_downloaded_file(computed, designs, tmp_path):
     for output in ("levitation_irradiance", "temperature", "lift_over_weight"):
         assert predicted.at[output][0] == pytest.approx(shown[output], rel=AGREEMENT)
     np.testing.assert_allclose(computed[name, "bands"], predicted.bands, rtol=1e-9)
+    rest, found = computed[name, "rest"], predicted.verdict.rest
+    assert rest["altitude"] == pytest.approx(found.coordinate, rel=1e-9)
+    assert rest["temperature"] == pytest.approx(found.values["temperature"], rel=1e-7)
 
 
 def test_the_start_is_the_file_of_init(tmp_path):

@@ -89,7 +89,7 @@ def test_page_shows_what_python_computes(page):
     own = names["prediction"].summary()
     shown = page.evaluate("explorer.summary")
     assert shown == json.loads(json.dumps(own))  # closer than 1e-9: the same
-    assert f"{own['best']['payload_mg']:.4g} mg" in page.inner_text("#readings")
+    assert f"{own['verdict']['best']['payload_mg']:.4g} mg" in page.inner_text("#readings")
     curve = page.evaluate("[...explorer.figures.data.get('payload').sources.curve.payload]")
     assert max(curve) == pytest.approx(1e6 * max(names["prediction"].table["payload"]), rel=1e-9)
 

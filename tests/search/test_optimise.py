@@ -287,17 +287,23 @@ def test_what_else_cannot_be_asked(flyer, payload):
         lf.optimise(flyer, **both, starts=0)
 
 
-def test_what_is_out_of_range_is_refused():
+def test_what_is_out_of_range_is_said_beside_what_is_within():
     """The fit of lu2023 holds for 2 to 4 cm, and no mylar bears 700 K."""
     over = {"flyer.diameter": {"from": "2 cm", "to": "30 cm"}, "altitude": ALTITUDE}
     wide = {"maximise": "payload", "over": over, "starts": 2}
     film = FILM | {"areal_density": "0.1 g/m^2"}
     flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "lu2023"})
-    with pytest.raises(lf.LightflyerError, match=r"the diameter \[m\] is 0.\d+ at .*beyond_range"):
-        lf.optimise(flyer, **wide)
-    accepted = lf.optimise(flyer, **wide, beyond_range=True)
-    assert any("the diameter [m]" in text for text in accepted.warnings)
-    assert accepted.summary()["warnings"] == list(accepted.warnings)
+    best = lf.optimise(flyer, **wide)
+    assert any("the diameter [m]" in text for text in best.warnings)
+    assert best.summary()["warnings"] == list(best.warnings)
+    (within,) = best.rivals
+    assert within.words == "the best of 512 designs within the force model's range"
+    assert 0.02 <= within.design["flyer.diameter"] <= 0.05
+    assert within.value < best.value
+    there = lf.sweep(flyer, over=within.design, outputs=["payload"])
+    assert float(there.payload) == pytest.approx(within.value, rel=1e-9)
+    assert "within the force model's range: payload" in str(best).replace("\n", " ")
+    assert not lf.optimise(flyer, **wide, beyond_range=True).rivals
 
 
 def test_a_film_gets_no_hotter_than_it_bears():
@@ -311,7 +317,32 @@ def test_a_film_gets_no_hotter_than_it_bears():
     assert any("its film bears 450 K" in text for text in hot.warnings)
     assert cool.outputs["temperature"] == pytest.approx(450.0, rel=1e-6)
     assert cool.value < hot.value
+    (rival,) = cool.rivals
+    assert rival.words == "whatever the film bears"
+    assert rival.value == pytest.approx(hot.value, rel=1e-6)
+    assert rival.design["altitude"] == pytest.approx(hot.design["altitude"], rel=1e-4)
     assert all("does not lift its weight" in text for text in cool.warnings)
+
+
+def test_a_search_answers_though_no_film_is_cool_enough():
+    """Empty disks of any size come to rest hotter than 520 K; laden ones need not."""
+    film = FILM | {"highest_temperature": "520 K"}
+    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "free-molecular"})
+    over = {"flyer.diameter": {"from": "0.5 cm", "to": "2 cm"}}
+    found = lf.optimise(flyer, maximise="highest_altitude", over=over, starts=1)
+    assert any("as cool as it must be" in text for text in found.warnings)
+    (limit,) = found.problem.constraints
+    assert (limit.name, limit.of_film) == ("rest_temperature", True)
+    assert 520.0 < found.outputs["rest_temperature"] < 700.0
+    assert found.outputs["rest_temperature"] == pytest.approx(
+        found.prediction.verdict.rest.values["temperature"], rel=1e-6
+    )
+    afloat = problem(flyer, maximise="afloat_payload", over=over)
+    assert [part.name for part in afloat.constraints] == ["afloat_temperature"]
+    assert not problem(flyer, maximise="usable_payload", over=over).constraints
+    limits = {"temperature": {"at_least": "400 K", "at_most": "390 K"}}
+    with pytest.raises(lf.ConfigurationError, match="at_least is above at_most"):
+        problem(flyer, maximise="payload", over={"altitude": ALTITUDE}, constraints=limits)
 
 
 def test_a_quantile_is_taken_on_the_worse_side():

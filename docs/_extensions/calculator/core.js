@@ -44,7 +44,7 @@
       said.push(...beyond(range, looked[index], results.pressure));
     });
     const limit = values[LIMIT];
-    if (results.temperature > limit * LIMIT_ROUNDING) {
+    if (isTooHot(values, results.temperature)) {
       said.push(
         `the flyer reaches ${results.temperature.toFixed(0)} K, and its film bears ` +
           `${limit.toFixed(0)} K`,
@@ -63,6 +63,11 @@
     if (lowest !== null && value < lowest) return [line("below", lowest)];
     if (highest !== null && value > highest) return [line("above", highest)];
     return [];
+  }
+
+  /** Whether a film is hotter than it bears; temperature: [K]. */
+  function isTooHot(values, temperature) {
+    return temperature > values[LIMIT] * LIMIT_ROUNDING;
   }
 
   /** Whether a row of results is within all ranges of a force model. */
@@ -144,6 +149,15 @@
     return found;
   }
 
+  /** Where it comes to rest when let go: altitude [m] and temperature [K]; null if not in sight. */
+  function rest(model, values, altitudes, found) {
+    const widths = found.map(([low, high]) => high - low);
+    const widest = found[widths.indexOf(Math.max(...widths))];
+    if (!widest || widest[1] === altitudes[altitudes.length - 1]) return null;
+    const [row] = profile(model, values, [widest[1]]);
+    return { altitude: widest[1], temperature: row[place.temperature] };
+  }
+
   /** Where it needs the least light: altitude [m] and irradiance [W/m²]; null if nowhere. */
   function easiest(model, values, altitudes, rows) {
     const lights = rows.map((row) => row[place.levitation_irradiance]);
@@ -217,6 +231,8 @@
     isInRange,
     profile,
     bands,
+    rest,
+    isTooHot,
     easiest,
     map,
     elasticities,

@@ -175,6 +175,7 @@
     const isLow = own.some((row) => row[place.levitation_irradiance] < LIGHTS[0]);
     const words = [
       curveWords(found, least, light),
+      restWords(values, core.rest(model, values, ALTITUDES, found)),
       isBeyond ? "The line is faint where the force model is beyond its range." : "",
       isLow ? `It runs along the axis where less than ${LIGHTS[0]} W/m² suffice.` : "",
     ].join(" ").trim();
@@ -206,6 +207,14 @@
     if (least === null) return `${bands} No light lifts it there.`;
     const needed = amount("levitation_irradiance", least.irradiance);
     return `${bands} It needs least at ${kilometres(least.altitude)} km: ${needed}.`;
+  }
+
+  function restWords(values, rest) {
+    if (rest === null) return "";
+    const limit = values["film.highest_temperature"];
+    const film = `its film bears ${limit} K${rest.temperature > limit ? "" : " and survives"}`;
+    const place = `${(rest.altitude / KILO).toFixed(1)} km and ${rest.temperature.toFixed(0)} K`;
+    return `Let go, it rests at ${place}; ${film}.`;
   }
 
   let chart = null;

@@ -9,6 +9,7 @@
   const SLIDER_DIGITS = 3;
   const SETTLED_AFTER = 600; // ms without a move
   const SAVED_AFTER = 10e3; // ms
+  const FILM_LIMIT = "film.highest_temperature";
   const LINK = "#design:";
 
   const values = core.defaults();
@@ -147,6 +148,10 @@
     const needed = results.levitation_irradiance;
     const light = values["environment.irradiance"];
     if (!results.converged) return `The heat balance has not converged ${where}.`;
+    if (results.lift_over_weight >= 1 && core.isTooHot(values, results.temperature)) {
+      const hot = amount("temperature", results.temperature);
+      return `Levitates ${where}, but its film melts: it is ${hot}, and bears ${values[FILM_LIMIT]} K.`;
+    }
     if (results.lift_over_weight >= 1) {
       const share = general(results.relative_payload, 3);
       const most = amount("payload", results.payload);
@@ -168,7 +173,8 @@
 
   function showResults(results) {
     const verdict = verdictOf(results);
-    const flies = results.converged && results.lift_over_weight >= 1;
+    const survives = !core.isTooHot(values, results.temperature);
+    const flies = results.converged && results.lift_over_weight >= 1 && survives;
     element("lf-verdict").textContent = verdict;
     element("lf-verdict").dataset.flies = String(flies);
     about.outputs.forEach((output) => {

@@ -23,7 +23,7 @@ def comparison_parts(comparison: "Comparison") -> Parts:
     yield _best_table(comparison)
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         if found.prediction.verdict.highest_temperature is not None:
-            yield from (wrapped(f"{letter}  {line}") for line in film_lines(found.prediction))
+            yield from (wrapped(f"{letter}: {line}") for line in film_lines(found.prediction))
     yield _payloads_table(comparison)
     if any(np.any(_too_hot(found)) for found in comparison.flyers):
         yield "! hotter than the film bears"

@@ -6,7 +6,7 @@ all numbers: moving a slider compiles nothing. What was computed for a design is
 
 import math
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, wraps
 from typing import Any, NamedTuple, ParamSpec, TypeVar
@@ -120,21 +120,25 @@ def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) 
     where = prediction.coordinate
     _, factor = prediction.coordinate_key
     spreads = {} if uncertainty is None else uncertainty.summary()["results"]
-    found = [_band(prediction, spreads)]
+    found = [_band(prediction, spreads), *_verdict(prediction, spreads)]
     group, light = where.easiest_keys
     if prediction.easiest is not None:
         least = prediction.easiest.values["levitation_irradiance"]
         at = _number(prediction.easiest.coordinate * factor, where.shown_unit)
         found.append(_reading(f"{group}.{light}", f"least light, at {at}", least, "W/m²", spreads))
-    best = _number(prediction.best.coordinate * factor, where.shown_unit)
+    verdict = prediction.verdict
+    place = verdict.best or prediction.best
+    held = "afloat at" if verdict.carries_afloat else "at"
+    best = f"{held} {_number(place.coordinate * factor, where.shown_unit)}"
+    group = "best" if place is prediction.best else "verdict.best"
     for name in ("payload", "lift_over_weight", "temperature"):
         output = OUTPUTS[name]
         json_key, json_scale = output.json
-        value = prediction.best.values[name]
+        value = place.values[name]
         scale, unit = output.shown_for(value)
         reading = _reading(
-            f"best.{json_key}",
-            f"{_SHORT[name]}, at {best}",
+            f"{group}.{json_key}",
+            f"{_SHORT[name]}, {best}",
             value * json_scale,
             pretty_unit(unit),
             spreads,
@@ -170,6 +174,24 @@ def _band(prediction: Prediction, spreads: Mapping[str, Any]) -> Reading:
         spread = f"edges ± {shown} {where.shown_unit}"
     text = f"{low:.{_DIGITS}g} to {high:.{_DIGITS}g} {where.shown_unit}"
     return Reading(name, label, text, None, spread)
+
+
+def _verdict(prediction: Prediction, spreads: Mapping[str, Any]) -> Iterator[Reading]:
+    """Where it comes to rest and how hot it is there, and where its film survives."""
+    verdict, where = prediction.verdict, prediction.coordinate
+    key, factor = prediction.coordinate_key
+    if verdict.rest is not None:
+        at = _number(verdict.rest.coordinate * factor, where.shown_unit)
+        hot = verdict.rest.values["temperature"]
+        yield _reading("verdict.rest.temperature_k", f"let go, rests at {at}", hot, "K", spreads)
+    if verdict.highest_temperature is not None and prediction.bands:
+        parts = (
+            " to ".join(f"{edge * factor:.{_DIGITS}g}" for edge in part) for part in verdict.usable
+        )
+        words = " and ".join(f"{part} {where.shown_unit}" for part in parts) or "nowhere there"
+        name = f"verdict.usable_bands{key.removeprefix(where.name)}"
+        bears = f"film survives (bears {verdict.highest_temperature:.0f} K)"
+        yield Reading(name, bears, words, None)
 
 
 def _own(setup: Setup, name: str) -> Reading:

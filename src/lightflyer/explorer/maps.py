@@ -72,10 +72,17 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
     for done, value in enumerate(values):
         report("computing the map", done, MAP_COLUMNS, "designs")
         moved = design.build({over: float(value)})
-        columns.append(Evaluator(moved)(coordinates)["payload"])
+        columns.append(_usable_payload(moved, coordinates))
     payload = np.stack(columns)
     best = _refine(design, over, values, coordinates, payload)
     return _map_data(design, over, known, values, coordinates, payload, best)
+
+
+def _usable_payload(setup: Setup, coordinates: np.ndarray) -> np.ndarray:
+    """Largest payload at coordinates, shape (n,); NaN where the film is hotter than it bears."""
+    table, highest = Evaluator(setup)(coordinates), setup.flyer.highest_temperature
+    hot = table["temperature"] > (np.inf if highest is None else float(highest))
+    return np.where(hot, np.nan, table["payload"])
 
 
 def _ends(own: float, quantity: Quantity) -> tuple[float, float]:
@@ -105,18 +112,18 @@ def _refine(
     payload: np.ndarray,
 ) -> tuple[float, float, float]:
     """Number, coordinate and payload at the optimum: the map, looked at closer there."""
-    place = np.unravel_index(int(np.nanargmax(payload)), payload.shape)
+    place = np.unravel_index(int(np.argmax(np.nan_to_num(payload, nan=-np.inf))), payload.shape)
     column, row = int(place[0]), int(place[1])
     for _ in range(_LOOKS):
         ends = values[max(column - 1, 0)], values[min(column + 1, values.size - 1)]
         near = coordinates[max(row - 1, 0)], coordinates[min(row + 1, coordinates.size - 1)]
         values, coordinates = np.geomspace(*ends, _CLOSER), np.linspace(*near, POINTS)
         closer = np.stack(
-            [Evaluator(design.build({over: float(one)}))(coordinates)["payload"] for one in values]
+            [_usable_payload(design.build({over: float(one)}), coordinates) for one in values]
         )
-        place = np.unravel_index(int(np.nanargmax(closer)), closer.shape)
+        place = np.unravel_index(int(np.argmax(np.nan_to_num(closer, nan=-np.inf))), closer.shape)
         column, row = int(place[0]), int(place[1])
-    return float(values[column]), float(coordinates[row]), float(closer[column, row])
+    return float(values[column]), float(coordinates[row]), float(np.nan_to_num(closer[column, row]))
 
 
 class _Scales(NamedTuple):
@@ -223,7 +230,11 @@ def _explain(over: str, scales: _Scales, where: Coordinate) -> dict[str, Any]:
     """Legend, and what stands below the pointer."""
     return {
         "legend": (
-            view.Line(f"colour: largest payload [{scales.payload_unit}]", BLUE, "area"),
+            view.Line(
+                f"colour: largest payload that the film survives [{scales.payload_unit}]",
+                BLUE,
+                "area",
+            ),
             view.Line("star: optimum", ORANGE, "area"),
             view.Line("cross: this design", VERMILION, "area"),
         ),

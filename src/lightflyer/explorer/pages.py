@@ -211,10 +211,10 @@ def _predict(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
         "summary": prediction.summary(),
         "readings": [asdict(one) for one in readings(prediction, None)],
         "figures": view.marks(prediction),
-        "place": _place(design, prediction.best.coordinate),
+        "place": _place(design, (prediction.verdict.best or prediction.best).coordinate),
         "rows": view.rows(found),
         "assumptions": list(prediction.assumptions),
-        "warnings": [*workplace.diagnostics(document), *prediction.warnings],
+        "warnings": [*workplace.diagnostics(document), *prediction.other_warnings],
         "description": f"{prediction.setup.flyer.describe()}, "
         f"{type(prediction.setup.model).__name__}",
         "python": python_lines(document),

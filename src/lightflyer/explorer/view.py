@@ -94,7 +94,7 @@ def curves(found: Quick, pins: int = 0) -> dict[str, Any]:
         "payload": _payload(x, table, axis),
     }
     here = (where.name, f"@x{{0.00}} {where.shown_unit}")
-    flies = _flies(found, factor)
+    usable = _usable(found, factor)
     pinned = [
         Line(f"pin {number}", colour, "dashdot").described()
         for number, colour in enumerate(PIN_COLOURS[:pins], start=1)
@@ -102,13 +102,16 @@ def curves(found: Quick, pins: int = 0) -> dict[str, Any]:
     for data in drawn.values():
         data["legend"] += pinned
         data["tips"] = [here, *data["tips"]]
-        data["sources"] |= {"flies": flies, "band": {"x": [], "low": [], "high": []}}
+        data["sources"] |= {"flies": usable, "band": {"x": [], "low": [], "high": []}}
     return drawn
 
 
-def _flies(found: Quick, factor: float) -> Columns:
-    """Bands of flight by the table, until the prediction has found their edges."""
+def _usable(found: Quick, factor: float) -> Columns:
+    """Where the film survives flight, by the table, until the prediction has found the edges."""
     margin, x = found.table["lift_over_weight"] - 1.0, found.coordinates * factor
+    highest = found.setup.flyer.highest_temperature
+    if highest is not None:
+        margin = np.minimum(margin, 1.0 - found.table["temperature"] / float(highest))
     flying = np.concatenate([[False], margin >= 0.0, [False]])
     first, last = (
         np.flatnonzero(flying[1:] & ~flying[:-1]),
@@ -269,11 +272,12 @@ def _lowest(x: np.ndarray, values: np.ndarray, sign: float = 1.0) -> dict[str, n
 
 
 def marks(prediction: Prediction) -> dict[str, Any]:
-    """Bands of flight and the best places, for the figures over the coordinate."""
+    """Bands in which the film survives and the best places, for the figures over the coordinate."""
     factor = coordinate_factor(prediction.coordinate)
-    edges = factor * np.array(prediction.bands).reshape(-1, 2)
+    edges = factor * np.array(prediction.verdict.usable).reshape(-1, 2)
     flies = {"low": plain_list(edges[:, 0]), "high": plain_list(edges[:, 1])}
-    best, scale = prediction.best, OUTPUTS["payload"].shown_for(_most(prediction))[0]
+    best = prediction.verdict.best or prediction.best
+    scale = OUTPUTS["payload"].shown_for(_most(prediction))[0]
     found: dict[str, Any] = {
         name: {"sources": {"flies": flies}} for name in ("irradiance", "temperature", "payload")
     }

@@ -11,8 +11,6 @@ from lightflyer.search.diagnostics import range_passed
 from lightflyer.search.local_search import AGREEMENT, FEASIBLE, LocalOptimum, maximise_from
 from lightflyer.search.objectives import SCREENED, ObjectiveFunction
 
-_TRIED = 40  # best designs of a sample whose range is looked at
-
 
 @dataclass(frozen=True)
 class Rival:
@@ -40,7 +38,7 @@ def rivals_of(function: ObjectiveFunction, best: LocalOptimum, scale: float) -> 
     scores = function.scores_of_many(points)
     satisfying = np.isfinite(scores).all(axis=1) & (scores[:, 1:] >= -FEASIBLE).all(axis=1)
     points, scores = points[satisfying], scores[satisfying, 0]
-    for number in np.argsort(-scores)[:_TRIED]:
+    for number in np.argsort(-scores):
         design = problem.free_numbers(points[number])
         if not range_passed(problem, design):
             words = f"the best of {SCREENED} designs within the force model's range"

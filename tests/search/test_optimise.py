@@ -300,7 +300,10 @@ def test_what_is_out_of_range_is_said_beside_what_is_within():
     assert within.words == "the best of 512 designs within the force model's range"
     assert 0.02 <= within.design["flyer.diameter"] <= 0.05
     assert within.value < best.value
-    there = lf.sweep(flyer, over=within.design, outputs=["payload"])
+    there = lf.sweep(
+        flyer, over={name: f"{value} m" for name, value in within.design.items()},
+        outputs=["payload"],
+    )  # fmt: skip
     assert float(there.payload) == pytest.approx(within.value, rel=1e-9)
     assert "within the force model's range: payload" in str(best).replace("\n", " ")
     assert not lf.optimise(flyer, **wide, beyond_range=True).rivals

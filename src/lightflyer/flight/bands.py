@@ -17,7 +17,8 @@ from lightflyer.core.precision import float64
 from lightflyer.core.quantity import require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.balance import require_converged, require_suitable
+from lightflyer.flight.balance import require_converged
+from lightflyer.flight.equations import weight
 from lightflyer.flight.grid_refinement import (
     EDGE_TOLERANCE,
     at,
@@ -26,7 +27,7 @@ from lightflyer.flight.grid_refinement import (
     first_largest,
     with_point,
 )
-from lightflyer.flight.loads import lift, weight
+from lightflyer.flight.loads import lift
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
@@ -172,7 +173,6 @@ class _Searched(eqx.Module):
         """Lift over weight, minus one, at a coordinate or its logarithm."""
         place = jnp.exp(place) if self.logarithmic else place
         state = self.environment.state(place)
-        require_suitable(self.flyer, state, self.model)
         force = lift(self.flyer, state, self.model, throw=False)
         return force / weight(self.flyer, state) - 1.0
 

@@ -13,11 +13,14 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.checks import is_concrete
 from lightflyer.core.precision import float64
 from lightflyer.core.quantity import require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.balance import require_converged
+from lightflyer.files.display_units import number_text, suitable
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of
+from lightflyer.flight.balance import require_converged, status_lines
 from lightflyer.flight.equations import weight
 from lightflyer.flight.grid_refinement import (
     EDGE_TOLERANCE,
@@ -44,7 +47,7 @@ _STAGES = 4  # each narrows the search for the peak some fifty times, to millime
 _POINTS = 151  # of the first look where a coordinate has no step of its own
 
 
-class Band(eqx.Module):
+class Band(PrintedResult, eqx.Module):
     """Range of the coordinate in which a flyer levitates. Fields have the inputs' shape."""
 
     #: Edges, in the unit of the environment's coordinate; NaN where the flyer levitates nowhere
@@ -58,11 +61,36 @@ class Band(eqx.Module):
     upper_open: Numeric
     #: Why the search for the edges ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`
     status: Numeric
+    unit: str = eqx.field(static=True)  #: SI unit of the edges
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        if is_concrete(self.exists) and not np.any(self.exists):
+            yield "levitates nowhere in the searched range"
+            return
+        factor, unit = 1.0, self.unit
+        if is_concrete(self.upper):
+            factor, unit = suitable(self.unit, self.upper)
+        edges = {"from": (self.lower, self.lower_open), "to": (self.upper, self.upper_open)}
+        yield rows_of(
+            {
+                f"levitates {word}": number_text(edge * factor, unit) + _open_text(is_open)
+                for word, (edge, is_open) in edges.items()
+            }
+        )
+        yield from status_lines(self.status)
 
     @property
     def converged(self) -> Numeric:
         """True where both edges met their tolerance."""
         return self.status == SolverStatus.CONVERGED
+
+
+def _open_text(is_open: Numeric) -> str:
+    """Whether an edge is the end of the searched range, in words."""
+    if not is_concrete(is_open) or not np.any(is_open):
+        return ""
+    return f", {'' if np.all(is_open) else 'in part '}the end of the searched range"
 
 
 def levitation_band(
@@ -198,6 +226,7 @@ def _levitation_bands(searched: _Searched, grid: Array) -> Band:
         lower_open=is_open[0],
         upper_open=is_open[1],
         status=jnp.max(outcome.status, axis=0),
+        unit=searched.environment.coordinate.unit,
     )
 
 

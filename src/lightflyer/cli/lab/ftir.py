@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from rich.console import Console
-from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
@@ -18,21 +17,19 @@ from lightflyer.cli.lab.shared import (
     quantities,
     quantity,
     show_rejected,
-    show_warnings,
     updating,
     write_record,
 )
 from lightflyer.cli.options import Json, only_with
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.lab.ftir.reduction import Ftir
     from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
-
-_PERCENT = 100.0
 
 
 @only_with(
@@ -108,6 +105,7 @@ def ftir_command(
     out = figures.folder(out)
     from lightflyer.config.update import emittance_keys
     from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
+    from lightflyer.lab.ftir.text import ftir_parts
     from lightflyer.lab.readers.spectrum_data import read_spectrum
 
     if update is not None and reflectance is None:
@@ -149,8 +147,7 @@ def ftir_command(
         return
     console = printer()
     _show_read(console, [*spectra, *mirrors])
-    _show(console, result)
-    show_warnings(console, warnings)
+    show(console, [*ftir_parts(result), *warning_lines(warnings)])
     finish(console, figures, written, updated, update)
 
 
@@ -231,47 +228,3 @@ def _facts(spectrum: "MeasuredSpectrum") -> str:
         f"of {metadata.measured}" if metadata.measured else "",
     ]
     return ", ".join(filter(None, words))
-
-
-def _show(console: Console, result: "Ftir") -> None:
-    from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
-
-    low, high = (end / PER_CENTIMETRE for end in result.band)
-    accuracy = f"{_PERCENT * result.accuracy:.3g} %"
-    console.print(f"over {low:g} to {high:g} cm⁻¹, 95 % intervals with an accuracy of {accuracy}:")
-    console.print(f"  transmittance {result.transmittance.band}")
-    if result.reflectance is None:
-        console.print(f"  1 - transmittance {result.upper_bound}")
-        console.print(f"  upper bound: emissivity at most {result.at_most:.4g} (95 %, one-sided)")
-    else:
-        console.print(f"  reflectance {result.reflectance.band}")
-        console.print(f"  emissivity {result.emissivity}")
-    if result.uncovered_band:
-        console.print(f"  {_PERCENT * result.uncovered_band:.1f} % of the band has no data")
-    console.print(
-        "weighted with Planck's spectrum over the measured wavenumbers; total: nothing or\n"
-        "everything is emitted outside them"
-    )
-    console.print(_weigh(result))
-
-
-def _weigh(result: "Ftir") -> Table:
-    """Table of Planck-weighted means, and of bounds with what lies outside the data."""
-    measured = result.reflectance is not None
-    table = Table(box=None, padding=(0, 1))
-    for heading in (
-        "at\n[K]", "\ntransmittance", "\nemissivity" if measured else "1 - trans-\nmittance",
-        "\n95 % interval", "outside\nthe data",
-        "total,\nbounds" if measured else "total, at\nmost (95 %)",
-    ):  # fmt: skip
-        table.add_column(heading, justify="right", no_wrap=True)
-    bounds = result.total_bounds()
-    for temperature, estimate in result.planck_emissivity.items():
-        ends, (least, most) = estimate.interval, bounds[temperature]
-        table.add_row(
-            f"{temperature:g}", f"{result.transmittance.planck[temperature].value:.4f}",
-            f"{estimate.value:.4f}", f"{ends[0]:.4f} to {ends[1]:.4f}",
-            f"{_PERCENT * result.uncovered[temperature]:.1f} %",
-            f"{least:.3f} to {most:.3f}" if measured else f"{most:.3f}",
-        )  # fmt: skip
-    return table

@@ -1,28 +1,24 @@
 """``lightflyer lab optics``: thicknesses, mixtures and constants of a film from its spectra."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Insist,
     finish,
     show_rejected,
-    show_warnings,
     write_record,
 )
 from lightflyer.cli.options import Json, Seed, only_with
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.output import print_json, printer, show
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.lab.optics.fit import OpticsFit
-
-_PERCENT = 100.0
 
 
 @only_with(insist="update")
@@ -97,8 +93,7 @@ def optics_command(
         return
     console = printer()
     _show_read(console, result)
-    _show(console, result)
-    show_warnings(console, result.warnings)
+    show(console, result.text_parts())
     finish(console, figures, written, updated, update)
 
 
@@ -117,41 +112,3 @@ def _show_read(console: Console, result: "OpticsFit") -> None:
             f"{ends[0]:.4g} to {ends[1]:.4g} µm", soft_wrap=True, markup=False,
         )  # fmt: skip
         show_rejected(console, spectrum.rejected)
-
-
-def _show(console: Console, result: "OpticsFit") -> None:
-    from lightflyer.lab.optics.diagnostics import display_unit
-
-    rows: list[tuple[str, Any, float, str]] = [
-        (name, one, *display_unit(one.unit)) for name, one in result.numbers.items()
-    ]
-    console.print(_table("fitted", rows))
-    if result.predictions:
-        rows = [(name, one, 1.0, "") for name, one in result.predictions.items()]
-        console.print(_table("of the fitted film", rows))
-    console.print(_instruments(result))
-
-
-def _table(first: str, rows: "list[tuple[str, Any, float, str]]") -> Table:
-    table = Table(box=None, padding=(0, 1))
-    for heading in (first, "value", "95 % interval", "unit"):
-        table.add_column(heading, justify="right" if heading == "value" else "left")
-    for name, one, scale, unit in rows:
-        low, high = (end / scale for end in one.interval)
-        table.add_row(name, f"{one.value / scale:.5g}", f"{low:.5g} to {high:.5g}", unit or "1")
-    return table
-
-
-def _instruments(result: "OpticsFit") -> Table:
-    table = Table(box=None, padding=(0, 1))
-    table.add_column("spectrum")
-    for heading in ("scatter\n[%]", "points", "indepen-\ndent", "scale's\nerror [%]",
-                    "zero's\nerror [%]"):  # fmt: skip
-        table.add_column(heading, justify="right")
-    for one in result.spectra:
-        table.add_row(
-            one.measured.label, f"{_PERCENT * one.scatter.deviation:.2f}", f"{len(one.reading)}",
-            f"{one.scatter.independent:.0f}", f"{_PERCENT * one.scale_error:+.2f}",
-            f"{_PERCENT * one.zero_error:+.2f}",
-        )  # fmt: skip
-    return table

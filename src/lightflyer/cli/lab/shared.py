@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
-from rich.table import Table
 
 from lightflyer.cli.figure_files import FigureOptions, ResultOptions
 from lightflyer.cli.output import write_json
@@ -121,28 +120,6 @@ def show_rejected(console: Console, rejected: Sequence["Rejected"]) -> None:
         console.print(
             f"  and {len(rejected) - _SHOWN_REJECTED} more rows, listed in the JSON record"
         )
-
-
-def show_warnings(console: Console, warnings: Sequence[str]) -> None:
-    """Print what a reader of a result must know, one line each."""
-    for text in warnings:
-        console.print(f"warning: {text}", markup=False, soft_wrap=True)
-
-
-def estimate_table(rows: Sequence[tuple[str, "Estimate"]], first: str = "") -> Table:
-    """Table of named estimates with their intervals and units."""
-    table = Table(box=None, padding=(0, 1))
-    for heading in (first, "value", "95 % interval", "unit"):
-        table.add_column(heading, justify="right" if heading in ("value",) else "left")
-    for name, estimate in rows:
-        table.add_row(name, f"{estimate.value:.4g}", interval_text(estimate), estimate.unit or "1")
-    return table
-
-
-def interval_text(estimate: "Estimate") -> str:
-    """95 % interval of an estimate, as tables show it."""
-    low, high = estimate.interval
-    return f"{low:.4g} to {high:.4g}"
 
 
 def write_record(

@@ -4,24 +4,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
-from rich.console import Console
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Insist,
     difference,
-    estimate_table,
     finish,
     quantity,
     read_summary,
     share,
     show_read,
-    show_warnings,
     updating,
     write_record,
 )
 from lightflyer.cli.options import Json, Seed, only_with
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -171,7 +168,7 @@ def thermography_command(
     show_read(console, tables)
     if image is not None:
         console.print(image.description, markup=False, soft_wrap=True)
-    _show(console, result)
+    show(console, result.text_parts())
     finish(console, figures, written, updated, update)
 
 
@@ -307,19 +304,3 @@ def _figures(result: "RadiativeProperties") -> "dict[str, Figure]":
     from lightflyer.lab.thermography.figures import thermography_figures
 
     return thermography_figures(result)
-
-
-def _show(console: Console, result: "RadiativeProperties") -> None:
-    rows = []
-    second = result.named(result.monte_carlo)
-    for name, estimate in result.named(result.first_order).items():
-        rows += [(name, estimate), ("  by Monte Carlo", second[name])]
-    console.print(estimate_table(rows, result.meaning))
-    method, spread = result.readings.method, result.readings.uncertainties
-    said = ", ".join(
-        f"{name.removesuffix('_temperature')} {one:.2g}"
-        for name, one in zip(method.readings, spread, strict=True)
-    )
-    unit = f" {method.unit}" if method.unit else ""
-    console.print(f"standard uncertainties of the readings: {said}{unit}", soft_wrap=True)
-    show_warnings(console, result.warnings)

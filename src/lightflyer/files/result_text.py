@@ -55,15 +55,14 @@ def rows_of(texts: dict[str, str]) -> "Table":
 
 
 def table_of(
-    headings: Iterable[str], rows: Iterable[Iterable[str]], left: Iterable[str] = ()
+    headings: Iterable[str], rows: Iterable[Iterable[str]], left: Iterable[int] = (0,)
 ) -> "Table":
-    """Table without lines, flush right but for the first column and the headings in ``left``."""
+    """Table without lines, flush right but for the columns whose numbers are in ``left``."""
     from rich.table import Table
 
     table = Table(box=None, padding=(0, 1))
     for place, heading in enumerate(headings):
-        flush_left = place == 0 or heading in left
-        table.add_column(heading, justify="left" if flush_left else "right")
+        table.add_column(heading, justify="left" if place in left else "right")
     for row in rows:
         table.add_row(*row)
     return table

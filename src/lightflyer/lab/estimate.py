@@ -79,7 +79,7 @@ def estimate_table(
         (name, f"{one.value:.{digits}g}", one.interval_text(digits), one.unit or "1")
         for name, one in rows
     )
-    return table_of(headings, texts, left=headings[2:])
+    return table_of(headings, texts, left=(0, 2, 3))
 
 
 def central_interval(draws: np.ndarray, axis: int = -1) -> np.ndarray:

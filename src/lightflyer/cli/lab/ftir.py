@@ -6,24 +6,20 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from rich.console import Console
-
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
     Insist,
-    finish,
+    deliver,
     optional_share,
     quantities,
     quantity,
-    show_rejected,
+    rejected_parts,
     updating,
-    write_record,
 )
 from lightflyer.cli.options import Json, only_with
-from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.files.result_text import warning_lines
+from lightflyer.files.result_text import Parts, warning_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -136,19 +132,19 @@ def ftir_command(
     )
     emissivity = result.emissivity
     values = {} if emissivity is None else dict.fromkeys(emittance_keys(face), emissivity)
-    written, updated = write_record(
-        out, "ftir", document, to_dataset(result), lambda: _figures(result, computed),
-        updating(update, values, "ftir", [*files, *([reflectance] if reflectance else [])],
-                 insist=insist),
-        figures,
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.lab.ftir.figures import ftir_figures
+
+        return ftir_figures(result, computed)
+
+    sources = [*files, *([reflectance] if reflectance else [])]
+    deliver(
+        "ftir", document, to_dataset(result), draw,
+        [*_read_parts([*spectra, *mirrors]), *ftir_parts(result), *warning_lines(warnings)],
+        out=out, figures=figures, json_output=json_output,
+        update=updating(update, values, "ftir", sources, insist=insist),
     )  # fmt: skip
-    if json_output:
-        print_json(document)
-        return
-    console = printer()
-    _show_read(console, [*spectra, *mirrors])
-    show(console, [*ftir_parts(result), *warning_lines(warnings)])
-    finish(console, figures, written, updated, update)
 
 
 def _require_radiating(result: "Ftir") -> None:
@@ -196,23 +192,17 @@ def _compute(film: Path | None, result: "Ftir") -> tuple[dict[str, Any], list[st
     return found, [f"{film}: the computed spectrum extrapolates {text}" for text in extrapolated]
 
 
-def _figures(result: "Ftir", computed: dict[str, Any]) -> "dict[str, Figure]":
-    from lightflyer.lab.ftir.figures import ftir_figures
-
-    return ftir_figures(result, computed)
-
-
-def _show_read(console: Console, spectra: "Sequence[MeasuredSpectrum]") -> None:
+def _read_parts(spectra: "Sequence[MeasuredSpectrum]") -> Parts:
     from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
 
     for one in spectra:
         ends = one.wavenumber[[0, -1]] / PER_CENTIMETRE
-        console.print(
+        yield (
             f"read {len(one.wavenumber)} points of {one.quantity} from {one.source}, "
-            f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹", soft_wrap=True,
-        )  # fmt: skip
-        console.print(f"  {_facts(one)}", soft_wrap=True, markup=False)
-        show_rejected(console, one.rejected)
+            f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹"
+        )
+        yield f"  {_facts(one)}"
+        yield from rejected_parts(one.rejected)
 
 
 def _facts(spectrum: "MeasuredSpectrum") -> str:

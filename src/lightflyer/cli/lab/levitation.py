@@ -10,16 +10,14 @@ from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
     Insist,
-    finish,
+    deliver,
     optional_share,
     quantity,
+    read_parts,
     read_summary,
-    show_read,
     updating,
-    write_record,
 )
 from lightflyer.cli.options import Json, Seed, only_with
-from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import warning_lines
 
@@ -127,24 +125,21 @@ def levitation_command(
     if fit is not None:
         document["calibration"] = fit.summary()
         document["warnings"] = list(dict.fromkeys([*document["warnings"], *fit.warnings]))
-    written, updated = write_record(
-        out, "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]),
-        lambda: _figures(curves, pressure_unit, models),
-        updating(update, values, "levitation", files, insist=insist),
-        figures,
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.lab.levitation.figures import levitation_figures
+
+        return levitation_figures(curves, pressure_unit=pressure_unit, models=models)
+
+    deliver(
+        "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]), draw,
+        [
+            *read_parts(tables), *curves_parts(curves), *map(str, levitation.compare(curves)),
+            *(() if fit is None else fit_parts(fit)), *warning_lines(document["warnings"]),
+        ],
+        out=out, figures=figures, json_output=json_output,
+        update=updating(update, values, "levitation", files, insist=insist),
     )  # fmt: skip
-    if json_output:
-        print_json(document)
-        return
-    console = printer()
-    show_read(console, tables)
-    show(console, curves_parts(curves))
-    for one in levitation.compare(curves):
-        show(console, one.text_parts())
-    if fit is not None:
-        show(console, fit_parts(fit))
-    show(console, warning_lines(document["warnings"]))
-    finish(console, figures, written, updated, update)
 
 
 def _coefficients(fit: "Calibration") -> "dict[tuple[str, str], Estimate]":
@@ -191,11 +186,3 @@ def _models(
         name: {curve.points.name: model_curve(curve.points, one) for curve in curves}
         for name, one in setups.items()
     }, fit
-
-
-def _figures(
-    curves: "Sequence[LevitationCurve]", pressure_unit: str, models: dict[str, Any]
-) -> "dict[str, Figure]":
-    from lightflyer.lab.levitation.figures import levitation_figures
-
-    return levitation_figures(curves, pressure_unit=pressure_unit, models=models)

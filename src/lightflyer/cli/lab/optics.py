@@ -3,17 +3,14 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.console import Console
-
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Insist,
-    finish,
-    show_rejected,
-    write_record,
+    deliver,
+    rejected_parts,
 )
 from lightflyer.cli.options import Json, Seed, only_with
-from lightflyer.cli.output import print_json, printer, show
+from lightflyer.files.result_text import Parts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,33 +79,27 @@ def optics_command(
             return []
         from lightflyer.lab.optics.flyer_file import update_layers
 
-        return update_layers(update, result, sample_file.name, insist=insist)
+        changes = update_layers(update, result, sample_file.name, insist=insist)
+        return [f"{update}: {text}" for text in changes]
 
-    written, updated = write_record(
-        out, "optics", document, to_dataset(result), lambda: _figures(result), write, figures,
-        tables=tables(result),
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.lab.optics.figures import optics_figures
+
+        return optics_figures(result)
+
+    deliver(
+        "optics", document, to_dataset(result), draw,
+        [*_read_parts(result), *result.text_parts()],
+        out=out, figures=figures, json_output=json_output, update=write, tables=tables(result),
     )  # fmt: skip
-    if json_output:
-        print_json(document)
-        return
-    console = printer()
-    _show_read(console, result)
-    show(console, result.text_parts())
-    finish(console, figures, written, updated, update)
 
 
-def _figures(result: "OpticsFit") -> "dict[str, Figure]":
-    from lightflyer.lab.optics.figures import optics_figures
-
-    return optics_figures(result)
-
-
-def _show_read(console: Console, result: "OpticsFit") -> None:
+def _read_parts(result: "OpticsFit") -> Parts:
     for one in result.spectra:
         spectrum = one.measured.spectrum
         ends = spectrum.wavelength[[-1, 0]] * 1e6
-        console.print(
+        yield (
             f"read {len(spectrum.value)} points of {spectrum.quantity} from {spectrum.source}, "
-            f"{ends[0]:.4g} to {ends[1]:.4g} µm", soft_wrap=True, markup=False,
-        )  # fmt: skip
-        show_rejected(console, spectrum.rejected)
+            f"{ends[0]:.4g} to {ends[1]:.4g} µm"
+        )
+        yield from rejected_parts(spectrum.rejected)

@@ -9,19 +9,16 @@ from cyclopts import Parameter
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
-    finish,
+    deliver,
     optional_share,
     quantity,
-    write_record,
 )
 from lightflyer.cli.options import Json, Seed, only_with
-from lightflyer.cli.output import print_json, printer, show
+from lightflyer.cli.output import print_json, printer
 from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from lightflyer.lab.surface.reduction import Roughness
 
 
 @only_with(flatten_order="flatten")
@@ -100,25 +97,20 @@ def roughness_command(
     require_distinct([(one.source, one.height) for one in maps])
     results = [roughness(one, **options) for one in maps]
     document = summary(results)
-    written, _ = write_record(
-        out,
-        "roughness",
-        document,
-        to_dataset(results),
-        lambda: _figures(results),
-        lambda: [],
-        figures,
-    )
-    if json_output:
-        print_json(document)
-        return
-    console = printer()
-    for one in results:
-        show(console, roughness_parts(one))
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.lab.surface.figures import roughness_figures
+
+        return roughness_figures(results)
+
+    parts = [part for one in results for part in roughness_parts(one)]
     if len(results) > 1:
-        show(console, means_parts(mean_parameters(results), len(results)))
-    show(console, warning_lines(document["warnings"]))
-    finish(console, figures, written, [], None)
+        parts += means_parts(mean_parameters(results), len(results))
+    deliver(
+        "roughness", document, to_dataset(results), draw,
+        [*parts, *warning_lines(document["warnings"])],
+        out=out, figures=figures, json_output=json_output,
+    )  # fmt: skip
 
 
 def _show_channels(files: "Sequence[Path]", *, json_output: bool) -> None:
@@ -141,9 +133,3 @@ def _show_channels(files: "Sequence[Path]", *, json_output: bool) -> None:
             rows, columns = one.shape
             about = f"{columns} x {rows} pixels{'' if one.is_height else ', not a height'}"
             console.print(f"  {one.description}: {about}", markup=False, soft_wrap=True)
-
-
-def _figures(results: "Sequence[Roughness]") -> "dict[str, Figure]":
-    from lightflyer.lab.surface.figures import roughness_figures
-
-    return roughness_figures(results)

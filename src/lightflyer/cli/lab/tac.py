@@ -8,18 +8,16 @@ from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
     Insist,
+    deliver,
     difference,
-    finish,
     optional_share,
     quantity,
+    read_parts,
     read_summary,
     share,
-    show_read,
     updating,
-    write_record,
 )
 from lightflyer.cli.options import Json, only_with
-from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import warning_lines
 
@@ -153,22 +151,21 @@ def tac_command(
     warnings += [*about_flyer, *unstated_accuracies(stated)]
     read = {"read": read_summary([run.table for run in runs])}
     document = tac_record.summary(fits) | read | {"warnings": warnings}
-    written, updated = write_record(
-        out, "tac", document, tac_record.to_dataset(fits, warnings), lambda: _figures(fits),
-        updating(update, values, f"tac, {reading} reading, in {gas}", files, insist=insist),
-        figures,
-    )  # fmt: skip
-    if json_output:
-        print_json(document)
-        return
-    console = printer()
-    show_read(console, [run.table for run in runs])
-    for fit in fits:
-        show(console, fit_parts(fit))
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.lab.tac.figures import tac_figures
+
+        return tac_figures(fits)
+
+    parts = [part for fit in fits for part in fit_parts(fit)]
     if len(fits) > 1:
-        show(console, runs_parts(fits, tac_record.mean_tac(fits)))
-    show(console, warning_lines(warnings))
-    finish(console, figures, written, updated, update)
+        parts += runs_parts(fits, tac_record.mean_tac(fits))
+    deliver(
+        "tac", document, tac_record.to_dataset(fits, warnings), draw,
+        [*read_parts(run.table for run in runs), *parts, *warning_lines(warnings)],
+        out=out, figures=figures, json_output=json_output,
+        update=updating(update, values, f"tac, {reading} reading, in {gas}", files, insist=insist),
+    )  # fmt: skip
 
 
 def _require_face(update: Path | None, face: str | None) -> None:
@@ -270,9 +267,3 @@ def _about_reading(fit: "TacFit", file: Any) -> str:
         f"its force model {file.force.model} takes the heat loss by the reading {reading}{also}; "
         f"the coefficient written is by the reading {fit.reading}"
     )
-
-
-def _figures(fits: "Sequence[TacFit]") -> "dict[str, Figure]":
-    from lightflyer.lab.tac.figures import tac_figures
-
-    return tac_figures(fits)

@@ -51,4 +51,4 @@ def _planck_table(result: "Ftir") -> "Table":
             f"{_PERCENT * result.uncovered[temperature]:.1f} %",
             f"{least:.3f} to {most:.3f}" if measured else f"{most:.3f}",
         ))  # fmt: skip
-    return table_of(headings, rows)
+    return table_of(headings, rows, left=())

@@ -30,7 +30,7 @@ def fit_parts(fit: "TacFit") -> Parts:
         for name, one in fit.estimates().items()
     ]
     slope = _parameter("slope δα", replace(fit.slope, unit=""), "")
-    yield table_of(_PARAMETERS, [*rows, slope], left=_PARAMETERS[2:])
+    yield table_of(_PARAMETERS, [*rows, slope], left=(0, 2, 3, 4))
     others = ", ".join(
         f"{one:.3g} by {name}" for name, one in fit.by_reading.items() if one is not None
     )
@@ -44,7 +44,7 @@ def fit_parts(fit: "TacFit") -> Parts:
     for name, pull in fit.common_errors.items():
         words, scale, unit = IN_WORDS[name]
         errors.append((words, f"{pull:+.2f}", f"{scale * getattr(fit.accuracy, name):g}", unit))
-    yield table_of(_ERRORS, errors, left=_ERRORS[3:])
+    yield table_of(_ERRORS, errors, left=(0, 3))
 
 
 def _parameter(name: str, one: Estimate, of_scatter: str) -> tuple[str, ...]:

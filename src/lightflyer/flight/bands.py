@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.core.checks import is_concrete
+from lightflyer.core.checks import is_traced
 from lightflyer.core.precision import float64
 from lightflyer.core.quantity import require_record
 from lightflyer.core.types import Numeric
@@ -65,12 +65,11 @@ class Band(PrintedResult, eqx.Module):
 
     def text_parts(self) -> Parts:
         """Lines and tables of the text."""
-        if is_concrete(self.exists) and not np.any(self.exists):
+        traced = is_traced(self)
+        if not (traced or np.any(self.exists)):
             yield "levitates nowhere in the searched range"
             return
-        factor, unit = 1.0, self.unit
-        if is_concrete(self.upper):
-            factor, unit = suitable(self.unit, self.upper)
+        factor, unit = (1.0, self.unit) if traced else suitable(self.unit, self.upper)
         edges = {"from": (self.lower, self.lower_open), "to": (self.upper, self.upper_open)}
         yield rows_of(
             {
@@ -88,7 +87,7 @@ class Band(PrintedResult, eqx.Module):
 
 def _open_text(is_open: Numeric) -> str:
     """Whether an edge is the end of the searched range, in words."""
-    if not is_concrete(is_open) or not np.any(is_open):
+    if is_traced(is_open) or not np.any(is_open):
         return ""
     return f", {'' if np.all(is_open) else 'in part '}the end of the searched range"
 

@@ -98,16 +98,16 @@ def find_by_irradiance(equations: FlightEquations) -> LiftOff:
     brightest, collects = equations.irradiance_for(loss)
     shape = jnp.shape(brightest + load)
 
-    still, *ends = jax.lax.stop_gradient((equations, brightest, load))
+    still, top, least = jax.lax.stop_gradient((equations, brightest, load))
     dark = still.flyer.first_guess(still.state, jnp.zeros(shape))
-    found = find_least_light(partial(_force_in, still, shape), *ends, dark)
-    share = found.light / ends[0]
+    found = find_least_light(partial(_force_in, still, shape), top, least, dark)
+    share = found.light / top
     held = ~found.carries | found.in_the_dark
     balance = equations.traced(shape)
 
     def residual(point: tuple[Array, ...]) -> tuple[Array, ...]:
         *unknowns, way = point
-        powers = equations.powers(way * ends[0])
+        powers = equations.powers(way * top)
         push = equations.upward_force(tuple(unknowns)) / load - 1.0
         return *imbalance(balance, tuple(unknowns), powers), jnp.where(held, way - share, push)
 
@@ -120,7 +120,7 @@ def find_by_irradiance(equations: FlightEquations) -> LiftOff:
     levitates = found.carries & collects & (temperature <= HIGHEST_TEMPERATURE)
     return LiftOff(
         levitates=found.in_the_dark | levitates,
-        irradiance=share * ends[0],
+        irradiance=share * top,
         temperature=temperature,
         residual=jnp.where(found.in_the_dark, 0.0, off),
         status=found.status,

@@ -21,7 +21,7 @@ from scipy.optimize import brentq, elementwise
 
 import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Radiation
-from lightflyer.flight.balance import node_losses
+from lightflyer.flight.equations import FlightEquations
 
 SCALAR_SAMPLE = 2000
 EMITTANCE_FLOOR, TAC = 0.01, 0.85
@@ -151,7 +151,7 @@ def peak_memory(task, count):
 
 def residual_of(disk, state, model):
     """One evaluation of a heat balance's residual, at its solution."""
-    compiled = jax.jit(lambda excess: node_losses(disk, state, model, (excess,)))
+    compiled = jax.jit(lambda excess: FlightEquations(disk, state, model).losses((excess,)))
     excess = jnp.asarray(lf.equilibrium(disk, state, model).unknowns[0])
     return lambda: compiled(excess)
 

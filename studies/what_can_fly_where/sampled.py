@@ -20,7 +20,7 @@ from scipy.stats import qmc
 
 import lightflyer as lf
 from lightflyer.design.diagnostics import diagnose_in_light
-from lightflyer.flight.loads import buoyancy, largest_payload, upward_force
+from lightflyer.flight.equations import FlightEquations
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 
 COUNT = study.SAMPLES + 12  # designs a place and round; of the last round, samples of the inputs
@@ -37,8 +37,9 @@ def compiled(design):
         setup = design.build(values)
         state = setup.environment.state(altitude)
         found = lf.equilibrium(setup.flyer, state, setup.model, throw=False)
-        lift = upward_force(setup.flyer, state, setup.model, found.unknowns)
-        payload = largest_payload(setup.flyer, state, lift)
+        equations = FlightEquations(setup.flyer, state, setup.model)
+        lift = equations.upward_force(found.unknowns)
+        payload = equations.largest_payload(lift)
         own = setup.flyer.own_mass + 0.0 * lift
         return {
             "payload": payload,
@@ -48,7 +49,7 @@ def compiled(design):
             "temperature": found.temperature,
             "pressure": state.pressure + 0.0 * lift,
             "own_mass": own,
-            "buoyancy_share": buoyancy(setup.flyer, state, setup.model, found.unknowns) / lift,
+            "buoyancy_share": equations.buoyancy(found.unknowns) / lift,
         }
 
     run = jax.jit(outcomes)

@@ -15,7 +15,7 @@ from kinds import KINDS, SMALLEST
 import lightflyer as lf
 from lightflyer.core.atomic_files import output_directory
 from lightflyer.design.outputs import evaluate
-from lightflyer.flight.loads import buoyancy
+from lightflyer.flight.equations import FlightEquations
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem
@@ -188,7 +188,7 @@ def buoyancy_share(setup, altitude):
     state = setup.environment.state(altitude)
     balance = lf.equilibrium(setup.flyer, state, setup.model)
     lift = lf.lift(setup.flyer, state, setup.model)
-    warm = buoyancy(setup.flyer, state, setup.model, balance.unknowns)
+    warm = FlightEquations(setup.flyer, state, setup.model).buoyancy(balance.unknowns)
     return float(f"{float(warm / lift):.4g}")
 
 

@@ -72,6 +72,23 @@ def test_a_traced_result_has_a_text(film, setup):
     assert "W/m²" in texts[0]
 
 
+def test_bands(disk, setup):
+    found = lf.levitation_band(disk, setup.environment, setup.model)
+    text = words(found)
+    assert f"levitates from {found.lower / 1e3:.6g} km levitates to" in text
+    assert text.endswith(f"{found.upper / 1e3:.6g} km")
+    inner = 0.75 * found.lower + 0.25 * found.upper, 0.25 * found.lower + 0.75 * found.upper
+    cut = words(lf.levitation_band(disk, setup.environment, setup.model, inner))
+    assert cut.count("km, the end of the searched range") == 2
+    beside = 2.0 * found.upper - found.lower, 3.0 * found.upper - 2.0 * found.lower
+    none = lf.levitation_band(disk, setup.environment, setup.model, beside)
+    assert words(none) == "levitates nowhere in the searched range"
+    chamber = lf.levitation_band(disk, lf.Chamber(), setup.model)
+    assert f"levitates from {chamber.lower:.6g} Pa" in words(chamber)
+    with lf.float64():
+        jax.jit(lambda band: words(band) and band.upper)(found)
+
+
 def test_swarm_and_drift(disk, setup):
     found = lf.mission.tethered_swarm(setup, payload="1 g", altitude="72 km")
     assert f"flyers {found.count} altitude 72 km" in words(found)
@@ -109,6 +126,59 @@ def test_a_calibration(disk):
     low, high = fit.intervals[0]
     assert f" c_fm {fit.values[0]:.4g} {low:.4g} to {high:.4g}" in words(fit)
     assert "8 points of 1 samples" in words(fit)
+
+
+@pytest.fixture(scope="module")
+def raw(tmp_path_factory):
+    """Folder with synthetic raw files of every measurement."""
+    folder = tmp_path_factory.mktemp("raw")
+    for name in ("levitation", "tac", "thermography", "ftir", "roughness", "optics"):
+        for file, content in lf.lab.example_files(name, 0).files.items():
+            text = content.encode() if isinstance(content, str) else content
+            (folder / file).write_bytes(text)
+    return folder
+
+
+def estimate_words(one, digits=4):
+    """Value, interval and unit as tables of the lab have them."""
+    value, low, high = (f"{number:.{digits}g}" for number in (one.value, *one.interval))
+    return f"{value} {low} to {high}"
+
+
+def test_heat_loss_and_lift_off(raw):
+    fit = lf.lab.fit_tac(lf.lab.read_tac(raw / "tac-reduced.txt"))
+    text = words(fit)
+    assert f"TAC α {estimate_words(fit.tac)}" in text
+    assert f"gauge's zero {fit.common_errors['gauge_zero']:+.2f} 0.01 Pa" in text
+    assert all(f"warning: {one}" in text for one in fit.warnings)
+    lots, _ = lf.lab.read_lift_offs(raw / "launchpads.csv")
+    curves = [lf.lab.levitation_curve(one, draws=100) for one in lots]
+    least, best = curves[0].minimum_irradiance, curves[0].optimal_pressure
+    numbers = f"{estimate_words(least)} {estimate_words(best)}"
+    assert f"{curves[0].points.name} {len(lots[0].pressure)} {numbers}" in words(curves[0])
+    one = lf.lab.compare(curves)[0]
+    assert f"needs {100.0 * one.reduction.value:.1f} % less light than {one.second}" in words(one)
+
+
+def test_light_and_surfaces(raw):
+    readings, _ = lf.lab.read_readings(raw / "thermal.csv", lf.lab.THERMAL)
+    properties = lf.lab.reduce_readings(readings, draws=1000)
+    text = words(properties)
+    assert f"emissivity {estimate_words(properties.emissivity)} 1" in text
+    assert f"warning: {properties.warnings[0]}" in text
+    through = lf.lab.read_spectrum(raw / "film.csv", quantity="transmittance")
+    found = lf.lab.reduce_ftir([through], [])
+    assert f"emissivity at most {found.at_most:.4g} (95 %, one-sided)" in words(found)
+    rough = lf.lab.roughness(lf.lab.read_height_map(raw / "germanium.txt"))
+    height = estimate_words(rough.parameters["rms_height"])
+    assert f"rms height Sq {height} nm" in words(rough)
+
+
+def test_a_film_from_its_spectra(raw):
+    fit = lf.lab.fit_optics(lf.lab.read_sample(raw / "sample.toml"), starts=2)
+    ((name, one), *_) = fit.numbers.items()
+    low, high = (f"{1e9 * end:.5g}" for end in one.interval)
+    assert f"{name} {1e9 * one.value:.5g} {low} to {high} nm" in words(fit)
 
 
 def test_missions_are_described(disk):

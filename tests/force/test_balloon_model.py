@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 import lightflyer as lf
-from lightflyer.flight.loads import upward_force
+from lightflyer.flight.equations import FlightEquations
 
 SIGMA = 5.670374419e-8
 MODEL = lf.BalloonConvection()
@@ -137,7 +137,7 @@ def build(x, closed):
 def outcomes(x, closed):
     flyer, state, model = build(x, closed)
     balance = lf.equilibrium(flyer, state, model)
-    force = upward_force(flyer, state, model, balance.unknowns)
+    force = FlightEquations(flyer, state, model).upward_force(balance.unknowns)
     return jnp.log(jnp.stack([force, *balance.temperatures]))
 
 

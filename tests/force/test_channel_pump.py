@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import brentq, fsolve
 
 import lightflyer as lf
-from lightflyer.flight.loads import upward_force
+from lightflyer.flight.equations import FlightEquations
 from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.laws.channels import (
     SLOT,
@@ -368,7 +368,7 @@ def outcomes(x):
     """Lift, temperatures and velocity, of order one."""
     flyer, state = build(x)
     balance = lf.equilibrium(flyer, state, MODEL)
-    force = upward_force(flyer, state, MODEL, balance.unknowns)
+    force = FlightEquations(flyer, state, MODEL).upward_force(balance.unknowns)
     velocity = MODEL.own_results(flyer, state, balance.unknowns)["flow_velocity"]
     return jnp.log(jnp.stack([force, *balance.temperatures, velocity]))
 

@@ -12,8 +12,7 @@ from scipy.optimize import brentq, fsolve
 
 import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation
-from lightflyer.flight.balance import light_and_gains, node_losses
-from lightflyer.flight.loads import buoyancy, upward_force
+from lightflyer.flight.equations import FlightEquations
 from lightflyer.force.convection import sphere_conductance
 from lightflyer.force.laws.channels import SLOT, channel_coefficients, direct_share
 from lightflyer.force.pumps import celenza2023_laws as published
@@ -55,10 +54,11 @@ def state_at(pressure, temperature=220.0, **radiation):
 def settled(body, state, model):
     """Temperatures in balance by SciPy, and the force."""
     with lf.float64():
-        powers = np.asarray(light_and_gains(body, state, state.radiation.irradiance))
+        equations = FlightEquations(body, state, model)
+        powers = np.asarray(equations.powers(state.radiation.irradiance))
 
         def imbalance(unknowns):
-            lost = np.asarray(node_losses(body, state, model, tuple(unknowns)))
+            lost = np.asarray(equations.losses(tuple(unknowns)))
             return (lost - powers) / np.abs(powers).max()
 
         unknowns = fsolve(imbalance, fsolve(imbalance, [0.1, 0.0]), xtol=1e-13)
@@ -251,9 +251,10 @@ def test_published_force_has_no_buoyancy():
         for model, added in ((lf.Celenza2023(), 0.0), (MODEL, warm)):
             force = float(model.force(body, state, unknowns))
             assert warm > 0.1 * force
-            up = float(upward_force(body, state, model, unknowns))
+            equations = FlightEquations(body, state, model)
+            up = float(equations.upward_force(unknowns))
             assert up == pytest.approx(force + added, rel=1e-12)
-            assert float(buoyancy(body, state, model, unknowns)) == added
+            assert float(equations.buoyancy(unknowns)) == added
 
 
 @pytest.mark.parametrize("model", [MODEL, lf.Celenza2023()])
@@ -261,8 +262,9 @@ def test_no_force_in_an_isothermal_world(model):
     state = state_at(np.array([1e-3, 1.0, 100.0]), irradiance=0.0)
     body = make()
     with lf.float64():
-        assert not np.any(light_and_gains(body, state, 0.0))
-        assert not np.any(node_losses(body, state, model, (0.0, 0.0)))
+        equations = FlightEquations(body, state, model)
+        assert not np.any(equations.powers(0.0))
+        assert not np.any(equations.losses((0.0, 0.0)))
         assert not np.any(model.force(body, state, (0.0, 0.0)))
 
 
@@ -496,7 +498,7 @@ def outcome(x):
 def answers(x, unknowns=(0.5, 0.2)):
     """Force and losses at given temperatures, of order one."""
     body, state = build(x)
-    losses = node_losses(body, state, MODEL, unknowns)
+    losses = FlightEquations(body, state, MODEL).losses(unknowns)
     return jnp.log(jnp.stack([MODEL.force(body, state, unknowns), losses[0]]))
 
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import fsolve
 
 import lightflyer as lf
-from lightflyer.flight.loads import upward_force
+from lightflyer.flight.equations import FlightEquations
 from lightflyer.force.laws.gap import accommodation_between, gap_conductance
 from lightflyer.force.membranes.sandwich import rarefaction
 from lightflyer.force.membranes.schafer2025_table import internal_factors, perforated_disk_fit
@@ -354,7 +354,7 @@ def outcomes(x):
     """Lift and both temperatures, of order one."""
     flyer, state = build(x)
     balance = lf.equilibrium(flyer, state, MODEL)
-    force = upward_force(flyer, state, MODEL, balance.unknowns)
+    force = FlightEquations(flyer, state, MODEL).upward_force(balance.unknowns)
     return jnp.log(jnp.stack([force, *balance.temperatures]))
 
 

@@ -3,30 +3,30 @@
 import math
 from typing import TYPE_CHECKING, Any
 
-from rich.table import Table
-
-from lightflyer.files.result_text import Parts, open_interval_text
+from lightflyer.files.result_text import Parts, open_interval_text, table_of
 
 if TYPE_CHECKING:
     from lightflyer.calibration.bayes import Posterior
     from lightflyer.calibration.calibration import Calibration
 
+_FIT = ("parameter", "value", "given inputs\n95 %", "total\n95 %", "total\n±")
+_POSTERIOR = ("posterior\nat given inputs", "mean", "standard\ndeviation", "95 % interval",
+              "R-hat", "effective")  # fmt: skip
+
 
 def fit_parts(fit: "Calibration") -> Parts:
     """The parameters with both intervals, and what these contain."""
-    table = Table(box=None, padding=(0, 1))
-    headings = ("parameter", "value", "given inputs\n95 %", "total\n95 %", "total\n±")
-    for heading in headings:
-        table.add_column(heading, justify="left" if heading == "parameter" else "right")
-    for row, name in enumerate(fit.names):
-        table.add_row(
+    rows = (
+        (
             name,
             f"{fit.values[row]:.4g}",
             open_interval_text(*fit.intervals[row]),
             open_interval_text(*fit.total_intervals[row]),
             f"{fit.total_standard_uncertainties[row]:.2g}",
         )
-    yield table
+        for row, name in enumerate(fit.names)
+    )
+    yield table_of(_FIT, rows)
     yield from _explain(fit)
 
 
@@ -58,27 +58,17 @@ def _percentages(shares: Any) -> str:
 
 def posterior_parts(drawn: "Posterior") -> Parts:
     """Mean, interval and convergence of each parameter."""
-    table = Table(box=None, padding=(0, 1))
-    headings = (
-        "posterior\nat given inputs",
-        "mean",
-        "standard\ndeviation",
-        "95 % interval",
-        "R-hat",
-        "effective",
-    )
-    for heading in headings:
-        table.add_column(heading, justify="left" if heading.startswith("posterior") else "right")
-    for name, found in drawn.summary()["parameters"].items():
-        low, high = found["interval_95"]
-        table.add_row(
+    rows = (
+        (
             name,
             f"{found['mean']:.4g}",
             f"{found['standard_deviation']:.2g}",
-            f"{low:.4g} to {high:.4g}",
+            "{:.4g} to {:.4g}".format(*found["interval_95"]),
             f"{found['r_hat']:.3f}",
             f"{found['effective_draws']:.0f}",
         )
-    yield table
+        for name, found in drawn.summary()["parameters"].items()
+    )
+    yield table_of(_POSTERIOR, rows)
     chains, draws = drawn.draws.shape[:2]
     yield f"{chains * draws} draws in {chains} chains, {drawn.divergences} divergent"

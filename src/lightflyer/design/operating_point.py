@@ -15,8 +15,8 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flight.balance import Equilibrium, equilibrium
 from lightflyer.flight.bands import Band, levitation_bands, scan, widest
+from lightflyer.flight.equations import FlightEquations
 from lightflyer.flight.levitation import Levitation, levitate
-from lightflyer.flight.loads import buoyancy, largest_payload, upward_force, weight
 
 _LOOKS = 101  # places of the first look for the largest payload
 
@@ -59,6 +59,11 @@ class OperatingPoint:
         return eqx.tree_at(lambda state: state.radiation.irradiance, state, self._irradiance)
 
     @cached_property
+    def equations(self) -> FlightEquations:
+        """Powers and forces in the available light."""
+        return FlightEquations(self.flyer, self.state, self.setup.model)
+
+    @cached_property
     def balance(self) -> Equilibrium:
         """Heat balance in the available light."""
         found = equilibrium(self.flyer, self.state, self.setup.model, throw=False)
@@ -87,7 +92,7 @@ class OperatingPoint:
     @cached_property
     def buoyancy(self) -> Any:
         """Buoyancy in the available light [N]."""
-        return buoyancy(self.flyer, self.state, self.setup.model, self.balance.unknowns)
+        return self.equations.buoyancy(self.balance.unknowns)
 
     @cached_property
     def levitation(self) -> Levitation:
@@ -99,17 +104,17 @@ class OperatingPoint:
     @cached_property
     def lift(self) -> Any:
         """Vertical force in the available light, with buoyancy [N]."""
-        return upward_force(self.flyer, self.state, self.setup.model, self.balance.unknowns)
+        return self.equations.upward_force(self.balance.unknowns)
 
     @cached_property
     def weight(self) -> Any:
         """Weight with payload [N]."""
-        return weight(self.flyer, self.state)
+        return self.equations.weight
 
     @cached_property
     def payload(self) -> Any:
         """Largest payload in the available light [kg]."""
-        return largest_payload(self.flyer, self.state, self.lift)
+        return self.equations.largest_payload(self.lift)
 
     @property
     def usable(self) -> Any:

@@ -55,6 +55,20 @@ def rows_of(texts: dict[str, str]) -> "Table":
     return rows
 
 
+def table_of(
+    headings: Iterable[str], rows: Iterable[Iterable[str]], left: Iterable[int] = (0,)
+) -> "Table":
+    """Table without lines, flush right but for the columns whose numbers are in ``left``."""
+    from rich.table import Table
+
+    table = Table(box=None, padding=(0, 1))
+    for place, heading in enumerate(headings):
+        table.add_column(heading, justify="left" if place in left else "right")
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
 def width_of(table: "Table") -> "Measurement":
     """Width of a table on an unbounded terminal."""
     from rich.console import Console

@@ -49,16 +49,24 @@ def validate(
     model: type[_File], document: dict[str, Any], text: str, path: Path, kind: FileKind
 ) -> _File:
     """Check the content of a TOML file; ``model``: class of the whole file."""
+    found, mistakes = check(model, document, text, path, kind)
+    if found is None:
+        raise ConfigurationError("\n".join(mistakes))
+    return found
+
+
+def check(
+    model: type[_File], document: dict[str, Any], text: str, path: Path, kind: FileKind
+) -> tuple[_File | None, list[str]]:
+    """What the content of a TOML file is, or None, and a line for each mistake in it."""
     other = kind.mistaken_for(document)
     if other:
-        raise ConfigurationError(f"{path}: is {other}")
+        return None, [f"{path}: is {other}"]
     try:
-        return model.model_validate(document, context={FOLDER: path.parent})
+        return model.model_validate(document, context={FOLDER: path.parent}), []
     except pydantic.ValidationError as error:
-        mistakes = error.errors()
-        told = _relevant_mistakes(mistakes, document, kind)
-        lines = [_explain(mistake, document, text, path, kind) for mistake in told]
-        raise ConfigurationError("\n".join(lines)) from None
+        relevant = _relevant_mistakes(error.errors(), document, kind)
+        return None, [_explain(mistake, document, text, path, kind) for mistake in relevant]
 
 
 def load(path: Path, kind: FileKind) -> tuple[dict[str, Any], str]:

@@ -3,12 +3,12 @@ from .balance import equilibrium as equilibrium
 from .bands import Band as Band
 from .bands import levitation_band as levitation_band
 from .bands import levitation_bands as levitation_bands
+from .equations import weight as weight
 from .levitation import Levitation as Levitation
 from .levitation import levitate as levitate
 from .loads import force_vector as force_vector
 from .loads import lift as lift
 from .loads import payload as payload
-from .loads import weight as weight
 from .sinking import in_the_dark as in_the_dark
 from .sinking import settling_time as settling_time
 from .sinking import sinking_speed as sinking_speed

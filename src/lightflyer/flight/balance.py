@@ -20,7 +20,6 @@ flyer would have if all its nodes were equally warm; Newton's method for systems
 import math
 from collections.abc import Callable, Iterator
 from functools import partial, reduce
-from typing import Any, TypeAlias
 
 import equinox as eqx
 import jax
@@ -30,14 +29,15 @@ from jax import Array
 
 from lightflyer.core.checks import is_concrete, is_traced
 from lightflyer.core.errors import ConvergenceError
-from lightflyer.core.quantity import require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.display_units import number_text
 from lightflyer.files.result_text import Parts, PrintedResult, rows_of
+from lightflyer.flight.equations import Balance, FlightEquations, energy_scale, imbalance, total
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
+    SMALLEST_SHARE,
     RootOutcome,
     SolverStatus,
     bracketed_power_newton,
@@ -47,7 +47,6 @@ from lightflyer.numerics.rootfind import (
 from lightflyer.numerics.system import solve_system
 from lightflyer.program.entry_point import elementwise_entry_point
 
-SMALLEST_SHARE = 1e-26  # Lower end of a bracket, over its upper end: far below any flyer's excess
 ENERGY_TOLERANCE = 1e-10  # Largest imbalance of a converged equilibrium, over the absorbed power
 
 
@@ -150,53 +149,23 @@ def equilibrium(
     >>> print(f"{result.temperature:.4f} K")
     382.9028 K
     """
-    require_suitable(flyer, state, model)
-    result = _equilibrium(flyer, state, model)
+    result = solve_equilibrium(FlightEquations(flyer, state, model))
     if throw:
         require_converged("heat balance", result.status, result.residual)
     return result
 
 
-def require_suitable(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
-) -> None:
-    """Raise :class:`ParameterError` unless the model is for the flyer and the gas."""
-    require_record("flyer", (AbstractFlyer,), flyer)
-    require_record("state", (EnvironmentState,), state)
-    require_record("model", (AbstractForceModel,), model)
-    model.require_flyer(type(flyer))
-    model.require_gas(state.gas)
-
-
-def node_losses(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
-    model: AbstractForceModel,
-    unknowns: tuple[Array, ...],
-) -> tuple[Array, ...]:
-    """Power that each node loses to the gas, by radiation and to the others [W]."""
-    gas = model.heat_loss(flyer, state, unknowns)
-    own = flyer.heat_losses(state, unknowns)
-    return tuple(taken + given for taken, given in zip(gas, own, strict=True))
-
-
-def total(parts: tuple[Numeric, ...]) -> Any:
-    """Sum over the nodes."""
-    return reduce(lambda one, other: one + other, parts)
-
-
 def uniform_excess(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
+    equations: FlightEquations,
     losses: Callable[[tuple[Array, ...]], tuple[Array, ...]],
     power: Array,
 ) -> tuple[Array, RootOutcome]:
     """Excess at which the flyer loses a power if all its nodes are equally warm."""
 
     def loss(excess: Array) -> Array:
-        flows = (0.0 * excess,) * len(flyer.flows)
-        return total(losses((excess,) * len(flyer.nodes) + flows))
+        return total(losses(equations.unknowns_at(excess)))
 
+    flyer, state = equations.flyer, equations.state
     dark = power == 0.0
     # without light there is nothing to solve; a stand-in keeps the search finite
     target = jnp.where(dark, _stand_in(flyer, state), power)
@@ -220,61 +189,17 @@ def _stand_in(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
 
 
 def balance_solver(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
-    model: AbstractForceModel,
-    shape: tuple[int, ...],
-    guess: tuple[Array, ...] | None = None,
+    equations: FlightEquations, shape: tuple[int, ...], guess: tuple[Array, ...] | None = None
 ) -> Callable[[tuple[Array, ...]], tuple[tuple[Array, ...], RootOutcome]]:
     """Make the function that finds the unknowns at which each node loses what it absorbs [W]."""
-    balance = _balance(flyer, state, model, shape)
-    if len(flyer.nodes) == 1 and not flyer.flows:
-        return partial(_solve_one, flyer, state, balance, shape)
-    return partial(_solve_several, flyer, state, balance, guess)
-
-
-Balance: TypeAlias = Callable[..., tuple[tuple[Array, ...], tuple[Array, ...]]]
-"""Power that each node loses [W] and the equations of the flows [1], by the unknowns."""
-
-
-def _balance(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
-    model: AbstractForceModel,
-    shape: tuple[int, ...],
-) -> Balance:
-    """Both sides of a flyer's equations but for the powers, traced once for all who call it."""
-
-    def balance(*unknowns: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-        losses = node_losses(flyer, state, model, unknowns)
-        return losses, tuple(model.flow_balance(flyer, state, unknowns))
-
-    traced = jax.jit(balance)
-    return lambda *unknowns: traced(*(jnp.broadcast_to(one, shape) for one in unknowns))
-
-
-def imbalance_of(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
-    model: AbstractForceModel,
-    shape: tuple[int, ...],
-) -> Callable[[tuple[Array, ...], tuple[Array, ...]], tuple[Array, ...]]:
-    """Make the function that vanishes where each node loses what it absorbs [W]."""
-    return partial(_imbalance, _balance(flyer, state, model, shape))
-
-
-def _imbalance(
-    balance: Balance, unknowns: tuple[Array, ...], powers: tuple[Array, ...]
-) -> tuple[Array, ...]:
-    scale = energy_scale(powers)
-    losses, flows = balance(*unknowns)
-    heat = tuple((loss - power) / scale for loss, power in zip(losses, powers, strict=True))
-    return heat + flows
+    balance = equations.traced(shape)
+    if equations.has_one_unknown:
+        return partial(_solve_one, equations, balance, shape)
+    return partial(_solve_several, equations, balance, guess)
 
 
 def _solve_one(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
+    equations: FlightEquations,
     balance: Balance,
     shape: tuple[int, ...],
     powers: tuple[Array, ...],
@@ -286,64 +211,48 @@ def _solve_one(
 
     excess, outcome = implicit_root(
         lambda excess: losses((excess,))[0] - power,
-        lambda: uniform_excess(flyer, state, losses, power),
+        lambda: uniform_excess(equations, losses, power),
         shape,
     )
     return (excess,), outcome
 
 
 def _solve_several(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
+    equations: FlightEquations,
     balance: Balance,
     guess: tuple[Array, ...] | None,
     powers: tuple[Array, ...],
 ) -> tuple[tuple[Array, ...], RootOutcome]:
+    flyer = equations.flyer
+
     def of_one_temperature() -> tuple[Array, ...]:
-        excess, _ = uniform_excess(
-            flyer, state, lambda unknowns: balance(*unknowns)[0], total(powers)
-        )
-        return flyer.first_guess(state, excess)
+        excess, _ = uniform_excess(equations, lambda unknowns: balance(*unknowns)[0], total(powers))
+        return flyer.first_guess(equations.state, excess)
 
     # no temperature falls to absolute zero; flows have no such bound
     lower = (-1.0,) * len(flyer.nodes) + (-math.inf,) * len(flyer.flows)
     return solve_system(
-        lambda unknowns: _imbalance(balance, unknowns, powers),
+        lambda unknowns: imbalance(balance, unknowns, powers),
         of_one_temperature if guess is None else guess,
         lower=lower,
     )
 
 
-def energy_scale(powers: tuple[Array, ...]) -> Array:
-    """Size of the powers that an imbalance is measured by [W]; one where all are zero."""
-    size = total(tuple(jnp.abs(power) for power in powers))
-    return jnp.where(size == 0.0, 1.0, size)
-
-
-def light_and_gains(
-    flyer: AbstractFlyer, state: EnvironmentState, irradiance: Numeric
-) -> tuple[Array, ...]:
-    """Net power that each node absorbs under an irradiance of the beam [W]."""
-    areas, gains = flyer.beam_areas(state), flyer.heat_gains(state)
-    return tuple(irradiance * area + gain for area, gain in zip(areas, gains, strict=True))
-
-
 @elementwise_entry_point
-def _equilibrium(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
-) -> Equilibrium:
-    powers = light_and_gains(flyer, state, state.radiation.irradiance)
-    nothing = (jnp.zeros(()),) * (len(flyer.nodes) + len(flyer.flows))
-    shape = jax.eval_shape(lambda: total(powers) + total(node_losses(flyer, state, model, nothing)))
-    unknowns, outcome = balance_solver(flyer, state, model, shape.shape)(powers)
-    gas = model.heat_loss(flyer, state, unknowns)
-    own = flyer.heat_losses(state, unknowns)
+def solve_equilibrium(equations: FlightEquations) -> Equilibrium:
+    """Temperatures and heat flows, converged or not."""
+    flyer, state = equations.flyer, equations.state
+    powers = equations.powers(state.radiation.irradiance)
+    nothing = equations.unknowns_at(jnp.zeros(()))
+    shape = jax.eval_shape(lambda: total(powers) + total(equations.losses(nothing)))
+    unknowns, outcome = balance_solver(equations, shape.shape)(powers)
+    gas, own = equations.heat_flows(unknowns)
     imbalances = tuple(
         power - taken - given for power, taken, given in zip(powers, gas, own, strict=True)
     )
-    flows = model.flow_balance(flyer, state, unknowns)
     scale = energy_scale(powers)
-    worst = _furthest(tuple(imbalance / scale for imbalance in imbalances) + tuple(flows))
+    flows = tuple(equations.model.flow_balance(flyer, state, unknowns))
+    worst = _furthest(tuple(imbalance / scale for imbalance in imbalances) + flows)
     return Equilibrium(
         nodes=flyer.nodes,
         temperatures=tuple(

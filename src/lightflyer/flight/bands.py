@@ -13,11 +13,15 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.checks import is_traced
 from lightflyer.core.precision import float64
 from lightflyer.core.quantity import require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.flight.balance import equilibrium, require_converged, require_suitable
+from lightflyer.files.display_units import number_text, suitable
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of
+from lightflyer.flight.balance import require_converged, status_lines
+from lightflyer.flight.equations import FlightEquations
 from lightflyer.flight.grid_refinement import (
     EDGE_TOLERANCE,
     at,
@@ -26,7 +30,7 @@ from lightflyer.flight.grid_refinement import (
     first_largest,
     with_point,
 )
-from lightflyer.flight.loads import upward_force, weight
+from lightflyer.flight.loads import lift_and_payload
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
@@ -43,7 +47,7 @@ _STAGES = 4  # each narrows the search for the peak some fifty times, to millime
 _POINTS = 151  # of the first look where a coordinate has no step of its own
 
 
-class Band(eqx.Module):
+class Band(PrintedResult, eqx.Module):
     """Range of the coordinate in which a flyer levitates. Fields have the inputs' shape."""
 
     #: Edges, in the unit of the environment's coordinate; NaN where the flyer levitates nowhere
@@ -57,11 +61,35 @@ class Band(eqx.Module):
     upper_open: Numeric
     #: Why the search for the edges ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`
     status: Numeric
+    unit: str = eqx.field(static=True)  #: SI unit of the edges
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        traced = is_traced(self)
+        if not (traced or np.any(self.exists)):
+            yield "levitates nowhere in the searched range"
+            return
+        factor, unit = (1.0, self.unit) if traced else suitable(self.unit, self.upper)
+        edges = {"from": (self.lower, self.lower_open), "to": (self.upper, self.upper_open)}
+        yield rows_of(
+            {
+                f"levitates {word}": number_text(edge * factor, unit) + _open_text(is_open)
+                for word, (edge, is_open) in edges.items()
+            }
+        )
+        yield from status_lines(self.status)
 
     @property
     def converged(self) -> Numeric:
         """True where both edges met their tolerance."""
         return self.status == SolverStatus.CONVERGED
+
+
+def _open_text(is_open: Numeric) -> str:
+    """Whether an edge is the end of the searched range, in words."""
+    if is_traced(is_open) or not np.any(is_open):
+        return ""
+    return f", {'' if np.all(is_open) else 'in part '}the end of the searched range"
 
 
 def levitation_band(
@@ -179,14 +207,13 @@ class _Searched(eqx.Module):
         """Lift over weight, minus one, at a coordinate or its logarithm."""
         # or, where less, by how much the films are cooler than they bear, as a share of that
         place = jnp.exp(place) if self.logarithmic else place
-        flyer, state = self.flyer, self.environment.state(place)
-        require_suitable(flyer, state, self.model)
-        found = equilibrium(flyer, state, self.model, throw=False)
-        force = upward_force(flyer, state, self.model, found.unknowns)
-        margin = force / weight(flyer, state) - 1.0
-        if not self.usable or flyer.highest_temperature is None:
+        state, highest = self.environment.state(place), self.flyer.highest_temperature
+        equations = FlightEquations(self.flyer, state, self.model)
+        force, _, balance = lift_and_payload(equations)
+        margin = force / equations.weight - 1.0
+        if not self.usable or highest is None:
             return margin
-        return jnp.minimum(margin, 1.0 - found.temperature / flyer.highest_temperature)
+        return jnp.minimum(margin, 1.0 - balance.temperature / highest)
 
 
 @entry_point
@@ -210,6 +237,7 @@ def _levitation_bands(searched: _Searched, grid: Array) -> Band:
         lower_open=is_open[0],
         upper_open=is_open[1],
         status=jnp.max(outcome.status, axis=0),
+        unit=searched.environment.coordinate.unit,
     )
 
 

@@ -1,8 +1,5 @@
 """Levitation: the irradiance that it takes."""
 
-from collections.abc import Callable
-from functools import partial
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -13,28 +10,15 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.display_units import number_text
 from lightflyer.files.result_text import Parts, PrintedResult, rows_of
 from lightflyer.flight.balance import (
-    SMALLEST_SHARE,
-    balance_solver,
-    imbalance_of,
-    light_and_gains,
-    node_losses,
     require_converged,
-    require_suitable,
     status_lines,
     status_within,
-    total,
 )
-from lightflyer.flight.loads import upward_force, weight
-from lightflyer.flight.minimum_irradiance import find_least_light
+from lightflyer.flight.equations import FlightEquations, total
+from lightflyer.flight.minimum_irradiance import LiftOff, find_by_irradiance
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE, AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.numerics.rootfind import (
-    RootOutcome,
-    SolverStatus,
-    bracketed_power_newton,
-    implicit_root,
-)
-from lightflyer.numerics.system import implicit_system
+from lightflyer.numerics.rootfind import SolverStatus, reach
 from lightflyer.program.entry_point import elementwise_entry_point
 
 HIGHEST_IRRADIANCE = 1e7
@@ -122,63 +106,39 @@ def levitate(
     >>> print(f"{result.irradiance:.3f} W/m², {result.temperature:.4f} K")
     811.018 W/m², 323.6874 K
     """
-    require_suitable(flyer, state, model)
-    result = _levitate(flyer, state, model)
+    result = _levitate(FlightEquations(flyer, state, model))
     if throw:
         require_converged("levitation", result.status, result.residual)
     return result
 
 
 @elementwise_entry_point
-def _levitate(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
-) -> Levitation:
-    lifts_cold = type(flyer).buoyancy is not AbstractFlyer.buoyancy
-    lifts_cold |= model.pushes_unheated(flyer, state)
-    if len(flyer.nodes) == 1 and not flyer.flows and not lifts_cold:
-        return _by_temperature(flyer, state, model)
-    return _by_irradiance(flyer, state, model)
-
-
-def _reach(
-    function: Callable[[Array], Array], top: Array, strongest: Array, load: Array
-) -> tuple[Array, Array, RootOutcome]:
-    """Find where an increasing force reaches the load; ``top``: upper end of the argument."""
-    within = strongest >= load
-    # Where no argument suffices, a load within reach stands in, to be discarded by the caller: so
-    # neither the search nor its derivative meets a NaN.
-    reached_at_top = jnp.where(strongest == 0.0, 1.0, jnp.abs(strongest))
-    stand_in = jnp.where(strongest == 0.0, 1.0, 0.5 * reached_at_top)
-    target = jnp.where(within, load, stand_in)
-
-    def reached(argument: Array) -> Array:
-        pushed = jnp.sign(strongest) * function(argument)
-        return jnp.where(strongest == 0.0, argument / top, pushed)
-
-    def search() -> tuple[Array, RootOutcome]:
-        return bracketed_power_newton(
-            reached,
-            target=target,
-            lower=top * SMALLEST_SHARE,
-            upper=top,
-            guess=top * target / reached_at_top,
-        )
-
-    argument, outcome = implicit_root(
-        lambda argument: reached(argument) - target, search, jnp.shape(target)
+def _levitate(equations: FlightEquations) -> Levitation:
+    if equations.has_one_unknown and not equations.lifts_unheated:
+        found = _by_temperature(equations)
+    else:
+        found = find_by_irradiance(equations)
+    # the answer, without what belongs to stand-ins
+    levitates = found.levitates & (found.irradiance <= HIGHEST_IRRADIANCE)
+    residual = jnp.where(levitates, found.residual, 0.0)
+    status = status_within(found.status, residual, LOAD_TOLERANCE)
+    status = jnp.where(levitates, status, int(SolverStatus.CONVERGED))
+    return Levitation(
+        irradiance=jnp.where(levitates, jnp.maximum(found.irradiance, 0.0), jnp.inf),
+        temperature=jnp.where(levitates, found.temperature, jnp.nan),
+        levitates=levitates,
+        residual=residual,
+        status=jnp.where(jnp.isnan(found.strongest), int(SolverStatus.NOT_FINITE), status),
     )
-    return argument, within, outcome
 
 
-def _by_temperature(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
-) -> Levitation:
+def _by_temperature(equations: FlightEquations) -> LiftOff:
     """One node: the temperature that carries the load, then the irradiance that holds it."""
 
     def pushed(excess: Array) -> Array:
-        return upward_force(flyer, state, model, (excess,))
+        return equations.upward_force((excess,))
 
-    load = weight(flyer, state)
+    state, load = equations.state, equations.weight
     hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
     shape = jax.eval_shape(lambda: load + pushed(hottest))
     traced = jax.jit(pushed)
@@ -187,104 +147,13 @@ def _by_temperature(
         return traced(jnp.broadcast_to(excess, shape.shape))
 
     strongest = force(hottest)
-    excess, levitates, outcome = _reach(force, hottest, strongest, load)
-    needed = total(node_losses(flyer, state, model, (excess,))) - total(flyer.heat_gains(state))
-    collecting = total(flyer.beam_areas(state))
-    irradiance = needed / jnp.where(collecting > 0.0, collecting, 1.0)
-    temperature = state.temperature * (1.0 + excess)
-    levitates &= collecting > 0.0
-    return _answer(
-        levitates, irradiance, temperature, force(excess) / load - 1.0, outcome.status, strongest
-    )
-
-
-def _by_irradiance(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
-) -> Levitation:
-    """Several unknowns: the irradiance that carries the load, with a heat balance in each step."""
-    # And one, where warm gas lifts: it may carry the load though it is no warmer than the gas
-    # around.
-    #
-    # The brightest light looked at absorbs what the flyer would lose if all of it were at the
-    # highest temperature: at any stronger one some node is hotter.
-    load = weight(flyer, state)
-    collecting = total(flyer.beam_areas(state))
-    can_collect = collecting > 0.0
-    hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
-    everywhere = (hottest,) * len(flyer.nodes) + (0.0 * hottest,) * len(flyer.flows)
-    loss = total(node_losses(flyer, state, model, everywhere))
-    brightest = (loss - total(flyer.heat_gains(state))) / jnp.where(can_collect, collecting, 1.0)
-    shape = jnp.shape(brightest + load)
-
-    still = jax.lax.stop_gradient((flyer, state, model, brightest, load))
-    dark = still[0].first_guess(still[1], jnp.zeros(shape))
-    found = find_least_light(partial(_force_in, *still[:3], shape), *still[3:], dark)
-    share = found.light / still[3]
-    held = ~found.carries | found.in_the_dark
-    imbalance = imbalance_of(flyer, state, model, shape)
-
-    def residual(point: tuple[Array, ...]) -> tuple[Array, ...]:
-        *unknowns, way = point
-        powers = light_and_gains(flyer, state, way * still[3])
-        push = upward_force(flyer, state, model, tuple(unknowns)) / load - 1.0
-        return *imbalance(tuple(unknowns), powers), jnp.where(held, way - share, push)
-
-    *rest, share = implicit_system(residual, (*found.unknowns, share))
-    unknowns = tuple(rest)
-    temperature = state.temperature * (
-        1.0 + jax.tree.reduce(jnp.maximum, unknowns[: len(flyer.nodes)])
-    )
-    off = upward_force(flyer, state, model, unknowns) / load - 1.0
-    levitates = found.carries & can_collect & (temperature <= HIGHEST_TEMPERATURE)
-    return _answer(
-        found.in_the_dark | levitates,
-        share * still[3],
-        temperature,
-        jnp.where(found.in_the_dark, 0.0, off),
-        found.status,
-        found.force,
-    )
-
-
-def _force_in(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
-    model: AbstractForceModel,
-    shape: tuple[int, ...],
-    light: Array,
-    guess: tuple[Array, ...],
-) -> tuple[Array, Array, tuple[Array, ...]]:
-    """Force in a light [N], its slope [N m²/W] and the unknowns; ``guess``: of those."""
-    solve = balance_solver(flyer, state, model, shape, guess)
-
-    def force(light: Array) -> tuple[Array, tuple[Array, ...]]:
-        unknowns, _ = solve(light_and_gains(flyer, state, light))
-        pushed = upward_force(flyer, state, model, unknowns)
-        return jnp.broadcast_to(pushed, shape), unknowns
-
-    found: tuple[Array, Array, tuple[Array, ...]] = jax.jvp(
-        force, (light,), (jnp.ones_like(light),), has_aux=True
-    )
-    return found
-
-
-def _answer(
-    levitates: Array,
-    irradiance: Array,
-    temperature: Array,
-    residual: Array,
-    status: Array,
-    strongest: Array,
-) -> Levitation:
-    """The result, without what belongs to stand-ins."""
-    levitates &= irradiance <= HIGHEST_IRRADIANCE
-    residual = jnp.where(levitates, residual, 0.0)
-    status = status_within(status, residual, LOAD_TOLERANCE)
-    status = jnp.where(levitates, status, int(SolverStatus.CONVERGED))
-    return Levitation(
-        irradiance=jnp.where(levitates, jnp.maximum(irradiance, 0.0), jnp.inf),
-        temperature=jnp.where(levitates, temperature, jnp.nan),
-        levitates=levitates,
-        residual=residual,
-        status=jnp.where(jnp.isnan(strongest), int(SolverStatus.NOT_FINITE), status),
+    excess, reaches, outcome = reach(force, hottest, strongest, load)
+    irradiance, collects = equations.irradiance_for(total(equations.losses((excess,))))
+    return LiftOff(
+        levitates=reaches & collects,
+        irradiance=irradiance,
+        temperature=state.temperature * (1.0 + excess),
+        residual=force(excess) / load - 1.0,
+        status=outcome.status,
+        strongest=strongest,
     )

@@ -1,65 +1,15 @@
-"""Loads: weight, force of the gas, and the payload that it carries."""
+"""Loads: force of the gas, and the payload that it carries."""
 
 import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
-from lightflyer.flight.balance import (
-    Equilibrium,
-    equilibrium,
-    require_converged,
-    require_suitable,
-)
+from lightflyer.flight.balance import Equilibrium, require_converged, solve_equilibrium
+from lightflyer.flight.equations import FlightEquations
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.program.entry_point import elementwise_entry_point, entry_point
-
-
-@entry_point
-def weight(flyer: AbstractFlyer, state: EnvironmentState) -> Numeric:
-    """Weight of a flyer with its payload [N].
-
-    Parameters
-    ----------
-    flyer : AbstractFlyer
-    state : EnvironmentState
-
-    Returns
-    -------
-    array, broadcast shape
-    """
-    return flyer.mass * state.gravity
-
-
-def upward_force(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
-    model: AbstractForceModel,
-    unknowns: tuple[Array, ...],
-) -> Array:
-    """Vertical part of the gas's force, and the flyer's buoyancy [N]."""
-    force = model.force(flyer, state, unknowns)
-    if flyer.attitude is not None:
-        force = force * jnp.cos(flyer.attitude.tilt)
-    return force + buoyancy(flyer, state, model, unknowns)
-
-
-def buoyancy(
-    flyer: AbstractFlyer,
-    state: EnvironmentState,
-    model: AbstractForceModel,
-    unknowns: tuple[Array, ...],
-) -> Numeric:
-    """Buoyancy that a model adds to its force [N]; zero for a published model that has none."""
-    if not model.adds_buoyancy:
-        return 0.0 * unknowns[0]
-    return flyer.buoyancy(state, unknowns)
-
-
-def largest_payload(flyer: AbstractFlyer, state: EnvironmentState, lift: Numeric) -> Numeric:
-    """Mass that a lift carries beside the flyer's own [kg]."""
-    return lift / state.gravity - flyer.own_mass
+from lightflyer.program.entry_point import elementwise_entry_point
 
 
 def lift(
@@ -103,20 +53,18 @@ def lift(
     >>> print(f"{lf.lift(disk, state, lf.Lu2023()) / lf.flight.weight(disk, state):.6f}")
     1.589948
     """
-    require_suitable(flyer, state, model)
-    force, _, balance = _lift_and_payload(flyer, state, model)
+    force, _, balance = lift_and_payload(FlightEquations(flyer, state, model))
     if throw:
         require_converged("heat balance", balance.status, balance.residual)
     return force
 
 
 @elementwise_entry_point
-def _lift_and_payload(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
-) -> tuple[Array, Numeric, Equilibrium]:
-    balance = equilibrium(flyer, state, model, throw=False)
-    force = upward_force(flyer, state, model, balance.unknowns)
-    return force, largest_payload(flyer, state, force), balance
+def lift_and_payload(equations: FlightEquations) -> tuple[Array, Numeric, Equilibrium]:
+    """Vertical force [N], the largest payload [kg], and the heat balance, converged or not."""
+    balance = solve_equilibrium(equations)
+    force = equations.upward_force(balance.unknowns)
+    return force, equations.largest_payload(force), balance
 
 
 def force_vector(
@@ -144,8 +92,7 @@ def force_vector(
     ConvergenceError
         If the heat balance has not converged and ``throw`` is true.
     """
-    require_suitable(flyer, state, model)
-    *components, balance = _force_vector(flyer, state, model)
+    *components, balance = _force_vector(FlightEquations(flyer, state, model))
     if throw:
         require_converged("heat balance", balance.status, balance.residual)
     x, y, z = components
@@ -153,11 +100,9 @@ def force_vector(
 
 
 @elementwise_entry_point
-def _force_vector(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
-) -> tuple[Array, Array, Array, Equilibrium]:
-    balance = equilibrium(flyer, state, model, throw=False)
-    force = model.force(flyer, state, balance.unknowns)
+def _force_vector(equations: FlightEquations) -> tuple[Array, Array, Array, Equilibrium]:
+    balance, flyer = solve_equilibrium(equations), equations.flyer
+    force = equations.model.force(flyer, equations.state, balance.unknowns)
     if flyer.attitude is None:
         return 0.0 * force, 0.0 * force, force, balance
     sideways = force * jnp.sin(flyer.attitude.tilt)
@@ -199,8 +144,7 @@ def payload(
     -----
     Differentiable in every number of flyer, state and model.
     """
-    require_suitable(flyer, state, model)
-    _, mass, balance = _lift_and_payload(flyer, state, model)
+    _, mass, balance = lift_and_payload(FlightEquations(flyer, state, model))
     if throw:
         require_converged("heat balance", balance.status, balance.residual)
     return mass

@@ -7,7 +7,8 @@ costs more than running it.
 """
 
 from collections.abc import Callable
-from typing import TypeVar
+from functools import partial
+from typing import NamedTuple, TypeVar
 
 import equinox as eqx
 import jax
@@ -15,18 +16,22 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.flight.balance import balance_solver
+from lightflyer.flight.equations import FlightEquations, imbalance, total
+from lightflyer.flyer.base import HIGHEST_TEMPERATURE
 from lightflyer.numerics.rootfind import (
     MAXIMUM_STEPS,
+    SMALLEST_SHARE,
     BracketSearch,
     SolverStatus,
     geometric_middle,
     power_step,
 )
+from lightflyer.numerics.system import implicit_system
 
 _DIMMEST = 1e-5  # light looked at after darkness, over the brightest
 _STEPS = 15  # in equal ratios from there to the brightest
 _RATIO = _DIMMEST ** (-1.0 / _STEPS)
-_SMALLEST_SHARE = 1e-26  # lower end of the bracket, over its upper end
 
 # what an element looks at: darkness is 0, then come the lights
 _AT_BRIGHTEST = _STEPS + 1
@@ -67,6 +72,79 @@ class LeastLight(eqx.Module):
         """Why the search ended; that no light suffices is an answer."""
         searched = self.carries & (self.light > 0.0)
         return jnp.where(searched, self.bracket.status, jnp.int8(SolverStatus.CONVERGED))
+
+
+class LiftOff(NamedTuple):
+    """Where a search found that a flyer lifts off, with what belongs to stand-ins."""
+
+    levitates: Array  # Whether any irradiance suffices
+    irradiance: Array  # Of the beam [W/m²]
+    temperature: Array  # Of the hottest node [K]
+    residual: Array  # Force over weight, minus one [1]
+    status: Array  # Why the search ended
+    strongest: Array  # Largest force that was met [N]
+
+
+def find_by_irradiance(equations: FlightEquations) -> LiftOff:
+    """Several unknowns: the irradiance that carries the load, with a heat balance in each step."""
+    # And one, where warm gas lifts: it may carry the load though it is no warmer than the gas
+    # around.
+    #
+    # The brightest light looked at absorbs what the flyer would lose if all of it were at the
+    # highest temperature: at any stronger one some node is hotter.
+    flyer, state, load = equations.flyer, equations.state, equations.weight
+    hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
+    loss = total(equations.losses(equations.unknowns_at(hottest)))
+    brightest, collects = equations.irradiance_for(loss)
+    shape = jnp.shape(brightest + load)
+
+    still, top, least = jax.lax.stop_gradient((equations, brightest, load))
+    dark = still.flyer.first_guess(still.state, jnp.zeros(shape))
+    found = find_least_light(partial(_force_in, still, shape), top, least, dark)
+    share = found.light / top
+    held = ~found.carries | found.in_the_dark
+    balance = equations.traced(shape)
+
+    def residual(point: tuple[Array, ...]) -> tuple[Array, ...]:
+        *unknowns, way = point
+        powers = equations.powers(way * top)
+        push = equations.upward_force(tuple(unknowns)) / load - 1.0
+        return *imbalance(balance, tuple(unknowns), powers), jnp.where(held, way - share, push)
+
+    *rest, share = implicit_system(residual, (*found.unknowns, share))
+    unknowns = tuple(rest)
+    temperature = state.temperature * (
+        1.0 + jax.tree.reduce(jnp.maximum, unknowns[: len(flyer.nodes)])
+    )
+    off = equations.upward_force(unknowns) / load - 1.0
+    levitates = found.carries & collects & (temperature <= HIGHEST_TEMPERATURE)
+    return LiftOff(
+        levitates=found.in_the_dark | levitates,
+        irradiance=share * top,
+        temperature=temperature,
+        residual=jnp.where(found.in_the_dark, 0.0, off),
+        status=found.status,
+        strongest=found.force,
+    )
+
+
+def _force_in(
+    equations: FlightEquations,
+    shape: tuple[int, ...],
+    light: Array,
+    guess: tuple[Array, ...],
+) -> tuple[Array, Array, tuple[Array, ...]]:
+    """Force in a light [N], its slope [N m²/W] and the unknowns; ``guess``: of those."""
+    solve = balance_solver(equations, shape, guess)
+
+    def force(light: Array) -> tuple[Array, tuple[Array, ...]]:
+        unknowns, _ = solve(equations.powers(light))
+        return jnp.broadcast_to(equations.upward_force(unknowns), shape), unknowns
+
+    found: tuple[Array, Array, tuple[Array, ...]] = jax.jvp(
+        force, (light,), (jnp.ones_like(light),), has_aux=True
+    )
+    return found
 
 
 def find_least_light(
@@ -112,7 +190,7 @@ def _advance(at: LeastLight, look: Look, brightest: Array, load: Array) -> Least
     residual, newton = power_step(force, slope, at.light, load)
     bracket = _where(
         begins,
-        BracketSearch.within(_SMALLEST_SHARE * at.light, at.light, at.light * load / force),
+        BracketSearch.within(SMALLEST_SHARE * at.light, at.light, at.light * load / force),
         _where(searching, at.bracket.advanced(residual, newton, geometric_middle), at.bracket),
     )
     peak, vertex = _peak(at, force)

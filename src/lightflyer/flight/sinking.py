@@ -12,8 +12,8 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
-from lightflyer.flight.balance import equilibrium, require_converged, require_suitable
-from lightflyer.flight.loads import upward_force, weight
+from lightflyer.flight.balance import require_converged, solve_equilibrium
+from lightflyer.flight.equations import FlightEquations, weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
@@ -112,8 +112,7 @@ def sinking_speed(
         speed, status = _sinking_cold(flyer, state)
         residual: Numeric = 0.0
     else:
-        require_suitable(flyer, state, model)
-        speed, status, residual = _sinking(flyer, state, model)
+        speed, status, residual = _sinking(FlightEquations(flyer, state, model))
     if throw:
         require_converged("sinking speed", status, residual)
     return speed
@@ -132,12 +131,10 @@ def _sinking_cold(flyer: AbstractFlyer, state: EnvironmentState) -> tuple[Array,
 
 
 @elementwise_entry_point
-def _sinking(
-    flyer: AbstractFlyer, state: EnvironmentState, model: AbstractForceModel
-) -> tuple[Array, Array, Array]:
-    balance = equilibrium(flyer, state, model, throw=False)
-    lift = upward_force(flyer, state, model, balance.unknowns)
-    speed, status = _steady(flyer, state, balance.unknowns, lift)
+def _sinking(equations: FlightEquations) -> tuple[Array, Array, Array]:
+    balance = solve_equilibrium(equations)
+    lift = equations.upward_force(balance.unknowns)
+    speed, status = _steady(equations.flyer, equations.state, balance.unknowns, lift)
     return speed, jnp.maximum(status, balance.status), balance.residual
 
 

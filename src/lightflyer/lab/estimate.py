@@ -1,14 +1,18 @@
 """Measured numbers with their intervals."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy import optimize, stats
 
 from lightflyer.core.errors import ParameterError
+from lightflyer.files.result_text import table_of
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 CONFIDENCE = 0.95  # Confidence of every interval of the lab bench
 
@@ -57,10 +61,25 @@ class Estimate:
         ends = [end if math.isfinite(end) else None for end in map(float, self.interval)]
         return {"value": float(self.value), "interval_95": ends, "unit": self.unit}
 
-    def __str__(self) -> str:
+    def interval_text(self, digits: int = 4) -> str:
+        """The 95 % interval, as tables show it."""
         low, high = self.interval
-        unit = f" {self.unit}" if self.unit else ""
-        return f"{self.value:.4g} ({low:.4g} to {high:.4g}){unit}"
+        return f"{low:.{digits}g} to {high:.{digits}g}"
+
+    def __str__(self) -> str:
+        return f"{self.value:.4g} ({self.interval_text()}) {self.unit}".rstrip()
+
+
+def estimate_table(
+    rows: Iterable[tuple[str, Estimate]], first: str = "", digits: int = 4
+) -> "Table":
+    """Table of named estimates with their intervals and units; ``digits``: significant ones."""
+    headings = (first, "value", "95 % interval", "unit")
+    texts = (
+        (name, f"{one.value:.{digits}g}", one.interval_text(digits), one.unit or "1")
+        for name, one in rows
+    )
+    return table_of(headings, texts, left=(0, 2, 3))
 
 
 def central_interval(draws: np.ndarray, axis: int = -1) -> np.ndarray:

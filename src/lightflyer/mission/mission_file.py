@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from lightflyer.config.flyer_file import FileDesign, flyer_file_type, section_at
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import read_text
 from lightflyer.files.section import Section
-from lightflyer.files.toml_file import FileKind, parsed, validate
+from lightflyer.files.toml_file import FileKind, check, parsed
 from lightflyer.mission.section import EnsembleSection, LaunchesSection, MissionSection
 
 _MISSION = "mission"
@@ -35,9 +35,6 @@ MISSION_FILE = FileKind(
     "a mission file", _keys_of, "'lightflyer init --kind mission' writes an example"
 )
 """How messages speak of a mission file."""
-
-
-_Kind = TypeVar("_Kind", bound=Section)
 
 
 class _MissionPart(Section):
@@ -82,23 +79,13 @@ def mission_of_text(text: str, path: Path) -> MissionFile:
     document = parsed(text, path, MISSION_FILE)
     rest = {name: content for name, content in document.items() if name != _MISSION}
     part = {name: content for name, content in document.items() if name == _MISSION}
-    mission, missions_mistakes = _check(_MissionPart, part, text, path)
+    mission, missions_mistakes = check(_MissionPart, part, text, path, MISSION_FILE)
     # the place of a mission that is mistaken would be found mistaken again
     placed = _place(rest, {} if mission is None else part[_MISSION])
-    file, mistakes = _check(flyer_file_type(), placed, text, path)
+    file, mistakes = check(flyer_file_type(), placed, text, path, MISSION_FILE)
     if mission is None or file is None:
         raise ConfigurationError("\n".join([*mistakes, *missions_mistakes]))
     return MissionFile(file.design(text), mission.mission)
-
-
-def _check(
-    kind: type[_Kind], content: dict[str, Any], text: str, path: Path
-) -> tuple[_Kind | None, list[str]]:
-    """Part of the file, or None, and the mistakes in it."""
-    try:
-        return validate(kind, content, text, path, MISSION_FILE), []
-    except ConfigurationError as error:
-        return None, [str(error)]
 
 
 def _place(document: dict[str, Any], mission: dict[str, Any]) -> dict[str, Any]:

@@ -30,6 +30,8 @@ ROUNDING = sys.float_info.epsilon
 MAXIMUM_STEPS = 100
 """Bound on Newton and bisection steps. Bisection alone needs about 60 for any bracket."""
 
+SMALLEST_SHARE = 1e-26  # Lower end of a bracket, over its upper end
+
 STEPS_ON_GPU = 4
 """Steps before a GPU first asks whether all elements have ended.
 
@@ -261,6 +263,36 @@ def implicit_root(
     search, around = with_parameters(solve)
     root, outcome = search(*map(jax.lax.stop_gradient, around))
     return _attach(equation, jnp.broadcast_to(root, shape), *parameters), outcome
+
+
+def reach(
+    function: Callable[[Array], Array], top: Array, highest: Array, wanted: Array
+) -> tuple[Array, Array, RootOutcome]:
+    """Find where an increasing function, ``highest`` at the ``top`` argument, has a value."""
+    within = highest >= wanted
+    # Where no argument suffices, a value within reach stands in, to be discarded by the caller: so
+    # neither the search nor its derivative meets a NaN.
+    size = jnp.where(highest == 0.0, 1.0, jnp.abs(highest))
+    stand_in = jnp.where(highest == 0.0, 1.0, 0.5 * size)
+    target = jnp.where(within, wanted, stand_in)
+
+    def reached(argument: Array) -> Array:
+        value = jnp.sign(highest) * function(argument)
+        return jnp.where(highest == 0.0, argument / top, value)
+
+    def search() -> tuple[Array, RootOutcome]:
+        return bracketed_power_newton(
+            reached,
+            target=target,
+            lower=top * SMALLEST_SHARE,
+            upper=top,
+            guess=top * target / size,
+        )
+
+    argument, outcome = implicit_root(
+        lambda argument: reached(argument) - target, search, jnp.shape(target)
+    )
+    return argument, within, outcome
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))

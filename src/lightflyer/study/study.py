@@ -141,6 +141,26 @@ def _describe(values: np.ndarray, field: Field) -> str:
     return f"{len(values)} values, {ends} ({digest(values)})"
 
 
+def read_entries(
+    design: AbstractDesign,
+    entries: Mapping[str, object],
+    outputs: Sequence[str],
+    source: Source | None = None,
+) -> dict[str, Any]:
+    """Read and check what a study varies: axes, distributions, or labelled arrays, by name."""
+    if not entries:
+        raise ConfigurationError("over names no number to vary")
+    require_compatible(design, list(entries), source, "sweep")
+    found = {}
+    for name, entry in entries.items():
+        with errors_at(source, "sweep", name):
+            field = design.field(name)
+            found[name] = entry if hasattr(entry, "dims") else read_entry(entry, field)
+    with errors_at(source, "outputs", *(("variables",) if source else ())):
+        check_outputs(outputs, design.setup, list(entries))
+    return found
+
+
 def make_study(
     design: AbstractDesign,
     entries: Mapping[str, object],
@@ -150,16 +170,20 @@ def make_study(
     reduce: ReduceSection | None = None,
 ) -> Study:
     """Look up what a study names, check it, and draw its samples."""
-    if not entries:
-        raise ConfigurationError("over names no number to vary")
-    found: list[Axis | Distribution] = []
-    for name, entry in entries.items():
-        with errors_at(source, "sweep", name):
-            found.append(read_entry(entry, design.field(name)))
-    require_compatible(design, list(entries), source, "sweep")
-    with errors_at(source, "outputs", *(("variables",) if source else ())):
-        check_outputs(outputs, design.setup, list(entries))
-    reduce = reduce or ReduceSection()
+    found = read_entries(design, entries, outputs, source)
+    return assemble_study(design, found, outputs, sampling, source, reduce)
+
+
+def assemble_study(
+    design: AbstractDesign,
+    entries: Mapping[str, Axis | Distribution],
+    outputs: Sequence[str],
+    sampling: SamplingSection | None = None,
+    source: Source | None = None,
+    reduce: ReduceSection | None = None,
+) -> Study:
+    """Study of entries that are read."""
+    reduce, found = reduce or ReduceSection(), list(entries.values())
     _require_known(reduce, tuple(outputs), tuple(entries), source)
     return Study(
         design=design,

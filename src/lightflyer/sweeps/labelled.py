@@ -7,27 +7,24 @@ import numpy as np
 
 from lightflyer.compute.evaluation import Evaluator, Table
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.design.design import AbstractDesign, Field
-from lightflyer.design.outputs import check_outputs, outputs_of
-from lightflyer.study.axes import Axis, read_entry, require
-from lightflyer.study.study import Dimension, Study, errors_at, require_compatible
+from lightflyer.design.design import AbstractDesign
+from lightflyer.design.outputs import outputs_of
+from lightflyer.study.axes import Axis, require
+from lightflyer.study.study import Dimension, Study
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 def sweep_labelled(
-    design: AbstractDesign, over: Mapping[str, Any], outputs: tuple[str, ...]
+    design: AbstractDesign, entries: Mapping[str, Any], outputs: tuple[str, ...]
 ) -> "xr.Dataset":
     """Outputs over arrays that broadcast by the names of their dimensions."""
     import xarray as xr
 
-    known = {name: design.field(name) for name in over}
-    arrays = {name: _array(entry, known[name]) for name, entry in over.items()}
-    check_outputs(outputs, design.setup, list(over))
-    require_compatible(design, list(over), None, "over")
+    arrays = {name: _array(name, entry) for name, entry in entries.items()}
     found = xr.apply_ufunc(
-        lambda *columns: _evaluate(design, list(over), columns, outputs),
+        lambda *columns: _evaluate(design, list(arrays), columns, outputs),
         *arrays.values(),
         output_core_dims=[[] for _ in outputs],
         dask="parallelized",
@@ -40,22 +37,20 @@ def sweep_labelled(
         column.attrs = known_outputs[str(name)].attributes
     dataset = dataset.assign_coords(arrays)
     for name, array in arrays.items():
-        dataset[name].attrs = array.attrs | known[name].attributes
+        dataset[name].attrs = array.attrs | design.field(name).attributes
     return dataset
 
 
-def _array(entry: Any, known: Field) -> "xr.DataArray":
+def _array(name: str, entry: Any) -> "xr.DataArray":
     import xarray as xr
 
     if isinstance(entry, xr.DataArray):
         return entry
-    with errors_at(None, known.name):
-        axis = read_entry(entry, known)
-        if not isinstance(axis, Axis):
-            raise ConfigurationError("a distribution cannot be combined with DataArrays")
-    if axis.single:
-        return xr.DataArray(float(axis.values[0]))
-    return xr.DataArray(axis.values, dims=[known.name], coords={known.name: axis.values})
+    if not isinstance(entry, Axis):
+        raise ConfigurationError(f"{name}: a distribution cannot be combined with DataArrays")
+    if entry.single:
+        return xr.DataArray(float(entry.values[0]))
+    return xr.DataArray(entry.values, dims=[name], coords={name: entry.values})
 
 
 def _evaluate(

@@ -19,7 +19,7 @@ from lightflyer.core.progress import Counted
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.study.sections import SamplingSection, from_arguments
-from lightflyer.study.study import Study, make_study
+from lightflyer.study.study import Study, assemble_study, read_entries
 from lightflyer.sweeps.outcome import SweepReport
 
 if TYPE_CHECKING:
@@ -160,14 +160,15 @@ def sweep(
     """
     design = as_design(what, environment, model)
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-    if any(hasattr(entry, "dims") for entry in over.values()):
+    entries = read_entries(design, over, names)
+    if any(hasattr(entry, "dims") for entry in entries.values()):
         if out is not None or scheduler is not None:
             raise ConfigurationError("out and scheduler take ranges and lists, not DataArrays")
         from lightflyer.sweeps.labelled import sweep_labelled
 
-        return sweep_labelled(design, over, names)
+        return sweep_labelled(design, entries, names)
     sampling = from_arguments(SamplingSection, method=method, points=points, seed=seed)
-    study = make_study(design, over, names, sampling)
+    study = assemble_study(design, entries, names, sampling)
     if out is not None:
         sweep_into(study, out, scheduler=scheduler, device=device)
         return open_sweep(out)

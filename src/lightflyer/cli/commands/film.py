@@ -11,8 +11,9 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.lab.shared import quantities
 from lightflyer.cli.options import Json
-from lightflyer.cli.output import print_json, printer, write_json
+from lightflyer.cli.output import print_json, printer, show, write_json
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
     from lightflyer.film import Film
@@ -65,7 +66,6 @@ def film_command(
     """
     out = figures.folder(out)
     gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
-    from lightflyer.cli.lab.shared import show_warnings
     from lightflyer.config.reader import read_film_file
     from lightflyer.film.report.summary import FilmSummary
 
@@ -101,7 +101,7 @@ def film_command(
     _show(console, section, summary, points)
     if by_angle is not None:
         _show_angles(console, by_angle)
-    show_warnings(console, warnings)
+    show(console, warning_lines(warnings))
     if summary.uncertainty is None:
         console.print("state ± of the layers' thicknesses for intervals")
     figures.tell(console, paths, "add --out FOLDER to write figures and data")

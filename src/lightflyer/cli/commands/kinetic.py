@@ -8,16 +8,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
-from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json, only_with
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
+from lightflyer.files.result_text import table_of
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.table import Table
 
     from lightflyer.kinetic import Chamber, ChamberSolution, Solution
 
@@ -259,18 +260,17 @@ def _named_as_options() -> Iterator[None]:
         raise ParameterError(f"{option}{space}{rest}" if known else str(error)) from None
 
 
-def _surfaces(described: dict[str, Any]) -> Table:
-    errors = described["error_estimate"]
-    table = Table(box=None, padding=(0, 1))
-    for heading in ("", "force up\n[pA]", "heat out\n[p√(2RT_c)A]"):
-        table.add_column(heading, justify="right" if heading else "left")
-    for name, force in described["forces"].items():
-        table.add_row(name, f"{force:.6f}", f"{described['heats'][name]:.6f}")
-    table.add_row("error, disk", f"± {errors['force']:.1g}", f"± {errors['heat']:.1g}")
-    if described["closure"]:
-        closure = described["closure"]
-        table.add_row("sum over sum of sizes", f"{closure['force']:.0e}", f"{closure['heat']:.0e}")
-    return table
+def _surfaces(described: dict[str, Any]) -> "Table":
+    errors, closure = described["error_estimate"], described["closure"]
+    rows = [
+        (name, f"{force:.6f}", f"{described['heats'][name]:.6f}")
+        for name, force in described["forces"].items()
+    ]
+    rows.append(("error, disk", f"± {errors['force']:.1g}", f"± {errors['heat']:.1g}"))
+    if closure:
+        sums = f"{closure['force']:.0e}", f"{closure['heat']:.0e}"
+        rows.append(("sum over sum of sizes", *sums))
+    return table_of(("", "force up\n[pA]", "heat out\n[p√(2RT_c)A]"), rows)
 
 
 def _write(
@@ -282,11 +282,9 @@ def _write(
     return ["kinetic.json", *figures.write(stage, lambda: {"flow": flow_figure(solution)})]
 
 
-def _table(described: dict[str, Any]) -> Table:
+def _table(described: dict[str, Any]) -> "Table":
     errors = described["error_estimate"]
-    table = Table(box=None, padding=(0, 1))
-    for heading in ("", "over free-\nmolecular [1]", "error"):
-        table.add_column(heading, justify="right" if heading else "left")
+    rows = []
     for label, name in (
         ("force", "force_ratio"),
         ("heat", "heat_ratio"),
@@ -294,9 +292,6 @@ def _table(described: dict[str, Any]) -> Table:
         ("heat, bottom", "heat_ratio_bottom"),
     ):
         value, error = described[name], errors.get(name)
-        table.add_row(
-            label,
-            "–" if value is None else f"{value:.5f}",
-            "" if error is None else f"± {error:.1g}",
-        )
-    return table
+        shown = "–" if value is None else f"{value:.5f}"
+        rows.append((label, shown, "" if error is None else f"± {error:.1g}"))
+    return table_of(("", "over free-\nmolecular [1]", "error"), rows)

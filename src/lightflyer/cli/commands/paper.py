@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-from rich.table import Table
-
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
 from lightflyer.cli.output import printer
+from lightflyer.files.result_text import table_of
 
 
 def paper_command(
@@ -33,12 +32,11 @@ def paper_command(
 
     console = printer()
     results = reproduce(out, points, formats=figures.endings, dpi=figures.dpi, style=figures.style)
-    table = Table(box=None, padding=(0, 1))
-    for heading in ("#", "claim", "verdict", "by"):
-        table.add_column(heading, justify="right" if heading == "#" else "left")
-    for claim in claims():
-        by = ", ".join(claim.reproducing(results.columns))
-        table.add_row(str(claim.number), claim.text, str(claim.overall(results.columns)), by)
-    console.print(table)
+    rows = [
+        (str(claim.number), claim.text, str(claim.overall(results.columns)),
+         ", ".join(claim.reproducing(results.columns)))
+        for claim in claims()
+    ]  # fmt: skip
+    console.print(table_of(("#", "claim", "verdict", "by"), rows, left=(1, 2, 3)))
     for name in ("report.html", "report.md", "report.json", "figures", "data"):
         console.print(f"wrote {out / name}", soft_wrap=True)

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 from rich.console import Console
-from rich.table import Table
 
 from lightflyer.cli.amounts import duration, in_words, with_prefix
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.files.result_text import table_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -135,19 +135,16 @@ def _summary(
 def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.Dataset") -> None:
     from lightflyer.files.display_units import suitable
 
-    table = Table(box=None, padding=(0, 1))
-    for heading in ("field", "values", "from", "to", "unit"):
-        table.add_column(heading, justify="left" if heading in ("field", "unit") else "right")
-    fields = study.fields
+    rows, fields = [], study.fields
     for dimension in study.dimensions:
         for name, values in dimension.values.items():
             factor, unit = suitable(fields[name].quantity.unit, values)
             ends = (f"{end * factor:.6g}" for end in (values.min(), values.max()))
-            table.add_row(name, str(len(values)), *ends, unit)
+            rows.append((name, str(len(values)), *ends, unit))
     for name, value in study.fixed.items():
         factor, unit = suitable(fields[name].quantity.unit, value)
-        table.add_row(name, "1", f"{value * factor:.6g}", "", unit)
-    console.print(table)
+        rows.append((name, "1", f"{value * factor:.6g}", "", unit))
+    console.print(table_of(("field", "values", "from", "to", "unit"), rows, left=(0, 4)))
     console.print(report_line(report), soft_wrap=True)
     if report.not_converged:
         console.print(f"{report.not_converged} designs have not converged and are NaN")

@@ -6,33 +6,26 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from rich.console import Console
-from rich.table import Table
-
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
     Insist,
-    finish,
+    deliver,
     optional_share,
     quantities,
     quantity,
-    show_rejected,
-    show_warnings,
+    rejected_parts,
     updating,
-    write_record,
 )
 from lightflyer.cli.options import Json, only_with
-from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.result_text import Parts, warning_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.lab.ftir.reduction import Ftir
     from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
-
-_PERCENT = 100.0
 
 
 @only_with(
@@ -108,6 +101,7 @@ def ftir_command(
     out = figures.folder(out)
     from lightflyer.config.update import emittance_keys
     from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
+    from lightflyer.lab.ftir.text import ftir_parts
     from lightflyer.lab.readers.spectrum_data import read_spectrum
 
     if update is not None and reflectance is None:
@@ -138,20 +132,19 @@ def ftir_command(
     )
     emissivity = result.emissivity
     values = {} if emissivity is None else dict.fromkeys(emittance_keys(face), emissivity)
-    written, updated = write_record(
-        out, "ftir", document, to_dataset(result), lambda: _figures(result, computed),
-        updating(update, values, "ftir", [*files, *([reflectance] if reflectance else [])],
-                 insist=insist),
-        figures,
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.lab.ftir.figures import ftir_figures
+
+        return ftir_figures(result, computed)
+
+    sources = [*files, *([reflectance] if reflectance else [])]
+    deliver(
+        "ftir", document, to_dataset(result), draw,
+        [*_read_parts([*spectra, *mirrors]), *ftir_parts(result), *warning_lines(warnings)],
+        out=out, figures=figures, json_output=json_output,
+        update=updating(update, values, "ftir", sources, insist=insist),
     )  # fmt: skip
-    if json_output:
-        print_json(document)
-        return
-    console = printer()
-    _show_read(console, [*spectra, *mirrors])
-    _show(console, result)
-    show_warnings(console, warnings)
-    finish(console, figures, written, updated, update)
 
 
 def _require_radiating(result: "Ftir") -> None:
@@ -199,23 +192,17 @@ def _compute(film: Path | None, result: "Ftir") -> tuple[dict[str, Any], list[st
     return found, [f"{film}: the computed spectrum extrapolates {text}" for text in extrapolated]
 
 
-def _figures(result: "Ftir", computed: dict[str, Any]) -> "dict[str, Figure]":
-    from lightflyer.lab.ftir.figures import ftir_figures
-
-    return ftir_figures(result, computed)
-
-
-def _show_read(console: Console, spectra: "Sequence[MeasuredSpectrum]") -> None:
+def _read_parts(spectra: "Sequence[MeasuredSpectrum]") -> Parts:
     from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
 
     for one in spectra:
         ends = one.wavenumber[[0, -1]] / PER_CENTIMETRE
-        console.print(
+        yield (
             f"read {len(one.wavenumber)} points of {one.quantity} from {one.source}, "
-            f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹", soft_wrap=True,
-        )  # fmt: skip
-        console.print(f"  {_facts(one)}", soft_wrap=True, markup=False)
-        show_rejected(console, one.rejected)
+            f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹"
+        )
+        yield f"  {_facts(one)}"
+        yield from rejected_parts(one.rejected)
 
 
 def _facts(spectrum: "MeasuredSpectrum") -> str:
@@ -231,47 +218,3 @@ def _facts(spectrum: "MeasuredSpectrum") -> str:
         f"of {metadata.measured}" if metadata.measured else "",
     ]
     return ", ".join(filter(None, words))
-
-
-def _show(console: Console, result: "Ftir") -> None:
-    from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
-
-    low, high = (end / PER_CENTIMETRE for end in result.band)
-    accuracy = f"{_PERCENT * result.accuracy:.3g} %"
-    console.print(f"over {low:g} to {high:g} cm⁻¹, 95 % intervals with an accuracy of {accuracy}:")
-    console.print(f"  transmittance {result.transmittance.band}")
-    if result.reflectance is None:
-        console.print(f"  1 - transmittance {result.upper_bound}")
-        console.print(f"  upper bound: emissivity at most {result.at_most:.4g} (95 %, one-sided)")
-    else:
-        console.print(f"  reflectance {result.reflectance.band}")
-        console.print(f"  emissivity {result.emissivity}")
-    if result.uncovered_band:
-        console.print(f"  {_PERCENT * result.uncovered_band:.1f} % of the band has no data")
-    console.print(
-        "weighted with Planck's spectrum over the measured wavenumbers; total: nothing or\n"
-        "everything is emitted outside them"
-    )
-    console.print(_weigh(result))
-
-
-def _weigh(result: "Ftir") -> Table:
-    """Table of Planck-weighted means, and of bounds with what lies outside the data."""
-    measured = result.reflectance is not None
-    table = Table(box=None, padding=(0, 1))
-    for heading in (
-        "at\n[K]", "\ntransmittance", "\nemissivity" if measured else "1 - trans-\nmittance",
-        "\n95 % interval", "outside\nthe data",
-        "total,\nbounds" if measured else "total, at\nmost (95 %)",
-    ):  # fmt: skip
-        table.add_column(heading, justify="right", no_wrap=True)
-    bounds = result.total_bounds()
-    for temperature, estimate in result.planck_emissivity.items():
-        ends, (least, most) = estimate.interval, bounds[temperature]
-        table.add_row(
-            f"{temperature:g}", f"{result.transmittance.planck[temperature].value:.4f}",
-            f"{estimate.value:.4f}", f"{ends[0]:.4f} to {ends[1]:.4f}",
-            f"{_PERCENT * result.uncovered[temperature]:.1f} %",
-            f"{least:.3f} to {most:.3f}" if measured else f"{most:.3f}",
-        )  # fmt: skip
-    return table

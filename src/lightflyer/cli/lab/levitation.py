@@ -5,26 +5,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
-from rich.console import Console
-from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
     Insist,
-    finish,
+    deliver,
     optional_share,
     quantity,
+    read_parts,
     read_summary,
-    show_read,
-    show_warnings,
     updating,
-    write_record,
 )
 from lightflyer.cli.options import Json, Seed, only_with
-from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.files.result_text import open_interval_text
+from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,8 +27,6 @@ if TYPE_CHECKING:
     from lightflyer.calibration.calibration import Calibration
     from lightflyer.lab.estimate import Estimate
     from lightflyer.lab.levitation.curve import LevitationCurve
-
-_PERCENT = 100.0
 
 
 @only_with(calibrate="flyer", keep_ground_effect="calibrate", update="calibrate", insist="update")
@@ -109,6 +102,7 @@ def levitation_command(
     from lightflyer.calibration.text import fit_parts
     from lightflyer.lab.levitation import curve as levitation
     from lightflyer.lab.levitation.data import read_lift_offs
+    from lightflyer.lab.levitation.text import curves_parts
 
     read = [read_lift_offs(file, columns=columns) for file in files]
     accuracies = {
@@ -131,22 +125,21 @@ def levitation_command(
     if fit is not None:
         document["calibration"] = fit.summary()
         document["warnings"] = list(dict.fromkeys([*document["warnings"], *fit.warnings]))
-    written, updated = write_record(
-        out, "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]),
-        lambda: _figures(curves, pressure_unit, models),
-        updating(update, values, "levitation", files, insist=insist),
-        figures,
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.lab.levitation.figures import levitation_figures
+
+        return levitation_figures(curves, pressure_unit=pressure_unit, models=models)
+
+    deliver(
+        "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]), draw,
+        [
+            *read_parts(tables), *curves_parts(curves), *map(str, levitation.compare(curves)),
+            *(() if fit is None else fit_parts(fit)), *warning_lines(document["warnings"]),
+        ],
+        out=out, figures=figures, json_output=json_output,
+        update=updating(update, values, "levitation", files, insist=insist),
     )  # fmt: skip
-    if json_output:
-        print_json(document)
-        return
-    console = printer()
-    show_read(console, tables)
-    _show(console, curves)
-    if fit is not None:
-        show(console, fit_parts(fit))
-    show_warnings(console, document["warnings"])
-    finish(console, figures, written, updated, update)
 
 
 def _coefficients(fit: "Calibration") -> "dict[tuple[str, str], Estimate]":
@@ -193,35 +186,3 @@ def _models(
         name: {curve.points.name: model_curve(curve.points, one) for curve in curves}
         for name, one in setups.items()
     }, fit
-
-
-def _figures(
-    curves: "Sequence[LevitationCurve]", pressure_unit: str, models: dict[str, Any]
-) -> "dict[str, Figure]":
-    from lightflyer.lab.levitation.figures import levitation_figures
-
-    return levitation_figures(curves, pressure_unit=pressure_unit, models=models)
-
-
-def _show(console: Console, curves: "Sequence[LevitationCurve]") -> None:
-    from lightflyer.lab.levitation.curve import compare
-
-    table = Table(box=None, padding=(0, 1))
-    headings = ("sample", "points", "W/m²", "95 % interval", "at Pa", "95 % interval")
-    for heading in headings:
-        table.add_column(heading, justify="left" if heading == "sample" else "right",
-                         no_wrap=heading != "sample")  # fmt: skip
-    for curve in curves:
-        row = [curve.points.name.replace("[", "\\["), str(len(curve.points.pressure))]
-        for estimate in (curve.minimum_irradiance, curve.optimal_pressure):
-            row += [f"{estimate.value:.4g}", open_interval_text(*estimate.interval)]
-        table.add_row(*row)
-    console.print("minimum irradiance and its pressure:")
-    console.print(table)
-    for one in compare(curves):
-        low, high = (_PERCENT * end for end in one.reduction.interval)
-        console.print(
-            f"{one.first} needs {_PERCENT * one.reduction.value:.1f} % less light than "
-            f"{one.second} ({low:.1f} to {high:.1f} %)",
-            soft_wrap=True,
-        )  # fmt: skip

@@ -1,28 +1,21 @@
 """``lightflyer lab optics``: thicknesses, mixtures and constants of a film from its spectra."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-from rich.console import Console
-from rich.table import Table
+from typing import TYPE_CHECKING
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Insist,
-    finish,
-    show_rejected,
-    show_warnings,
-    write_record,
+    deliver,
+    rejected_parts,
 )
 from lightflyer.cli.options import Json, Seed, only_with
-from lightflyer.cli.output import print_json, printer
+from lightflyer.files.result_text import Parts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.lab.optics.fit import OpticsFit
-
-_PERCENT = 100.0
 
 
 @only_with(insist="update")
@@ -86,72 +79,27 @@ def optics_command(
             return []
         from lightflyer.lab.optics.flyer_file import update_layers
 
-        return update_layers(update, result, sample_file.name, insist=insist)
+        changes = update_layers(update, result, sample_file.name, insist=insist)
+        return [f"{update}: {text}" for text in changes]
 
-    written, updated = write_record(
-        out, "optics", document, to_dataset(result), lambda: _figures(result), write, figures,
-        tables=tables(result),
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.lab.optics.figures import optics_figures
+
+        return optics_figures(result)
+
+    deliver(
+        "optics", document, to_dataset(result), draw,
+        [*_read_parts(result), *result.text_parts()],
+        out=out, figures=figures, json_output=json_output, update=write, tables=tables(result),
     )  # fmt: skip
-    if json_output:
-        print_json(document)
-        return
-    console = printer()
-    _show_read(console, result)
-    _show(console, result)
-    show_warnings(console, result.warnings)
-    finish(console, figures, written, updated, update)
 
 
-def _figures(result: "OpticsFit") -> "dict[str, Figure]":
-    from lightflyer.lab.optics.figures import optics_figures
-
-    return optics_figures(result)
-
-
-def _show_read(console: Console, result: "OpticsFit") -> None:
+def _read_parts(result: "OpticsFit") -> Parts:
     for one in result.spectra:
         spectrum = one.measured.spectrum
         ends = spectrum.wavelength[[-1, 0]] * 1e6
-        console.print(
+        yield (
             f"read {len(spectrum.value)} points of {spectrum.quantity} from {spectrum.source}, "
-            f"{ends[0]:.4g} to {ends[1]:.4g} µm", soft_wrap=True, markup=False,
-        )  # fmt: skip
-        show_rejected(console, spectrum.rejected)
-
-
-def _show(console: Console, result: "OpticsFit") -> None:
-    from lightflyer.lab.optics.diagnostics import display_unit
-
-    rows: list[tuple[str, Any, float, str]] = [
-        (name, one, *display_unit(one.unit)) for name, one in result.numbers.items()
-    ]
-    console.print(_table("fitted", rows))
-    if result.predictions:
-        rows = [(name, one, 1.0, "") for name, one in result.predictions.items()]
-        console.print(_table("of the fitted film", rows))
-    console.print(_instruments(result))
-
-
-def _table(first: str, rows: "list[tuple[str, Any, float, str]]") -> Table:
-    table = Table(box=None, padding=(0, 1))
-    for heading in (first, "value", "95 % interval", "unit"):
-        table.add_column(heading, justify="right" if heading == "value" else "left")
-    for name, one, scale, unit in rows:
-        low, high = (end / scale for end in one.interval)
-        table.add_row(name, f"{one.value / scale:.5g}", f"{low:.5g} to {high:.5g}", unit or "1")
-    return table
-
-
-def _instruments(result: "OpticsFit") -> Table:
-    table = Table(box=None, padding=(0, 1))
-    table.add_column("spectrum")
-    for heading in ("scatter\n[%]", "points", "indepen-\ndent", "scale's\nerror [%]",
-                    "zero's\nerror [%]"):  # fmt: skip
-        table.add_column(heading, justify="right")
-    for one in result.spectra:
-        table.add_row(
-            one.measured.label, f"{_PERCENT * one.scatter.deviation:.2f}", f"{len(one.reading)}",
-            f"{one.scatter.independent:.0f}", f"{_PERCENT * one.scale_error:+.2f}",
-            f"{_PERCENT * one.zero_error:+.2f}",
-        )  # fmt: skip
-    return table
+            f"{ends[0]:.4g} to {ends[1]:.4g} µm"
+        )
+        yield from rejected_parts(spectrum.rejected)

@@ -5,32 +5,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
-from rich.console import Console
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
-    estimate_table,
-    finish,
+    deliver,
     optional_share,
     quantity,
-    show_warnings,
-    write_record,
 )
 from lightflyer.cli.options import Json, Seed, only_with
 from lightflyer.cli.output import print_json, printer
+from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from lightflyer.lab.surface.reduction import Roughness
-
-_PERCENT = 100.0
-_MICROMETRE = 1e-6
-_NAMES = {
-    "rms_height": "rms height Sq",
-    "mean_absolute_height": "mean absolute height Sa",
-}
 
 
 @only_with(flatten_order="flatten")
@@ -96,7 +84,8 @@ def roughness_command(
         return
     from lightflyer.lab.readers.height_map import read_height_map
     from lightflyer.lab.record import require_distinct
-    from lightflyer.lab.surface.reduction import roughness, summary, to_dataset
+    from lightflyer.lab.surface.reduction import mean_parameters, roughness, summary, to_dataset
+    from lightflyer.lab.surface.text import means_parts, roughness_parts
 
     options: dict[str, Any] = {
         "mask": mask, "threshold": threshold, "order": order, "flatten": flatten,
@@ -108,22 +97,20 @@ def roughness_command(
     require_distinct([(one.source, one.height) for one in maps])
     results = [roughness(one, **options) for one in maps]
     document = summary(results)
-    written, _ = write_record(
-        out,
-        "roughness",
-        document,
-        to_dataset(results),
-        lambda: _figures(results),
-        lambda: [],
-        figures,
-    )
-    if json_output:
-        print_json(document)
-        return
-    console = printer()
-    _show(console, results)
-    show_warnings(console, document["warnings"])
-    finish(console, figures, written, [], None)
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.lab.surface.figures import roughness_figures
+
+        return roughness_figures(results)
+
+    parts = [part for one in results for part in roughness_parts(one)]
+    if len(results) > 1:
+        parts += means_parts(mean_parameters(results), len(results))
+    deliver(
+        "roughness", document, to_dataset(results), draw,
+        [*parts, *warning_lines(document["warnings"])],
+        out=out, figures=figures, json_output=json_output,
+    )  # fmt: skip
 
 
 def _show_channels(files: "Sequence[Path]", *, json_output: bool) -> None:
@@ -146,43 +133,3 @@ def _show_channels(files: "Sequence[Path]", *, json_output: bool) -> None:
             rows, columns = one.shape
             about = f"{columns} x {rows} pixels{'' if one.is_height else ', not a height'}"
             console.print(f"  {one.description}: {about}", markup=False, soft_wrap=True)
-
-
-def _figures(results: "Sequence[Roughness]") -> "dict[str, Figure]":
-    from lightflyer.lab.surface.figures import roughness_figures
-
-    return roughness_figures(results)
-
-
-def _show(console: Console, results: "Sequence[Roughness]") -> None:
-    from lightflyer.lab.surface.reduction import mean_parameters
-
-    for one in results:
-        console.print(_about_map(one), soft_wrap=True)
-        table = [(name, one.parameters[key]) for key, name in _NAMES.items()]
-        everything = one.parameters_all["rms_height"]
-        console.print(estimate_table([*table, ("Sq without a mask", everything)]))
-        skewness, kurtosis = (one.parameters[key].value for key in ("skewness", "kurtosis"))
-        console.print(f"of this map: skewness Ssk {skewness:.3g}, kurtosis Sku {kurtosis:.3g}")
-    if len(results) > 1:
-        means = mean_parameters(results)
-        console.print(f"mean of {len(results)} maps")
-        console.print(estimate_table([(name, means[key]) for key, name in _NAMES.items()]))
-
-
-def _about_map(one: "Roughness") -> str:
-    """Size of a map and what is masked, in one line."""
-    from lightflyer.lab.surface.reduction import count_objects
-
-    rows, columns = one.height.shape
-    channel = f", {one.source.channel}" if one.source.channel else ""
-    sides = " x ".join(
-        f"{side / _MICROMETRE:.4g}" for side in (one.source.width, one.source.length)
-    )
-    masked = ", ".join(
-        f"{count_objects(mask)} {name} ({_PERCENT * mask.mean():.2f} %)"
-        for name, mask in (("particles", one.particles), ("holes", one.holes))
-    )
-    return (
-        f"read {one.source.source}{channel}: {columns} x {rows} pixels, {sides} µm; {masked} masked"
-    )

@@ -1,16 +1,16 @@
 """Options, tables and records that the commands of the lab bench share."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
-from rich.console import Console
-from rich.table import Table
 
-from lightflyer.cli.figure_files import FigureOptions, ResultOptions
-from lightflyer.cli.output import write_json
+from lightflyer.cli.figure_files import ResultOptions
+from lightflyer.cli.output import print_json, printer, show, write_json
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.result_text import Parts
 
 if TYPE_CHECKING:
     import numpy as np
@@ -102,75 +102,58 @@ def read_summary(tables: Sequence["LabTable"]) -> list[dict[str, Any]]:
     ]
 
 
-def show_read(console: Console, tables: Sequence["LabTable"]) -> None:
-    """Print the files read, and their rejected rows."""
+def read_parts(tables: Iterable["LabTable"]) -> Parts:
+    """The files read, and their rejected rows."""
     for table in tables:
         unused = f"; not used: {', '.join(table.unused)}" if table.unused else ""
-        rows = f"{len(table)} row{'s' * (len(table) != 1)}"
-        console.print(f"read {rows} of {table.source}{unused}", markup=False)
-        show_rejected(console, table.rejected)
-        for note in table.notes:
-            console.print(f"  note: {note}", markup=False, soft_wrap=True)
+        yield f"read {len(table)} row{'s' * (len(table) != 1)} of {table.source}{unused}"
+        yield from rejected_parts(table.rejected)
+        yield from (f"  note: {note}" for note in table.notes)
 
 
-def show_rejected(console: Console, rejected: Sequence["Rejected"]) -> None:
-    """Print rejected rows, only the first of very many."""
-    for row in rejected[:_SHOWN_REJECTED]:
-        console.print(f"  rejected {row}", markup=False, soft_wrap=True)
+def rejected_parts(rejected: Sequence["Rejected"]) -> Parts:
+    """Rejected rows, only the first of very many."""
+    yield from (f"  rejected {row}" for row in rejected[:_SHOWN_REJECTED])
     if len(rejected) > _SHOWN_REJECTED:
-        console.print(
-            f"  and {len(rejected) - _SHOWN_REJECTED} more rows, listed in the JSON record"
-        )
+        yield f"  and {len(rejected) - _SHOWN_REJECTED} more rows, listed in the JSON record"
 
 
-def show_warnings(console: Console, warnings: Sequence[str]) -> None:
-    """Print what a reader of a result must know, one line each."""
-    for text in warnings:
-        console.print(f"warning: {text}", markup=False, soft_wrap=True)
-
-
-def estimate_table(rows: Sequence[tuple[str, "Estimate"]], first: str = "") -> Table:
-    """Table of named estimates with their intervals and units."""
-    table = Table(box=None, padding=(0, 1))
-    for heading in (first, "value", "95 % interval", "unit"):
-        table.add_column(heading, justify="right" if heading in ("value",) else "left")
-    for name, estimate in rows:
-        table.add_row(name, f"{estimate.value:.4g}", interval_text(estimate), estimate.unit or "1")
-    return table
-
-
-def interval_text(estimate: "Estimate") -> str:
-    """95 % interval of an estimate, as tables show it."""
-    low, high = estimate.interval
-    return f"{low:.4g} to {high:.4g}"
-
-
-def write_record(
-    out: Path | None,
+def deliver(
     name: str,
     document: dict[str, Any],
     dataset: "xr.Dataset",
     draw: Callable[[], dict[str, "Figure"]],
-    update: Callable[[], list[str]],
-    figures: FigureOptions,
+    parts: Parts,
+    *,
+    out: Path | None,
+    figures: ResultOptions,
+    json_output: bool,
+    update: Callable[[], list[str]] = list,
     tables: Mapping[str, str] | None = None,
-) -> tuple[list[Path], list[str]]:
-    """Write a measurement's record and figures; return what was written and what was updated."""
-    # the flyer file is changed after all files are prepared; if that fails, nothing is written
-    if out is None:
-        return [], update()
+) -> None:
+    """Write a measurement's record and figures, and print its text or its JSON object."""
     from lightflyer.core.atomic_files import output_directory
 
-    names = [f"{name}.json", f"{name}.nc"]
-    with output_directory(out) as stage:
-        write_json(stage(names[0]), document)
-        dataset.to_netcdf(stage(names[1]), engine="h5netcdf")
-        for file, text in (tables or {}).items():
-            stage(file).write_text(text, encoding="utf-8")
-            names.append(file)
-        names += figures.write(stage, draw)
+    names: list[str] = []
+    with nullcontext() if out is None else output_directory(out) as stage:
+        if stage is not None:
+            names = [f"{name}.json", f"{name}.nc"]
+            write_json(stage(names[0]), document)
+            dataset.to_netcdf(stage(names[1]), engine="h5netcdf")
+            for file, text in (tables or {}).items():
+                stage(file).write_text(text, encoding="utf-8")
+                names.append(file)
+            names += figures.write(stage, draw)
+        # the flyer file is changed after all files are prepared; if that fails, nothing is written
         updated = update()
-    return [out / name for name in names], updated
+    if json_output:
+        print_json(document)
+        return
+    console = printer()
+    show(console, parts)
+    written = [] if out is None else [out / file for file in names]
+    figures.tell(console, written, "add --out FOLDER to write a record and a figure")
+    show(console, updated)
 
 
 def updating(
@@ -181,7 +164,7 @@ def updating(
     *,
     insist: bool,
 ) -> Callable[[], list[str]]:
-    """Function that writes values into a flyer file, if one is named; see :func:`write_record`."""
+    """Function that writes values into a flyer file, if one is named; see :func:`deliver`."""
 
     def update() -> list[str]:
         if flyer is None:
@@ -189,19 +172,7 @@ def updating(
         from lightflyer.config.update import update_flyer_file
 
         origin = ", ".join([f"lab {name}", *(file.name for file in files)])
-        return update_flyer_file(flyer, values, origin, insist=insist)
+        changes = update_flyer_file(flyer, values, origin, insist=insist)
+        return [f"{flyer}: {text}" for text in changes]
 
     return update
-
-
-def finish(
-    console: Console,
-    figures: ResultOptions,
-    written: Sequence[Path],
-    updated: Sequence[str],
-    flyer: Path | None,
-) -> None:
-    """Print what was written, or how to write it."""
-    figures.tell(console, written, "add --out FOLDER to write a record and a figure")
-    for text in updated:
-        console.print(f"{flyer}: {text}", soft_wrap=True, markup=False)

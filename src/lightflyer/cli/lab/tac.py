@@ -4,28 +4,22 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from rich.console import Console
-from rich.table import Table
-
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
     Insist,
+    deliver,
     difference,
-    finish,
-    interval_text,
     optional_share,
     quantity,
+    read_parts,
     read_summary,
     share,
-    show_read,
-    show_warnings,
     updating,
-    write_record,
 )
 from lightflyer.cli.options import Json, only_with
-from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,9 +28,7 @@ if TYPE_CHECKING:
     from lightflyer.lab.tac.fit import TacFit
     from lightflyer.lab.tac.heat_law import AbstractHeatLaw
 
-_PERCENT = 100.0
 _KINETIC = "kinetic"  # reading of force models that have none of the paper's
-_NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
 
 
 @only_with(face="update", insist="update")
@@ -131,6 +123,7 @@ def tac_command(
     from lightflyer.lab.tac import record as tac_record
     from lightflyer.lab.tac.accuracy import TacAccuracy, unstated_accuracies
     from lightflyer.lab.tac.data import read_resistance_calibration, read_tac
+    from lightflyer.lab.tac.text import fit_parts, runs_parts
 
     _require_face(update, face)
     thermometer = None if calibration is None else read_resistance_calibration(calibration)
@@ -158,19 +151,21 @@ def tac_command(
     warnings += [*about_flyer, *unstated_accuracies(stated)]
     read = {"read": read_summary([run.table for run in runs])}
     document = tac_record.summary(fits) | read | {"warnings": warnings}
-    written, updated = write_record(
-        out, "tac", document, tac_record.to_dataset(fits, warnings), lambda: _figures(fits),
-        updating(update, values, f"tac, {reading} reading, in {gas}", files, insist=insist),
-        figures,
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.lab.tac.figures import tac_figures
+
+        return tac_figures(fits)
+
+    parts = [part for fit in fits for part in fit_parts(fit)]
+    if len(fits) > 1:
+        parts += runs_parts(fits, tac_record.mean_tac(fits))
+    deliver(
+        "tac", document, tac_record.to_dataset(fits, warnings), draw,
+        [*read_parts(run.table for run in runs), *parts, *warning_lines(warnings)],
+        out=out, figures=figures, json_output=json_output,
+        update=updating(update, values, f"tac, {reading} reading, in {gas}", files, insist=insist),
     )  # fmt: skip
-    if json_output:
-        print_json(document)
-        return
-    console = printer()
-    show_read(console, [run.table for run in runs])
-    _show(console, fits)
-    show_warnings(console, warnings)
-    finish(console, figures, written, updated, update)
 
 
 def _require_face(update: Path | None, face: str | None) -> None:
@@ -272,85 +267,3 @@ def _about_reading(fit: "TacFit", file: Any) -> str:
         f"its force model {file.force.model} takes the heat loss by the reading {reading}{also}; "
         f"the coefficient written is by the reading {fit.reading}"
     )
-
-
-def _figures(fits: "Sequence[TacFit]") -> "dict[str, Figure]":
-    from lightflyer.lab.tac.figures import tac_figures
-
-    return tac_figures(fits)
-
-
-def _show(console: Console, fits: "Sequence[TacFit]") -> None:
-    from lightflyer.lab.tac.record import mean_tac
-
-    for fit in fits:
-        console.print(
-            f"{fit.run.source}: heater at {fit.mean_temperature:.2f} K, coefficient of variation "
-            f"{_PERCENT * fit.temperature_variation:.2g} %; {fit.rows_used} rows used, "
-            f"{fit.rows_dropped} dropped for their temperature",
-            soft_wrap=True,
-        )  # fmt: skip
-        console.print(_parameters_table(fit))
-        others = ", ".join(
-            f"{one:.3g} by {name}" for name, one in fit.by_reading.items() if one is not None
-        )
-        related = fit.correlation
-        console.print(
-            f"reading {fit.reading}, gas {fit.gas}; the same rows give α = {others}\n"
-            f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; correlation of α with "
-            f"δ {related[0, 1]:.2f}, with C {related[0, 2]:.2f}",
-            soft_wrap=True,
-        )  # fmt: skip
-        console.print(_errors_table(fit))
-    if len(fits) > 1:
-        console.print(_runs_table(fits))
-        console.print(f"mean accommodation coefficient {mean_tac(fits)}")
-
-
-def _parameters_table(fit: "TacFit") -> Table:
-    """Parameters with their total and statistical intervals."""
-    table = Table(box=None, padding=(0, 1))
-    for heading in ("", "value", "95 % interval", "of the scatter alone", "unit"):
-        table.add_column(heading, justify="right" if heading == "value" else "left")
-    rows = {_NAMES[name]: (one, fit.statistical[name]) for name, one in fit.estimates().items()}
-    for name, (one, scatter) in rows.items():
-        table.add_row(
-            name,
-            f"{one.value:.4g}",
-            interval_text(one),
-            interval_text(scatter),
-            _unit_text(one.unit),
-        )
-    table.add_row("slope δα", f"{fit.slope.value:.4g}", interval_text(fit.slope), "", "1")
-    return table
-
-
-def _errors_table(fit: "TacFit") -> Table:
-    """Errors of the instruments that the fit takes."""
-    from lightflyer.lab.tac.accuracy import IN_WORDS
-
-    table = Table(box=None, padding=(0, 1))
-    for heading in ("error by the fit", "in stated ±", "stated ±", "unit"):
-        table.add_column(heading, justify="right" if "±" in heading else "left")
-    for name, pull in fit.common_errors.items():
-        said, scale, unit = IN_WORDS[name]
-        table.add_row(said, f"{pull:+.2f}", f"{scale * getattr(fit.accuracy, name):g}", unit)
-    return table
-
-
-def _unit_text(unit: str) -> str:
-    return unit.replace("^2", "²") or "1"
-
-
-def _runs_table(fits: "Sequence[TacFit]") -> Table:
-    """Table of runs, like the paper's table S2."""
-    table = Table(box=None, padding=(0, 1))
-    for heading in ("run", "TAC α", "95 % interval", "area ratio δ", "offset C\n[W/(m² K)]"):
-        table.add_column(heading, justify="left" if heading == "run" else "right")
-    for fit in fits:
-        low, high = fit.tac.interval
-        table.add_row(
-            fit.run.source, f"{fit.tac.value:.3f}", f"{low:.3f} to {high:.3f}",
-            f"{fit.area_ratio.value:.3f}", f"{fit.offset.value:.3f}",
-        )  # fmt: skip
-    return table

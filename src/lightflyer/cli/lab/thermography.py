@@ -4,24 +4,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
-from rich.console import Console
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Insist,
+    deliver,
     difference,
-    estimate_table,
-    finish,
     quantity,
+    read_parts,
     read_summary,
     share,
-    show_read,
-    show_warnings,
     updating,
-    write_record,
 )
 from lightflyer.cli.options import Json, Seed, only_with
-from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -157,22 +152,20 @@ def thermography_command(
     if image is not None:
         document["image"] = image.summary()
     files = [] if file is None else [file]
-    written, updated = write_record(
-        out, "thermography", document, thermography.to_dataset(result, [str(f) for f in files]),
-        lambda: _figures(result),
-        updating(update, _values(result, face, light_meter=light_meter),
-                 f"thermography, {result.meaning}", files, insist=insist),
-        figures,
+    values = _values(result, face, light_meter=light_meter)
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.lab.thermography.figures import thermography_figures
+
+        return thermography_figures(result)
+
+    about = [] if image is None else [image.description]
+    deliver(
+        "thermography", document, thermography.to_dataset(result, [str(f) for f in files]), draw,
+        [*read_parts(tables), *about, *result.text_parts()],
+        out=out, figures=figures, json_output=json_output,
+        update=updating(update, values, f"thermography, {result.meaning}", files, insist=insist),
     )  # fmt: skip
-    if json_output:
-        print_json(document)
-        return
-    console = printer()
-    show_read(console, tables)
-    if image is not None:
-        console.print(image.description, markup=False, soft_wrap=True)
-    _show(console, result)
-    finish(console, figures, written, updated, update)
 
 
 def _quantities(texts: dict[str, str | None], unit: str) -> "dict[str, Measured]":
@@ -301,25 +294,3 @@ def _values(
     keys = {"top": ["absorptance"], "bottom": ["absorptance_bottom"]}
     both = [*keys["top"], *keys["bottom"]]
     return {("film", key): result.emissivity for key in keys.get(face, both)}
-
-
-def _figures(result: "RadiativeProperties") -> "dict[str, Figure]":
-    from lightflyer.lab.thermography.figures import thermography_figures
-
-    return thermography_figures(result)
-
-
-def _show(console: Console, result: "RadiativeProperties") -> None:
-    rows = []
-    second = result.named(result.monte_carlo)
-    for name, estimate in result.named(result.first_order).items():
-        rows += [(name, estimate), ("  by Monte Carlo", second[name])]
-    console.print(estimate_table(rows, result.meaning))
-    method, spread = result.readings.method, result.readings.uncertainties
-    said = ", ".join(
-        f"{name.removesuffix('_temperature')} {one:.2g}"
-        for name, one in zip(method.readings, spread, strict=True)
-    )
-    unit = f" {method.unit}" if method.unit else ""
-    console.print(f"standard uncertainties of the readings: {said}{unit}", soft_wrap=True)
-    show_warnings(console, result.warnings)

@@ -18,6 +18,7 @@ from scipy.special import ndtri
 
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ParameterError
+from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.lab.estimate import CONFIDENCE, Estimate
 from lightflyer.lab.ftir.diagnostics import (
     Bounds,
@@ -67,8 +68,8 @@ class Averages:
     planck: dict[float, Estimate]  #: By temperature [K]
 
 
-@dataclass(frozen=True)
-class Ftir:
+@dataclass(frozen=True, repr=False)
+class Ftir(PrintedResult):
     """Transmittance, reflectance and emissivity of a film from its infrared spectra."""
 
     spectra: list[MeasuredSpectrum]  #: Spectra of transmittance
@@ -105,6 +106,13 @@ class Ftir:
                 low, high = 0.0, _limit(estimate)
             found[temperature] = (inside * low, 1.0 - inside * (1.0 - high))
         return found
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.lab.ftir.text import ftir_parts
+
+        yield from ftir_parts(self)
+        yield from warning_lines(self.warnings)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the spectra with the band and the spectrum of a black body."""

@@ -17,6 +17,7 @@ from lightflyer.calibration.points import doubts, log_uncertainty
 from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
 from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother
@@ -34,13 +35,14 @@ DRAWS = 2000  # Number of simulated measurements
 LEAST_POINTS, LEAST_PRESSURES = 8, 6
 """Fewest points and pressures of a curve."""
 
+_PERCENT = 100.0
 _LEAST_SPREAD = 1e-6  # of log-pressure, and of a curve's log-irradiance
 _TOO = ("those of the scatter", "too wide")  # of more and of less scatter than stated
 _NO_MINIMUM = 0.9  # share of the measured log-pressures within the interval of the optimum
 
 
-@dataclass(frozen=True)
-class LevitationCurve:
+@dataclass(frozen=True, repr=False)
+class LevitationCurve(PrintedResult):
     """Curve through a sample's points, with its minimum."""
 
     points: LiftOffs
@@ -64,6 +66,13 @@ class LevitationCurve:
     step: float = 0.0  #: Step in which the light was raised [W/m²], 0 for none
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.lab.levitation.text import curves_parts
+
+        yield from curves_parts([self])
+        yield from warning_lines(self.warnings)
+
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw points, curve with its 95 % band, and minimum."""
         from lightflyer.lab.levitation.figures import plot_curve
@@ -71,8 +80,8 @@ class LevitationCurve:
         return plot_curve(self, ax)
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(PrintedResult):
     """Reduction of the minimum irradiance from one sample to another."""
 
     first: str  #: Sample with the lower minimum irradiance, and the other sample
@@ -80,6 +89,14 @@ class Comparison:
     #: One minus the ratio of their minimum irradiances [1]. The light meter's calibration is common
     #: to both and not in the interval
     reduction: Estimate
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        low, high = (_PERCENT * end for end in self.reduction.interval)
+        yield (
+            f"{self.first} needs {_PERCENT * self.reduction.value:.1f} % less light than "
+            f"{self.second} ({low:.1f} to {high:.1f} %)"
+        )
 
 
 def levitation_curve(

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.core.errors import ParameterError
+from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.film.optics.averages import absorptance, emittance
 from lightflyer.film.optics.stack import Film
 from lightflyer.lab.estimate import Estimate
@@ -82,8 +83,8 @@ class Rival:
     excluded: bool  # Whether the spectra exclude it at 95 % confidence
 
 
-@dataclass(frozen=True)
-class OpticsFit:
+@dataclass(frozen=True, repr=False)
+class OpticsFit(PrintedResult):
     """Numbers of a film from its spectra."""
 
     sample: OpticsSample
@@ -100,6 +101,13 @@ class OpticsFit:
     predictions: dict[str, Estimate]
     freedom: float  #: Degrees of freedom, from independent points
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.lab.optics.text import fit_parts
+
+        yield from fit_parts(self)
+        yield from warning_lines(self.warnings)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the spectra with their fits; ``ax``: by default that of a new figure."""

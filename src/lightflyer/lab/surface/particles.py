@@ -199,3 +199,8 @@ def _ring_median(height: np.ndarray, radius: int) -> np.ndarray:
 
 def _deviation(values: np.ndarray) -> float:
     return _MAD_TO_DEVIATION * float(np.median(np.abs(values - np.median(values))))
+
+
+def count_objects(mask: np.ndarray) -> int:
+    """Number of connected regions; ``mask`` (rows, columns)."""
+    return int(ndimage.label(mask, _EIGHT)[1])

@@ -13,18 +13,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from scipy import ndimage
 
 from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.readers.height_map import NANOMETRE, HeightMap
 from lightflyer.lab.record import dataset, joint_warnings
 from lightflyer.lab.surface.diagnostics import warnings_of
 from lightflyer.lab.surface.intervals import DRAWS, SPECTRUM, spread
 from lightflyer.lab.surface.levelling import Flatten, filled, flatten_rows, kept_power, level
-from lightflyer.lab.surface.particles import THRESHOLD, Objects, find_particles
+from lightflyer.lab.surface.particles import THRESHOLD, Objects, count_objects, find_particles
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,8 +53,8 @@ _NO_BOUND = (-math.inf, math.inf)
 _EIGHT = np.ones((3, 3))
 
 
-@dataclass(frozen=True)
-class Roughness:
+@dataclass(frozen=True, repr=False)
+class Roughness(PrintedResult):
     """A levelled map, its mask and its parameters."""
 
     source: HeightMap
@@ -89,6 +89,13 @@ class Roughness:
         """Share of the map on particles and in holes."""
         return float(self.mask.mean())
 
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.lab.surface.text import roughness_parts
+
+        yield from roughness_parts(self)
+        yield from warning_lines(self.warnings)
+
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the levelled map, as it is and with its mask."""
         from lightflyer.lab.surface.figures import plot_roughness
@@ -114,11 +121,6 @@ class Roughness:
             "channel": self.source.channel,
             "warnings": list(self.warnings),
         }
-
-
-def count_objects(mask: np.ndarray) -> int:
-    """Number of connected regions; ``mask`` (rows, columns)."""
-    return int(ndimage.label(mask, _EIGHT)[1])
 
 
 def surface_parameters(height: np.ndarray) -> np.ndarray:

@@ -23,6 +23,7 @@ import numpy as np
 from lightflyer.core import constants
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ConfigurationError, LightflyerError
+from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.estimate import Estimate
@@ -66,8 +67,8 @@ _LEAST_ROWS = 6
 _WEIGHTINGS = 2
 
 
-@dataclass(frozen=True)
-class TacFit:
+@dataclass(frozen=True, repr=False)
+class TacFit(PrintedResult):
     r"""Accommodation coefficient, area ratio and offset of one run."""
 
     run: TacRun
@@ -159,6 +160,13 @@ class TacFit:
     def estimates(self) -> dict[str, Estimate]:
         """The three estimates by name."""
         return {name: getattr(self, name) for name in PARAMETERS}
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.lab.tac.text import fit_parts
+
+        yield from fit_parts(self)
+        yield from warning_lines(self.warnings)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the conductance against pressure with the fit, and that of the gas."""

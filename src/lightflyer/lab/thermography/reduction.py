@@ -27,6 +27,7 @@ from scipy import optimize
 from lightflyer.core.checks import require_range
 from lightflyer.core.constants import STEFAN_BOLTZMANN
 from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, central_interval, student_factor
 from lightflyer.lab.record import dataset
 from lightflyer.lab.thermography.camera import MICROMETRE, UNCOOLED, flat_band
@@ -58,8 +59,8 @@ _MAD = 1.4826  # standard deviation over the median absolute deviation, of a nor
 _NAMED = 5  # rows named in a message
 
 
-@dataclass(frozen=True)
-class RadiativeProperties:
+@dataclass(frozen=True, repr=False)
+class RadiativeProperties(PrintedResult):
     """Reflectance, transmittance and emissivity, or absorptivity for a light meter."""
 
     readings: Readings
@@ -89,6 +90,13 @@ class RadiativeProperties:
         """Values by the names of the properties of this method."""
         remainder = self.readings.method.remainder
         return {remainder if key == "emissivity" else key: one for key, one in values.items()}
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        from lightflyer.lab.thermography.text import properties_parts
+
+        yield from properties_parts(self)
+        yield from warning_lines(self.warnings)
 
     def plot(self) -> "Figure":
         """Draw the rows and the means with their intervals."""

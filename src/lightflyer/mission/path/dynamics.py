@@ -11,7 +11,7 @@ from jax import Array
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked, SpecificHeat
-from lightflyer.flight.balance import light_and_gains, node_losses
+from lightflyer.flight.equations import FlightEquations
 from lightflyer.mission.path.integration import (
     Accuracy,
     Limits,
@@ -117,8 +117,8 @@ def _heating(
 ) -> Array:
     """Rates of the temperatures [K/s]."""
     flyer, state = around.flyer, around.state
-    powers = light_and_gains(flyer, state, state.radiation.irradiance)
-    losses = node_losses(flyer, state, craft.setup.model, unknowns)
+    equations = FlightEquations(flyer, state, craft.setup.model)
+    powers, losses = equations.powers(state.radiation.irradiance), equations.losses(unknowns)
     capacity = inertia.specific_heat * flyer.own_mass / len(flyer.nodes)
     balance = [power - loss for power, loss in zip(powers, losses, strict=True)]
     return jnp.stack(balance) / capacity

@@ -27,7 +27,7 @@ from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, P
 from lightflyer.environment.planet import Planet
 from lightflyer.environment.radiation import Attitude
 from lightflyer.flight.balance import Equilibrium, equilibrium
-from lightflyer.flight.loads import weight
+from lightflyer.flight.equations import weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.wind_error import WindError

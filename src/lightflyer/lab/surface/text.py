@@ -1,0 +1,41 @@
+"""Roughness of a surface in words."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from lightflyer.files.result_text import Parts
+from lightflyer.lab.estimate import Estimate, estimate_table
+from lightflyer.lab.surface.particles import count_objects
+
+if TYPE_CHECKING:
+    from lightflyer.lab.surface.reduction import Roughness
+
+_PERCENT = 100.0
+_MICROMETRE = 1e-6
+_NAMES = {
+    "rms_height": "rms height Sq",
+    "mean_absolute_height": "mean absolute height Sa",
+}
+
+
+def roughness_parts(one: "Roughness") -> Parts:
+    """Size of a map, what is masked, and its parameters."""
+    rows, columns = one.height.shape
+    source = one.source
+    channel = f", {source.channel}" if source.channel else ""
+    sides = " x ".join(f"{side / _MICROMETRE:.4g}" for side in (source.width, source.length))
+    masked = ", ".join(
+        f"{count_objects(mask)} {name} ({_PERCENT * mask.mean():.2f} %)"
+        for name, mask in (("particles", one.particles), ("holes", one.holes))
+    )
+    yield (f"read {source.source}{channel}: {columns} x {rows} pixels, {sides} µm; {masked} masked")
+    named = [(name, one.parameters[key]) for key, name in _NAMES.items()]
+    yield estimate_table([*named, ("Sq without a mask", one.parameters_all["rms_height"])])
+    skewness, kurtosis = (one.parameters[key].value for key in ("skewness", "kurtosis"))
+    yield f"of this map: skewness Ssk {skewness:.3g}, kurtosis Sku {kurtosis:.3g}"
+
+
+def means_parts(means: Mapping[str, Estimate], count: int) -> Parts:
+    """Means of the parameters over several maps."""
+    yield f"mean of {count} maps"
+    yield estimate_table([(name, means[key]) for key, name in _NAMES.items()])

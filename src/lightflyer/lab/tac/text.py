@@ -1,0 +1,66 @@
+"""Accommodation coefficients in words."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from lightflyer.files.result_text import Parts, table_of
+from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.tac.accuracy import IN_WORDS
+
+if TYPE_CHECKING:
+    from lightflyer.lab.tac.fit import TacFit
+
+_PERCENT = 100.0
+_NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
+_PARAMETERS = ("", "value", "95 % interval", "of the scatter alone", "unit")
+_ERRORS = ("error by the fit", "in stated ±", "stated ±", "unit")
+_RUNS = ("run", "TAC α", "95 % interval", "area ratio δ", "offset C\n[W/(m² K)]")
+
+
+def fit_parts(fit: "TacFit") -> Parts:
+    """Parameters of one run, and the errors of the instruments that the fit takes."""
+    yield (
+        f"{fit.run.source}: heater at {fit.mean_temperature:.2f} K, coefficient of variation "
+        f"{_PERCENT * fit.temperature_variation:.2g} %; {fit.rows_used} rows used, "
+        f"{fit.rows_dropped} dropped for their temperature"
+    )
+    rows = [
+        _parameter(_NAMES[name], one, fit.statistical[name].interval_text())
+        for name, one in fit.estimates().items()
+    ]
+    slope = _parameter("slope δα", replace(fit.slope, unit=""), "")
+    yield table_of(_PARAMETERS, [*rows, slope], left=(0, 2, 3, 4))
+    others = ", ".join(
+        f"{one:.3g} by {name}" for name, one in fit.by_reading.items() if one is not None
+    )
+    related = fit.correlation
+    yield (
+        f"reading {fit.reading}, gas {fit.gas}; the same rows give α = {others}\n"
+        f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; correlation of α with "
+        f"δ {related[0, 1]:.2f}, with C {related[0, 2]:.2f}"
+    )
+    errors = []
+    for name, pull in fit.common_errors.items():
+        words, scale, unit = IN_WORDS[name]
+        errors.append((words, f"{pull:+.2f}", f"{scale * getattr(fit.accuracy, name):g}", unit))
+    yield table_of(_ERRORS, errors, left=(0, 3))
+
+
+def _parameter(name: str, one: Estimate, of_scatter: str) -> tuple[str, ...]:
+    """Row of a parameter with its total and statistical intervals."""
+    unit = one.unit.replace("^2", "²") or "1"
+    return name, f"{one.value:.4g}", one.interval_text(), of_scatter, unit
+
+
+def runs_parts(fits: "Sequence[TacFit]", mean: Estimate) -> Parts:
+    """Table of runs, like the paper's table S2, and the mean of their coefficients."""
+    rows = []
+    for fit in fits:
+        low, high = fit.tac.interval
+        numbers = f"{fit.tac.value:.3f}", f"{low:.3f} to {high:.3f}"
+        rows.append((
+            fit.run.source, *numbers, f"{fit.area_ratio.value:.3f}", f"{fit.offset.value:.3f}"
+        ))  # fmt: skip
+    yield table_of(_RUNS, rows)
+    yield f"mean accommodation coefficient {mean}"

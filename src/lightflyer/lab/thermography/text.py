@@ -1,0 +1,24 @@
+"""Radiative properties in words."""
+
+from typing import TYPE_CHECKING
+
+from lightflyer.files.result_text import Parts
+from lightflyer.lab.estimate import estimate_table
+
+if TYPE_CHECKING:
+    from lightflyer.lab.thermography.reduction import RadiativeProperties
+
+
+def properties_parts(result: "RadiativeProperties") -> Parts:
+    """The properties with both intervals, and the uncertainties of the readings."""
+    second = result.named(result.monte_carlo)
+    rows = []
+    for name, estimate in result.named(result.first_order).items():
+        rows += [(name, estimate), ("  by Monte Carlo", second[name])]
+    yield estimate_table(rows, result.meaning)
+    method = result.readings.method
+    spreads = ", ".join(
+        f"{name.removesuffix('_temperature')} {one:.2g}"
+        for name, one in zip(method.readings, result.readings.uncertainties, strict=True)
+    )
+    yield f"standard uncertainties of the readings: {spreads} {method.unit}".rstrip()

@@ -139,7 +139,6 @@ class Calibration(PrintedResult):
         return plot_calibration(self, ax)
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.calibration.text import fit_parts
 
         yield from fit_parts(self)

@@ -344,25 +344,20 @@ class ObjectDesign(AbstractDesign):
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """See :attr:`AbstractDesign.quantities`."""
         return {name: quantity for name, (quantity, _) in self._numbers.items()}
 
     def number(self, name: str) -> float | None:
-        """See :meth:`AbstractDesign.number`."""
         return self._numbers[name][1] if name in self._numbers else None
 
     @property
     def uncertainties(self) -> dict[str, float]:
-        """See :attr:`AbstractDesign.uncertainties`."""
         return dict(self._uncertainties)
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
-        """See :attr:`AbstractDesign.correlations`."""
         return dict(self._correlations)
 
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:  # noqa: ARG002
-        """See :meth:`AbstractDesign.build`."""
         moved = {name: value for name, value in (values or {}).items() if name in self._numbers}
         if not moved:
             return self._base
@@ -371,7 +366,6 @@ class ObjectDesign(AbstractDesign):
         )
 
     def description(self) -> dict[str, str]:
-        """See :meth:`AbstractDesign.description`."""
         base = self._base
         parts = _parts(base)
         kinds = {

@@ -51,9 +51,9 @@ class AbstractFlyer(Checked):
         # a checker takes annotations for the first arguments of every subclass
 
         @property
-        def payload(self) -> Numeric: ...  # noqa: D102
+        def payload(self) -> Numeric: ...
         @property
-        def attitude(self) -> Attitude | None: ...  # noqa: D102
+        def attitude(self) -> Attitude | None: ...
 
     else:
         payload: eqx.AbstractVar[Mass]

@@ -60,13 +60,11 @@ class FreeMolecular(AbstractForceModel):
     def heat_loss(
         self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
         (excess,) = unknowns
         return (disk_conductance(flyer, state, excess) * excess,)
 
     @entry_point
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
         (excess,) = unknowns
         film = flyer.film
         faces = (film.tac_top, film.tac_bottom)
@@ -78,7 +76,6 @@ class FreeMolecular(AbstractForceModel):
         state: EnvironmentState,
         temperature: Numeric,  # noqa: ARG002
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
         return _collision_diagnostics(flyer, state)
 
 
@@ -102,20 +99,17 @@ class LinearFreeMolecular(AbstractForceModel):
     def heat_loss(
         self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
         (excess,) = unknowns
         return (disk_conductance(flyer, state, excess) * excess,)
 
     @entry_point
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
         (excess,) = unknowns
         return linear_force(flyer.area, flyer.film.tac_difference, state.pressure, excess)
 
     def diagnostics(
         self, flyer: Disk, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
         ratio = temperature / state.temperature
         return (
             *_collision_diagnostics(flyer, state),

@@ -120,12 +120,10 @@ class _Correlated(AbstractGas):
 
     @entry_point
     def viscosity(self, temperature: Numeric) -> Array:
-        """Dynamic viscosity [Pa s]."""
         return jnp.sqrt(temperature) * _VISCOSITY_FIT(temperature)
 
     @entry_point
     def conductivity(self, temperature: Numeric) -> Array:
-        """Thermal conductivity [W/(m K)]."""
         viscous = self.viscosity(temperature) * (_HEAT_CAPACITY_FIT(temperature) - 1.0)
         return _EUCKEN_FIT(temperature) * viscous
 
@@ -135,7 +133,6 @@ class _Correlated(AbstractGas):
         return self.specific_gas_constant * _HEAT_CAPACITY_FIT(temperature)
 
     def diagnostics(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractGas.diagnostics`."""
         return tuple(_KNOWN.diagnostics(temperature, pressure))
 
 
@@ -178,7 +175,6 @@ class CarbonDioxide(_Correlated):  # type: ignore[misc]  # the ratio below is no
     name: ClassVar[str] = "co2"
 
     def assumptions(self) -> tuple[str, ...]:
-        """See :meth:`AbstractGas.assumptions`."""
         return ("gas: walls exchange all of the vibration of co2 (with gas co2-frozen: none)",)
 
     specific_gas_constant: Numeric = GAS_CONSTANT / MOLAR_MASS
@@ -215,7 +211,6 @@ class FrozenCarbonDioxide(_Correlated):
     name: ClassVar[str] = "co2-frozen"
 
     def assumptions(self) -> tuple[str, ...]:
-        """See :meth:`AbstractGas.assumptions`."""
         return ("gas: walls exchange none of the vibration of co2 (with gas co2: all)",)
 
     specific_gas_constant: Numeric = GAS_CONSTANT / MOLAR_MASS

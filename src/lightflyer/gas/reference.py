@@ -92,12 +92,10 @@ class AbstractReferenceGas(AbstractGas):
 
     @entry_point
     def viscosity(self, temperature: Numeric) -> Array:
-        """Dynamic viscosity [Pa s]."""
         return jnp.sqrt(temperature) * self.correlations.followed_viscosity(temperature)
 
     @entry_point
     def conductivity(self, temperature: Numeric) -> Array:
-        """Thermal conductivity [W/(m K)]."""
         return jnp.sqrt(temperature) * self.correlations.followed_conductivity(temperature)
 
     @entry_point
@@ -106,7 +104,6 @@ class AbstractReferenceGas(AbstractGas):
         return self.specific_gas_constant * self.correlations.followed_heat_capacity(temperature)
 
     def diagnostics(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractGas.diagnostics`."""
         name = f"the temperature of {self.name}"
         known = Validity(name, *self.correlations.ends, BEYOND)
         return tuple(known.diagnostics(temperature, pressure))

@@ -111,7 +111,6 @@ class PredictionUncertainty(PrintedResult):
         return plot_uncertainty(self, what, ax)
 
     def text_parts(self, width: int = NARROW) -> Parts:
-        """Lines and tables of the text, for a terminal of some width."""
         from lightflyer.uncertainty.text import band_parts
 
         return band_parts(self.summary(), width)

@@ -92,15 +92,12 @@ class UniformGround(AbstractGround):
     infrared: Irradiance = EARTH_INFRARED
 
     def albedo_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.albedo_at`."""
         return _everywhere(self.albedo, place)
 
     def infrared_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.infrared_at`."""
         return _everywhere(self.infrared, place)
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractGround.describe`."""
         return (
             f"albedo: {span(self.albedo)} everywhere",
             f"infrared from below: {span(self.infrared)} W/m² everywhere",
@@ -143,15 +140,12 @@ class Knocke1988Ground(AbstractGround):
     """
 
     def albedo_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.albedo_at`."""
         return _zonal(_ALBEDO, place)
 
     def infrared_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.infrared_at`."""
         return _OF_SUN * constants.TOTAL_SOLAR_IRRADIANCE * _zonal(_EMISSIVITY, place)
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractGround.describe`."""
         return (
             "albedo: zonal means with seasons of Knocke and others (1988)",
             "infrared from below: zonal means with seasons of Knocke and others (1988)",

@@ -103,13 +103,11 @@ class GriddedGround(AbstractGround):
         self.otherwise = UniformGround() if otherwise is None else otherwise
 
     def albedo_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.albedo_at`."""
         if self.albedo is None:
             return self.otherwise.albedo_at(place)
         return jnp.clip(self._value(self.albedo, place), 0.0, 1.0)
 
     def infrared_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.infrared_at`."""
         if self.infrared is None:
             return self.otherwise.infrared_at(place)
         return jnp.maximum(self._value(self.infrared, place), 0.0)
@@ -130,7 +128,6 @@ class GriddedGround(AbstractGround):
         return found
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractGround.describe`."""
         other = dict(zip(_KINDS, self.otherwise.describe(), strict=True))
         told = {"albedo": "albedo", "infrared": "infrared from below"}
         return tuple(

@@ -57,7 +57,6 @@ class MarsSun(AbstractSun):
     """The sun of Mars; see :func:`sun_from_mars`."""
 
     def position(self, time: Numeric) -> SunPosition:
-        """See :meth:`AbstractSun.position`."""
         return sun_from_mars(time)
 
 

@@ -127,7 +127,6 @@ class Daylight(AbstractSky, Checked):
     infrared_above: Irradiance | None = SKY_INFRARED
 
     def radiation(self, altitude: Numeric, place: Place) -> Radiation:
-        """See :meth:`AbstractSky.radiation`."""
         require_data(self.ground.margins(place))
         return _daylight(self, altitude, place)
 
@@ -185,7 +184,6 @@ class Daylight(AbstractSky, Checked):
         return angle, -above / (jnp.cos(place.latitude) * jnp.hypot(x, y))
 
     def assumptions(self) -> tuple[str, ...]:
-        """See :meth:`AbstractSky.assumptions`."""
         heat = (
             "black surroundings at the gas temperature"
             if self.infrared_above is None

@@ -150,7 +150,6 @@ class EarthSun(AbstractSun):
     """
 
     def position(self, time: Numeric) -> SunPosition:
-        """See :meth:`AbstractSun.position`."""
         return sun_from_earth(time)
 
 

@@ -148,11 +148,9 @@ class GradientWind(AbstractWind):
         self.altitudes = Axis(_ALTITUDES)
 
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
-        """See :meth:`AbstractWind.velocity`."""
         return self._within(altitude, place, _velocity(self, altitude, place))
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
-        """See :meth:`AbstractWind.margins`."""
         from_equator = abs(place.latitude) - NEAREST_EQUATOR
         return {
             _EQUATOR: from_equator / RADIANS_PER_DEGREE,
@@ -160,7 +158,6 @@ class GradientWind(AbstractWind):
         }
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractWind.describe`."""
         return (
             "wind: gradient wind of NRLMSIS 2.1, mean over longitude and day, without tides, waves "
             "and weather, nothing towards the north or up",

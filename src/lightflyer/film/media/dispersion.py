@@ -152,7 +152,6 @@ class Lorentz(Term):
     broadening: PhotonEnergy
 
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        """See :meth:`Term.permittivity`."""
         return lorentz(energy, self.strength, self.energy, self.broadening)
 
 
@@ -169,7 +168,6 @@ class Drude(Term):
     broadening: PhotonEnergy
 
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        """See :meth:`Term.permittivity`."""
         return drude(energy, self.plasma, self.broadening)
 
 
@@ -199,7 +197,6 @@ class TaucLorentz(Term):
             raise ParameterError("broadening of a Tauc-Lorentz term must be below twice its energy")
 
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        """See :meth:`Term.permittivity`."""
         return tauc_lorentz(energy, self.amplitude, self.energy, self.broadening, self.gap)
 
 
@@ -274,13 +271,11 @@ class Formula(Medium):
 
     @property
     def usable_range(self) -> tuple[float, float]:
-        """See :attr:`Medium.usable_range`."""
         extrapolates = self.extrapolation is not Extrapolation.ERROR
         return (0.0, np.inf) if extrapolates else self.wavelength_range
 
     @property
     def source(self) -> str:
-        """Where n and k come from."""
         return self.origin
 
     @property
@@ -296,29 +291,24 @@ class Formula(Medium):
         return tuple(found)
 
     def with_extrapolation(self, policy: Extrapolation | str) -> "Formula":
-        """See :meth:`Medium.with_extrapolation`."""
         return self._with(extrapolation=Extrapolation.of(policy))
 
     def with_density(self, density: Numeric) -> "Formula":
-        """See :meth:`Medium.with_density`."""
         return self._with(density=density, density_source="given by the user")
 
     def _with(self, **changes: Any) -> "Formula":
         return dataclasses.replace(self, **changes)
 
     def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
-        """See :meth:`Medium.extrapolated`."""
         if self.extrapolation is Extrapolation.ERROR or np.all(self.covers([shortest, longest])):
             return ()
         return (f"{self.name}: {self.extrapolation} beyond {self.describe_range(named=False)}",)
 
     def describe_range(self, *, named: bool = True) -> str:
-        """See :meth:`Medium.describe_range`."""
         text = super().describe_range(named=named)
         return text if self.longest < np.inf else text.partition(" to ")[0] + " and longer"
 
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
-        """See :meth:`Medium.index`."""
         wavelength = np.asarray(wavelength, float)
         if self.extrapolation is Extrapolation.ERROR:
             require_covered(self, wavelength)

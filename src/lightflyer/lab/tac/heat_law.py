@@ -160,7 +160,6 @@ class KineticLaw(AbstractHeatLaw):
         diameter: float,
         gas: AbstractGas,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """See :meth:`AbstractHeatLaw.at`."""
         if self.wall_distance is not None and self.wall_distance <= 0.5 * diameter:
             raise ParameterError(
                 f"a wall {self.wall_distance:g} m from the heater's centre is inside the heater, "
@@ -219,7 +218,6 @@ class Lu2023Law(AbstractHeatLaw):
         diameter: float,
         gas: AbstractGas,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """See :meth:`AbstractHeatLaw.at`."""
         found: Any = _lu2023(pressure, ambient, heater, diameter, self.reading, gas)
         return found
 

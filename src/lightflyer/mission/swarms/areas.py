@@ -64,7 +64,6 @@ class Circle(AbstractArea):
     radius: GroundDistance
 
     def contains(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
-        """See :meth:`AbstractArea.contains`."""
         middle = _units(self.latitude, self.longitude)
         # by the chord, which small distances do not round away
         chord = np.linalg.norm(position - middle, axis=-1)
@@ -72,7 +71,6 @@ class Circle(AbstractArea):
         return np.asarray(chord <= 2.0 * np.sin(0.5 * angle))
 
     def describe(self) -> str:
-        """See :meth:`AbstractArea.describe`."""
         place = _describe(float(self.latitude), float(self.longitude))
         return f"within {float(self.radius) / 1e3:g} km of {place}"
 
@@ -119,7 +117,6 @@ class Polygon(AbstractArea):
         return np.asarray(ahead & (np.abs(winding) > np.pi))
 
     def describe(self) -> str:
-        """See :meth:`AbstractArea.describe`."""
         corners = zip(np.asarray(self.latitudes), np.asarray(self.longitudes), strict=True)
         return "polygon of " + "; ".join(_describe(*map(float, corner)) for corner in corners)
 

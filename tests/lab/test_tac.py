@@ -11,10 +11,11 @@ import lightflyer as lf
 from lightflyer.files.table import Table
 from lightflyer.gas import AIR, LU2023_AIR
 from lightflyer.lab.estimate import student_factor
+from lightflyer.lab.record import joint_warnings
 from lightflyer.lab.tac import fit as tac
 from lightflyer.lab.tac import intervals
 from lightflyer.lab.tac import problem as tac_problem
-from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy
+from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy, unstated_accuracies
 from lightflyer.lab.tac.data import TacRun
 from lightflyer.lab.tac.diagnostics import misfit_warnings, rows_off_the_curve
 from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC_LAW, KineticLaw
@@ -472,3 +473,14 @@ def test_an_instrument_that_is_off_by_more_than_stated_is_said():
     values = {"tac": 2.5, "gauge": -0.4, "plateau": 2.71}
     (text,) = misfit_warnings(1.0, 60, values)
     assert text.startswith("the fit wants errors of plateau +2.7 stated standard uncertainties")
+
+
+def test_unstated_accuracies_in_words():
+    stated = ["gauge", "gauge_zero", "power", "diameter", "plateau"]
+    said = unstated_accuracies(stated)
+    assert said == ["no accuracy of the temperature difference is stated; ± 1 K is assumed"]
+
+
+def test_a_warning_of_all_files_is_said_once():
+    found = [("a.csv", ["no accuracy"]), ("b.csv", ["no accuracy", "skewed"])]
+    assert joint_warnings(found) == ["b.csv: skewed", "no accuracy"]

@@ -91,15 +91,7 @@ def convex_drag(
     tac: Numeric = 1.0,
     excess: Numeric = 0.0,
 ) -> Array:
-    """Drag of a closed convex body [N]; force against the motion, of the sign of the speed.
-
-    Examples
-    --------
-    >>> from lightflyer.gas import AIR
-    >>> ball = sphere_outline(1e-6)
-    >>> print(f"{convex_drag(1e-3, ball, 101325.0, 293.15, AIR) * 1e15:.1f} fN")
-    319.1 fN
-    """
+    """Drag of a closed convex body [N]; force against the motion, of the sign of the speed."""
     # Differentiable, and odd in the speed. A sphere is within 3 % of measurements in slow flow, and
     # within 6 % at Reynolds numbers to 3e5. Other bodies are estimates: within about 10 % in slow
     # flow of dense gas, while at Reynolds numbers above 100 blunt ones have up to three times the

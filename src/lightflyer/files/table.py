@@ -124,13 +124,7 @@ def _read(file: Lines, found: Layout, *, strict: bool, unique: bool = False) -> 
 
 
 def shipped_table(name: str) -> Table:
-    """Read a CSV file of the package's own data.
-
-    Examples
-    --------
-    >>> shipped_table("us1976_upper.csv").numbers["altitude_km"][:2]
-    array([86., 87.])
-    """
+    """Read a CSV file of the package's own data."""
     text = (resources.files("lightflyer") / "data" / name).read_text(encoding="utf-8")
     rows = [
         (number, split_cells(line, ","))

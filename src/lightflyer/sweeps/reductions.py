@@ -58,16 +58,7 @@ class AbstractReduction(abc.ABC):
 
 @dataclass(frozen=True)
 class Best(AbstractReduction):
-    """The designs with the largest, or least, values of an output.
-
-    Examples
-    --------
-    >>> best = Best("payload", 2)
-    >>> one = best.of_chunk({"payload": np.array([3.0, np.nan, 5.0])}, first=0)
-    >>> other = best.of_chunk({"payload": np.array([4.0, 1.0])}, first=3)
-    >>> best.merged(one, other)
-    {'designs': array([2, 3]), 'values': array([5., 4.])}
-    """
+    """The designs with the largest, or least, values of an output."""
 
     # The partial holds ``designs`` (their numbers) and ``values``, best first. Of equals the one
     # with the smaller number comes first.
@@ -299,14 +290,7 @@ def _middles(spread: Partial) -> np.ndarray:
 
 
 def quantiles(spread: Partial, shares: Any) -> np.ndarray:
-    """Values that a share of the designs with a value do not exceed, shape (n,).
-
-    Examples
-    --------
-    >>> spread = Spread("payload").of_chunk({"payload": np.arange(1.0, 102.0)}, first=0)
-    >>> quantiles(spread, [0.0, 0.5, 1.0])
-    array([  1.     ,  51.03125, 101.     ])
-    """
+    """Values that a share of the designs with a value do not exceed, shape (n,)."""
     shares = np.asarray(shares, float)
     sums = np.cumsum(np.asarray(spread["counts"]))
     if sums[-1] == 0:

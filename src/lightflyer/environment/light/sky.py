@@ -222,13 +222,7 @@ def _daylight(sky: Daylight, altitude: Numeric, place: Place) -> Radiation:
 
 
 def describe_shadow(altitudes: np.ndarray, visible: np.ndarray | None) -> tuple[str, ...]:
-    """Which altitudes the planet's shadow covers, in words; ``altitudes`` (n,).
-
-    Examples
-    --------
-    >>> describe_shadow(np.array([60e3, 70e3, 80e3]), np.array([0.0, 0.4, 1.0]))
-    ('shadow: no sun up to 60.0 km, all of it from 80.0 km',)
-    """
+    """Which altitudes the planet's shadow covers, in words; ``altitudes`` (n,)."""
     if visible is None or np.all(visible >= 1.0):
         return ()
     dark, full = altitudes[visible <= 0.0], altitudes[visible >= 1.0]

@@ -155,15 +155,7 @@ class EarthSun(AbstractSun):
 
 @entry_point
 def sun_from_earth(time: Numeric) -> SunPosition:
-    """Apparent direction and distance of the sun from the centre of Earth.
-
-    Examples
-    --------
-    The perihelion of 2024, on 3 January:
-
-    >>> print(f"{float(sun_from_earth(757_600_000.0).distance) / 1.495978707e11:.4f} au")
-    0.9833 au
-    """
+    """Apparent direction and distance of the sun from the centre of Earth."""
     # Between 1950 and 2050 within 0.002° and 3e-5 of the distance of the full theory of the
     # International Astronomical Union. Earth's rotation is taken from UTC, which since 1972 differs
     # from it by at most 0.9 s, or 0.004°. Differentiable.

@@ -41,14 +41,7 @@ _CENTRIFUGAL = 0.00344978650684
 
 @entry_point
 def balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: Numeric) -> Any:
-    r"""Angular velocity of a zonal wind in gradient balance [rad/s]; ``forcing`` [1/s²].
-
-    Examples
-    --------
-    >>> planet = 7.292115e-5
-    >>> print(f"{balanced_rotation(1e-10, 0.7, planet) / planet:.4f}")
-    -0.0135
-    """
+    """Angular velocity of a zonal wind in gradient balance [rad/s]; ``forcing`` [1/s²]."""
     # .. math::
     #
     #     \omega = -\frac{\Omega A}{1 + \sqrt{1 - A}}, \qquad

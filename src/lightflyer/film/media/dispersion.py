@@ -41,14 +41,7 @@ _NEAR_GAP = 1e-150  # relative: at the gap itself x² ln|x| is zero
 def lorentz(
     energy: Numeric, strength: Numeric, centre: Numeric, broadening: Numeric
 ) -> tuple[Numeric, Numeric]:
-    r"""Permittivity of a damped oscillator; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2.
-
-    Examples
-    --------
-    >>> real, imaginary = lorentz(1e-24, 2.0, 3e-19, 1e-20)
-    >>> print(f"{real:.4f} {imaginary:.4f}")
-    2.0000 0.0000
-    """
+    """Permittivity of a damped oscillator; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2."""
     # .. math:: \varepsilon = \frac{f E_0^2}{E_0^2-E^2-i\Gamma E}
     below = centre**2 - energy**2
     width = broadening * energy
@@ -58,14 +51,7 @@ def lorentz(
 
 @entry_point
 def drude(energy: Numeric, plasma: Numeric, broadening: Numeric) -> tuple[Numeric, Numeric]:
-    r"""Permittivity of free carriers; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2.
-
-    Examples
-    --------
-    >>> real, imaginary = drude(1.6e-19, 1.6e-19, 1e-22)
-    >>> print(f"{real:.4f}")
-    -1.0000
-    """
+    """Permittivity of free carriers; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2."""
     # .. math:: \varepsilon = -\frac{E_p^2}{E^2+i\Gamma E}
     scale = plasma**2 / (energy**2 + broadening**2)
     return -scale, scale * broadening / energy
@@ -75,15 +61,7 @@ def drude(energy: Numeric, plasma: Numeric, broadening: Numeric) -> tuple[Numeri
 def tauc_lorentz(
     energy: Numeric, amplitude: Numeric, centre: Numeric, broadening: Numeric, gap: Numeric
 ) -> tuple[Numeric, Numeric]:
-    r"""Permittivity of an amorphous semiconductor or insulator between its bands.
-
-    Examples
-    --------
-    >>> eV = 1.602176634e-19
-    >>> real, imaginary = tauc_lorentz(2.0 * eV, 122 * eV, 3.45 * eV, 2.54 * eV, 1.2 * eV)
-    >>> print(f"{imaginary:.3f}")
-    3.876
-    """
+    """Permittivity of an amorphous semiconductor or insulator between its bands."""
     # .. math::
     #     \varepsilon_2 = \frac{A E_0 C (E-E_g)^2}{(E^2-E_0^2)^2+C^2E^2}\,\frac1E
     #     \quad(E>E_g),\qquad 0\quad(E\le E_g),

@@ -200,13 +200,7 @@ def planck(wavelength: np.ndarray, temperature: float) -> np.ndarray:
 
 
 def blackbody_fraction(wavelength: float, temperature: float) -> float:
-    r"""Share of a black body's radiation at wavelengths shorter than a given one [1].
-
-    Examples
-    --------
-    >>> print(f"{blackbody_fraction(10e-6, 289.777):.4f}")
-    0.2501
-    """
+    """Share of a black body's radiation at wavelengths shorter than a given one [1]."""
     # Source: [Chang1984]_ for the series in :math:`e^{-x}`.
     require_positive(temperature=temperature)
     x = SECOND_RADIATION_CONSTANT / (wavelength * temperature)

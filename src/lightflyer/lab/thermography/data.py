@@ -217,14 +217,7 @@ def given_readings(
 def standard_uncertainties(
     method: Method, values: np.ndarray, accuracy: float | None = None
 ) -> np.ndarray:
-    """Standard uncertainty of readings that state none, shape (4, ...); ``values`` (4, ...).
-
-    Examples
-    --------
-    >>> hot_and_cold = np.array([423.15, 323.15, 403.15, 295.15])
-    >>> standard_uncertainties(THERMAL, hot_and_cold).round(2)
-    array([1.73, 1.15, 1.5 , 1.15])
-    """
+    """Standard uncertainty of readings that state none, shape (4, ...); ``values`` (4, ...)."""
     # Source: [ThermalVision]_ for a camera, [DIN5032]_ for a light meter.
     if accuracy is not None:
         require_range("accuracy", accuracy, 0.0, 1.0 if method == LIGHT else np.inf)

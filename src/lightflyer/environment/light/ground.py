@@ -33,42 +33,16 @@ class AbstractGround(Checked):
 
     @abc.abstractmethod
     def albedo_at(self, place: Place) -> Array:
-        """Share of sunlight that leaves again, evenly in all directions [1].
-
-        Parameters
-        ----------
-        place : Place
-
-        Returns
-        -------
-        array, shape (...)
-        """
+        """Share of sunlight that leaves again, evenly in all directions [1], shape (...)."""
 
     @abc.abstractmethod
     def infrared_at(self, place: Place) -> Array:
-        """Heat radiation that leaves the planet [W/m²].
-
-        Parameters
-        ----------
-        place : Place
-
-        Returns
-        -------
-        array, shape (...)
-        """
+        """Heat radiation that leaves the planet [W/m²], shape (...)."""
 
     def margins(self, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         """How far the data still reach, for what integrates along a path.
 
-        Parameters
-        ----------
-        place : Place
-
-        Returns
-        -------
-        dict of str to array
-            By what is beyond the end, in words, the distance to the end: positive where there are
-            data, negative where there are none. Empty for a ground without ends, the default.
+        By what is beyond the end, in words, the distance to it: negative where there are no data.
         """
         return {}
 

@@ -41,40 +41,13 @@ class AbstractSky(eqx.Module):
 
     @abc.abstractmethod
     def radiation(self, altitude: Numeric, place: Place) -> Radiation:
-        """Light and heat radiation.
+        """Light and heat radiation at a geometric altitude [m], with the view factor to the ground.
 
-        Parameters
-        ----------
-        altitude : array, shape (...)
-            Geometric altitude [m].
-        place : Place
-            Broadcasts with the altitude.
-
-        Returns
-        -------
-        Radiation
-            With the view factor to the ground; NaN where data end and the place is traced.
-
-        Raises
-        ------
-        ParameterError
-            If the place is concrete and beyond the data.
+        Beyond the data a concrete place raises :class:`ParameterError`; a traced one gives NaN.
         """
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
-        """How far the data still reach; see :meth:`AbstractGround.margins`.
-
-        Parameters
-        ----------
-        altitude : array, shape (...)
-            [m].
-        place : Place
-
-        Returns
-        -------
-        dict of str to array
-            Empty for a sky without ends, the default.
-        """
+        """How far the data still reach at an altitude [m]; see :meth:`AbstractGround.margins`."""
         return {}
 
     @abc.abstractmethod

@@ -108,29 +108,10 @@ class AbstractSun(eqx.Module):
 
     @abc.abstractmethod
     def position(self, time: Numeric) -> SunPosition:
-        """Direction and distance of the sun.
-
-        Parameters
-        ----------
-        time : array, shape (...)
-            Seconds since 2000-01-01 12:00 UTC [s].
-
-        Returns
-        -------
-        SunPosition
-        """
+        """Direction and distance of the sun; ``time``: since 2000-01-01 12:00 UTC [s]."""
 
     def seen_from(self, place: Place) -> SunInSky:
-        """Where the sun stands in the sky of a place.
-
-        Parameters
-        ----------
-        place : Place
-
-        Returns
-        -------
-        SunInSky
-        """
+        """Where the sun stands in the sky of a place."""
         found = self.position(place.time)
         return sun_in_sky(found, place.latitude, place.longitude)
 

@@ -24,41 +24,17 @@ class AbstractWind(eqx.Module):
 
     @abc.abstractmethod
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
-        """Velocity of the gas.
+        """Velocity of the gas at a geometric altitude [m].
 
-        Parameters
-        ----------
-        altitude : array, shape (...)
-            Geometric altitude [m].
-        place : Place
-            Broadcasts with the altitude.
-
-        Returns
-        -------
-        Wind
-            Where the arguments are traced, NaN where a margin is negative.
-
-        Raises
-        ------
-        ParameterError
-            If arguments are concrete and a margin is negative.
+        Where a margin is negative, concrete arguments raise :class:`ParameterError`, traced ones
+        give NaN.
         """
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
-        """How far the wind still reaches, for what integrates along a path.
+        """How far the wind still reaches, for what integrates along a path; ``altitude`` [m].
 
-        Parameters
-        ----------
-        altitude : array, shape (...)
-            [m].
-        place : Place
-
-        Returns
-        -------
-        dict of str to array
-            By what is beyond the end, in words, the distance to the end: positive where there is
-            wind, negative where there is none, in a unit in which ends compare (1 h, 1°, 2 km).
-            Empty for a wind without ends, the default.
+        By what is beyond the end, in words, the distance to it: negative where there is no wind, in
+        a unit in which ends compare (1 h, 1°, 2 km).
         """
         return {}
 

@@ -16,20 +16,7 @@ class AbstractAttitudeRule(Checked):
 
     @abc.abstractmethod
     def attitude(self, radiation: Radiation, own: Attitude | None) -> Attitude | None:
-        """Attitude in some light.
-
-        Parameters
-        ----------
-        radiation : Radiation
-            Of the flyer's surroundings.
-        own : Attitude or None
-            The flyer's own.
-
-        Returns
-        -------
-        Attitude or None
-            None stands for level.
-        """
+        """Attitude in the light of the surroundings; ``own``: the flyer's; None means level."""
 
     @abc.abstractmethod
     def describe(self) -> str:

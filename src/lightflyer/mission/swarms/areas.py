@@ -24,19 +24,7 @@ class AbstractArea(Checked):
 
     @abc.abstractmethod
     def contains(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
-        """Whether positions lie in the area.
-
-        Parameters
-        ----------
-        position : array, shape (..., 3)
-            Unit vectors in the planet's frame.
-        planet_radius : float
-            [m].
-
-        Returns
-        -------
-        bool array, shape (...)
-        """
+        """Whether positions lie in the area: unit vectors in the planet's frame, shape (..., 3)."""
 
     @abc.abstractmethod
     def describe(self) -> str:

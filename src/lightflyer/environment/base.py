@@ -76,9 +76,7 @@ class EnvironmentState(eqx.Module):
     #: Distance down to a solid floor and up to a solid lid [m]; None where there is none near. With
     #: either, the walls around are solid too
     floor_distance: Numeric = None
-    #: Distance down to a solid floor and up to a solid lid [m]; None where there is none near. With
-    #: either, the walls around are solid too
-    lid_distance: Numeric = None
+    lid_distance: Numeric = None  #: Of the lid, as ``floor_distance``
     #: Floor's temperature over that of lid and side wall, less one [1]; None where all are alike.
     #: The gas temperature is then that which the gas has at the flyer's place
     floor_excess: Numeric = None

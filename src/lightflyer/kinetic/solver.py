@@ -43,8 +43,7 @@ class Solution:
     force_ratio: float | None  #: F/F_fm; None where the free-molecular force is zero
     #: Q/Q_fm of each face; None for a face at the temperature of the gas
     heat_ratio_top: float | None
-    #: Q/Q_fm of each face; None for a face at the temperature of the gas
-    heat_ratio_bottom: float | None
+    heat_ratio_bottom: float | None  #: As ``heat_ratio_top``
     heat_ratio: float | None  #: Q/Q_fm of both faces together
     #: Numerical error of ``force_ratio`` and ``heat_ratio``: their change with a coarser mesh. It
     #: excludes the error of the model equation; with VHS molecules their change with a coarser mesh

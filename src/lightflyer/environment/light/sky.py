@@ -61,12 +61,8 @@ class LightHours(NamedTuple):
     #: The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01 12:00
     #: UTC]. The first and the last are NaN where the sun does not rise or set
     first: Array
-    #: The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01 12:00
-    #: UTC]. The first and the last are NaN where the sun does not rise or set
-    noon: Array
-    #: The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01 12:00
-    #: UTC]. The first and the last are NaN where the sun does not rise or set
-    last: Array
+    noon: Array  #: As ``first``
+    last: Array  #: As ``first``
     #: Of a day with the sun as at noon, with light [1]; one without night, zero without day
     share: Array
 

@@ -224,8 +224,7 @@ class Formula(Medium):
     density_source: str = eqx.field(static=True, default="")
     #: Wavelengths at which the formula was fitted [m]; by default it is taken to hold at all
     shortest: float = eqx.field(static=True, default=0.0)
-    #: Wavelengths at which the formula was fitted [m]; by default it is taken to hold at all
-    longest: float = eqx.field(static=True, default=np.inf)
+    longest: float = eqx.field(static=True, default=np.inf)  #: As ``shortest``
     #: Policy outside of them. ``hold`` goes on with the formula
     extrapolation: Extrapolation = eqx.field(static=True, default=Extrapolation.ERROR)
     #: Where the parameters come from

@@ -84,15 +84,9 @@ class Shares(NamedTuple):
     #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
     #: rough interfaces scatter is not followed: the film may absorb some of it
     absorptance: Average
-    #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
-    #: rough interfaces scatter is not followed: the film may absorb some of it
-    transmittance: Average
-    #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
-    #: rough interfaces scatter is not followed: the film may absorb some of it
-    reflectance: Average
-    #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
-    #: rough interfaces scatter is not followed: the film may absorb some of it
-    scattered: Average
+    transmittance: Average  #: As ``absorptance``
+    reflectance: Average  #: As ``absorptance``
+    scattered: Average  #: As ``absorptance``
 
 
 def light_shares(

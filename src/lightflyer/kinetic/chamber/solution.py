@@ -47,18 +47,12 @@ class ChamberSolution:
     #: Q/Q_fm of each face and of both, over the free-molecular heat with the mean temperatures of
     #: the faces
     heat_ratio_top: float | None
-    #: Q/Q_fm of each face and of both, over the free-molecular heat with the mean temperatures of
-    #: the faces
-    heat_ratio_bottom: float | None
-    #: Q/Q_fm of each face and of both, over the free-molecular heat with the mean temperatures of
-    #: the faces
-    heat_ratio: float | None
+    heat_ratio_bottom: float | None  #: As ``heat_ratio_top``
+    heat_ratio: float | None  #: As ``heat_ratio_top``
     #: Of ``disk``, ``floor``, ``lid`` and ``side``, the last three in a chamber. Of a reservoir:
     #: momentum and energy that leave through it, energy with its sign reversed
     forces: Mapping[str, float]
-    #: Of ``disk``, ``floor``, ``lid`` and ``side``, the last three in a chamber. Of a reservoir:
-    #: momentum and energy that leave through it, energy with its sign reversed
-    heats: Mapping[str, float]
+    heats: Mapping[str, float]  #: As ``forces``
     #: Numerical error of ``force_ratio``, ``heat_ratio``, ``force`` and ``heat``: their change with
     #: a coarser mesh. It excludes the error of the model equation
     error_estimate: dict[str, float | None]
@@ -70,12 +64,8 @@ class ChamberSolution:
     imbalance: float | None
     #: Heat that the film loses per area of the disk, by gas and radiation [p √(2RT_c)]
     absorbed: float
-    #: shape (21,); distance from the film's centre [disk radii] and T/T_c − 1 there, its mean over
-    #: both faces
-    film_radius: np.ndarray
-    #: shape (21,); distance from the film's centre [disk radii] and T/T_c − 1 there, its mean over
-    #: both faces
-    film_temperature: np.ndarray
+    film_radius: np.ndarray  #: shape (21,); distance from the film's centre [disk radii]
+    film_temperature: np.ndarray  #: shape (21,); T/T_c − 1 there, its mean over both faces
     iterations: int
     seconds: float  #: Time of the solution on both meshes
     warnings: tuple[str, ...]  #: What limits the result

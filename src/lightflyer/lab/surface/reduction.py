@@ -60,11 +60,9 @@ class Roughness:
     source: HeightMap
     #: shape (rows, columns); levelled height [m]; its mean outside the mask is zero
     height: np.ndarray
-    #: shape (rows, columns); true where the map stands out above, or below as where the tip lost
-    #: the surface. Pixels without a height count as holes
-    particles: np.ndarray
-    #: shape (rows, columns); true where the map stands out above, or below as where the tip lost
-    #: the surface. Pixels without a height count as holes
+    particles: np.ndarray  #: shape (rows, columns); true where the map stands out above
+    #: shape (rows, columns); true where it lies below, as where the tip lost the surface, and where
+    #: it has no height
     holes: np.ndarray
     #: Parameters of the surface without particles and holes, by names of :data:`PARAMETERS`;
     #: heights in nm. Skewness and kurtosis are those of the map: their intervals are open, since a

@@ -78,11 +78,9 @@ class TacFit:
     reading: str  #: Name of the law of heat loss
     gas: str  #: Name of the gas
     accuracy: TacAccuracy
-    tac: Estimate  #: With 95 % profile intervals of the total uncertainty; the offset in W/(m² K)
-    #: With 95 % profile intervals of the total uncertainty; the offset in W/(m² K)
-    area_ratio: Estimate
-    #: With 95 % profile intervals of the total uncertainty; the offset in W/(m² K)
-    offset: Estimate
+    tac: Estimate  #: With the 95 % profile interval of the total uncertainty
+    area_ratio: Estimate  #: As ``tac``
+    offset: Estimate  #: As ``tac``, in W/(m² K)
     #: The same values with profile intervals of the scatter alone, by name of the parameter
     statistical: dict[str, Estimate]
     #: 95 % intervals of the total uncertainty from the covariance, by name of the parameter

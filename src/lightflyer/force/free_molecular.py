@@ -37,7 +37,30 @@ def disk_conductance(disk: Disk, state: EnvironmentState, excess: Numeric) -> Ar
     )
 
 
-class FreeMolecular(AbstractForceModel):
+class AbstractFreeMolecular(AbstractForceModel):
+    """Heat that free molecules take from a disk, which both models share."""
+
+    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
+    feels_walls: ClassVar[bool] = False
+
+    @entry_point
+    def heat_loss(
+        self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
+        (excess,) = unknowns
+        return (disk_conductance(flyer, state, excess) * excess,)
+
+    def diagnostics(
+        self,
+        flyer: Disk,
+        state: EnvironmentState,
+        temperature: Numeric,  # noqa: ARG002
+    ) -> tuple[str, ...]:
+        knudsen = knudsen_number(state.pressure, state.temperature, flyer.radius, state.gas)
+        return tuple(_THIN.diagnostics(knudsen, state.pressure))
+
+
+class FreeMolecular(AbstractFreeMolecular):
     r"""Free-molecular heat loss and force of a disk, exact for any temperature difference.
 
     .. math::
@@ -53,16 +76,6 @@ class FreeMolecular(AbstractForceModel):
     [Lu2023]_ Eqs. (4) and (19), without their small-difference approximation.
     """
 
-    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
-    feels_walls: ClassVar[bool] = False
-
-    @entry_point
-    def heat_loss(
-        self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
-    ) -> tuple[Array, ...]:
-        (excess,) = unknowns
-        return (disk_conductance(flyer, state, excess) * excess,)
-
     @entry_point
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         (excess,) = unknowns
@@ -70,16 +83,8 @@ class FreeMolecular(AbstractForceModel):
         faces = (film.tac_top, film.tac_bottom)
         return accommodated_force(flyer.area, *faces, state.pressure, excess)
 
-    def diagnostics(
-        self,
-        flyer: Disk,
-        state: EnvironmentState,
-        temperature: Numeric,  # noqa: ARG002
-    ) -> tuple[str, ...]:
-        return _collision_diagnostics(flyer, state)
 
-
-class LinearFreeMolecular(AbstractForceModel):
+class LinearFreeMolecular(AbstractFreeMolecular):
     r"""Free-molecular force of a disk to first order in the temperature difference.
 
     .. math:: F = A\,p\,\Delta\alpha\,\frac{\Delta T}{4T_c}
@@ -92,16 +97,6 @@ class LinearFreeMolecular(AbstractForceModel):
     [Lu2023]_ Eqs. (4) and (19).
     """
 
-    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
-    feels_walls: ClassVar[bool] = False
-
-    @entry_point
-    def heat_loss(
-        self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
-    ) -> tuple[Array, ...]:
-        (excess,) = unknowns
-        return (disk_conductance(flyer, state, excess) * excess,)
-
     @entry_point
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         (excess,) = unknowns
@@ -111,15 +106,8 @@ class LinearFreeMolecular(AbstractForceModel):
         self, flyer: Disk, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
         ratio = temperature / state.temperature
-        return (
-            *_collision_diagnostics(flyer, state),
-            *_SMALL_DIFFERENCES.diagnostics(ratio, state.pressure),
-        )
-
-
-def _collision_diagnostics(disk: Disk, state: EnvironmentState) -> tuple[str, ...]:
-    knudsen = knudsen_number(state.pressure, state.temperature, disk.radius, state.gas)
-    return tuple(_THIN.diagnostics(knudsen, state.pressure))
+        said = super().diagnostics(flyer, state, temperature)
+        return (*said, *_SMALL_DIFFERENCES.diagnostics(ratio, state.pressure))
 
 
 class FreeMolecularSection(ForceSection, of=FreeMolecular):

@@ -109,13 +109,6 @@ class AbstractReferenceGas(AbstractGas):
         return tuple(known.diagnostics(temperature, pressure))
 
 
-def vibration(temperature: np.ndarray, characteristic: float) -> np.ndarray:
-    r"""Heat capacity of a harmonic oscillator over the gas constant [1]."""
-    # .. math:: \left(\frac{u/2}{\sinh(u/2)}\right)^2, \qquad u = \frac\Theta T
-    half = 0.5 * characteristic / temperature
-    return (half / np.sinh(half)) ** 2
-
-
 @dataclass(frozen=True)
 class IdealHeatCapacity:
     """Isobaric heat capacity of an ideal gas over its gas constant, as published.
@@ -135,5 +128,7 @@ class IdealHeatCapacity:
         """Heat capacity [1] at temperatures [K], shape (...)."""
         total = np.polynomial.polynomial.polyval(temperature, self.polynomial)
         for weight, characteristic in self.vibrations:
-            total = total + weight * vibration(temperature, characteristic)
+            # .. math:: \left(\frac{u/2}{\sinh(u/2)}\right)^2, \qquad u = \frac\Theta T
+            half = 0.5 * characteristic / temperature
+            total = total + weight * (half / np.sinh(half)) ** 2
         return np.asarray(total)

@@ -57,7 +57,7 @@ class Inputs:
 
     design: AbstractDesign
     names: list[str]  #: Dotted, as ``"film.tac_top"``
-    #: shape (k,); in the units of the design: SI, angles in degrees where a flyer file gives them so
+    #: shape (k,); in the units of the design: SI, angles in degrees where a file gives them so
     values: np.ndarray
     spreads: np.ndarray  #: shape (k,); their standard uncertainties
     correlation: np.ndarray  #: shape (k, k)

@@ -4,25 +4,15 @@ import abc
 from typing import Final
 
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from lightflyer.core import constants
-from lightflyer.core.checks import is_traced
-from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked, Fraction, Irradiance
 from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
 from lightflyer.program.entry_point import entry_point
-
-
-def require_data(margins: dict[str, Numeric]) -> None:
-    """Raise :class:`ParameterError` if any concrete margin is negative."""
-    for beyond, margin in margins.items():
-        if not is_traced(margin) and np.any(np.less(margin, 0.0)):
-            raise ParameterError(beyond)
 
 
 class AbstractGround(Checked):

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.core.checks import is_traced
+from lightflyer.core.checks import is_traced, require_data
 from lightflyer.core.clock import EPOCH, dates_of
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Fraction, Irradiance, quantity_of
@@ -15,7 +15,7 @@ from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
 from lightflyer.core.units import scale_and_offset
 from lightflyer.environment.base import Place
-from lightflyer.environment.light.ground import AbstractGround, UniformGround, require_data
+from lightflyer.environment.light.ground import AbstractGround, UniformGround
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
 

@@ -11,6 +11,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core import constants
+from lightflyer.core.checks import require_data
 from lightflyer.core.quantity import Checked, Irradiance
 from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
@@ -22,7 +23,7 @@ from lightflyer.environment.horizon import (
     lit_ground,
     visible_share,
 )
-from lightflyer.environment.light.ground import AbstractGround, UniformGround, require_data
+from lightflyer.environment.light.ground import AbstractGround, UniformGround
 from lightflyer.environment.light.sun import AbstractSun, EarthSun, SunInSky, sun_in_sky
 from lightflyer.environment.light.sun_table import TabulatedSun
 from lightflyer.environment.planet import EARTH_PLANET, Planet

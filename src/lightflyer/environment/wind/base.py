@@ -5,10 +5,8 @@ from functools import reduce
 
 import equinox as eqx
 import jax.numpy as jnp
-import numpy as np
 
-from lightflyer.core.checks import is_traced
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.checks import is_traced, require_data
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.program.entry_point import entry_point
@@ -41,9 +39,7 @@ class AbstractWind(eqx.Module):
     def _within(self, altitude: Numeric, place: Place, wind: Wind) -> Wind:
         """A wind where there is one: else an error, or NaN where that cannot be known yet."""
         margins = self.margins(altitude, place)
-        for beyond, margin in margins.items():
-            if not is_traced(margin) and np.any(np.less(margin, 0.0)):
-                raise ParameterError(beyond)
+        require_data(margins)
         return _where_reached(wind, tuple(margins.values())) if is_traced(margins) else wind
 
     @abc.abstractmethod

@@ -419,10 +419,12 @@ def test_constant_pressure_is_refused(rng):
         tac.fit_tac(run_of(np.full(20, 3.0), np.mean(run.power) + 1e-3 * rng.random(20)), **OPTIONS)
 
 
-def test_heater_power_inverts():
+def test_the_power_of_the_law_gives_its_coefficients():
     pressure = np.geomspace(1e-3, 100.0, 12)
     heater, ambient = np.full(12, 323.0), np.full(12, 295.0)
-    power = tac.heater_power(pressure, heater, ambient, *TRUTH)
+    alpha, ratio, offset = TRUTH
+    limits = KINETIC_LAW.limits(pressure, ambient, heater, DIAMETER, AIR)
+    power = 28.0 * ratio * (limits.conductance(alpha) + offset) * np.pi * DIAMETER**2 / 4.0
     fit = tac.fit_tac(run_of(pressure, power), accuracy=EXACT)
     np.testing.assert_allclose(values_of(fit), TRUTH, rtol=1e-8)
 

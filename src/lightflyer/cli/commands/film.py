@@ -241,7 +241,7 @@ def _show(
     summary: "FilmSummary",
     points: list[dict[str, Any]],
 ) -> None:
-    from lightflyer.film.media.materials import MICROMETRE
+    from lightflyer.film.media.medium import MICROMETRE
 
     _show_layers(console, section, summary)
     for table in (_emittances(summary), _intervals(summary), _missing(summary)):

@@ -22,17 +22,6 @@ from lightflyer.core.units import Measured
 from lightflyer.film.media.material_csv import read_index_csv
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, require_covered
 
-__all__ = [
-    "GIVEN",
-    "MICROMETRE",
-    "Extrapolation",
-    "Material",
-    "Segment",
-    "material_from_csv",
-    "tabulated_material",
-    "vacuum",
-]
-
 GIVEN = "given by the user"
 
 ROOM_TEMPERATURES = (270.0, 320.0)  # Temperatures of samples that need no mention [K]

@@ -31,17 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = [
-    "HEIGHT_ACCURACY",
-    "PARAMETERS",
-    "Roughness",
-    "find_particles",
-    "level",
-    "roughness",
-    "summary",
-    "surface_parameters",
-    "to_dataset",
-]
 
 HEIGHT_ACCURACY = 0.02  # Relative standard uncertainty of the microscope's heights; our assumption
 PARAMETERS = ("rms_height", "mean_absolute_height", "skewness", "kurtosis")  # Sq, Sa, Ssk and Sku

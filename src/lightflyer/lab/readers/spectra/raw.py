@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from lightflyer.files.table import Rejected
+from lightflyer.files.table_rows import Rejected
 from lightflyer.lab.readers.formats import one_line
 
 Ordinate = Literal["transmittance", "reflectance"]  # Quantity that a spectrum shows

@@ -50,20 +50,11 @@ diatomic gas, with the jump at the wall, beside free molecules."""
 
 
 class Outline(NamedTuple):
-    r"""Outline of a closed convex body as it moves.
+    r"""Outline of a closed convex body as it moves."""
 
-    Attributes
-    ----------
-    silhouette : array, shape (...)
-        Area seen along the motion [m²].
-    surface : array, shape (...)
-        [m²].
-    facing : array, shape (...)
-        :math:`\oint\nu^2\,dA` over the surface with the cosine of normal and motion [m²].
-    """
-
-    silhouette: Numeric
-    surface: Numeric
+    silhouette: Numeric  #: shape (...); area seen along the motion [m²]
+    surface: Numeric  #: shape (...) [m²]
+    #: shape (...); :math:`\oint\nu^2\,dA` with the cosine of normal and motion [m²]
     facing: Numeric
 
     @property

@@ -36,22 +36,12 @@ Formula = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Correlations:
-    """Published formulas of one gas, and the polynomials that follow them.
+    """Published formulas of one gas, and the polynomials that follow them."""
 
-    Attributes
-    ----------
-    viscosity, conductivity : callable
-        Of temperatures [K]; [Pa s], [W/(m K)].
-    heat_capacity : callable
-        Isobaric, of the ideal gas, over its gas constant [1].
-    ends : tuple of float
-        Range of temperatures [K].
-    """
-
-    viscosity: Formula
-    conductivity: Formula
-    heat_capacity: Formula
-    ends: tuple[float, float]
+    viscosity: Formula  #: Of temperatures [K]; [Pa s]
+    conductivity: Formula  #: Of temperatures [K]; [W/(m K)]
+    heat_capacity: Formula  #: Isobaric, of the ideal gas, over its gas constant [1]
+    ends: tuple[float, float]  #: Range of temperatures [K]
 
     # Transport is followed without the root of T, with which it continues beyond the range. The
     # polynomials are made when they are first used: few gases are, and a start should be fast.
@@ -111,17 +101,11 @@ class AbstractReferenceGas(AbstractGas):
 
 @dataclass(frozen=True)
 class IdealHeatCapacity:
-    """Isobaric heat capacity of an ideal gas over its gas constant, as published.
+    """Isobaric heat capacity of an ideal gas over its gas constant, as published."""
 
-    Attributes
-    ----------
-    polynomial : tuple of float
-        Of the rigid molecule, in ascending powers of the temperature [K].
-    vibrations : tuple of tuple
-        Weights [1] and temperatures [K] of oscillators.
-    """
-
+    #: Of the rigid molecule, in ascending powers of the temperature [K]
     polynomial: tuple[float, ...]
+    #: Weights [1] and temperatures [K] of oscillators
     vibrations: tuple[tuple[float, float], ...] = ()
 
     def __call__(self, temperature: np.ndarray) -> np.ndarray:

@@ -13,21 +13,11 @@ _PREFIX, _SUFFIX = "flyer-", ".toml"
 
 
 class Template(NamedTuple):
-    """A commented file that comes with the package.
+    """A commented file that comes with the package."""
 
-    Attributes
-    ----------
-    source : str
-        Its name in ``data/``.
-    name : str
-        Name under which it is written where none is given.
-    following : tuple of str
-        Commands that use it; ``{}`` stands for its path.
-    """
-
-    source: str
-    name: str
-    following: tuple[str, ...]
+    source: str  #: Its name in ``data/``
+    name: str  #: Name under which it is written where none is given
+    following: tuple[str, ...]  #: Commands that use it; ``{}`` stands for its path
 
     @property
     def is_flyer(self) -> bool:

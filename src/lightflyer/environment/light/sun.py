@@ -80,19 +80,12 @@ _ABERRATION = -20.4898  # at one astronomical unit ["]; [Meeus1998]_ Eq. (25.10)
 
 
 class SunPosition(NamedTuple):
-    """Where the sun is, seen from a planet's centre.
+    """Where the sun is, seen from a planet's centre."""
 
-    Attributes
-    ----------
-    direction : array, shape (..., 3)
-        Unit vector in the frame that turns with the planet: its third axis is the rotation's, its
-        first points to where equator and prime meridian meet.
-    distance : array, shape (...)
-        [m].
-    """
-
+    #: shape (..., 3); unit vector in the frame that turns with the planet: its third axis is the
+    #: rotation's, its first points to where equator and prime meridian meet
     direction: Array
-    distance: Array
+    distance: Array  #: shape (...) [m]
 
 
 class SunInSky(NamedTuple):

@@ -32,15 +32,6 @@ _SMALL_ARGUMENT = 0.5
 class Spectrum:
     """Spectral irradiance of light, linear between the wavelengths of a table.
 
-    Attributes
-    ----------
-    name : str
-    wavelength : array, shape (m,)
-        Increasing [m].
-    irradiance : array, shape (m,)
-        Per wavelength; [W/m³] where it is absolute. Averages depend on its shape only.
-    source : str
-
     Raises
     ------
     ParameterError
@@ -48,7 +39,8 @@ class Spectrum:
     """
 
     name: str
-    wavelength: np.ndarray
+    wavelength: np.ndarray  #: shape (m,); increasing [m]
+    #: shape (m,); per wavelength, [W/m³] where it is absolute. Averages depend on its shape only
     irradiance: np.ndarray
     source: str = ""
 

@@ -72,21 +72,13 @@ _ALIASES = {
 
 @dataclass(frozen=True)
 class Scene:
-    """What relates a thermal camera's readings to the film.
+    """What relates a thermal camera's readings to the film."""
 
-    Attributes
-    ----------
-    camera : CameraBand or None
-        None takes radiation as T⁴, as the paper does.
-    hotplate_emissivity : Measured
-        Within the camera's band. One where the hotplate's temperature is apparent; else the
-        temperature is the hotplate's own, by a thermometer.
-    film_temperature : Measured or None
-        The film's own [K]; None for that of the surroundings.
-    """
-
-    camera: CameraBand | None = UNCOOLED
+    camera: CameraBand | None = UNCOOLED  #: None takes radiation as T⁴, as the paper does
+    #: Within the camera's band. One where the hotplate's temperature is apparent; else the
+    #: temperature is the hotplate's own, by a thermometer
     hotplate_emissivity: Measured = BLACK
+    #: The film's own [K]; None for that of the surroundings
     film_temperature: Measured | None = None
 
     def __post_init__(self) -> None:

@@ -32,6 +32,20 @@ def test_public_names_are_there_and_never_module_and_function_at_once(room):
         assert is_module or not (inspect.ismodule(found) or name in modules), name
 
 
+@pytest.mark.parametrize("room", ROOMS)
+def test_methods_are_described_where_they_or_their_base_stand(room):
+    package = importlib.import_module(f"lightflyer.{room}")
+    silent = []
+    for kind in filter(inspect.isclass, (getattr(package, name) for name in package.__all__)):
+        methods = {name for name, one in vars(kind).items() if inspect.isfunction(one)}
+        methods |= {name for name, one in vars(kind).items() if isinstance(one, property)}
+        for name in sorted(methods - set(getattr(kind, "__dataclass_fields__", ()))):
+            parents = [vars(base)[name] for base in kind.__mro__ if name in vars(base)]
+            if not (name.startswith("_") or any(parent.__doc__ for parent in parents)):
+                silent.append(f"{kind.__name__}.{name}")
+    assert silent == []
+
+
 def test_contributing_names_every_room():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     rooms = [path.parent.name for path in (ROOT / "src" / "lightflyer").glob("*/__init__.py")]

@@ -5,6 +5,7 @@ import openpyxl
 import pytest
 
 import lightflyer as lf
+from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.calibration.points import read_points
 from lightflyer.lab.levitation.data import read_lift_offs
 from lightflyer.lab.synthetic import example_files
@@ -130,3 +131,8 @@ def test_what_must_be_known_of_the_reading_is_a_warning(write):
     assert "1 sun is taken as 1000 W/m^2" in said
     assert "irradiance = 2.5; check that it is whole" in said
     assert points.where(points.pressure > 1.0).warnings == points.warnings
+
+
+def test_assumed_accuracies_in_words():
+    said = assumed_accuracies({"power": "± 1 %"})
+    assert said == ("no accuracy of the power is stated; ± 1 % is assumed",)

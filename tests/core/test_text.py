@@ -1,6 +1,6 @@
 import pytest
 
-from lightflyer.core.text import files_read, read_text
+from lightflyer.core.text import files_read, in_toml, read_text
 
 
 @pytest.fixture
@@ -20,3 +20,7 @@ def test_files_are_noted_within_their_block_alone(paths):
         read_text(one)
     read_text(three)  # a notebook's or a server's: nobody notes it
     assert (outer, inner) == ([one, one], [two])
+
+
+def test_values_as_toml():
+    assert in_toml({"at_most": ["400 K", True]}) == '{ at_most = ["400 K", true] }'

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lightflyer as lf
-from lightflyer.core.units import parse
+from lightflyer.core.units import parse, rewrite, scale_and_offset, spelled
 
 
 @pytest.mark.parametrize(
@@ -130,3 +130,17 @@ def test_spellings_of_laboratories(text, unit, value, digits):
 def test_megatorr_is_asked_for(unit):
     with pytest.raises(lf.ConfigurationError, match="may be milli or mega; write m"):
         parse(f"1 {unit}", "Pa")
+
+
+def test_units_of_instruments_are_spelled_as_pint_reads_them():
+    assert (spelled("TORR", "Pa"), spelled("micron", "Pa")) == ("Torr", "mTorr")
+    assert spelled("micron", "m") == "um"
+
+
+def test_units_convert_by_factor_and_offset():
+    assert scale_and_offset("°C", "K") == (1.0, 273.15)
+
+
+def test_another_value_keeps_unit_and_uncertainty_of_a_text():
+    assert rewrite("2 ± 0.1 cm", 0.0312, "m") == "3.12 ± 0.1 cm"
+    assert rewrite("", 0.0312, "m") == "0.0312 m"

@@ -9,6 +9,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.design import outputs_of
+from lightflyer.design.outputs import json_name
 from lightflyer.force import ModelResult
 
 AT = 72e3
@@ -203,3 +204,7 @@ def test_flows_and_buoyancy_are_outputs(setup):
 def test_units_suit_the_values(name, value, shown):
     factor, unit = lf.design.OUTPUTS[name].shown_for([value, 0.1 * value, np.inf, np.nan])
     assert f"{value * factor:g} {unit}" == shown
+
+
+def test_names_in_json_end_with_the_unit():
+    assert json_name("levitation_irradiance", "W/m^2") == "levitation_irradiance_w_m2"

@@ -14,7 +14,7 @@ from lightflyer.drag import free_molecular
 from lightflyer.drag.convex import convex_drag, sphere_outline
 from lightflyer.drag.disk import _EDGEWISE_SHARE, EDGEWISE, edgewise_disk_drag
 from lightflyer.drag.disk_table import dense_share
-from lightflyer.drag.inertia import disk_inertia, sphere_inertia
+from lightflyer.drag.inertia import disk_inertia, edgewise_inertia, sphere_inertia
 from lightflyer.drag.similarity import molecular_speed
 from lightflyer.gas import AIR
 
@@ -200,3 +200,8 @@ def test_out_of_range_is_said():
 
 def test_speed_of_molecules():
     assert molecular_speed(TEMPERATURE, AIR) == pytest.approx(SPEED, rel=1e-5)
+
+
+def test_edgewise_inertia_is_none_in_slow_flow_and_grows():
+    found = [float(edgewise_inertia(reynolds)) for reynolds in (0.0, 1.0, 100.0)]
+    np.testing.assert_allclose(found, [1.0, 1.0713, 2.8059], rtol=1e-4)

@@ -20,6 +20,7 @@ from lightflyer.environment import (
     Place,
     UniformGround,
 )
+from lightflyer.environment.light.sky import describe_shadow
 from lightflyer.environment.light.sun import sun_from_earth
 
 J2000 = 946_728_000.0
@@ -420,3 +421,8 @@ def test_a_file_may_state_date_and_place(film_section):
 def test_light_of_the_file_is_stated_once(change, message, film_section):
     with pytest.raises(Exception, match=message):
         file_of(film_section, **{**SECTION, **change})
+
+
+def test_shadow_in_words():
+    said = describe_shadow(np.array([60e3, 70e3, 80e3]), np.array([0.0, 0.4, 1.0]))
+    assert said == ("shadow: no sun up to 60.0 km, all of it from 80.0 km",)

@@ -7,7 +7,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.core.quantity import Irradiance, Pressure, Temperature
-from lightflyer.files.number_marks import find_marks, split_number
+from lightflyer.files.number_marks import Marks, find_marks, split_number, stated_mark
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 
@@ -151,3 +151,12 @@ def test_only_one_reading_is_possible(tmp_path):
     path.write_text("temperature [K]\n1,250\n2,300\n", encoding="utf-8")
     with pytest.raises(lf.ConfigurationError, match=r"may be 1250 or 1\.25"):
         read_table(path, columns)
+
+
+def test_marks_of_single_numbers():
+    assert Marks(decimal=",", thousands=".").number("1.469,5") == 1469.5
+    assert (split_number("1.234,5").decimal, split_number("1,234").open) == (",", ",")
+
+
+def test_a_file_may_state_its_decimal_mark():
+    assert stated_mark(["# run 3", "# decimal: comma"]) == ","

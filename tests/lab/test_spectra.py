@@ -16,6 +16,8 @@ from lightflyer.lab.readers.formats import Source, read_source
 from lightflyer.lab.readers.spectra import jcamp_dx, omnic, opus, spc
 from lightflyer.lab.readers.spectra.formats import format_of, read_raw
 from lightflyer.lab.readers.spectra.interpretation import ReadOptions, measured
+from lightflyer.lab.readers.spectra.jcamp_numbers import last_digit, read_rows
+from lightflyer.lab.readers.spectra.names import Axis, OrdinateUnit, axis_of, parse_ordinate
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 
 SAMPLES = Path(__file__).parent / "spectra"
@@ -579,3 +581,19 @@ def test_damage_gives_one_line_or_a_spectrum(name):
         assert np.all(np.diff(found.wavenumber) > 0.0), number
         assert np.isfinite(found.wavelength).all(), number
     assert all(text.startswith(name) and text.isprintable() for text in said)
+
+
+def test_rows_of_differences_and_repeats():
+    expected = [1000.0, 2000.0, 2001.0, 2002.0, 2003.0, 2003.0, 2003.0]
+    assert read_rows(["400A000J000JU%T"]).ordinate.tolist() == expected
+
+
+def test_last_digits():
+    assert (last_digit("0.37"), last_digit("4000")) == (0.01, 1.0)
+
+
+def test_names_of_axes_and_ordinates():
+    assert axis_of("Wavenumber (cm-1)") == Axis(scale=100.0, is_wavelength=False)
+    assert axis_of("NANOMETERS").is_wavelength
+    assert parse_ordinate("%T") == OrdinateUnit(quantity="transmittance", percent=True)
+    assert parse_ordinate("Single Beam").startswith("shows a single beam")

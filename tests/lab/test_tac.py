@@ -11,10 +11,11 @@ import lightflyer as lf
 from lightflyer.files.table import Table
 from lightflyer.gas import AIR, LU2023_AIR
 from lightflyer.lab.estimate import student_factor
+from lightflyer.lab.record import joint_warnings
 from lightflyer.lab.tac import fit as tac
 from lightflyer.lab.tac import intervals
 from lightflyer.lab.tac import problem as tac_problem
-from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy
+from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy, unstated_accuracies
 from lightflyer.lab.tac.data import TacRun
 from lightflyer.lab.tac.diagnostics import misfit_warnings, rows_off_the_curve
 from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC_LAW, KineticLaw
@@ -418,10 +419,12 @@ def test_constant_pressure_is_refused(rng):
         tac.fit_tac(run_of(np.full(20, 3.0), np.mean(run.power) + 1e-3 * rng.random(20)), **OPTIONS)
 
 
-def test_heater_power_inverts():
+def test_the_power_of_the_law_gives_its_coefficients():
     pressure = np.geomspace(1e-3, 100.0, 12)
     heater, ambient = np.full(12, 323.0), np.full(12, 295.0)
-    power = tac.heater_power(pressure, heater, ambient, *TRUTH)
+    alpha, ratio, offset = TRUTH
+    limits = KINETIC_LAW.limits(pressure, ambient, heater, DIAMETER, AIR)
+    power = 28.0 * ratio * (limits.conductance(alpha) + offset) * np.pi * DIAMETER**2 / 4.0
     fit = tac.fit_tac(run_of(pressure, power), accuracy=EXACT)
     np.testing.assert_allclose(values_of(fit), TRUTH, rtol=1e-8)
 
@@ -472,3 +475,14 @@ def test_an_instrument_that_is_off_by_more_than_stated_is_said():
     values = {"tac": 2.5, "gauge": -0.4, "plateau": 2.71}
     (text,) = misfit_warnings(1.0, 60, values)
     assert text.startswith("the fit wants errors of plateau +2.7 stated standard uncertainties")
+
+
+def test_unstated_accuracies_in_words():
+    stated = ["gauge", "gauge_zero", "power", "diameter", "plateau"]
+    said = unstated_accuracies(stated)
+    assert said == ["no accuracy of the temperature difference is stated; ± 1 K is assumed"]
+
+
+def test_a_warning_of_all_files_is_said_once():
+    found = [("a.csv", ["no accuracy"]), ("b.csv", ["no accuracy", "skewed"])]
+    assert joint_warnings(found) == ["b.csv: skewed", "no accuracy"]

@@ -12,7 +12,7 @@ from lightflyer.mission.path.integration import rate_of
 from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
-from lightflyer.mission.report.coastline import coastline
+from lightflyer.mission.report.figures import coastline
 from lightflyer.mission.report.summary import day_and_night
 
 

@@ -79,8 +79,7 @@ class RadioLink(Checked):
     noise_temperature: Temperature  #: Of receiver and sky together, T [K]
     #: Of the antennas [dB over one that sends evenly in all directions]
     transmit_gain_dbi: Decibels = 0.0
-    #: Of the antennas [dB over one that sends evenly in all directions]
-    receive_gain_dbi: Decibels = 0.0
+    receive_gain_dbi: Decibels = 0.0  #: As ``transmit_gain_dbi``
     #: Energy per bit over noise density at the receiver, :math:`E_b/N_0` [dB]
     required_signal_db: Decibels = REQUIRED_SIGNAL_DB
     losses_db: Decibels = 0.0  #: Of cables, air, pointing and polarisation, :math:`L_0` [dB]

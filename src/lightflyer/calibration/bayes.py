@@ -94,7 +94,6 @@ class Posterior(PrintedResult):
             )
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.calibration.text import posterior_parts
 
         return posterior_parts(self)

@@ -74,12 +74,9 @@ class Calibration(PrintedResult):
     #: Root of the mean square of the residuals in log-irradiance per degree of freedom [1]
     scatter: float
     estimated_scatter: bool  #: Whether the points' uncertainty was estimated from their scatter
-    #: Sum of the squared residuals over the points' stated uncertainties, and its number of degrees
-    #: of freedom; NaN where none are stated
+    #: Sum of the squared residuals over the points' stated uncertainties; NaN where none are stated
     chi_squared: float
-    #: Sum of the squared residuals over the points' stated uncertainties, and its number of degrees
-    #: of freedom; NaN where none are stated
-    freedom: int
+    freedom: int  #: Degrees of freedom of ``chi_squared``
     error_scale: float  #: Factor by which the stated uncertainties were multiplied
     residuals: np.ndarray  #: shape (n,); measured minus fitted log-irradiance
     #: Points of neighbouring pressures whose residuals are alike: 1 where the model fits. Intervals
@@ -139,7 +136,6 @@ class Calibration(PrintedResult):
         return plot_calibration(self, ax)
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.calibration.text import fit_parts
 
         yield from fit_parts(self)

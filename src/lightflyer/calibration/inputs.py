@@ -53,13 +53,7 @@ def instruments(
 
 
 def assumed_accuracies(assumed: Mapping[str, str]) -> tuple[str, ...]:
-    """What a reader must know of instruments whose accuracy is not stated.
-
-    Examples
-    --------
-    >>> assumed_accuracies({"power": "± 1 %"})
-    ('no accuracy of the power is stated; ± 1 % is assumed',)
-    """
+    """What a reader must know of instruments whose accuracy is not stated."""
     if not assumed:
         return ()
     if len(assumed) == 1:

@@ -28,8 +28,9 @@ from lightflyer.core.quantity import (
     Quantity,
     quantity_of,
 )
-from lightflyer.files.table import Rejected, Table, read_table
+from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
+from lightflyer.files.table_rows import Rejected
 
 _SCALED = Quantity("Pa*m", likely=(0.01, 0.5), known="the paper's disks in air have 0.09")
 REQUIRED = ("pressure", "irradiance")  # Columns that every file has

@@ -3,12 +3,12 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from lightflyer.cli import report as reports
-from lightflyer.cli.output import say
+from lightflyer.cli.output import say, write_json
 from lightflyer.core.errors import ParameterError
 from lightflyer.files.result_text import wrapped
 
@@ -83,6 +83,27 @@ class FigureOptions:
                 save(figure, [stage(name) for name in files], dpi=self.dpi)
                 names += files
         return names
+
+    def write_folder(
+        self,
+        out: Path | None,
+        files: Mapping[str, Any],
+        draw: "Callable[[], Mapping[str, Figure]]",
+    ) -> list[Path]:
+        """Write files and figures where there is a folder to write into; return their paths."""
+        # by their names JSON objects, or functions that write a file at a path
+        if out is None:
+            return []
+        from lightflyer.core.atomic_files import output_directory
+
+        with output_directory(out) as stage:
+            for name, content in files.items():
+                if callable(content):
+                    content(stage(name))
+                else:
+                    write_json(stage(name), content)
+            names = [*files, *self.write(stage, draw)]
+        return [out / name for name in names]
 
 
 @Parameter(name="*")

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from lightflyer.study.study import Study
-    from lightflyer.sweeps.outcome import SweepReport
+    from lightflyer.sweeps.run import SweepReport
 
 _SHOWN_SHARES = (0.0, 0.05, 0.5, 0.95, 1.0)
 _SHOWN_DESIGNS = 5

@@ -54,3 +54,10 @@ def require_positive(**values: Any) -> None:
     """Raise :class:`ParameterError` unless every concrete value is positive and finite."""
     for name, value in values.items():
         require_range(name, value, 0.0, open_below=True)
+
+
+def require_data(margins: dict[str, Any]) -> None:
+    """Raise :class:`ParameterError` if any concrete margin is negative, named by what is beyond."""
+    for beyond, margin in margins.items():
+        if not is_traced(margin) and np.any(np.less(margin, 0.0)):
+            raise ParameterError(beyond)

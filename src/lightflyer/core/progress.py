@@ -32,14 +32,7 @@ def report(doing: str, done: int | None = None, total: int | None = None, unit: 
 
 @contextmanager
 def reported_to(listener: Listener) -> Iterator[None]:
-    """Have the steps of long work reported to a function within the block.
-
-    Examples
-    --------
-    >>> with reported_to(lambda step: print(f"{step.doing}: {step.done} of {step.total}")):
-    ...     report("drawing samples", 1, 4)
-    drawing samples: 1 of 4
-    """
+    """Have the steps of long work reported to a function within the block."""
     _LISTENERS.append(listener)
     try:
         yield

@@ -40,13 +40,7 @@ def read_text(path: Path) -> str:
 
 
 def in_toml(value: Any) -> str:
-    """A value as a TOML file writes it.
-
-    Examples
-    --------
-    >>> in_toml({"at_most": ["400 K", True]})
-    '{ at_most = ["400 K", true] }'
-    """
+    """A value as a TOML file writes it."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

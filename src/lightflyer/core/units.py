@@ -80,13 +80,7 @@ def registry() -> pint.UnitRegistry:
 
 
 def spelled(unit: str, target: str) -> str:
-    """A unit in the package's spelling, from that of instruments and spreadsheets.
-
-    Examples
-    --------
-    >>> spelled("TORR", "Pa"), spelled("micron", "Pa"), spelled("micron", "m")
-    ('Torr', 'mTorr', 'um')
-    """
+    """A unit in the package's spelling, from that of instruments and spreadsheets."""
     # full-width, raised and squared letters as plain ones: ⁻², ℃, ㎛, Å
     text = unicodedata.normalize("NFKC", unit).replace(_MINUS, "-").replace(_DOT, "·").strip()
     text = _TORR.sub(r"\1Torr", text)
@@ -123,13 +117,7 @@ def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
 
 
 def scale_and_offset(unit: str, target: str) -> tuple[float, float]:
-    """Factor and offset that convert values of one unit into another.
-
-    Examples
-    --------
-    >>> scale_and_offset("°C", "K")
-    (1.0, 273.15)
-    """
+    """Factor and offset that convert values of one unit into another."""
     convert = _converter(unit or "dimensionless", target, unit)
     offset = convert(0.0)
     # from far away, where the offset's rounding does not count
@@ -172,17 +160,7 @@ def _no_unit(text: str | float, value: float, unit: str, usual: str) -> Configur
 
 
 def parse(text: str | float, unit: str, usual: str = "") -> Measured:
-    """Read a number with its unit and uncertainty; in ``unit``. ``usual``: what messages propose.
-
-    Examples
-    --------
-    >>> parse("2 cm", "m").value
-    0.02
-    >>> parse("1.8 W/(m*K)", "W/(m*K)").value
-    1.8
-    >>> parse("0.90 ± 0.03", "")
-    Measured(value=0.9, uncertainty=0.03)
-    """
+    """Read a number with unit and uncertainty; in ``unit``. ``usual``: what messages propose."""
     if isinstance(text, bool) or not isinstance(text, int | float | str):
         raise ConfigurationError(f"{in_toml(text)} is not a number{_with_unit(unit)}")
     if not isinstance(text, str):
@@ -212,15 +190,7 @@ def parse(text: str | float, unit: str, usual: str = "") -> Measured:
 
 
 def rewrite(text: str, value: float, unit: str) -> str:
-    """A quantity with another value, in the unit and with the ± that it has; ``unit``: SI unit.
-
-    Examples
-    --------
-    >>> rewrite("2 ± 0.1 cm", 0.0312, "m")
-    '3.12 ± 0.1 cm'
-    >>> rewrite("", 0.0312, "m")
-    '0.0312 m'
-    """
+    """A quantity with another value, in the unit and with the ± that it has; ``unit``: SI unit."""
     own, spread = unit, ""
     if text:
         first, *rest = _SEPARATOR.split(text)

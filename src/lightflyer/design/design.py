@@ -102,17 +102,8 @@ class AbstractDesign(abc.ABC):
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
         """The setup with some numbers replaced.
 
-        Parameters
-        ----------
-        values : dict of str to array, shape (...), optional
-            By the name of the field, in its unit; they broadcast and may be traced. They are not
-            checked. A coordinate among them has no effect.
-        prepared : object, optional
-            From :meth:`precompute`.
-
-        Returns
-        -------
-        Setup
+        ``values`` by the name of the field, in its unit: they broadcast, may be traced and are not
+        checked; a coordinate has no effect. ``prepared`` is from :meth:`precompute`.
         """
 
     @cached_property
@@ -148,54 +139,19 @@ class AbstractDesign(abc.ABC):
         del values
 
     def surrogate(self, names: Sequence[str]) -> "Surrogate":
-        """A quick stand-in of :meth:`precompute`, for searches over costly numbers.
-
-        Parameters
-        ----------
-        names : sequence of str
-            Of the costly numbers.
-
-        Returns
-        -------
-        Surrogate
-
-        Raises
-        ------
-        ConfigurationError
-            If there is none for one of them.
-        """
+        """A quick stand-in of :meth:`precompute` over costly numbers; raises if there is none."""
         raise ConfigurationError(f"{', '.join(names)}: there is no quick way to compute the rest")
 
     def stacks(self, asked: Any, folder: Path | None = None) -> "AbstractStacks":
-        """The stacks of layers that a film of the design may be.
+        """The stacks of layers that a film of the design may be; raises where there are none.
 
-        Parameters
-        ----------
-        asked : object
-            With the attributes ``film``, ``materials`` and ``most_layers``.
-        folder : Path, optional
-            Of the study file, for files that it names.
-
-        Returns
-        -------
-        AbstractStacks
-
-        Raises
-        ------
-        ConfigurationError
-            If the design has no film of layers, or a material cannot be used.
+        ``asked`` has ``film``, ``materials`` and ``most_layers``; ``folder`` is the study file's.
         """
         del asked, folder
         raise ConfigurationError("needs a flyer file whose film has layers")
 
     def data_bounds(self) -> dict[str, tuple[Any, Any]]:
-        """What missing data leave open between bounds.
-
-        Returns
-        -------
-        dict of str to (object, object)
-            By a name: :meth:`precompute` at the lower and at the upper bound.
-        """
+        """What missing data leave open, by a name: :meth:`precompute` at both bounds."""
         return {}
 
     @property
@@ -204,17 +160,7 @@ class AbstractDesign(abc.ABC):
         return ()
 
     def warnings_for(self, values: Mapping[str, float]) -> tuple[str, ...]:
-        """The same for a design with other numbers.
-
-        Parameters
-        ----------
-        values : dict of str to float
-            By name.
-
-        Returns
-        -------
-        tuple of str
-        """
+        """The same for a design with other numbers, by their names."""
         del values
         return self.warnings
 
@@ -259,21 +205,7 @@ class AbstractDesign(abc.ABC):
         return {name: Field(name, quantity) for name, quantity in quantities.items()}
 
     def field(self, name: str) -> Field:
-        """A number by its name.
-
-        Parameters
-        ----------
-        name : str
-
-        Returns
-        -------
-        Field
-
-        Raises
-        ------
-        ConfigurationError
-            If there is no such number, with the nearest name; or if it cannot be varied, with why.
-        """
+        """A number by its name; raises where there is none, or where it cannot be varied."""
         known = self.fields
         if name in known:
             return known[name]
@@ -344,25 +276,20 @@ class ObjectDesign(AbstractDesign):
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """See :attr:`AbstractDesign.quantities`."""
         return {name: quantity for name, (quantity, _) in self._numbers.items()}
 
     def number(self, name: str) -> float | None:
-        """See :meth:`AbstractDesign.number`."""
         return self._numbers[name][1] if name in self._numbers else None
 
     @property
     def uncertainties(self) -> dict[str, float]:
-        """See :attr:`AbstractDesign.uncertainties`."""
         return dict(self._uncertainties)
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
-        """See :attr:`AbstractDesign.correlations`."""
         return dict(self._correlations)
 
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:  # noqa: ARG002
-        """See :meth:`AbstractDesign.build`."""
         moved = {name: value for name, value in (values or {}).items() if name in self._numbers}
         if not moved:
             return self._base
@@ -371,7 +298,6 @@ class ObjectDesign(AbstractDesign):
         )
 
     def description(self) -> dict[str, str]:
-        """See :meth:`AbstractDesign.description`."""
         base = self._base
         parts = _parts(base)
         kinds = {

@@ -96,13 +96,7 @@ class Output:
 
 
 def json_name(name: str, unit: str) -> str:
-    """Name of a number in JSON, with its unit at the end; ``unit``: as Pint reads it.
-
-    Examples
-    --------
-    >>> json_name("levitation_irradiance", "W/m^2")
-    'levitation_irradiance_w_m2'
-    """
+    """Name of a number in JSON, with its unit at the end; ``unit``: as Pint reads it."""
     status = re.sub(r"[^a-z0-9]+", "_", unit.lower().replace("^", "")).strip("_")
     return f"{name}_{status}" if status else name
 

@@ -50,20 +50,11 @@ diatomic gas, with the jump at the wall, beside free molecules."""
 
 
 class Outline(NamedTuple):
-    r"""Outline of a closed convex body as it moves.
+    r"""Outline of a closed convex body as it moves."""
 
-    Attributes
-    ----------
-    silhouette : array, shape (...)
-        Area seen along the motion [m²].
-    surface : array, shape (...)
-        [m²].
-    facing : array, shape (...)
-        :math:`\oint\nu^2\,dA` over the surface with the cosine of normal and motion [m²].
-    """
-
-    silhouette: Numeric
-    surface: Numeric
+    silhouette: Numeric  #: shape (...); area seen along the motion [m²]
+    surface: Numeric  #: shape (...) [m²]
+    #: shape (...); :math:`\oint\nu^2\,dA` with the cosine of normal and motion [m²]
     facing: Numeric
 
     @property
@@ -91,15 +82,7 @@ def convex_drag(
     tac: Numeric = 1.0,
     excess: Numeric = 0.0,
 ) -> Array:
-    """Drag of a closed convex body [N]; force against the motion, of the sign of the speed.
-
-    Examples
-    --------
-    >>> from lightflyer.gas import AIR
-    >>> ball = sphere_outline(1e-6)
-    >>> print(f"{convex_drag(1e-3, ball, 101325.0, 293.15, AIR) * 1e15:.1f} fN")
-    319.1 fN
-    """
+    """Drag of a closed convex body [N]; force against the motion, of the sign of the speed."""
     # Differentiable, and odd in the speed. A sphere is within 3 % of measurements in slow flow, and
     # within 6 % at Reynolds numbers to 3e5. Other bodies are estimates: within about 10 % in slow
     # flow of dense gas, while at Reynolds numbers above 100 blunt ones have up to three times the

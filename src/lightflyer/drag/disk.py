@@ -129,14 +129,7 @@ def edgewise_disk_drag(
     excess: tuple[Numeric, Numeric] = (0.0, 0.0),
     transmission: Numeric = 0.0,
 ) -> Array:
-    r"""Drag of a thin disk that moves in its own plane [N].
-
-    Examples
-    --------
-    >>> from lightflyer.gas import AIR
-    >>> print(f"{edgewise_disk_drag(1.0, 0.01, 5.2, 220.0, AIR) * 1e6:.3f} µN")
-    1.279 µN
-    """
+    """Drag of a thin disk that moves in its own plane [N]."""
     # Exact for free molecules, with their first collisions, and in slow flow of dense gas. Between,
     # :math:`b = 1 - 2.5/(\delta + 19.6)` is an estimate, within about 5 %.
     speed_ratio = speed / molecular_speed(temperature, gas)

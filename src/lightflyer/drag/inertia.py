@@ -50,16 +50,7 @@ SPHERE_REYNOLDS = Validity(
 
 @entry_point
 def disk_inertia(reynolds: Numeric) -> Array:
-    r"""Drag of a thin disk, broadside, over that of slow flow [1].
-
-    Examples
-    --------
-    >>> for reynolds in (0.0, 1.0, 100.0):
-    ...     print(f"{disk_inertia(reynolds):.4f}")
-    1.0000
-    1.1309
-    6.2627
-    """
+    """Drag of a thin disk, broadside, over that of slow flow [1]."""
     # Oseen's :math:`1 + \mathrm{Re}/2\pi` up to Re = 0.01, then
     #
     # .. math::
@@ -89,16 +80,7 @@ def disk_inertia(reynolds: Numeric) -> Array:
 
 @entry_point
 def edgewise_inertia(reynolds: Numeric) -> Array:
-    r"""Drag of a thin disk that moves in its own plane over that of slow flow [1].
-
-    Examples
-    --------
-    >>> for reynolds in (0.0, 1.0, 100.0):
-    ...     print(f"{edgewise_inertia(reynolds):.4f}")
-    1.0000
-    1.0713
-    2.8059
-    """
+    """Drag of a thin disk that moves in its own plane over that of slow flow [1]."""
     # .. math:: 1 + \frac{a\,\mathrm{Re}}{1 + (a/c)\sqrt{\mathrm{Re}}}
     #
     # Oseen's :math:`a = 1/3\pi` at small Re, and the laminar boundary layers of both faces, strip
@@ -113,16 +95,7 @@ def edgewise_inertia(reynolds: Numeric) -> Array:
 
 @entry_point
 def sphere_inertia(reynolds: Numeric) -> Array:
-    r"""Drag of a sphere over that of slow flow [1]; within 6 % of measurements up to Re = 3e5.
-
-    Examples
-    --------
-    >>> for reynolds in (0.0, 1.0, 1e5):
-    ...     print(f"{24 * sphere_inertia(reynolds) / max(reynolds, 1.0):.3f}")
-    24.000
-    27.600
-    0.492
-    """
+    """Drag of a sphere over that of slow flow [1]; within 6 % of measurements up to Re = 3e5."""
     # .. math::
     #     1 + 0.15\,\mathrm{Re}^{0.687}
     #     + \frac{0.0175\,\mathrm{Re}}{1 + 42500\,\mathrm{Re}^{-1.16}}

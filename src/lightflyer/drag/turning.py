@@ -39,14 +39,7 @@ def turning_disk_torque(
     excess: tuple[Numeric, Numeric] = (0.0, 0.0),
     transmission: Numeric = 0.0,
 ) -> Array:
-    r"""Torque on a thin disk that turns slowly about a diameter [N m]; ``rate`` [rad/s].
-
-    Examples
-    --------
-    >>> from lightflyer.gas import AIR
-    >>> print(f"{turning_disk_torque(1.0, 0.01, 5.2, 220.0, AIR) * 1e12:.1f} pN m")
-    115.5 pN m
-    """
+    """Torque on a thin disk that turns slowly about a diameter [N m]; ``rate`` [rad/s]."""
     # For :math:`\omega r` well below the speed of sound, and Reynolds numbers below 1. Both limits
     # are exact. The warmth of the disk counts in thin gas only. Differentiable.
     speed = molecular_speed(temperature, gas)

@@ -79,9 +79,7 @@ class EnvironmentState(eqx.Module):
     #: Distance down to a solid floor and up to a solid lid [m]; None where there is none near. With
     #: either, the walls around are solid too
     floor_distance: Numeric = None
-    #: Distance down to a solid floor and up to a solid lid [m]; None where there is none near. With
-    #: either, the walls around are solid too
-    lid_distance: Numeric = None
+    lid_distance: Numeric = None  #: Of the lid, as ``floor_distance``
     #: Floor's temperature over that of lid and side wall, less one [1]; None where all are alike.
     #: The gas temperature is then that which the gas has at the flyer's place
     floor_excess: Numeric = None
@@ -168,38 +166,16 @@ class AbstractEnvironment(Checked):
         """Name, unit and range of the coordinate."""
 
     def assumptions(self) -> tuple[str, ...]:
-        """What is assumed about light and heat radiation, in short texts with units.
-
-        Returns
-        -------
-        tuple of str
-            By default those of :meth:`Radiation.describe`.
-        """
+        """What is assumed about light and heat radiation, in short texts with units."""
         return self.radiation.describe()
 
     def assumptions_of_air(self) -> tuple[str, ...]:
-        """What is assumed about the air besides, in short texts; part of :meth:`assumptions`.
-
-        Returns
-        -------
-        tuple of str
-            None by default.
-        """
+        """What is assumed about the air besides, in short texts; part of :meth:`assumptions`."""
         return ()
 
     @abc.abstractmethod
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
-        """Surroundings at a coordinate.
+        """Surroundings at a coordinate, shape (...), in the unit of :attr:`coordinate`.
 
-        Parameters
-        ----------
-        coordinate : array, shape (...)
-            In the unit of :attr:`coordinate`.
-        place : Place, optional
-            Latitude, longitude and time, for an environment that depends on them; by default its
-            own.
-
-        Returns
-        -------
-        EnvironmentState
+        ``place`` matters where the environment depends on it; by default the environment's own.
         """

@@ -131,7 +131,6 @@ class Chamber(AbstractEnvironment):
         )
 
     def assumptions(self) -> tuple[str, ...]:
-        """See :meth:`AbstractEnvironment.assumptions`."""
         told = self._seen_radiation.describe()
         if self.floor_temperature is not None:
             told += (
@@ -189,7 +188,6 @@ class ChamberSection(EnvironmentSection, of=Chamber):
         return self
 
     def build(self) -> Chamber:
-        """The chamber."""
         gravity = constants.STANDARD_GRAVITY if self.gravity is None else self.gravity.value
         chamber: Chamber = self.make(
             gas=GASES[self.gas or AIR.name],

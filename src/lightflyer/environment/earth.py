@@ -136,7 +136,6 @@ class EarthSection(SkySection):
         return None
 
     def build_wind(self, atmosphere: AbstractAtmosphere) -> AbstractWind | None:
-        """See :meth:`PlanetSection.build_wind`."""
         return None if self.wind is None else self.wind.build(atmosphere, self.indices)
 
 
@@ -146,7 +145,6 @@ class Us1976Section(EarthSection):
     atmosphere: Literal["us1976"] = "us1976"
 
     def build_atmosphere(self) -> AbstractAtmosphere:
-        """US Standard Atmosphere 1976."""
         return US1976()
 
 
@@ -164,7 +162,6 @@ class Lu2023Section(EarthSection):
     surroundings: Literal["earth", "gas"] = "gas"
 
     def build_atmosphere(self) -> AbstractAtmosphere:
-        """The paper's polynomial."""
         return Lu2023Atmosphere()
 
 
@@ -183,12 +180,10 @@ class GlobalNrlmsisSection(EarthSection):
 
     @property
     def indices(self) -> Indices:
-        """See :attr:`EarthSection.indices`."""
         mean = None if self.f107a is None else self.f107a.value
         return Indices.of(self.f107.value, mean, self.ap.value)
 
     def build_atmosphere(self) -> AbstractAtmosphere:
-        """NRLMSIS with the given activity."""
         return GlobalNRLMSIS(**self.indices._asdict())
 
 
@@ -208,6 +203,5 @@ class NrlmsisSection(GlobalNrlmsisSection):
     longitude: Longitude
 
     def build_atmosphere(self) -> AbstractAtmosphere:
-        """NRLMSIS at the given place, time and activity."""
         place = self.latitude.value, self.longitude.value
         return NRLMSIS(self.date, *place, **self.indices._asdict())

@@ -57,13 +57,7 @@ def _half_chord(position: Array) -> Array:
 
 @entry_point
 def visible_share(elevation: Numeric, angular_radius: Numeric) -> Array:
-    r"""Share of the sun's disk above a straight horizon [1]; zero to one.
-
-    Examples
-    --------
-    >>> visible_share(np.radians([-0.3, 0.0, 0.3]), np.radians(0.267)).tolist()
-    [0.0, 0.5, 1.0]
-    """
+    """Share of the sun's disk above a straight horizon [1]; zero to one."""
     # .. math:: \frac{\varphi - \sin\varphi\cos\varphi}{\pi},
     #     \qquad \cos\varphi = -\frac{\text{elevation}}{\text{angular radius}}
     #
@@ -118,13 +112,7 @@ def _refractivity(limb: Limb, height: Numeric) -> Array:
 
 @entry_point
 def horizon_depression(limb: Limb, altitude: Numeric, radius: Numeric) -> Array:
-    r"""Angle below the horizontal at which a planet's limb hides the centre of the sun [rad].
-
-    Examples
-    --------
-    >>> print(f"{np.degrees(horizon_depression(Limb(), 75e3, 6.371e6)):.2f}°")
-    7.57°
-    """
+    """Angle below the horizontal at which a planet's limb hides the centre of the sun [rad]."""
     # The dip of the limb, :math:`\arccos\frac{(1+N)(R+h_l)}{R+h}`, and the bending of the rays
     # along it, :math:`\frac\alpha2\left(1+\operatorname{erf}\sqrt{\frac{h-h_l}{H}}\right)`.
     #

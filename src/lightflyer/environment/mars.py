@@ -53,13 +53,7 @@ def air_of_mars(gas: AbstractGas = CARBON_DIOXIDE) -> AbstractGas:
 
 @entry_point
 def season_irradiance(solar_longitude: Numeric) -> Array:
-    """Sunlight above the air of Mars by season [W/m²]; on a surface that faces the sun.
-
-    Examples
-    --------
-    >>> print(f"{season_irradiance(251.0 * 3.14159 / 180.0):.0f} W/m² at perihelion")
-    713 W/m² at perihelion
-    """
+    """Sunlight above the air of Mars by season [W/m²]; on a surface that faces the sun."""
     return constants.TOTAL_SOLAR_IRRADIANCE / distance_in_season(solar_longitude) ** 2
 
 

@@ -112,7 +112,6 @@ class MarsSection(PlanetSection):
 
     @property
     def incidence_keys(self) -> tuple[str, ...]:
-        """See :attr:`EnvironmentSection.incidence_keys`."""
         if self.sun is not None:
             return ("latitude", "longitude")
         season = ("solar_longitude", "latitude", "local_time")
@@ -137,24 +136,20 @@ class MarsSection(PlanetSection):
         return zenith_angle_in_season(season, latitude, self.local_time.value)
 
     def build_place(self) -> Place | None:
-        """Where and when the light is; None for light as given."""
         if self.sun is None or self.latitude is None or self.longitude is None:
             return None
         return Place.at(self.date, self.latitude.value, self.longitude.value)
 
     def build_atmosphere(self) -> MarsAtmosphere:
-        """See :meth:`PlanetSection.build_atmosphere`."""
         return MarsAtmosphere(
             surface_pressure=self.surface_pressure.value,
             temperature_offset=self.temperature_offset.value,
         )
 
     def build_gas(self) -> AbstractGas:
-        """See :meth:`PlanetSection.build_gas`."""
         return air_of_mars(CARBON_DIOXIDES[self.gas or CARBON_DIOXIDE.name])
 
     def build_dust(self) -> Dust:
-        """See :meth:`PlanetSection.build_dust`."""
         return Dust(self.dust_optical_depth.value)
 
     def build_radiation(self) -> Radiation:
@@ -168,7 +163,6 @@ class MarsSection(PlanetSection):
         )
 
     def build_sky(self) -> AbstractSky | None:
-        """See :meth:`PlanetSection.build_sky`."""
         if self.sun is None:
             return None
         radiation = self.build_radiation()

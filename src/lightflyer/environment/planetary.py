@@ -92,7 +92,6 @@ class Planetary(AbstractEnvironment):
         )
 
     def assumptions(self) -> tuple[str, ...]:
-        """See :meth:`AbstractEnvironment.assumptions`."""
         return self.assumptions_of_light() + self.assumptions_of_air()
 
     def assumptions_of_light(self) -> tuple[str, ...]:
@@ -204,7 +203,6 @@ class PlanetSection(AltitudeSection, abc.ABC):
 
     @property
     def default_infrared(self) -> tuple[float | None, float | None]:
-        """Heat radiation from above and below where the file gives none [W/m²]."""
         infrared = None if self.surroundings == "gas" else self.planet.infrared
         return (None if infrared is None else SKY_INFRARED, infrared)
 
@@ -233,7 +231,6 @@ class PlanetSection(AltitudeSection, abc.ABC):
         return None
 
     def build(self) -> Planetary:
-        """The planet with this atmosphere and light."""
         atmosphere = self.build_atmosphere()
         return self.environment(
             planet=self.planet,

@@ -89,7 +89,6 @@ class SkySection(PlanetSection, abc.ABC):
 
     @property
     def incidence_keys(self) -> tuple[str, ...]:
-        """See :attr:`AltitudeSection.incidence_keys`."""
         return super().incidence_keys if self.sun is None else ("latitude", "longitude")
 
     @property
@@ -102,7 +101,6 @@ class SkySection(PlanetSection, abc.ABC):
         return abs(zenith_angle - np.pi * (zenith_angle > 0.5 * np.pi))
 
     def build_place(self) -> Place | None:
-        """Where and when the light is; None for light as given."""
         if self.sun is None or self.latitude is None or self.longitude is None:
             return None
         return Place.at(self.date, self.latitude.value, self.longitude.value)

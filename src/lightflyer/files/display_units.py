@@ -32,15 +32,7 @@ _SHORT = {"tac": "TAC"}
 
 
 def in_words(name: str) -> str:
-    """Name of a number of a design, as figures say it; ``name``: dotted.
-
-    Examples
-    --------
-    >>> in_words("flyer.film.tac_top")
-    'film TAC, top'
-    >>> in_words("flyer.diameter")
-    'flyer diameter'
-    """
+    """Name of a number of a design, as figures say it; ``name``: dotted."""
     *where, last = name.split(".")
     if len(where) > 1 and where[0] == "flyer":
         where = where[1:]  # its film needs no owner
@@ -70,13 +62,7 @@ def scale_and_label(array: "xr.DataArray") -> tuple[float, str]:
 
 
 def suitable(unit: str, values: Any) -> tuple[float, str]:
-    """Factor and unit that suit some values; returns ``factor``, ``unit``.
-
-    Examples
-    --------
-    >>> suitable("kg", 1.5e-7)
-    (1000000.0, 'mg')
-    """
+    """Factor and unit that suit some values; returns ``factor``, ``unit``."""
     spelled = dataset_unit(unit)
     if spelled in _SCALES:
         return _suitable(spelled, np.asarray(values, float))
@@ -84,13 +70,7 @@ def suitable(unit: str, values: Any) -> tuple[float, str]:
 
 
 def amount(value: float, unit: str, digits: int = 6) -> str:
-    """A number with the unit that suits it; ``unit``: SI unit; ``digits``: significant digits.
-
-    Examples
-    --------
-    >>> amount(72116.2, "m", digits=5)
-    '72.116 km'
-    """
+    """A number with the unit that suits it; ``unit``: SI unit; ``digits``: significant digits."""
     factor, shown = suitable(unit, value)
     return f"{value * factor:.{digits}g} {shown}".rstrip()
 

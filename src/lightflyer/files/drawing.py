@@ -161,14 +161,7 @@ def outlined(width: float = 3.0, colour: str = "black") -> list[AbstractPathEffe
 
 
 def wrapped(label: str, width: int = 28) -> str:
-    """A long label of an axis in several lines; ``width`` [characters]; ``width``: of a line.
-
-    Examples
-    --------
-    >>> print(wrapped("smallest irradiance that levitates the flyer [W/m²]"))
-    smallest irradiance that
-    levitates the flyer [W/m²]
-    """
+    """A long label of an axis in several lines; ``width`` [characters]; ``width``: of a line."""
     return "\n".join(textwrap.wrap(label, width))
 
 

@@ -31,13 +31,7 @@ def read_bytes(path: Path) -> bytes:
 
 
 def plain_text(content: bytes, name: str) -> str:
-    """Text of the content of a file; ``name``: name of the file, for messages.
-
-    Examples
-    --------
-    >>> plain_text("µm".encode("utf-16"), "a.txt"), plain_text("µm".encode("cp1252"), "a.txt")
-    ('µm', 'µm')
-    """
+    """Text of the content of a file; ``name``: name of the file, for messages."""
     text = _decode(content, name).removeprefix(_BYTE_ORDER_MARK).removesuffix(_DOS_END)
     control = _CONTROL.search(text)
     if control:
@@ -48,13 +42,7 @@ def plain_text(content: bytes, name: str) -> str:
 
 
 def split_lines(text: str) -> list[str]:
-    r"""Lines of a text as an editor counts them, whatever ends them.
-
-    Examples
-    --------
-    >>> split_lines("a\r\nb\rc\n")
-    ['a', 'b', 'c']
-    """
+    """Lines of a text as an editor counts them, whatever ends them."""
     lines = _LINE_END.split(text)
     return lines[:-1] if not lines[-1] else lines
 

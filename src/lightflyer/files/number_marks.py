@@ -56,13 +56,7 @@ class Marks(NamedTuple):
     notes: tuple[str, ...] = ()  # What a reader of the values must know, one line each
 
     def number(self, cell: str) -> float | None:
-        """Value of a cell, None if it is no number with these marks.
-
-        Examples
-        --------
-        >>> Marks(decimal=",", thousands=".").number("1.469,5")
-        1469.5
-        """
+        """Value of a cell, None if it is no number with these marks."""
         written = split_number(cell)
         if written is None:
             return None
@@ -76,13 +70,7 @@ class Marks(NamedTuple):
 
 
 def split_number(cell: str) -> Number | None:
-    """Parts and marks of a number; none if it is no number, whatever its marks mean.
-
-    Examples
-    --------
-    >>> split_number("1.234,5").decimal, split_number("1,234").open
-    (',', ',')
-    """
+    """Parts and marks of a number; none if it is no number, whatever its marks mean."""
     match = _NUMBER.fullmatch(cell.replace("\N{MINUS SIGN}", "-"))
     if match is None:
         return None
@@ -129,13 +117,7 @@ def _ungroup(body: str, mark: str) -> str | None:
 
 
 def stated_mark(lines: Iterable[str]) -> str | None:
-    """Decimal mark that a file states, as in ``# decimal: comma``.
-
-    Examples
-    --------
-    >>> stated_mark(["# run 3", "# decimal: comma"])
-    ','
-    """
+    """Decimal mark that a file states, as in ``# decimal: comma``."""
     for line in lines:
         match = _SHOWN.match(line)
         if match and match[1].lower() in _WORDS:
@@ -223,14 +205,7 @@ def find_marks(
     in_sheet: bool = False,
     say: bool = True,
 ) -> Marks:
-    """Marks of a file, from all of its numbers; ``source``: name of the file, for messages.
-
-    Examples
-    --------
-    >>> cells = {"p": [(2, "0.5")], "i": [(2, "1,469.2")]}
-    >>> find_marks("a.txt", cells, lambda name, value: True)[:2]
-    ('.', ',')
-    """
+    """Marks of a file, from all of its numbers; ``source``: name of the file, for messages."""
     # A mark whose use no number shows is settled by the first of these that applies:
     #
     # - Most of its numbers are possible values of their columns in one reading only.

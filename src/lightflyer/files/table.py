@@ -27,8 +27,6 @@ from lightflyer.files.table_layout import (
 )
 from lightflyer.files.table_rows import Rejected, Row, is_possible, marks_of, read_rows
 
-__all__ = ["Rejected", "Table", "read_table", "shipped_table", "table_of"]
-
 # of spreadsheets; such a row is no comment
 _ERROR_CELL = re.compile(r"^\s*#(?:[A-Z\u00c0-\u00dc]+[!?]|DIV/0!|N/A|NV\b)")
 
@@ -76,7 +74,6 @@ def read_table(
     columns: Sequence[Column],
     *,
     layout: str | None = None,
-    unique: bool = False,
     strict: bool = False,
     closed: bool = False,
     preamble: bool | None = None,
@@ -91,7 +88,7 @@ def read_table(
         )  # fmt: skip
 
     file, found, notes = _choose(Path(path), read_lines(Path(path)), layout_of)
-    table = _read(file, found, unique=unique, strict=strict)
+    table = _read(file, found, strict=strict)
     return replace(table, notes=[*notes, *table.notes])
 
 
@@ -101,7 +98,7 @@ def table_of(file: Lines, columns: Sequence[Column]) -> Table:
     return _read(file, found, strict=True)
 
 
-def _read(file: Lines, found: Layout, *, strict: bool, unique: bool = False) -> Table:
+def _read(file: Lines, found: Layout, *, strict: bool) -> Table:
     empty = f"{found.delimiter} \t" if found.delimiter else None  # rows of spreadsheets
     rows = [
         (number, line)
@@ -111,7 +108,7 @@ def _read(file: Lines, found: Layout, *, strict: bool, unique: bool = False) -> 
     if not rows:
         raise ConfigurationError(f"{file.name}: has a header but no rows")
     timed = any(name.partition("[")[0].strip(' "').casefold() == "time" for name in found.names)
-    repeated = _repeat(file.name, rows) if unique or timed else {}
+    repeated = _repeat(file.name, rows) if timed else {}
     notes = _require_whole(file, rows, found)
     table = _with_si(file, [row for row in rows if row[0] not in repeated], found, say=not strict)
     rejected = sorted([*table.rejected, *repeated.values()], key=lambda row: row.line)
@@ -124,13 +121,7 @@ def _read(file: Lines, found: Layout, *, strict: bool, unique: bool = False) -> 
 
 
 def shipped_table(name: str) -> Table:
-    """Read a CSV file of the package's own data.
-
-    Examples
-    --------
-    >>> shipped_table("us1976_upper.csv").numbers["altitude_km"][:2]
-    array([86., 87.])
-    """
+    """Read a CSV file of the package's own data."""
     text = (resources.files("lightflyer") / "data" / name).read_text(encoding="utf-8")
     rows = [
         (number, split_cells(line, ","))

@@ -49,22 +49,14 @@ _PASSING = {
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class ComputedFilm:
-    """A film's properties and where each comes from.
-
-    Attributes
-    ----------
-    film : Film
-    properties : FilmProperties
-    measured : dict of str to Measured
-        The properties that were measured, by name; all others are computed.
-    averages : dict of str to Average
-        The averages behind the computed absorptances and transmittances, and for heat radiation
-        at the temperatures of :func:`~lightflyer.film.optics.curve.node_temperatures`, by name.
-    """
+    """A film's properties and where each comes from."""
 
     film: Film
     properties: FilmProperties
+    #: Properties that were measured, by name; all others are computed
     measured: dict[str, Measured]
+    #: Averages behind the computed absorptances and transmittances, and for heat radiation at the
+    #: temperatures of :func:`~lightflyer.film.optics.curve.node_temperatures`, by name
     averages: dict[str, Average]
 
     @property

@@ -219,7 +219,6 @@ class LayeredFilmSection(FilmSection):
 
     @property
     def implied_materials(self) -> dict[str, str]:
-        """See :attr:`FilmSection.implied_materials`."""
         surfaces = self._surfaces()
         return {name: surfaces[name].label for name in self.implied}
 
@@ -264,11 +263,9 @@ class LayeredFilmSection(FilmSection):
     def bounds(
         self, incidence: float = 0.0, *, passing: bool = True
     ) -> dict[str, tuple[FilmProperties, FilmProperties]]:
-        """See :meth:`FilmSection.bounds`."""
         return self.computed(incidence, passing=passing).bounds
 
     def warnings(self, incidence: float = 0.0, *, passing: bool = True) -> tuple[str, ...]:
-        """See :meth:`FilmSection.warnings`."""
         return self.computed(incidence, passing=passing).warnings
 
     def lacking(self) -> str | None:
@@ -283,13 +280,11 @@ class LayeredFilmSection(FilmSection):
         return None
 
     def with_optics(self, properties: FilmProperties | WholeFilm) -> "LayeredFilmSection":
-        """See :meth:`FilmSection.with_optics`."""
         film = self.model_copy()
         film._optics = properties
         return film
 
     def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:
-        """See :meth:`FilmSection.build`."""
         if self._optics is None:
             return self.computed(incidence, passing=passing).properties
         if isinstance(self._optics, WholeFilm):
@@ -298,14 +293,12 @@ class LayeredFilmSection(FilmSection):
         return FilmProperties(**with_measured(self._optics, given) | {_LIMIT: self.limit()})
 
     def changes_optics(self, name: str, *, passing: bool = True) -> bool:
-        """See :meth:`FilmSection.changes_optics`."""
         through = passing and self.transmittance is None
         computed = self.absorptance is None or through
         own = name.startswith("layers.") or name == "roughness_bottom"
         return own or (name == "incidence" and computed)
 
     def report(self, incidence: float = 0.0, *, passing: bool = True) -> dict[str, Any]:
-        """See :meth:`FilmSection.report`."""
         return self.computed(incidence, passing=passing).report()
 
 

@@ -8,8 +8,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length, OpenFraction, Thickness
 from lightflyer.film.layer_section import LayerSection
 from lightflyer.film.layered_section import LayeredFilmSection
-from lightflyer.film.media.materials import Extrapolation
-from lightflyer.film.media.medium import Medium
+from lightflyer.film.media.medium import Extrapolation, Medium
 from lightflyer.film.optics.stack import Film
 
 

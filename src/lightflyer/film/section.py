@@ -63,7 +63,6 @@ class FilmSection(Alternative, abc.ABC):
 
     @classmethod
     def tag(cls) -> str:
-        """Kind of the film."""
         return cls.kind
 
     @classmethod

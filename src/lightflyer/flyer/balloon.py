@@ -109,7 +109,6 @@ class Balloon(AbstractClosedFlyer):
 
     @property
     def area(self) -> Numeric:
-        """Area seen from above [m²]."""
         return jnp.pi * self.radius**2
 
     @property
@@ -139,7 +138,6 @@ class Balloon(AbstractClosedFlyer):
 
     @property
     def outer_film(self) -> tuple[FilmProperties, int]:
-        """See :attr:`AbstractClosedFlyer.outer_film`."""
         return self.film, 0
 
     def outline(self, direction: Direction) -> Outline:
@@ -157,7 +155,6 @@ class Balloon(AbstractClosedFlyer):
         return Filling(jnp.minimum(unbound, self.volume), self.gas_mass, full * state.pressure)
 
     def buoyancy(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Numeric:
-        r"""See :meth:`AbstractFlyer.buoyancy`."""
         # .. math:: g\,(\rho_c V - m)
         #
         # which for an open balloon of the surrounding gas is
@@ -172,12 +169,10 @@ class Balloon(AbstractClosedFlyer):
         return (density * within.volume - within.mass) * state.gravity
 
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """See :meth:`AbstractFlyer.beam_areas`."""
         into_opening = state.radiation.on_faces(self.attitude).beam_bottom
         return (self._absorbed_light(state.radiation.on_sphere().beam, into_opening),)
 
     def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """See :meth:`AbstractFlyer.heat_gains`."""
         radiation, temperature = state.radiation, state.temperature
         into_opening = radiation.on_faces(self.attitude).diffuse_bottom
         diffuse = self._absorbed_light(radiation.on_sphere().diffuse, into_opening)
@@ -188,7 +183,6 @@ class Balloon(AbstractClosedFlyer):
         return (diffuse + infrared,)
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
-        r"""See :meth:`AbstractFlyer.heat_losses`."""
         # What the envelope emits beyond that at the gas temperature, less what comes back to it
         # within.
         (excess,) = unknowns
@@ -203,7 +197,6 @@ class Balloon(AbstractClosedFlyer):
         return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, power / black)))
 
     def describe(self) -> str:
-        """See :meth:`AbstractFlyer.describe`."""
         kind = "open" if self.gas_mass is None else "closed"
         return f"{kind} balloon of {2.0 * float(np.asarray(self.radius)):g} m"
 

@@ -52,9 +52,9 @@ class AbstractFlyer(Checked):
         # a checker takes annotations for the first arguments of every subclass
 
         @property
-        def payload(self) -> Numeric: ...  # noqa: D102
+        def payload(self) -> Numeric: ...
         @property
-        def attitude(self) -> Attitude | None: ...  # noqa: D102
+        def attitude(self) -> Attitude | None: ...
 
     else:
         payload: eqx.AbstractVar[Mass]
@@ -72,49 +72,21 @@ class AbstractFlyer(Checked):
 
     @abc.abstractmethod
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """Light that each node absorbs, per irradiance of the beam.
-
-        Parameters
-        ----------
-        state : EnvironmentState
-
-        Returns
-        -------
-        tuple of array, shape (...)
-            One for each node [m²].
-        """
+        """Light that each node absorbs, per irradiance of the beam [m²], each shape (...)."""
 
     @abc.abstractmethod
     def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """Power that each node absorbs beside the beam.
+        """Power that each node absorbs beside the beam [W], each shape (...).
 
         Diffuse light, and heat radiation beyond that of black surroundings at the gas temperature.
-
-        Parameters
-        ----------
-        state : EnvironmentState
-
-        Returns
-        -------
-        tuple of array, shape (...)
-            One for each node [W].
         """
 
     @abc.abstractmethod
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
-        """Power that each node gives away by radiation and conduction, but not to the gas.
+        """Power that each node gives away, but not to the gas [W]; zero where all excesses are.
 
-        Parameters
-        ----------
-        state : EnvironmentState
-        unknowns : tuple of array, shape (...)
-            Relative temperature excess of each node [1], then the flows.
-
-        Returns
-        -------
-        tuple of array, shape (...)
-            One for each node [W], zero where all excesses are: radiation to black surroundings at
-            the gas temperature, radiation and conduction to the other nodes.
+        Radiation to black surroundings at the gas temperature, and radiation and conduction to the
+        other nodes.
         """
 
     @abc.abstractmethod
@@ -144,19 +116,9 @@ class AbstractFlyer(Checked):
         return 0.0
 
     def buoyancy(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Numeric:
-        """Weight of the gas that the flyer displaces, less that of the gas it holds.
+        """Weight of the gas that the flyer displaces, less that of the gas it holds [N]; upwards.
 
-        Parameters
-        ----------
-        state : EnvironmentState
-        unknowns : tuple of array, shape (...)
-            Relative temperature excess of each node [1], then the flows.
-
-        Returns
-        -------
-        array, broadcast shape
-            Upward positive [N]. By default that of :attr:`displaced_volume`, the same at every
-            temperature; a body that holds warm gas has its own.
+        By default that of :attr:`displaced_volume`, the same at every temperature.
         """
         del unknowns
         volume = self.displaced_volume
@@ -171,28 +133,9 @@ class AbstractFlyer(Checked):
         speed: Numeric,
         direction: Direction = "broadside",
     ) -> Array:
-        """Drag of the gas on the flyer that moves through it.
+        """Drag of the gas, on top of its force on the flyer at rest [N]; of the sign of the speed.
 
-        Parameters
-        ----------
-        state : EnvironmentState
-        unknowns : tuple of array, shape (...)
-            Relative temperature excess of each node [1], then the flows.
-        speed : array, shape (...)
-            Of the flyer relative to the gas, of either sign [m/s].
-        direction : {"broadside", "edgewise"}
-            Whether it moves along its axis or across it.
-
-        Returns
-        -------
-        array, broadcast shape
-            Force against the motion, of the sign of the speed [N]. It comes on top of the force of
-            the gas on the flyer at rest.
-
-        Raises
-        ------
-        ConfigurationError
-            If the class has no law of drag.
+        ``speed`` [m/s] is relative to the gas, along the axis (broadside) or across it (edgewise).
         """
         del state, unknowns, speed, direction
         raise ConfigurationError(
@@ -206,71 +149,29 @@ class AbstractFlyer(Checked):
         direction: Direction = "broadside",
         temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
-        """Warnings, in words, where :meth:`drag` is outside its range or an estimate.
+        """Warnings where :meth:`drag` is outside its range or an estimate; arguments are concrete.
 
-        Parameters
-        ----------
-        state : EnvironmentState
-            Concrete numbers, at one place or many.
-        speed : array, shape (...)
-            As for :meth:`drag`; concrete [m/s].
-        direction : {"broadside", "edgewise"}
-        temperature : array, shape (...), optional
-            Of the flyer's hottest node there, concrete [K]; by default that of the gas.
-
-        Returns
-        -------
-        tuple of str
+        ``temperature`` is that of the hottest node [K]; by default that of the gas.
         """
         del state, speed, direction, temperature
         return ()
 
     def diagnostics(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-        """Warnings, in words, where the flyer's own description does not hold, such as its optics.
+        """Warnings where the flyer's own description does not hold, such as its optics.
 
-        Parameters
-        ----------
-        state : EnvironmentState
-            Concrete numbers, at one place or many.
-        temperature : array, shape (...)
-            Of the flyer's hottest node there, concrete [K].
-
-        Returns
-        -------
-        tuple of str
+        ``temperature`` is that of the hottest node [K]; arguments are concrete.
         """
         del state, temperature
         return ()
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
-        r"""Bound of the size of the excesses when the flyer absorbs a power.
-
-        Parameters
-        ----------
-        state : EnvironmentState
-        power : array, shape (...)
-            Net power absorbed by all nodes together [W]; negative below gas temperature.
-
-        Returns
-        -------
-        array, shape (...)
-            Largest possible :math:`|\theta|` [1].
-        """
+        r"""Bound of :math:`|\theta|` [1] when all nodes together absorb a net power [W]."""
         return HIGHEST_TEMPERATURE / state.temperature + 0.0 * power
 
     def first_guess(self, state: EnvironmentState, excess: Array) -> tuple[Array, ...]:
-        """Unknowns from which the search for several begins.
+        """Unknowns from which the search for several begins: nodes, then flows.
 
-        Parameters
-        ----------
-        state : EnvironmentState
-        excess : array, shape (...)
-            Excess at which all nodes together are in balance if they had one temperature [1].
-
-        Returns
-        -------
-        tuple of array, shape (...)
-            One for each node, then one for each flow.
+        ``excess`` is that of all nodes together, if they had one temperature [1].
         """
         del state
         return (excess,) * len(self.nodes) + (0.0 * excess,) * len(self.flows)

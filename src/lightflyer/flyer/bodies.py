@@ -31,7 +31,7 @@ class AbstractThinFlyer(AbstractFlyer):
     if TYPE_CHECKING:
 
         @property
-        def radius(self) -> Numeric: ...  # noqa: D102
+        def radius(self) -> Numeric: ...
 
     @property
     @abc.abstractmethod
@@ -78,7 +78,6 @@ class AbstractThinFlyer(AbstractFlyer):
         direction: Direction = "broadside",
         temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_diagnostics`."""
         gas = (state.pressure, state.temperature, state.gas)
         hole_radius, open_fraction = self.widest_holes
         return (
@@ -87,7 +86,6 @@ class AbstractThinFlyer(AbstractFlyer):
         )
 
     def describe(self) -> str:
-        """See :meth:`AbstractFlyer.describe`."""
         diameter = 2.0 * float(np.asarray(self.radius)) * scale_and_offset("m", self.shown_unit)[0]
         return f"{type(self).__name__.lower()} of {diameter:g} {self.shown_unit}"
 
@@ -123,7 +121,6 @@ class AbstractClosedFlyer(AbstractFlyer):
         direction: Direction = "broadside",
         temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_diagnostics`."""
         tac = self.outer_film[0].tac_top
         gas = (state.pressure, state.temperature, state.gas)
         return tuple(convex_diagnostics(speed, self.outline(direction), *gas, tac, temperature))

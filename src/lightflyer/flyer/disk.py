@@ -52,22 +52,18 @@ class Disk(AbstractThinFlyer):
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
-        """See :attr:`AbstractThinFlyer.faces`."""
         return self.film, self.film
 
     @property
     def own_mass(self) -> Numeric:
-        """Mass of the film [kg]."""
         return self.area * self.film.areal_density
 
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """See :meth:`AbstractFlyer.beam_areas`."""
         light, film = state.radiation.on_faces(self.attitude), self.film
         absorbed = film.absorptance * light.beam_top + film.absorptance_below * light.beam_bottom
         return (self.area * absorbed,)
 
     def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """See :meth:`AbstractFlyer.heat_gains`."""
         light, film = state.radiation.on_faces(self.attitude), self.film
         diffuse = (
             film.absorptance * light.diffuse_top + film.absorptance_below * light.diffuse_bottom
@@ -77,7 +73,6 @@ class Disk(AbstractThinFlyer):
         return (self.area * (diffuse + top * above + bottom * below),)
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
-        r"""See :meth:`AbstractFlyer.heat_losses`."""
         # .. math::
         #     A\sigma(\varepsilon_t+\varepsilon_b)\,T_c^4\,\theta(4+6\theta+4\theta^2+\theta^3)
         #

@@ -165,7 +165,6 @@ class HollowBody(AbstractClosedFlyer):
 
     @property
     def area(self) -> Numeric:
-        """Area seen from above when level [m²]."""
         return self.geometry.silhouette(self.size, self.outlet_radius, 1.0)
 
     @property
@@ -213,7 +212,6 @@ class HollowBody(AbstractClosedFlyer):
         return density * state.gravity * self.volume * inner / (1.0 + inner)
 
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """See :meth:`AbstractFlyer.beam_areas`."""
         radiation = state.radiation
         # without the reflection from the ground, which comes from all its directions
         direct = radiation.beam_alone().on_faces(self.attitude)
@@ -230,7 +228,6 @@ class HollowBody(AbstractClosedFlyer):
         )
 
     def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """See :meth:`AbstractFlyer.heat_gains`."""
         radiation = state.radiation
         _, light = radiation.diffuse_light()
         infrared = radiation.infrared_exitances(state.temperature)
@@ -245,7 +242,6 @@ class HollowBody(AbstractClosedFlyer):
         return tuple(visible + heat for visible, heat in zip(*gains, strict=True))
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
-        r"""See :meth:`AbstractFlyer.heat_losses`."""
         # Emission beyond that at the gas temperature, less what comes back within wall and body,
         # and conduction :math:`A_t f k (T_i - T_o)/L` through the channels' sheets.
         inner_excess, outer_excess = unknowns[:2]
@@ -275,7 +271,6 @@ class HollowBody(AbstractClosedFlyer):
         direction: Direction = "broadside",
         temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.drag_diagnostics`."""
         return (
             *super().drag_diagnostics(state, speed, direction, temperature),
             "drag is that of a closed body: what flows through its wall and outlet is left out",
@@ -284,16 +279,13 @@ class HollowBody(AbstractClosedFlyer):
 
     @property
     def outer_film(self) -> tuple[FilmProperties, int]:
-        """See :attr:`AbstractClosedFlyer.outer_film`."""
         return self.outer, 1
 
     def outline(self, direction: Direction) -> Outline:
-        """See :meth:`AbstractClosedFlyer.outline`."""
         with float64():
             return hollow_outline(self.form, self.size, self.outlet_radius, direction)
 
     def describe(self) -> str:
-        """See :meth:`AbstractFlyer.describe`."""
         return f"hollow {self.form} of {float(np.asarray(self.size)) / _CENTIMETRE:g} cm"
 
     def _views_of_ground(self, radiation: Radiation) -> tuple[Array, Numeric]:

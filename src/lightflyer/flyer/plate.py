@@ -111,12 +111,10 @@ class Plate(AbstractThinFlyer):
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
-        """See :attr:`AbstractThinFlyer.faces`."""
         return self.top, self.bottom
 
     @property
     def widest_holes(self) -> tuple[Numeric, Numeric]:
-        """See :attr:`AbstractThinFlyer.widest_holes`."""
         return 0.5 * self.channel_width, self.open_fraction
 
     @property
@@ -165,7 +163,6 @@ class Plate(AbstractThinFlyer):
         return self.sheets.own_mass
 
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """See :meth:`AbstractFlyer.beam_areas`."""
         # Light on the top face that enters a channel leaves it at the other end.
         light = state.radiation.on_faces(self.attitude)
         solid = self.solid_fraction * self.area
@@ -179,7 +176,6 @@ class Plate(AbstractThinFlyer):
         )
 
     def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """See :meth:`AbstractFlyer.heat_gains`."""
         return self.sheets.heat_gains(state)
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
@@ -198,7 +194,6 @@ class Plate(AbstractThinFlyer):
 
     @property
     def passing_share(self) -> Array:
-        """Share of the free molecules arriving at the plate that pass its channels [1]."""
         length = self.height / self.channel_width
         return self.open_fraction * slot_transmission(length).through
 

@@ -114,12 +114,10 @@ class Sandwich(AbstractThinFlyer):
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
-        """See :attr:`AbstractThinFlyer.faces`."""
         return self.top, self.bottom
 
     @property
     def widest_holes(self) -> tuple[Numeric, Numeric]:
-        """See :attr:`AbstractThinFlyer.widest_holes`."""
         return self.hole_radius, self.open_fraction
 
     @property
@@ -136,12 +134,10 @@ class Sandwich(AbstractThinFlyer):
         return self.area * films
 
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """See :meth:`AbstractFlyer.beam_areas`."""
         light = state.radiation.on_faces(self.attitude)
         return self._absorbed(self._sheets_in_light(), light.beam_top, light.beam_bottom)
 
     def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
-        """See :meth:`AbstractFlyer.heat_gains`."""
         light = state.radiation.on_faces(self.attitude)
         diffuse = self._absorbed(self._sheets_in_light(), light.diffuse_top, light.diffuse_bottom)
         infrared = self._absorbed(
@@ -151,7 +147,6 @@ class Sandwich(AbstractThinFlyer):
         return tuple(visible + heat for visible, heat in zip(diffuse, infrared, strict=True))
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
-        r"""See :meth:`AbstractFlyer.heat_losses`."""
         # Emission beyond that at the gas temperature, with what the other membrane sends back, and
         # conduction :math:`A f_l k_l (T_b - T_t)/h` through the supports. Radiation between the
         # membranes is absorbed with the emittance at the gas temperature.
@@ -184,7 +179,6 @@ class Sandwich(AbstractThinFlyer):
 
     @property
     def passing_share(self) -> Array:
-        r"""Share of the free molecules arriving at the sandwich that pass it [1]."""
         # .. math:: \beta\left[d + \frac{1-d}{2-\beta}\right]
         #
         # with the share :math:`d` of those leaving a hole that meet the one opposite. The others

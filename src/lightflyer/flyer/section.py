@@ -45,7 +45,6 @@ class FlyerSection(Alternative):
 
     @classmethod
     def keys_of(cls, described: type) -> dict[str, tuple[Any, Any]]:
-        """See :meth:`Section.keys_of`."""
         films = {
             name: (AnyFilmSection, ...) for name in cls.flyer_type.film_names() if name != _FILM
         }

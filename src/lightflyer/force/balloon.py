@@ -68,7 +68,6 @@ class BalloonConvection(AbstractForceModel):
     def heat_loss(
         self, flyer: Balloon, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
         (excess,) = unknowns
         error = self.convection_error
         conductance = sphere_conductance(
@@ -94,7 +93,6 @@ class BalloonConvection(AbstractForceModel):
     def own_results(
         self, flyer: Balloon, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> dict[str, Array]:
-        """See :meth:`AbstractForceModel.own_results`."""
         within = flyer.filling(state, unknowns[0])
         outside = state.gas.density(state.pressure, state.temperature)
         # what gas of other weight adds over the height that it fills, at most the balloon's
@@ -111,7 +109,6 @@ class BalloonConvection(AbstractForceModel):
     def diagnostics(
         self, flyer: Balloon, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
         excess = np.asarray(temperature) / state.temperature - 1.0
         rayleigh = rayleigh_number(
             excess,

@@ -64,141 +64,49 @@ class AbstractForceModel(Checked):
     def heat_loss(
         self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """Heat that the gas takes from each node.
-
-        Parameters
-        ----------
-        flyer : AbstractFlyer
-            One of :attr:`flyers`.
-        state : EnvironmentState
-        unknowns : tuple of array, shape (...)
-            Relative temperature excess of each node [1], then the flows.
-
-        Returns
-        -------
-        tuple of array, broadcast shape
-            One for each node [W].
-        """
+        """Heat that the gas takes from each node [W], each of broadcast shape."""
 
     @abc.abstractmethod
     def force(self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """Force of the gas on the flyer along its axis, towards the top face positive [N].
-
-        Parameters
-        ----------
-        flyer : AbstractFlyer
-            One of :attr:`flyers`.
-        state : EnvironmentState
-        unknowns : tuple of array, shape (...)
-            Relative temperature excess of each node [1], then the flows.
-
-        Returns
-        -------
-        array, broadcast shape
-        """
+        """Force of the gas on the flyer along its axis, towards the top face positive [N]."""
 
     def pushes_unheated(self, flyer: Any, state: EnvironmentState) -> bool:
-        """Whether a flyer that is as warm as the gas is pushed too.
-
-        Parameters
-        ----------
-        flyer : AbstractFlyer
-        state : EnvironmentState
-
-        Returns
-        -------
-        bool
-            No by default.
-        """
+        """Whether a flyer that is as warm as the gas is pushed too."""
         del flyer, state
         return False
 
     def flow_balance(
         self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """Equations of the flyer's flows, one each, scaled to order one and zero in balance.
-
-        Parameters
-        ----------
-        flyer, state, unknowns
-            As for :meth:`heat_loss`.
-
-        Returns
-        -------
-        tuple of array, broadcast shape
-            Empty for a flyer without flows.
-        """
+        """Equations of the flyer's flows, one each, scaled to order one and zero in balance."""
         del flyer, state, unknowns
         return ()
 
     def own_results(
         self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> dict[str, Any]:
-        """Values of :attr:`results`, in balance.
-
-        Parameters
-        ----------
-        flyer, state, unknowns
-            As for :meth:`heat_loss`.
-
-        Returns
-        -------
-        dict of str to array, broadcast shape
-            In SI units, one for each of :attr:`results` that is not a flow of the flyer.
-        """
+        """Values of :attr:`results` in balance, in SI units; not those of the flyer's flows."""
         del flyer, state, unknowns
         return {}
 
     def diagnostics(
         self, flyer: Any, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """Warnings, in words, where a flyer or its surroundings are outside the model's range.
+        """Warnings where a flyer or its surroundings are outside the model's range.
 
-        Parameters
-        ----------
-        flyer : AbstractFlyer
-            Concrete numbers.
-        state : EnvironmentState
-            Concrete numbers, at one place or many.
-        temperature : array, shape (...)
-            Of the flyer's hottest node there, concrete [K].
-
-        Returns
-        -------
-        tuple of str
-            Empty where the model holds.
+        ``temperature`` is that of the hottest node [K]; arguments are concrete.
         """
         del flyer, state, temperature
         return ()
 
     def assumptions(self, flyer: Any) -> tuple[str, ...]:
-        """What the model assumes about a flyer that a reader must know, in short texts.
-
-        Parameters
-        ----------
-        flyer : AbstractFlyer
-
-        Returns
-        -------
-        tuple of str
-            None by default.
-        """
+        """What the model assumes about a flyer that a reader must know, in short texts."""
         del flyer
         return ()
 
     @classmethod
     def require_flyer(cls, flyer: type[AbstractFlyer]) -> None:
-        """Raise unless the model is for a class of flyers.
-
-        Parameters
-        ----------
-        flyer : type
-
-        Raises
-        ------
-        ParameterError
-            Naming the model, the flyer and the flyers it is for.
-        """
+        """Raise :class:`ParameterError` unless the model is for a class of flyers."""
         if not issubclass(flyer, cls.flyers):
             known = ", ".join(kind.__name__ for kind in cls.flyers)
             raise ParameterError(
@@ -206,17 +114,7 @@ class AbstractForceModel(Checked):
             )
 
     def require_gas(self, gas: AbstractGas) -> None:
-        """Raise unless the model is for a gas.
-
-        Parameters
-        ----------
-        gas : AbstractGas
-
-        Raises
-        ------
-        ParameterError
-            Naming the model, the gas and the kinds of molecules it is for.
-        """
+        """Raise :class:`ParameterError` unless the model is for a gas."""
         if gas.molecules not in self.molecules:
             raise ParameterError(
                 f"force model {type(self).__name__} is not for {gas.name}, whose molecules are "

@@ -62,13 +62,7 @@ def _root_of(rayleigh: Numeric) -> tuple[Array, Array]:
 
 @entry_point
 def sphere_nusselt(rayleigh: Numeric, prandtl: Numeric, at_rest: Numeric = _CONDUCTION) -> Array:
-    r"""Nusselt number of natural convection around a sphere [1]; by the diameter.
-
-    Examples
-    --------
-    >>> print(f"{sphere_nusselt(0.0, 0.71):.0f}, {sphere_nusselt(1e5, 0.71):.2f}")
-    2, 10.15
-    """
+    """Nusselt number of natural convection around a sphere [1]; by the diameter."""
     # .. math::
     #     \mathrm{Nu} = 2 + \left[(0.589\,\Psi^{1/4})^6 + (0.150\,\Psi^{1/3})^6\right]^{1/6},
     #     \qquad \Psi = \mathrm{Ra}
@@ -91,13 +85,7 @@ def sphere_nusselt(rayleigh: Numeric, prandtl: Numeric, at_rest: Numeric = _COND
 
 @entry_point
 def inner_sphere_nusselt(rayleigh: Numeric) -> Array:
-    r"""Nusselt number of natural convection within a spherical envelope [1]; by the diameter.
-
-    Examples
-    --------
-    >>> print(f"{inner_sphere_nusselt(0.0):.0f}, {inner_sphere_nusselt(1e9):.0f}")
-    5, 325
-    """
+    """Nusselt number of natural convection within a spherical envelope [1]; by the diameter."""
     # .. math:: \mathrm{Nu} = \max\left[2.5\,(2 + 0.6\,\mathrm{Ra}^{1/4}),\
     #     0.325\,\mathrm{Ra}^{1/3}\right]
     #
@@ -143,16 +131,7 @@ def sphere_conductance(
     wall_distance: Numeric | None = None,
     convection: Numeric = 1.0,
 ) -> Array:
-    r"""Heat that the gas around a sphere takes, per relative temperature excess [W].
-
-    Examples
-    --------
-    >>> from lightflyer.gas import AIR
-    >>> air = {"pressure": 5529.0, "temperature": 216.65, "gravity": 9.75, "gas": AIR}
-    >>> heat = 0.25 * sphere_conductance(0.25, radius=2.9, tac=0.9, **air)
-    >>> print(f"{heat:.0f} W")
-    4649 W
-    """
+    """Heat that the gas around a sphere takes, per relative temperature excess [W]."""
     # Conduction alone follows the linearised Shakhov equation of a monatomic gas at complete
     # accommodation to 1 % (studies/balloon).
     mean = temperature * (1.0 + 0.5 * excess)

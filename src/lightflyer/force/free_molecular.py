@@ -37,7 +37,30 @@ def disk_conductance(disk: Disk, state: EnvironmentState, excess: Numeric) -> Ar
     )
 
 
-class FreeMolecular(AbstractForceModel):
+class AbstractFreeMolecular(AbstractForceModel):
+    """Heat that free molecules take from a disk, which both models share."""
+
+    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
+    feels_walls: ClassVar[bool] = False
+
+    @entry_point
+    def heat_loss(
+        self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
+        (excess,) = unknowns
+        return (disk_conductance(flyer, state, excess) * excess,)
+
+    def diagnostics(
+        self,
+        flyer: Disk,
+        state: EnvironmentState,
+        temperature: Numeric,  # noqa: ARG002
+    ) -> tuple[str, ...]:
+        knudsen = knudsen_number(state.pressure, state.temperature, flyer.radius, state.gas)
+        return tuple(_THIN.diagnostics(knudsen, state.pressure))
+
+
+class FreeMolecular(AbstractFreeMolecular):
     r"""Free-molecular heat loss and force of a disk, exact for any temperature difference.
 
     .. math::
@@ -53,36 +76,15 @@ class FreeMolecular(AbstractForceModel):
     [Lu2023]_ Eqs. (4) and (19), without their small-difference approximation.
     """
 
-    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
-    feels_walls: ClassVar[bool] = False
-
-    @entry_point
-    def heat_loss(
-        self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
-    ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
-        (excess,) = unknowns
-        return (disk_conductance(flyer, state, excess) * excess,)
-
     @entry_point
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
         (excess,) = unknowns
         film = flyer.film
         faces = (film.tac_top, film.tac_bottom)
         return accommodated_force(flyer.area, *faces, state.pressure, excess)
 
-    def diagnostics(
-        self,
-        flyer: Disk,
-        state: EnvironmentState,
-        temperature: Numeric,  # noqa: ARG002
-    ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
-        return _collision_diagnostics(flyer, state)
 
-
-class LinearFreeMolecular(AbstractForceModel):
+class LinearFreeMolecular(AbstractFreeMolecular):
     r"""Free-molecular force of a disk to first order in the temperature difference.
 
     .. math:: F = A\,p\,\Delta\alpha\,\frac{\Delta T}{4T_c}
@@ -95,37 +97,17 @@ class LinearFreeMolecular(AbstractForceModel):
     [Lu2023]_ Eqs. (4) and (19).
     """
 
-    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
-    feels_walls: ClassVar[bool] = False
-
-    @entry_point
-    def heat_loss(
-        self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
-    ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
-        (excess,) = unknowns
-        return (disk_conductance(flyer, state, excess) * excess,)
-
     @entry_point
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
         (excess,) = unknowns
         return linear_force(flyer.area, flyer.film.tac_difference, state.pressure, excess)
 
     def diagnostics(
         self, flyer: Disk, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
         ratio = temperature / state.temperature
-        return (
-            *_collision_diagnostics(flyer, state),
-            *_SMALL_DIFFERENCES.diagnostics(ratio, state.pressure),
-        )
-
-
-def _collision_diagnostics(disk: Disk, state: EnvironmentState) -> tuple[str, ...]:
-    knudsen = knudsen_number(state.pressure, state.temperature, disk.radius, state.gas)
-    return tuple(_THIN.diagnostics(knudsen, state.pressure))
+        said = super().diagnostics(flyer, state, temperature)
+        return (*said, *_SMALL_DIFFERENCES.diagnostics(ratio, state.pressure))
 
 
 class FreeMolecularSection(ForceSection, of=FreeMolecular):

@@ -197,7 +197,6 @@ class Lu2023(AbstractForceModel):
     def heat_loss(
         self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
         (excess,) = unknowns
         limits = heat_conductances(
             excess,
@@ -213,7 +212,6 @@ class Lu2023(AbstractForceModel):
 
     @entry_point
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
         (excess,) = unknowns
         stretch = 1.0 + 0.5 * self.reading.force_weight * excess
         free_molecular = 0.25 * flyer.area * state.pressure / stretch

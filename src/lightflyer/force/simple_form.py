@@ -13,20 +13,11 @@ from lightflyer.force.lu2023 import REPORTED, Lu2023, Reading
 
 
 class SimpleForm(NamedTuple):
-    """The interpolation of Lu et al. with coefficients fitted to another model.
-
-    Attributes
-    ----------
-    model : Lu2023
-    deviation : float
-        Root mean square of the logarithm of its force over the other model's [1].
-    largest : float
-        Largest absolute value of that logarithm [1].
-    """
+    """The interpolation of Lu et al. with coefficients fitted to another model."""
 
     model: Lu2023
-    deviation: float
-    largest: float
+    deviation: float  #: Root mean square of the logarithm of its force over the other model's [1]
+    largest: float  #: Largest absolute value of that logarithm [1]
 
 
 def fit_simple_form(

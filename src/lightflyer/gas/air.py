@@ -16,7 +16,7 @@ from lightflyer.gas.reference import (
     DIATOMIC_RATIO,
     AbstractReferenceGas,
     Correlations,
-    vibration,
+    IdealHeatCapacity,
 )
 from lightflyer.gas.relaxation import Parker
 from lightflyer.program.entry_point import entry_point
@@ -40,9 +40,11 @@ _TRANSPORT = LemmonJacobsen(
 
 # [Lemmon2000]: heat capacity of ideal air over the gas constant: powers of T, a root, vibrations of
 # nitrogen and oxygen, and higher states.
-_POLYNOMIAL = (3.490888032, 2.395525583e-6, 7.172111248e-9, -3.115413101e-13)
+_SMOOTH = IdealHeatCapacity(
+    polynomial=(3.490888032, 2.395525583e-6, 7.172111248e-9, -3.115413101e-13),
+    vibrations=((0.791309509, 3364.011), (0.212236768, 2242.45)),
+)
 _ROOT = 0.223806688  # of T^-1.5
-_VIBRATIONS = ((0.791309509, 3364.011), (0.212236768, 2242.45))  # weights, temperatures [K]
 _HIGHER, _HIGHER_TEMPERATURE, _HIGHER_RATIO = 0.197938904, 11580.4, 2.0 / 3.0
 
 _RANGE = (60.0, 2000.0)  # of both sources [K]
@@ -51,9 +53,7 @@ _NITROGEN, _OXYGEN = 0.78084, 0.20948  # mole fractions [USSA1976]
 
 def _heat_capacity(temperature: np.ndarray) -> np.ndarray:
     """Isobaric heat capacity of ideal air over its gas constant as published [1]."""
-    total = np.polynomial.polynomial.polyval(temperature, _POLYNOMIAL) + _ROOT / temperature**1.5
-    for weight, characteristic in _VIBRATIONS:
-        total = total + weight * vibration(temperature, characteristic)
+    total = _SMOOTH(temperature) + _ROOT / temperature**1.5
     ratio = _HIGHER_TEMPERATURE / temperature
     share = _HIGHER_RATIO * np.exp(-ratio)
     return total + _HIGHER * ratio**2 * share / (1.0 + share) ** 2

@@ -161,28 +161,11 @@ class AbstractGas(eqx.Module):
         return vhs_collision_rate(viscosity_exponent) / COLLISION_RATE / rate
 
     def assumptions(self) -> tuple[str, ...]:
-        """What is assumed about the gas, in short texts.
-
-        Returns
-        -------
-        tuple of str
-            Empty by default.
-        """
+        """What is assumed about the gas, in short texts."""
         return ()
 
     def diagnostics(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
-        """Warnings, in words, where the gas is outside the range in which it is known.
-
-        Parameters
-        ----------
-        temperature, pressure : array, shape (...)
-            Of the gas somewhere, concrete [K], [Pa].
-
-        Returns
-        -------
-        tuple of str
-            Empty by default.
-        """
+        """Warnings where the gas is outside its known range; arguments are concrete."""
         del temperature, pressure
         return ()
 

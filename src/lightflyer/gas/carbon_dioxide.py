@@ -11,7 +11,7 @@ from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.chebyshev_fit import ChebyshevFit
-from lightflyer.gas.reference import BEYOND, GAS_CONSTANT, vibration
+from lightflyer.gas.reference import BEYOND, GAS_CONSTANT, IdealHeatCapacity
 from lightflyer.program.entry_point import entry_point
 
 MOLAR_MASS = 44.0098  # Molar mass [kg/kmol]; [SpanWagner1996]_
@@ -60,13 +60,10 @@ def reference_viscosity(temperature: np.ndarray) -> np.ndarray:
     return _VISCOSITY_SCALE * root / resistance
 
 
-def reference_heat_capacity(temperature: np.ndarray) -> np.ndarray:
-    """Isobaric heat capacity of the ideal gas over its gas constant as published [1]."""
-    # Source: [SpanWagner1996]_ Eq. (6.3).
-    total = np.full_like(temperature, _RIGID)
-    for weight, reduced in _VIBRATIONS:
-        total = total + weight * vibration(temperature, reduced * _REDUCING_TEMPERATURE)
-    return total
+# Isobaric heat capacity of the ideal gas over its gas constant [1]; [SpanWagner1996] Eq. (6.3)
+reference_heat_capacity = IdealHeatCapacity(
+    (_RIGID,), tuple((weight, reduced * _REDUCING_TEMPERATURE) for weight, reduced in _VIBRATIONS)
+)
 
 
 def reference_conductivity(temperature: np.ndarray) -> np.ndarray:
@@ -105,12 +102,7 @@ _EUCKEN_FIT = ChebyshevFit.of(
 )  # times the gas constant of carbon dioxide [J/(kg K)]
 
 
-_KNOWN = Validity(
-    "the temperature of carbon dioxide",
-    COLDEST,
-    HOTTEST,
-    BEYOND,
-)
+_KNOWN = Validity("the temperature of carbon dioxide", COLDEST, HOTTEST, BEYOND)
 
 
 class _Correlated(AbstractGas):
@@ -120,12 +112,10 @@ class _Correlated(AbstractGas):
 
     @entry_point
     def viscosity(self, temperature: Numeric) -> Array:
-        """Dynamic viscosity [Pa s]."""
         return jnp.sqrt(temperature) * _VISCOSITY_FIT(temperature)
 
     @entry_point
     def conductivity(self, temperature: Numeric) -> Array:
-        """Thermal conductivity [W/(m K)]."""
         viscous = self.viscosity(temperature) * (_HEAT_CAPACITY_FIT(temperature) - 1.0)
         return _EUCKEN_FIT(temperature) * viscous
 
@@ -135,7 +125,6 @@ class _Correlated(AbstractGas):
         return self.specific_gas_constant * _HEAT_CAPACITY_FIT(temperature)
 
     def diagnostics(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractGas.diagnostics`."""
         return tuple(_KNOWN.diagnostics(temperature, pressure))
 
 
@@ -178,7 +167,6 @@ class CarbonDioxide(_Correlated):  # type: ignore[misc]  # the ratio below is no
     name: ClassVar[str] = "co2"
 
     def assumptions(self) -> tuple[str, ...]:
-        """See :meth:`AbstractGas.assumptions`."""
         return ("gas: walls exchange all of the vibration of co2 (with gas co2-frozen: none)",)
 
     specific_gas_constant: Numeric = GAS_CONSTANT / MOLAR_MASS
@@ -215,7 +203,6 @@ class FrozenCarbonDioxide(_Correlated):
     name: ClassVar[str] = "co2-frozen"
 
     def assumptions(self) -> tuple[str, ...]:
-        """See :meth:`AbstractGas.assumptions`."""
         return ("gas: walls exchange none of the vibration of co2 (with gas co2: all)",)
 
     specific_gas_constant: Numeric = GAS_CONSTANT / MOLAR_MASS

@@ -36,22 +36,12 @@ Formula = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Correlations:
-    """Published formulas of one gas, and the polynomials that follow them.
+    """Published formulas of one gas, and the polynomials that follow them."""
 
-    Attributes
-    ----------
-    viscosity, conductivity : callable
-        Of temperatures [K]; [Pa s], [W/(m K)].
-    heat_capacity : callable
-        Isobaric, of the ideal gas, over its gas constant [1].
-    ends : tuple of float
-        Range of temperatures [K].
-    """
-
-    viscosity: Formula
-    conductivity: Formula
-    heat_capacity: Formula
-    ends: tuple[float, float]
+    viscosity: Formula  #: Of temperatures [K]; [Pa s]
+    conductivity: Formula  #: Of temperatures [K]; [W/(m K)]
+    heat_capacity: Formula  #: Isobaric, of the ideal gas, over its gas constant [1]
+    ends: tuple[float, float]  #: Range of temperatures [K]
 
     # Transport is followed without the root of T, with which it continues beyond the range. The
     # polynomials are made when they are first used: few gases are, and a start should be fast.
@@ -92,12 +82,10 @@ class AbstractReferenceGas(AbstractGas):
 
     @entry_point
     def viscosity(self, temperature: Numeric) -> Array:
-        """Dynamic viscosity [Pa s]."""
         return jnp.sqrt(temperature) * self.correlations.followed_viscosity(temperature)
 
     @entry_point
     def conductivity(self, temperature: Numeric) -> Array:
-        """Thermal conductivity [W/(m K)]."""
         return jnp.sqrt(temperature) * self.correlations.followed_conductivity(temperature)
 
     @entry_point
@@ -106,37 +94,25 @@ class AbstractReferenceGas(AbstractGas):
         return self.specific_gas_constant * self.correlations.followed_heat_capacity(temperature)
 
     def diagnostics(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractGas.diagnostics`."""
         name = f"the temperature of {self.name}"
         known = Validity(name, *self.correlations.ends, BEYOND)
         return tuple(known.diagnostics(temperature, pressure))
 
 
-def vibration(temperature: np.ndarray, characteristic: float) -> np.ndarray:
-    r"""Heat capacity of a harmonic oscillator over the gas constant [1]."""
-    # .. math:: \left(\frac{u/2}{\sinh(u/2)}\right)^2, \qquad u = \frac\Theta T
-    half = 0.5 * characteristic / temperature
-    return (half / np.sinh(half)) ** 2
-
-
 @dataclass(frozen=True)
 class IdealHeatCapacity:
-    """Isobaric heat capacity of an ideal gas over its gas constant, as published.
+    """Isobaric heat capacity of an ideal gas over its gas constant, as published."""
 
-    Attributes
-    ----------
-    polynomial : tuple of float
-        Of the rigid molecule, in ascending powers of the temperature [K].
-    vibrations : tuple of tuple
-        Weights [1] and temperatures [K] of oscillators.
-    """
-
+    #: Of the rigid molecule, in ascending powers of the temperature [K]
     polynomial: tuple[float, ...]
+    #: Weights [1] and temperatures [K] of oscillators
     vibrations: tuple[tuple[float, float], ...] = ()
 
     def __call__(self, temperature: np.ndarray) -> np.ndarray:
         """Heat capacity [1] at temperatures [K], shape (...)."""
         total = np.polynomial.polynomial.polyval(temperature, self.polynomial)
         for weight, characteristic in self.vibrations:
-            total = total + weight * vibration(temperature, characteristic)
+            # .. math:: \left(\frac{u/2}{\sinh(u/2)}\right)^2, \qquad u = \frac\Theta T
+            half = 0.5 * characteristic / temperature
+            total = total + weight * (half / np.sinh(half)) ** 2
         return np.asarray(total)

@@ -22,20 +22,13 @@ class Parker(NamedTuple):
     It counts collisions at the rate :math:`\frac4\pi\frac p\mu`, so that the relaxation time is
     :math:`\tau = \frac\pi4 Z_P\,\frac\mu p`.
 
-    Attributes
-    ----------
-    limit : float
-        :math:`Z_\infty`, in hot gas [1].
-    temperature : float
-        :math:`T^*`, depth of the molecules' attraction [K].
-
     References
     ----------
     [Parker1959]_
     """
 
-    limit: float
-    temperature: float
+    limit: float  #: :math:`Z_\infty`, in hot gas [1]
+    temperature: float  #: :math:`T^*`, depth of the molecules' attraction [K]
 
     @entry_point
     def __call__(self, temperature: Numeric) -> Array:

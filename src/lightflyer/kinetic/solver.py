@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from lightflyer.kinetic.collisions.brackets import Molecule
     from lightflyer.kinetic.disk.cases import Case, Outcome
+    from lightflyer.kinetic.disk.free_molecular import FreeMolecularDisk
 
 KNUDSEN_RANGE = (0.03, 100.0)  # Knudsen numbers λ(T_c)/(2r) for which the meshes are made
 TEMPERATURE_RATIOS = (0.5, 3.5)  # T_h/T_c for which the non-linear solver is tested
@@ -43,8 +44,7 @@ class Solution:
     force_ratio: float | None  #: F/F_fm; None where the free-molecular force is zero
     #: Q/Q_fm of each face; None for a face at the temperature of the gas
     heat_ratio_top: float | None
-    #: Q/Q_fm of each face; None for a face at the temperature of the gas
-    heat_ratio_bottom: float | None
+    heat_ratio_bottom: float | None  #: As ``heat_ratio_top``
     heat_ratio: float | None  #: Q/Q_fm of both faces together
     #: Numerical error of ``force_ratio`` and ``heat_ratio``: their change with a coarser mesh. It
     #: excludes the error of the model equation; with VHS molecules their change with a coarser mesh
@@ -240,9 +240,10 @@ def solve(
 
         case = replace(case, molecule=molecule)
         fine, coarse = solve_at_two_levels(case, molecule)
-    found, other = _ratios(case, fine), _ratios(case, coarse)
+    limit = case.free_molecular()
+    found, other = (ratios(one.force, one.heat, limit) for one in (fine, coarse))
     errors = {
-        name: _difference(found[name], other[name], least) for name, least in SMALLEST_ERROR.items()
+        name: difference(found[name], other[name], least) for name, least in SMALLEST_ERROR.items()
     }
     return Solution(
         knudsen=float(knudsen),
@@ -358,14 +359,16 @@ def _describe(molecule: "Molecule | None") -> dict[str, Any]:
     return described
 
 
-def _ratios(case: "Case", outcome: "Outcome") -> dict[str, float | None]:
-    limit = case.free_molecular()
-    top, bottom = (_quotient(*pair) for pair in zip(outcome.heat, limit.heat, strict=True))
+def ratios(
+    force: float, heat: tuple[float, float], limit: "FreeMolecularDisk"
+) -> dict[str, float | None]:
+    """Force and heats over the free-molecular ones [1]."""
+    top, bottom = (_quotient(*pair) for pair in zip(heat, limit.heat, strict=True))
     return {
-        "force_ratio": _quotient(outcome.force, limit.force),
+        "force_ratio": _quotient(force, limit.force),
         "heat_ratio_top": top,
         "heat_ratio_bottom": bottom,
-        "heat_ratio": _quotient(sum(outcome.heat), sum(limit.heat)),
+        "heat_ratio": _quotient(sum(heat), sum(limit.heat)),
     }
 
 
@@ -373,7 +376,6 @@ def _quotient(value: float, limit: float) -> float | None:
     return None if abs(limit) < 1e-12 else float(value / limit)
 
 
-def _difference(fine: float | None, coarse: float | None, least: float) -> float | None:
-    if fine is None or coarse is None:
-        return None
-    return max(abs(fine - coarse), least)
+def difference(fine: float | None, coarse: float | None, least: float = 0.0) -> float | None:
+    """Numerical error by a coarser mesh."""
+    return None if fine is None or coarse is None else max(abs(fine - coarse), least)

@@ -14,13 +14,7 @@ if TYPE_CHECKING:
 
 
 def joint_warnings(found: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
-    """Warnings of several files.
-
-    Examples
-    --------
-    >>> joint_warnings([("a.csv", ["no accuracy"]), ("b.csv", ["no accuracy", "skewed"])])
-    ['b.csv: skewed', 'no accuracy']
-    """
+    """Warnings of several files."""
     shared = [text for text in found[0][1] if all(text in texts for _, texts in found)]
     own = [
         text if text.startswith(name) else f"{name}: {text}"

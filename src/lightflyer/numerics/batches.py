@@ -9,14 +9,7 @@ import numpy as np
 
 
 def in_batches(function: Callable[..., Any], arrays: Sequence[Any], size: int) -> Any:
-    """Apply a function to arrays of any length, in batches of one length, shape (n, ...).
-
-    Examples
-    --------
-    >>> table = in_batches(lambda x, y: {"product": x * y}, (np.arange(5.0), 2.0), size=2)
-    >>> table["product"]
-    array([0., 2., 4., 6., 8.])
-    """
+    """Apply a function to arrays of any length, in batches of one length, shape (n, ...)."""
     # A compiled function is compiled anew for every length of its arguments. Here it only ever
     # meets one, which also keeps its temporary arrays small.
     count = max(len(array) for array in arrays if np.ndim(array))

@@ -91,14 +91,7 @@ def _slope(nodes: np.ndarray, at: int) -> np.ndarray:
 
 
 def interpolate(table: Any, axes: Sequence[Axis], position: Sequence[Any]) -> Array:
-    """Value of a table between its nodes, once continuously differentiable, shape (..., ...).
-
-    Examples
-    --------
-    >>> axis = Axis([0.0, 1.0, 3.0, 4.0])
-    >>> print(f"{interpolate(axis.nodes**2, [axis], [2.0]):.2f}")
-    4.00
-    """
+    """Value of a table between its nodes, once continuously differentiable, shape (..., ...)."""
     found = [axis.weights(x) for axis, x in zip(axes, jnp.broadcast_arrays(*position), strict=True)]
     spread = []
     for number, (index, _) in enumerate(found):

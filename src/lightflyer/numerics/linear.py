@@ -11,15 +11,7 @@ Matrix: TypeAlias = Sequence[Vector]
 
 
 def solve_linear(matrix: Matrix, vector: Vector) -> tuple[Array, ...]:
-    """Solve linear systems, element by element; ``matrix``: rows of the matrices.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> x, y = solve_linear([[0.0, np.array([2.0, 4.0])], [1.0, 1.0]], [4.0, 5.0])
-    >>> print(x, y)
-    [3. 4.] [2. 1.]
-    """
+    """Solve linear systems, element by element; ``matrix``: rows of the matrices."""
     # The solution is written out in array operations, which XLA fuses with what stands around them:
     # a call to LAPACK for every small matrix would take longer than all else together.
     #

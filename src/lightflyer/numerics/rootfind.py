@@ -52,13 +52,7 @@ class Reason(enum.IntEnum):
         return member
 
     def describe(self) -> str:
-        """The phrase.
-
-        Examples
-        --------
-        >>> SolverStatus.STEP_LIMIT.describe()
-        'reached the limit of steps'
-        """
+        """The phrase."""
         return self.phrase
 
 
@@ -74,15 +68,7 @@ class SolverStatus(Reason):
 
 
 def describe_status(status: ArrayLike) -> str:
-    """Why searches ended, in words; ``status``: values of :class:`SolverStatus`.
-
-    Examples
-    --------
-    >>> describe_status([SolverStatus.STEP_LIMIT, SolverStatus.STEP_LIMIT])
-    'reached the limit of steps'
-    >>> describe_status([SolverStatus.STEP_LIMIT, SolverStatus.NOT_FINITE, SolverStatus.NOT_FINITE])
-    '2 met a number that is not finite, 1 reached the limit of steps'
-    """
+    """Why searches ended, in words; ``status``: values of :class:`SolverStatus`."""
     counts = Counter(np.ravel(np.asarray(status)).tolist()).most_common()
     return ", ".join(
         SolverStatus(code).describe()

@@ -38,17 +38,7 @@ def solve_system(
     tolerance: float = RELATIVE_TOLERANCE,
     maximum_steps: int = MAXIMUM_STEPS,
 ) -> tuple[Unknowns, RootOutcome]:
-    """Find where several functions of as many unknowns vanish, element by element.
-
-    Examples
-    --------
-    >>> import lightflyer as lf
-    >>> from lightflyer.numerics.rootfind import SolverStatus
-    >>> with lf.float64():
-    ...     (x, y), outcome = solve_system(lambda u: (u[0] * u[1] - 6, u[0] - u[1] - 1), (1.0, 1.0))
-    >>> print(f"{x:.6f} {y:.6f}", SolverStatus(int(outcome.status)).describe())
-    3.000000 2.000000 converged
-    """
+    """Find where several functions of as many unknowns vanish, element by element."""
     # Newton's method in all elements at once; each stops by itself. Where that fails, the search
     # starts again from the guess with steps that are shortened until they reduce the residual.
     #

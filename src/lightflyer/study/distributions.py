@@ -36,7 +36,6 @@ class Normal(Distribution):
     standard_deviation: float
 
     def quantile(self, share: np.ndarray) -> np.ndarray:
-        """See :meth:`Distribution.quantile`."""
         from scipy.stats import truncnorm
 
         possible = self.field.quantity
@@ -58,7 +57,6 @@ class Uniform(Distribution):
     high: float  # In the unit of the field
 
     def quantile(self, share: np.ndarray) -> np.ndarray:
-        """See :meth:`Distribution.quantile`."""
         return self.low + share * (self.high - self.low)
 
 
@@ -70,7 +68,6 @@ class LogUniform(Distribution):
     high: float  # Positive, in the unit of the field
 
     def quantile(self, share: np.ndarray) -> np.ndarray:
-        """See :meth:`Distribution.quantile`."""
         return self.low * (self.high / self.low) ** share
 
 

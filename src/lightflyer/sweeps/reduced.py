@@ -34,7 +34,6 @@ from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.study.sections import ReduceSection, SamplingSection, from_arguments
 from lightflyer.study.study import Study, make_study
-from lightflyer.sweeps.outcome import SweepReport
 from lightflyer.sweeps.reduced_tree import to_datatree
 from lightflyer.sweeps.reducers import (
     CHUNK_ON_GPU,
@@ -44,6 +43,7 @@ from lightflyer.sweeps.reducers import (
     merge,
 )
 from lightflyer.sweeps.reduction_plan import ReductionSpec, plan_reductions, samples_of
+from lightflyer.sweeps.run import SweepReport
 
 if TYPE_CHECKING:
     import xarray as xr

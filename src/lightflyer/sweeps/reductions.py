@@ -58,16 +58,7 @@ class AbstractReduction(abc.ABC):
 
 @dataclass(frozen=True)
 class Best(AbstractReduction):
-    """The designs with the largest, or least, values of an output.
-
-    Examples
-    --------
-    >>> best = Best("payload", 2)
-    >>> one = best.of_chunk({"payload": np.array([3.0, np.nan, 5.0])}, first=0)
-    >>> other = best.of_chunk({"payload": np.array([4.0, 1.0])}, first=3)
-    >>> best.merged(one, other)
-    {'designs': array([2, 3]), 'values': array([5., 4.])}
-    """
+    """The designs with the largest, or least, values of an output."""
 
     # The partial holds ``designs`` (their numbers) and ``values``, best first. Of equals the one
     # with the smaller number comes first.
@@ -77,11 +68,9 @@ class Best(AbstractReduction):
     less_is_better: bool = False
 
     def empty(self) -> Partial:
-        """See :meth:`AbstractReduction.empty`."""
         return {"designs": np.empty(0, np.int64), "values": np.empty(0)}
 
     def of_chunk(self, columns: Columns, first: int) -> Partial:
-        """See :meth:`AbstractReduction.of_chunk`."""
         values = np.asarray(columns[self.output], float)
         candidates = np.flatnonzero(np.isfinite(values))
         if candidates.size > self.count:
@@ -91,7 +80,6 @@ class Best(AbstractReduction):
         return self._first(first + candidates, values[candidates])
 
     def on_device(self, columns: Columns, first: Any, inside: Any = True) -> Partial:
-        """See :meth:`AbstractReduction.on_device`."""
         del inside  # others have no value
         values = jnp.asarray(columns[self.output])
         known = jnp.isfinite(values)
@@ -103,7 +91,6 @@ class Best(AbstractReduction):
         return {"designs": designs, "values": values[places]}
 
     def merged(self, one: Partial, other: Partial) -> Partial:
-        """See :meth:`AbstractReduction.merged`."""
         both = _join(one, other)
         return self._first(both["designs"], both["values"])
 
@@ -138,17 +125,14 @@ class Front(AbstractReduction):
     capacity: int = 4096  #: Most designs of a front that :meth:`on_device` returns
 
     def empty(self) -> Partial:
-        """See :meth:`AbstractReduction.empty`."""
         return {"designs": np.empty(0, np.int64), "gain": np.empty(0), "cost": np.empty(0)}
 
     def of_chunk(self, columns: Columns, first: int) -> Partial:
-        """See :meth:`AbstractReduction.of_chunk`."""
         gain, cost = (np.asarray(columns[name], float) for name in (self.gain, self.cost))
         known = np.flatnonzero(np.isfinite(gain) & np.isfinite(cost))
         return self._unbeaten(first + known, gain[known], cost[known])
 
     def on_device(self, columns: Columns, first: Any, inside: Any = True) -> Partial:
-        """See :meth:`AbstractReduction.on_device`."""
         del inside  # others have no value
         gain, cost = (jnp.asarray(columns[name]) for name in (self.gain, self.cost))
         worth, price = self._signs
@@ -180,7 +164,6 @@ class Front(AbstractReduction):
         return int(partial.get("left_out", 0)) == 0
 
     def merged(self, one: Partial, other: Partial) -> Partial:
-        """See :meth:`AbstractReduction.merged`."""
         both = _join(one, other)
         return self._unbeaten(both["designs"], both["gain"], both["cost"])
 
@@ -245,7 +228,6 @@ class Spread(AbstractReduction):
     output: str
 
     def empty(self) -> Partial:
-        """See :meth:`AbstractReduction.empty`."""
         return {
             "counts": np.zeros(2 * _CELLS + 3, np.int64),
             "least": np.asarray(np.inf),
@@ -254,7 +236,6 @@ class Spread(AbstractReduction):
         }
 
     def of_chunk(self, columns: Columns, first: int) -> Partial:
-        """See :meth:`AbstractReduction.of_chunk`."""
         del first
         values = np.asarray(columns[self.output], float)
         known = values[np.isfinite(values)]
@@ -268,7 +249,6 @@ class Spread(AbstractReduction):
         }
 
     def on_device(self, columns: Columns, first: Any, inside: Any = True) -> Partial:
-        """See :meth:`AbstractReduction.on_device`."""
         del first
         values = jnp.asarray(columns[self.output])
         known = jnp.isfinite(values)
@@ -284,7 +264,6 @@ class Spread(AbstractReduction):
         }
 
     def merged(self, one: Partial, other: Partial) -> Partial:
-        """See :meth:`AbstractReduction.merged`."""
         return {
             "counts": np.asarray(one["counts"]) + np.asarray(other["counts"]),
             "least": np.minimum(one["least"], other["least"]),
@@ -311,14 +290,7 @@ def _middles(spread: Partial) -> np.ndarray:
 
 
 def quantiles(spread: Partial, shares: Any) -> np.ndarray:
-    """Values that a share of the designs with a value do not exceed, shape (n,).
-
-    Examples
-    --------
-    >>> spread = Spread("payload").of_chunk({"payload": np.arange(1.0, 102.0)}, first=0)
-    >>> quantiles(spread, [0.0, 0.5, 1.0])
-    array([  1.     ,  51.03125, 101.     ])
-    """
+    """Values that a share of the designs with a value do not exceed, shape (n,)."""
     shares = np.asarray(shares, float)
     sums = np.cumsum(np.asarray(spread["counts"]))
     if sums[-1] == 0:

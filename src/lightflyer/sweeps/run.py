@@ -20,7 +20,6 @@ from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.study.sections import SamplingSection, from_arguments
 from lightflyer.study.study import Study, assemble_study, read_entries
-from lightflyer.sweeps.outcome import SweepReport
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,6 +27,19 @@ if TYPE_CHECKING:
 LARGEST = 10**9  # Number of designs above which a sweep must be confirmed
 
 _BYTES = 8  # of a number
+
+
+@dataclass(frozen=True)
+class SweepReport:
+    """What a sweep into a folder or a file did."""
+
+    designs: int  # Designs of the study
+    found: int  # Designs that were already computed
+    # Chunks that were computed before and had to be again; none where results are reduced
+    damaged: int
+    computed: int  # Designs computed now
+    not_converged: int  # Designs of the study whose results are NaN because a root-find failed
+    seconds: float  # From the first chunk to the last
 
 
 def sweep_into(

@@ -57,12 +57,9 @@ class Inputs:
 
     design: AbstractDesign
     names: list[str]  #: Dotted, as ``"film.tac_top"``
-    #: shape (k,); values and standard uncertainties, in the units of the design: SI, angles in
-    #: degrees where a flyer file gives them so
+    #: shape (k,); in the units of the design: SI, angles in degrees where a file gives them so
     values: np.ndarray
-    #: shape (k,); values and standard uncertainties, in the units of the design: SI, angles in
-    #: degrees where a flyer file gives them so
-    spreads: np.ndarray
+    spreads: np.ndarray  #: shape (k,); their standard uncertainties
     correlation: np.ndarray  #: shape (k, k)
     ranges: np.ndarray  #: shape (k, 2); possible values
     prepared: Any  #: What the design needs to be built with its own numbers

@@ -114,8 +114,7 @@ class PredictionUncertainty(PrintedResult):
     edges: frozenset[str] = frozenset()
     #: shape (n,); 95 % bands of :data:`BANDS` and of the force model's own results, in SI units
     low: Table = field(default_factory=dict)
-    #: shape (n,); 95 % bands of :data:`BANDS` and of the force model's own results, in SI units
-    high: Table = field(default_factory=dict)
+    high: Table = field(default_factory=dict)  #: As ``low``
     warnings: tuple[str, ...] = ()  #: What a reader must know, one line each
 
     def plot(self, what: str | None = None, ax: "Axes | None" = None) -> "Figure":

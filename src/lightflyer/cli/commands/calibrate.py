@@ -1,15 +1,16 @@
 """``lightflyer calibrate``: force coefficients from measured levitation points."""
 
+from functools import partial
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import optional_share, quantity
 from lightflyer.cli.options import Json, Samples, Seed, only_with
-from lightflyer.cli.output import print_json, printer, show, write_json
+from lightflyer.cli.output import print_json, printer, show
 from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
@@ -110,9 +111,13 @@ def calibrate_command(
         scale_errors=scale_errors,
     )
     drawn = _draw(fit, samples, seed) if posterior else None
-    written = [] if out is None else _write(out, fit, drawn, figures)
+    summary = fit.summary() | ({} if drawn is None else {"posterior": drawn.summary()})
+    files = {"calibration.json": summary, "residuals.csv": partial(_write_residuals, fit)}
+    if drawn is not None:
+        files["posterior.csv"] = partial(_write_draws, drawn)
+    written = figures.write_folder(out, files, lambda: _figures(fit, drawn))
     if json_output:
-        print_json(_summary(fit, drawn))
+        print_json(summary)
         return
     console = printer()
     if flyer is None:
@@ -134,32 +139,14 @@ def _draw(fit: "Calibration", samples: int, seed: int) -> "Posterior":
     return posterior(fit, samples=samples, seed=seed)
 
 
-def _summary(fit: "Calibration", drawn: "Posterior | None") -> dict[str, Any]:
-    return fit.summary() | ({} if drawn is None else {"posterior": drawn.summary()})
-
-
-def _write(
-    out: Path, fit: "Calibration", drawn: "Posterior | None", options: FigureOptions
-) -> list[Path]:
+def _figures(fit: "Calibration", drawn: "Posterior | None") -> "dict[str, Figure]":
     from lightflyer.calibration.figures import calibration_figure, posterior_figure
-    from lightflyer.core.atomic_files import output_directory
 
-    def draw() -> "dict[str, Figure]":
-        figures = {"residuals": calibration_figure(fit)}
-        return figures if drawn is None else figures | {"posterior": posterior_figure(drawn)}
-
-    names = ["calibration.json", "residuals.csv"]
-    with output_directory(out) as stage:
-        write_json(stage("calibration.json"), _summary(fit, drawn))
-        stage("residuals.csv").write_text(_residuals_csv(fit), encoding="utf-8")
-        names += options.write(stage, draw)
-        if drawn is not None:
-            names.append("posterior.csv")
-            stage("posterior.csv").write_text(_draws_csv(drawn), encoding="utf-8")
-    return [out / name for name in names]
+    figures = {"residuals": calibration_figure(fit)}
+    return figures if drawn is None else figures | {"posterior": posterior_figure(drawn)}
 
 
-def _draws_csv(drawn: "Posterior") -> str:
+def _write_draws(drawn: "Posterior", path: Path) -> None:
     """One line per draw: the number of its chain, from 1, and the parameters."""
     header = ",".join(["chain", *(name.replace(",", ";") for name in drawn.names)])
     rows = [
@@ -167,10 +154,10 @@ def _draws_csv(drawn: "Posterior") -> str:
         for number, chain in enumerate(drawn.draws, start=1)
         for draw in chain
     ]
-    return "\n".join([header, *rows]) + "\n"
+    path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
 
 
-def _residuals_csv(fit: "Calibration") -> str:
+def _write_residuals(fit: "Calibration", path: Path) -> None:
     header = (
         "sample,pressure [Pa],irradiance [W/m^2],fitted [W/m^2],"
         "residual of log-irradiance,uncertainty of log-irradiance"
@@ -186,4 +173,4 @@ def _residuals_csv(fit: "Calibration") -> str:
         ",".join([sample.replace(",", ";"), *(f"{value:.8g}" for value in values)])
         for sample, *values in zip(fit.points.samples, *columns, strict=True)
     ]
-    return "\n".join([header, *rows]) + "\n"
+    path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")

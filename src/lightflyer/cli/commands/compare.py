@@ -1,15 +1,11 @@
 """``lightflyer compare``: several flyers side by side."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json, Samples, Seed
-from lightflyer.cli.output import print_json, printer, show, write_json
+from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
-
-if TYPE_CHECKING:
-    from lightflyer.comparison.comparison import Comparison
 
 
 def compare_command(
@@ -46,15 +42,22 @@ def compare_command(
     """
     out = figures.folder(out)
     from lightflyer.comparison.comparison import compare
+    from lightflyer.comparison.tables import to_dataset, write_csv
     from lightflyer.config.reader import read_flyer_file
 
     for path in flyer_files:
         read_flyer_file(path)  # every mistake in a file is told before anything is computed
     searched = _range(altitudes, pressures, flyer_files)
     comparison = compare(flyer_files, searched=searched, samples=samples, seed=seed)
-    written = _write(out, comparison, figures) if out is not None else []
+    summary = comparison.summary()
+    files = {
+        "comparison.nc": lambda path: to_dataset(comparison).to_netcdf(path, engine="h5netcdf"),
+        "comparison.csv": lambda path: write_csv(comparison, path),
+        "comparison.json": summary,
+    }
+    written = figures.write_folder(out, files, lambda: {"comparison": comparison.plot()})
     if json_output:
-        print_json(comparison.summary())
+        print_json(summary)
         return
     console = printer()
     show(console, comparison.text_parts())
@@ -88,18 +91,3 @@ def _range(
     except ConfigurationError as error:
         raise ConfigurationError(f"--{name}s: {error}") from None
     return low, high
-
-
-def _write(out: Path, comparison: "Comparison", figures: FigureOptions) -> list[Path]:
-    from lightflyer.comparison.figures import comparison_figure
-    from lightflyer.comparison.tables import to_dataset, write_csv
-    from lightflyer.core.atomic_files import output_directory
-
-    names = [f"comparison.{ending}" for ending in ("nc", "csv", "json")]
-    tables, table, summary = names
-    with output_directory(out) as stage:
-        to_dataset(comparison).to_netcdf(stage(tables), engine="h5netcdf")
-        write_csv(comparison, stage(table))
-        write_json(stage(summary), comparison.summary())
-        names += figures.write(stage, lambda: {"comparison": comparison_figure(comparison)})
-    return [out / name for name in names]

@@ -1,21 +1,24 @@
 """``lightflyer film``: optics and areal density of a film from its layers."""
 
 import gc
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import quantities
 from lightflyer.cli.options import Json
-from lightflyer.cli.output import print_json, printer, show, write_json
+from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from lightflyer.film import Film
     from lightflyer.film.report.angular_summary import AngularSummary
     from lightflyer.film.report.summary import FilmSummary
@@ -93,7 +96,8 @@ def film_command(
     described = summary.to_json() | {"origin": _origins(section), "warnings": warnings}
     described |= {} if at is None else {"at": points}
     described |= {} if by_angle is None else {"angles": _angles_json(by_angle)}
-    paths = [] if out is None else _write(out, summary, by_angle, described, figures)
+    files = {"film.json": described} | ({} if by_angle is None else _angle_files(by_angle))
+    paths = figures.write_folder(out, files, lambda: _figures(summary, by_angle))
     if json_output:
         print_json(described)
         return
@@ -175,36 +179,21 @@ def _by_angle(summary: "FilmSummary", directions: Any) -> "AngularSummary":
     return AngularSummary.of(summary.film, summary.light, directions, summary.temperatures)
 
 
-def _write(
-    out: Path,
-    summary: "FilmSummary",
-    by_angle: "AngularSummary | None",
-    described: dict[str, Any],
-    figures: FigureOptions,
-) -> list[Path]:
-    from lightflyer.core import atomic_files as output
-    from lightflyer.film.report.figures import film_figures
-
-    names = ["film.json"]
-    with output.output_directory(out) as stage:
-        write_json(stage("film.json"), described)
-        names += figures.write(stage, lambda: film_figures(summary))
-        if by_angle is not None:
-            names += _write_angles(by_angle, stage, figures)
-    return [out / name for name in names]
-
-
-def _write_angles(
-    by_angle: "AngularSummary", stage: Callable[[str], Path], figures: FigureOptions
-) -> list[str]:
-    from lightflyer.film.report.angle_figures import angle_figures
+def _angle_files(by_angle: "AngularSummary") -> dict[str, Any]:
     from lightflyer.film.report.angle_tables import write_csv, write_spectral_csv
 
-    tables = {"film-angles.csv": write_csv, "film-angles-spectral.csv": write_spectral_csv}
-    for name, write in tables.items():
-        write(by_angle, stage(name))
-    by_angle.to_dataset().to_netcdf(stage("film-angles.nc"), engine="h5netcdf")
-    return [*tables, "film-angles.nc", *figures.write(stage, lambda: angle_figures(by_angle))]
+    return {
+        "film-angles.csv": partial(write_csv, by_angle),
+        "film-angles-spectral.csv": partial(write_spectral_csv, by_angle),
+        "film-angles.nc": lambda path: by_angle.to_dataset().to_netcdf(path, engine="h5netcdf"),
+    }
+
+
+def _figures(summary: "FilmSummary", by_angle: "AngularSummary | None") -> "dict[str, Figure]":
+    from lightflyer.film.report.angle_figures import angle_figures
+    from lightflyer.film.report.figures import film_figures
+
+    return film_figures(summary) | ({} if by_angle is None else angle_figures(by_angle))
 
 
 def _angles_json(by_angle: "AngularSummary") -> dict[str, Any]:
@@ -252,7 +241,7 @@ def _show(
     summary: "FilmSummary",
     points: list[dict[str, Any]],
 ) -> None:
-    from lightflyer.film.media.materials import MICROMETRE
+    from lightflyer.film.media.medium import MICROMETRE
 
     _show_layers(console, section, summary)
     for table in (_emittances(summary), _intervals(summary), _missing(summary)):

@@ -2,14 +2,11 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
-from lightflyer.cli.output import print_json, printer, show, write_json
-
-if TYPE_CHECKING:
-    import xarray as xr
+from lightflyer.cli.output import print_json, printer, show
 
 
 def fly_command(
@@ -36,44 +33,36 @@ def fly_command(
         How figures are written.
     """
     out = figures.folder(out)
+    from lightflyer.core.progress import report
     from lightflyer.mission.mission import fly
     from lightflyer.mission.mission_file import read_mission_file
+    from lightflyer.mission.report.kml import write_kml
     from lightflyer.mission.report.summary import summarise
+    from lightflyer.mission.report.tables import write_csv
     from lightflyer.mission.report.text import mission_parts
 
     mission = read_mission_file(mission_file)
     dataset = fly(mission.design, **mission.arguments())
-    dataset.attrs["configuration"] = mission.design.text
     found = summarise(dataset)
-    written = [] if out is None else _write(out, dataset, found, figures)
-    if json_output:
-        print_json(found)
-        return
-    console = printer()
-    show(console, mission_parts(dataset))
-    figures.tell(console, written, "add --out FOLDER to write figures and data")
-
-
-def _write(
-    out: Path, dataset: "xr.Dataset", summary: dict[str, Any], figures: FigureOptions
-) -> list[Path]:
-    from lightflyer.core.atomic_files import output_directory
-    from lightflyer.core.progress import report
-    from lightflyer.mission.report.kml import write_kml
-    from lightflyer.mission.report.tables import write_csv
+    dataset.attrs |= {"configuration": mission.design.text, "summary": json.dumps(found)}
 
     def draw() -> Any:
         from lightflyer.mission.report.figures import mission_figures
 
         return mission_figures(dataset)
 
-    report("writing")
-    dataset.attrs["summary"] = json.dumps(summary)
-    names = ["mission.nc", "mission.csv", "mission.kml", "mission.json"]
-    with output_directory(out) as stage:
-        dataset.to_netcdf(stage("mission.nc"), engine="h5netcdf")
-        write_csv(dataset, stage("mission.csv"))
-        write_kml(dataset, stage("mission.kml"))
-        write_json(stage("mission.json"), summary)
-        names += figures.write(stage, draw)
-    return [out / name for name in names]
+    if out is not None:
+        report("writing")
+    files = {
+        "mission.nc": lambda path: dataset.to_netcdf(path, engine="h5netcdf"),
+        "mission.csv": lambda path: write_csv(dataset, path),
+        "mission.kml": lambda path: write_kml(dataset, path),
+        "mission.json": found,
+    }
+    written = figures.write_folder(out, files, draw)
+    if json_output:
+        print_json(found)
+        return
+    console = printer()
+    show(console, mission_parts(dataset))
+    figures.tell(console, written, "add --out FOLDER to write figures and data")

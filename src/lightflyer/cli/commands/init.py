@@ -13,24 +13,12 @@ _PREFIX, _SUFFIX = "flyer-", ".toml"
 
 
 class Template(NamedTuple):
-    """A commented file that comes with the package.
+    """A commented file that comes with the package."""
 
-    Attributes
-    ----------
-    source : str
-        Its name in ``data/``.
-    name : str
-        Name under which it is written where none is given.
-    following : tuple of str
-        Commands that use it; ``{}`` stands for its path.
-    changes : tuple of (str, str)
-        Texts of the source, and what stands in their place.
-    """
-
-    source: str
-    name: str
-    following: tuple[str, ...]
-    changes: tuple[tuple[str, str], ...] = ()
+    source: str  #: Its name in ``data/``
+    name: str  #: Name under which it is written where none is given
+    following: tuple[str, ...]  #: Commands that use it; ``{}`` stands for its path
+    changes: tuple[tuple[str, str], ...] = ()  #: Texts of the source, and what replaces them
 
     @property
     def is_flyer(self) -> bool:

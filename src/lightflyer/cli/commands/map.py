@@ -5,13 +5,11 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.output import printer
 from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import xarray as xr
     from matplotlib.figure import Figure
 
@@ -65,7 +63,7 @@ def map_command(
         console.print("the sweep is not finished; missing designs are left blank", soft_wrap=True)
     sliced, chosen = choose_slice(dataset, output, fields, _parse_places(at))
     names = [*fields, output]
-    written = _write(out, lambda: _draw(dataset, sliced, names, pareto=pareto), figures)
+    written = figures.write_folder(out, {}, lambda: _draw(dataset, sliced, names, pareto=pareto))
     for name, (number, unit) in chosen.items():
         console.print(f"at {name} {amount(number, unit)}")
     figures.tell(console, written)
@@ -106,13 +104,3 @@ def _draw(
             )
         figures[f"{output}-pareto"] = fronts
     return figures
-
-
-def _write(
-    out: Path, draw: "Callable[[], dict[str, Figure]]", figures: FigureOptions
-) -> list[Path]:
-    from lightflyer.core.atomic_files import output_directory
-
-    with output_directory(out) as stage:
-        names = figures.write(stage, draw)
-    return [out / name for name in names]

@@ -58,7 +58,7 @@ def materials_command(
 
 def _describe(one: "Medium") -> dict[str, Any]:
     from lightflyer.film.media.library import ALIASES
-    from lightflyer.film.media.materials import MICROMETRE
+    from lightflyer.film.media.medium import MICROMETRE
 
     tac = getattr(one, "tac", None)
     return {
@@ -83,7 +83,7 @@ def _words(entry: dict[str, Any]) -> set[str]:
 def _page(page: "DatabasePage") -> dict[str, Any]:
     """What is known of a page, as JSON."""
     from lightflyer.film.media.database import page_details
-    from lightflyer.film.media.materials import MICROMETRE
+    from lightflyer.film.media.medium import MICROMETRE
 
     details = page_details(page)
     return {

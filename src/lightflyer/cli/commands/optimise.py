@@ -3,14 +3,15 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
-from lightflyer.cli.output import print_json, printer, say, show, write_json
+from lightflyer.cli.output import print_json, printer, say, show
 from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from lightflyer.search.front import Front
     from lightflyer.search.optimiser import Optimum
+
+_JSON = "optimum.json"
 
 
 def optimise_command(
@@ -47,19 +48,21 @@ def optimise_command(
         from lightflyer.config.update import require_free
 
         require_free(write)
-    console, written = printer(), []
+    console = printer()
     if len(problem.objectives) > 1:
         if write is not None:
             raise ConfigurationError("--write: several objectives have no single best design")
         front = pareto(problem)
         summary = front.summary()
-        written = _write(out, front, "front", figures)
+        written = figures.write_folder(out, {_JSON: summary}, lambda: {"front": front.plot()})
         if not json_output:
             show(console, front.text_parts())
     else:
         optimum = optimise(problem)
         summary = optimum.summary()
-        written = _write(out, optimum, "elasticities", figures)
+        written = figures.write_folder(
+            out, {_JSON: summary}, lambda: {"elasticities": optimum.plot()}
+        )
         if not json_output:
             show(console, optimum.text_parts())
             show(console, optimum.prediction.text_parts())
@@ -86,18 +89,3 @@ def _write_flyer(path: Path, study_file: Path, optimum: "Optimum") -> None:
         if name != coordinate
     }
     write_design(path, problem.design.text, found, f"lightflyer optimise {study_file.name}")
-
-
-def _write(
-    out: Path | None, found: "Optimum | Front", title: str, figures: FigureOptions
-) -> list[Path]:
-    """The result, and its figure under a title."""
-    if out is None:
-        return []
-    from lightflyer.core.atomic_files import output_directory
-
-    names = ["optimum.json"]
-    with output_directory(out) as stage:
-        write_json(stage("optimum.json"), found.summary())
-        names += figures.write(stage, lambda: {title: found.plot()})
-    return [out / name for name in names]

@@ -1,15 +1,11 @@
 """``lightflyer sensitivity``: which uncertain property matters most."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
-from lightflyer.cli.output import print_json, printer, show, write_json
+from lightflyer.cli.output import print_json, printer, show
 from lightflyer.files.result_text import warning_lines
-
-if TYPE_CHECKING:
-    from lightflyer.search.sobol import Indices
 
 
 def sensitivity_command(
@@ -40,7 +36,11 @@ def sensitivity_command(
     study = read_sensitivity_study(study_file)
     results = sensitivity(study)
     summary = {found.output: found.summary() for found in results}
-    written = [] if out is None else _write(out, summary, results, figures)
+    written = figures.write_folder(
+        out,
+        {"sensitivity.json": summary},
+        lambda: {f"{found.output}-tornado": found.plot() for found in results},
+    )
     if json_output:
         print_json(summary)
         return
@@ -58,18 +58,3 @@ def sensitivity_command(
             )
     show(console, warning_lines(study.design.sampling_warnings))
     figures.tell(console, written)
-
-
-def _write(
-    out: Path, summary: dict[str, Any], results: "list[Indices]", figures: FigureOptions
-) -> list[Path]:
-    from lightflyer.core.atomic_files import output_directory
-    from lightflyer.search.figures import tornado_figure
-
-    names = ["sensitivity.json"]
-    with output_directory(out) as stage:
-        write_json(stage("sensitivity.json"), summary)
-        names += figures.write(
-            stage, lambda: {f"{found.output}-tornado": tornado_figure(found) for found in results}
-        )
-    return [out / name for name in names]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from lightflyer.study.study import Study
     from lightflyer.sweeps.explore import BestDesign
-    from lightflyer.sweeps.outcome import SweepReport
+    from lightflyer.sweeps.run import SweepReport
 
 
 def sweep_command(

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.core.units import Measured
-    from lightflyer.files.table import Rejected
     from lightflyer.files.table import Table as LabTable
+    from lightflyer.files.table_rows import Rejected
     from lightflyer.lab.estimate import Estimate
 
 Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]

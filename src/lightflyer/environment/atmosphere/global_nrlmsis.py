@@ -175,7 +175,6 @@ class GlobalNRLMSIS(AbstractAtmosphere):
         return 0.0, _TOP
 
     def describe(self) -> str:
-        """See :meth:`AbstractAtmosphere.describe`."""
         return f"atmosphere: NRLMSIS 2.1 by place and time, {self.indices.describe()}"
 
     def _fields(self, altitude: Numeric, place: Place | None) -> tuple[Array, Array, Array]:
@@ -199,7 +198,6 @@ class GlobalNRLMSIS(AbstractAtmosphere):
 
     @entry_point
     def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:
-        """Temperature [K]."""
         return self._nan_outside(altitude, self._fields(altitude, place)[0])
 
     @entry_point

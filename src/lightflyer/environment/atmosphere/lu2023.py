@@ -66,18 +66,15 @@ class Lu2023Atmosphere(AbstractAtmosphere):
         return 0.0, _TOP
 
     def describe(self) -> str:
-        """See :meth:`AbstractAtmosphere.describe`."""
         return "atmosphere: the polynomial of Lu and others (2023), the same everywhere and always"
 
     @entry_point
     def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
-        """Temperature [K]."""
         altitude_km = altitude / _METRES_PER_KILOMETRE
         return self._nan_outside(altitude, 1.0 / jnp.polyval(_INVERSE_TEMPERATURE, altitude_km))
 
     @entry_point
     def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
-        """Pressure [Pa]."""
         altitude_km = altitude / _METRES_PER_KILOMETRE
         integral = _METRES_PER_KILOMETRE * jnp.polyval(_INTEGRAL, altitude_km)
         exponent = constants.GRAVITY_LU2023 / constants.GAS_CONSTANT_LU2023 * integral

@@ -143,7 +143,6 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
         return 0.0, self.top
 
     def describe(self) -> str:
-        """See :meth:`AbstractAtmosphere.describe`."""
         return (
             f"atmosphere: {self.name}, {span(self.surface_pressure)} Pa at altitude 0, "
             f"{span(self.temperature_offset)} K added, the same everywhere and always"
@@ -151,12 +150,10 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
 
     @entry_point
     def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
-        """Temperature [K]."""
         return self._nan_outside(altitude, self.profile(altitude) + self.temperature_offset)
 
     @entry_point
     def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
-        """Pressure [Pa]."""
         exponent = self.molar_mass / _GAS_CONSTANT * self._weight_over_temperature(altitude)
         return self._nan_outside(altitude, self.surface_pressure * jnp.exp(-exponent))
 

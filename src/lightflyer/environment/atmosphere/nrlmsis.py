@@ -154,7 +154,6 @@ class NRLMSIS(AbstractAtmosphere):
         self.place, self.indices = Place.at(date, latitude, longitude), indices
 
     def describe(self) -> str:
-        """See :meth:`AbstractAtmosphere.describe`."""
         return f"atmosphere: NRLMSIS 2.1, {self.place.describe()}, {self.indices.describe()}"
 
     @property
@@ -164,7 +163,6 @@ class NRLMSIS(AbstractAtmosphere):
 
     @entry_point
     def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
-        """Temperature [K]."""
         return self._nan_outside(altitude, self.kinetic_temperature(altitude))
 
     @entry_point

@@ -177,22 +177,18 @@ class US1976(AbstractAtmosphere):
         return 0.0, _TOP
 
     def describe(self) -> str:
-        """See :meth:`AbstractAtmosphere.describe`."""
         return "atmosphere: US Standard Atmosphere 1976, the same everywhere and always"
 
     @entry_point
     def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
-        """Kinetic temperature [K]."""
         return self._nan_outside(altitude, _temperature(altitude))
 
     @entry_point
     def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
-        """Pressure [Pa]."""
         return self._nan_outside(altitude, _pressure(altitude))
 
     @entry_point
     def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
-        """Mean molar mass over its value at sea level [1]."""
         return self._nan_outside(altitude, _molar_mass_ratio(altitude))
 
     @entry_point

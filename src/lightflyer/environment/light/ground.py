@@ -4,25 +4,15 @@ import abc
 from typing import Final
 
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from lightflyer.core import constants
-from lightflyer.core.checks import is_traced
-from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked, Fraction, Irradiance
 from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
 from lightflyer.program.entry_point import entry_point
-
-
-def require_data(margins: dict[str, Numeric]) -> None:
-    """Raise :class:`ParameterError` if any concrete margin is negative."""
-    for beyond, margin in margins.items():
-        if not is_traced(margin) and np.any(np.less(margin, 0.0)):
-            raise ParameterError(beyond)
 
 
 class AbstractGround(Checked):
@@ -33,42 +23,16 @@ class AbstractGround(Checked):
 
     @abc.abstractmethod
     def albedo_at(self, place: Place) -> Array:
-        """Share of sunlight that leaves again, evenly in all directions [1].
-
-        Parameters
-        ----------
-        place : Place
-
-        Returns
-        -------
-        array, shape (...)
-        """
+        """Share of sunlight that leaves again, evenly in all directions [1], shape (...)."""
 
     @abc.abstractmethod
     def infrared_at(self, place: Place) -> Array:
-        """Heat radiation that leaves the planet [W/m²].
-
-        Parameters
-        ----------
-        place : Place
-
-        Returns
-        -------
-        array, shape (...)
-        """
+        """Heat radiation that leaves the planet [W/m²], shape (...)."""
 
     def margins(self, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         """How far the data still reach, for what integrates along a path.
 
-        Parameters
-        ----------
-        place : Place
-
-        Returns
-        -------
-        dict of str to array
-            By what is beyond the end, in words, the distance to the end: positive where there are
-            data, negative where there are none. Empty for a ground without ends, the default.
+        By what is beyond the end, in words, the distance to it: negative where there are no data.
         """
         return {}
 
@@ -92,15 +56,12 @@ class UniformGround(AbstractGround):
     infrared: Irradiance = EARTH_INFRARED
 
     def albedo_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.albedo_at`."""
         return _everywhere(self.albedo, place)
 
     def infrared_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.infrared_at`."""
         return _everywhere(self.infrared, place)
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractGround.describe`."""
         return (
             f"albedo: {span(self.albedo)} everywhere",
             f"infrared from below: {span(self.infrared)} W/m² everywhere",
@@ -143,15 +104,12 @@ class Knocke1988Ground(AbstractGround):
     """
 
     def albedo_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.albedo_at`."""
         return _zonal(_ALBEDO, place)
 
     def infrared_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.infrared_at`."""
         return _OF_SUN * constants.TOTAL_SOLAR_IRRADIANCE * _zonal(_EMISSIVITY, place)
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractGround.describe`."""
         return (
             "albedo: zonal means with seasons of Knocke and others (1988)",
             "infrared from below: zonal means with seasons of Knocke and others (1988)",

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.core.checks import is_traced
+from lightflyer.core.checks import is_traced, require_data
 from lightflyer.core.clock import EPOCH, dates_of
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Fraction, Irradiance, quantity_of
@@ -15,7 +15,7 @@ from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
 from lightflyer.core.units import scale_and_offset
 from lightflyer.environment.base import Place
-from lightflyer.environment.light.ground import AbstractGround, UniformGround, require_data
+from lightflyer.environment.light.ground import AbstractGround, UniformGround
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
 
@@ -103,13 +103,11 @@ class GriddedGround(AbstractGround):
         self.otherwise = UniformGround() if otherwise is None else otherwise
 
     def albedo_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.albedo_at`."""
         if self.albedo is None:
             return self.otherwise.albedo_at(place)
         return jnp.clip(self._value(self.albedo, place), 0.0, 1.0)
 
     def infrared_at(self, place: Place) -> Array:
-        """See :meth:`AbstractGround.infrared_at`."""
         if self.infrared is None:
             return self.otherwise.infrared_at(place)
         return jnp.maximum(self._value(self.infrared, place), 0.0)
@@ -130,7 +128,6 @@ class GriddedGround(AbstractGround):
         return found
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractGround.describe`."""
         other = dict(zip(_KINDS, self.otherwise.describe(), strict=True))
         told = {"albedo": "albedo", "infrared": "infrared from below"}
         return tuple(

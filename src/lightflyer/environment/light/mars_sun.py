@@ -57,7 +57,6 @@ class MarsSun(AbstractSun):
     """The sun of Mars; see :func:`sun_from_mars`."""
 
     def position(self, time: Numeric) -> SunPosition:
-        """See :meth:`AbstractSun.position`."""
         return sun_from_mars(time)
 
 
@@ -71,13 +70,7 @@ def solar_longitude(time: Numeric) -> Array:
 
 @entry_point
 def sun_from_mars(time: Numeric) -> SunPosition:
-    """Direction and distance of the sun from the centre of Mars.
-
-    Examples
-    --------
-    >>> print(f"{float(sun_from_mars(0.0).distance) / 1.495978707e11:.4f} au")
-    1.3911 au
-    """
+    """Direction and distance of the sun from the centre of Mars."""
     # Within 0.03° and 2e-4 of the distance between 2000 and 2050, most of it because UTC has leap
     # seconds. Differentiable.
     #
@@ -120,18 +113,7 @@ def _sines(amplitudes: tuple[float, ...], angle: Array) -> Array:
 
 @entry_point
 def distance_in_season(longitude: Numeric) -> Array:
-    r"""Distance of Mars from the sun by season [au].
-
-    Examples
-    --------
-    Sunlight at perihelion and at aphelion:
-
-    >>> for degrees in (PERIHELION, PERIHELION - 180.0):
-    ...     distance = distance_in_season(np.radians(degrees))
-    ...     print(f"{1361.0 / distance**2:.0f} W/m²")
-    713 W/m²
-    490 W/m²
-    """
+    """Distance of Mars from the sun by season [au]."""
     # .. math:: r = \frac{a(1-e^2)}{1 + e\cos(L_s - L_p)}
     past_perihelion = longitude - PERIHELION * RADIANS_PER_DEGREE
     focal = MARS_SEMI_MAJOR_AXIS * (1.0 - MARS_ECCENTRICITY**2)

@@ -11,6 +11,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core import constants
+from lightflyer.core.checks import require_data
 from lightflyer.core.quantity import Checked, Irradiance
 from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
@@ -22,7 +23,7 @@ from lightflyer.environment.horizon import (
     lit_ground,
     visible_share,
 )
-from lightflyer.environment.light.ground import AbstractGround, UniformGround, require_data
+from lightflyer.environment.light.ground import AbstractGround, UniformGround
 from lightflyer.environment.light.sun import AbstractSun, EarthSun, SunInSky, sun_in_sky
 from lightflyer.environment.light.sun_table import TabulatedSun
 from lightflyer.environment.planet import EARTH_PLANET, Planet
@@ -41,40 +42,13 @@ class AbstractSky(eqx.Module):
 
     @abc.abstractmethod
     def radiation(self, altitude: Numeric, place: Place) -> Radiation:
-        """Light and heat radiation.
+        """Light and heat radiation at a geometric altitude [m], with the view factor to the ground.
 
-        Parameters
-        ----------
-        altitude : array, shape (...)
-            Geometric altitude [m].
-        place : Place
-            Broadcasts with the altitude.
-
-        Returns
-        -------
-        Radiation
-            With the view factor to the ground; NaN where data end and the place is traced.
-
-        Raises
-        ------
-        ParameterError
-            If the place is concrete and beyond the data.
+        Beyond the data a concrete place raises :class:`ParameterError`; a traced one gives NaN.
         """
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
-        """How far the data still reach; see :meth:`AbstractGround.margins`.
-
-        Parameters
-        ----------
-        altitude : array, shape (...)
-            [m].
-        place : Place
-
-        Returns
-        -------
-        dict of str to array
-            Empty for a sky without ends, the default.
-        """
+        """How far the data still reach at an altitude [m]; see :meth:`AbstractGround.margins`."""
         return {}
 
     @abc.abstractmethod
@@ -88,12 +62,8 @@ class LightHours(NamedTuple):
     #: The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01 12:00
     #: UTC]. The first and the last are NaN where the sun does not rise or set
     first: Array
-    #: The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01 12:00
-    #: UTC]. The first and the last are NaN where the sun does not rise or set
-    noon: Array
-    #: The sun's centre rises past the horizon, stands highest, and sets [s since 2000-01-01 12:00
-    #: UTC]. The first and the last are NaN where the sun does not rise or set
-    last: Array
+    noon: Array  #: As ``first``
+    last: Array  #: As ``first``
     #: Of a day with the sun as at noon, with light [1]; one without night, zero without day
     share: Array
 
@@ -127,7 +97,6 @@ class Daylight(AbstractSky, Checked):
     infrared_above: Irradiance | None = SKY_INFRARED
 
     def radiation(self, altitude: Numeric, place: Place) -> Radiation:
-        """See :meth:`AbstractSky.radiation`."""
         require_data(self.ground.margins(place))
         return _daylight(self, altitude, place)
 
@@ -185,7 +154,6 @@ class Daylight(AbstractSky, Checked):
         return angle, -above / (jnp.cos(place.latitude) * jnp.hypot(x, y))
 
     def assumptions(self) -> tuple[str, ...]:
-        """See :meth:`AbstractSky.assumptions`."""
         heat = (
             "black surroundings at the gas temperature"
             if self.infrared_above is None
@@ -224,13 +192,7 @@ def _daylight(sky: Daylight, altitude: Numeric, place: Place) -> Radiation:
 
 
 def describe_shadow(altitudes: np.ndarray, visible: np.ndarray | None) -> tuple[str, ...]:
-    """Which altitudes the planet's shadow covers, in words; ``altitudes`` (n,).
-
-    Examples
-    --------
-    >>> describe_shadow(np.array([60e3, 70e3, 80e3]), np.array([0.0, 0.4, 1.0]))
-    ('shadow: no sun up to 60.0 km, all of it from 80.0 km',)
-    """
+    """Which altitudes the planet's shadow covers, in words; ``altitudes`` (n,)."""
     if visible is None or np.all(visible >= 1.0):
         return ()
     dark, full = altitudes[visible <= 0.0], altitudes[visible >= 1.0]

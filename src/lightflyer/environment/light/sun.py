@@ -80,19 +80,12 @@ _ABERRATION = -20.4898  # at one astronomical unit ["]; [Meeus1998]_ Eq. (25.10)
 
 
 class SunPosition(NamedTuple):
-    """Where the sun is, seen from a planet's centre.
+    """Where the sun is, seen from a planet's centre."""
 
-    Attributes
-    ----------
-    direction : array, shape (..., 3)
-        Unit vector in the frame that turns with the planet: its third axis is the rotation's, its
-        first points to where equator and prime meridian meet.
-    distance : array, shape (...)
-        [m].
-    """
-
+    #: shape (..., 3); unit vector in the frame that turns with the planet: its third axis is the
+    #: rotation's, its first points to where equator and prime meridian meet
     direction: Array
-    distance: Array
+    distance: Array  #: shape (...) [m]
 
 
 class SunInSky(NamedTuple):
@@ -108,29 +101,10 @@ class AbstractSun(eqx.Module):
 
     @abc.abstractmethod
     def position(self, time: Numeric) -> SunPosition:
-        """Direction and distance of the sun.
-
-        Parameters
-        ----------
-        time : array, shape (...)
-            Seconds since 2000-01-01 12:00 UTC [s].
-
-        Returns
-        -------
-        SunPosition
-        """
+        """Direction and distance of the sun; ``time``: since 2000-01-01 12:00 UTC [s]."""
 
     def seen_from(self, place: Place) -> SunInSky:
-        """Where the sun stands in the sky of a place.
-
-        Parameters
-        ----------
-        place : Place
-
-        Returns
-        -------
-        SunInSky
-        """
+        """Where the sun stands in the sky of a place."""
         found = self.position(place.time)
         return sun_in_sky(found, place.latitude, place.longitude)
 
@@ -150,21 +124,12 @@ class EarthSun(AbstractSun):
     """
 
     def position(self, time: Numeric) -> SunPosition:
-        """See :meth:`AbstractSun.position`."""
         return sun_from_earth(time)
 
 
 @entry_point
 def sun_from_earth(time: Numeric) -> SunPosition:
-    """Apparent direction and distance of the sun from the centre of Earth.
-
-    Examples
-    --------
-    The perihelion of 2024, on 3 January:
-
-    >>> print(f"{float(sun_from_earth(757_600_000.0).distance) / 1.495978707e11:.4f} au")
-    0.9833 au
-    """
+    """Apparent direction and distance of the sun from the centre of Earth."""
     # Between 1950 and 2050 within 0.002° and 3e-5 of the distance of the full theory of the
     # International Astronomical Union. Earth's rotation is taken from UTC, which since 1972 differs
     # from it by at most 0.9 s, or 0.004°. Differentiable.

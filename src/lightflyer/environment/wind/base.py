@@ -5,10 +5,8 @@ from functools import reduce
 
 import equinox as eqx
 import jax.numpy as jnp
-import numpy as np
 
-from lightflyer.core.checks import is_traced
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.checks import is_traced, require_data
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.program.entry_point import entry_point
@@ -24,50 +22,24 @@ class AbstractWind(eqx.Module):
 
     @abc.abstractmethod
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
-        """Velocity of the gas.
+        """Velocity of the gas at a geometric altitude [m].
 
-        Parameters
-        ----------
-        altitude : array, shape (...)
-            Geometric altitude [m].
-        place : Place
-            Broadcasts with the altitude.
-
-        Returns
-        -------
-        Wind
-            Where the arguments are traced, NaN where a margin is negative.
-
-        Raises
-        ------
-        ParameterError
-            If arguments are concrete and a margin is negative.
+        Where a margin is negative, concrete arguments raise :class:`ParameterError`, traced ones
+        give NaN.
         """
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
-        """How far the wind still reaches, for what integrates along a path.
+        """How far the wind still reaches, for what integrates along a path; ``altitude`` [m].
 
-        Parameters
-        ----------
-        altitude : array, shape (...)
-            [m].
-        place : Place
-
-        Returns
-        -------
-        dict of str to array
-            By what is beyond the end, in words, the distance to the end: positive where there is
-            wind, negative where there is none, in a unit in which ends compare (1 h, 1°, 2 km).
-            Empty for a wind without ends, the default.
+        By what is beyond the end, in words, the distance to it: negative where there is no wind, in
+        a unit in which ends compare (1 h, 1°, 2 km).
         """
         return {}
 
     def _within(self, altitude: Numeric, place: Place, wind: Wind) -> Wind:
         """A wind where there is one: else an error, or NaN where that cannot be known yet."""
         margins = self.margins(altitude, place)
-        for beyond, margin in margins.items():
-            if not is_traced(margin) and np.any(np.less(margin, 0.0)):
-                raise ParameterError(beyond)
+        require_data(margins)
         return _where_reached(wind, tuple(margins.values())) if is_traced(margins) else wind
 
     @abc.abstractmethod

@@ -41,14 +41,7 @@ _CENTRIFUGAL = 0.00344978650684
 
 @entry_point
 def balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: Numeric) -> Any:
-    r"""Angular velocity of a zonal wind in gradient balance [rad/s]; ``forcing`` [1/s²].
-
-    Examples
-    --------
-    >>> planet = 7.292115e-5
-    >>> print(f"{balanced_rotation(1e-10, 0.7, planet) / planet:.4f}")
-    -0.0135
-    """
+    """Angular velocity of a zonal wind in gradient balance [rad/s]; ``forcing`` [1/s²]."""
     # .. math::
     #
     #     \omega = -\frac{\Omega A}{1 + \sqrt{1 - A}}, \qquad
@@ -148,11 +141,9 @@ class GradientWind(AbstractWind):
         self.altitudes = Axis(_ALTITUDES)
 
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
-        """See :meth:`AbstractWind.velocity`."""
         return self._within(altitude, place, _velocity(self, altitude, place))
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
-        """See :meth:`AbstractWind.margins`."""
         from_equator = abs(place.latitude) - NEAREST_EQUATOR
         return {
             _EQUATOR: from_equator / RADIANS_PER_DEGREE,
@@ -160,7 +151,6 @@ class GradientWind(AbstractWind):
         }
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractWind.describe`."""
         return (
             "wind: gradient wind of NRLMSIS 2.1, mean over longitude and day, without tides, waves "
             "and weather, nothing towards the north or up",

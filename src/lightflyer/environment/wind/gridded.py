@@ -119,13 +119,11 @@ class GriddedWind(AbstractWind):
             raise ConfigurationError(f"{path}: {error}") from None
 
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
-        """See :meth:`AbstractWind.velocity`."""
         level, longitude = self._level(altitude, place), self._longitude(place)
         wind = _interpolate(self.table, self.axes, level, place, longitude)
         return self._within(altitude, place, wind)
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
-        """See :meth:`AbstractWind.margins`."""
         time, level, latitude, longitude = self.reaches
         found: dict[str, Numeric] = {}
         if time[0] != time[1]:
@@ -160,7 +158,6 @@ class GriddedWind(AbstractWind):
         return f"{np.exp(-low):.4g} Pa", f"{np.exp(-high):.4g} Pa"
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractWind.describe`."""
         levels = " to ".join(self._level_names())
         return (f"wind: data, {self._period()}, {levels}{self._upwards()}",)
 

@@ -92,15 +92,12 @@ class HWM14(AbstractWind):
         self.pieces, self.heights = _pieces(knots, levels)
 
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
-        """See :meth:`AbstractWind.velocity`."""
         return self._within(altitude, place, _velocity(self, altitude, place))
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
-        """See :meth:`AbstractWind.margins`."""
         return {_ABOVE: (HIGHEST - altitude) / _TWO_KILOMETRES}
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractWind.describe`."""
         return ("wind: HWM14, quiet, without weather, nothing upwards",)
 
 

@@ -63,7 +63,6 @@ class UniformWindSection(WindSection, of=UniformWind):
         atmosphere: AbstractAtmosphere,  # noqa: ARG002
         indices: Indices | None,  # noqa: ARG002
     ) -> AbstractWind:
-        """A uniform wind."""
         wind: UniformWind = self.make(up=0.0)
         return wind
 
@@ -83,14 +82,12 @@ class GradientWindSection(WindSection):
         atmosphere: AbstractAtmosphere,  # noqa: ARG002
         indices: Indices | None,
     ) -> AbstractWind:
-        """A gradient wind."""
         given = self.indices or indices
         if given is None:
             raise ConfigurationError(_NO_ACTIVITY)
         return GradientWind(GlobalNRLMSIS(**given._asdict()))
 
     def require(self, indices: Indices | None) -> None:
-        """See :meth:`WindSection.require`."""
         if self.indices is None and indices is None:
             raise ConfigurationError(_NO_ACTIVITY)
 
@@ -127,7 +124,6 @@ class DataWindSection(WindSection):
         atmosphere: AbstractAtmosphere,
         indices: Indices | None,  # noqa: ARG002
     ) -> AbstractWind:
-        """Wind from the file."""
         return GriddedWind(_grid(self.file), atmosphere)
 
 
@@ -149,7 +145,6 @@ class Hwm14WindSection(WindSection):
         atmosphere: AbstractAtmosphere,  # noqa: ARG002
         indices: Indices | None,  # noqa: ARG002
     ) -> AbstractWind:
-        """HWM14."""
         return HWM14(self.file)
 
 

@@ -34,11 +34,9 @@ class UniformWind(Checked, AbstractWind):
     up: Velocity = 0.0
 
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
-        """See :meth:`AbstractWind.velocity`."""
         return _uniform((self.east, self.north, self.up), (altitude, *place))
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractWind.describe`."""
         parts = {"east": self.east, "north": self.north, "up": self.up}
         told = [f"{span(part)} m/s {name}" for name, part in parts.items() if np.any(part)]
         return (f"wind: {', '.join(told)}, everywhere" if told else "wind: none",)
@@ -66,7 +64,6 @@ class SumOfWinds(AbstractWind):
         self.winds = winds
 
     def velocity(self, altitude: Numeric, place: Place) -> Wind:
-        """See :meth:`AbstractWind.velocity`."""
         return _sum(tuple(wind.velocity(altitude, place) for wind in self.winds))
 
     def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:

@@ -35,16 +35,13 @@ class Compound(Medium):
 
     @property
     def usable_range(self) -> tuple[float, float]:
-        """See :attr:`Medium.usable_range`."""
         return _common(part.usable_range for part in self.parts)
 
     @property
     def source(self) -> str:
-        """Where n and k come from."""
         return "; ".join(dict.fromkeys(part.source for part in self.parts))
 
     def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
-        """See :meth:`Medium.extrapolated`."""
         found = (text for part in self.parts for text in part.extrapolated(shortest, longest))
         return tuple(dict.fromkeys(found))
 

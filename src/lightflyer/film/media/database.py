@@ -108,13 +108,7 @@ def _plain(text: str) -> str:
 
 
 def database_page(name: str) -> DatabasePage:
-    """A page by its name.
-
-    Examples
-    --------
-    >>> database_page("cr/johnson").title
-    'Johnson and Christy 1974: n,k 0.188–1.937 µm'
-    """
+    """A page by its name."""
     name = " ".join(name.split())
     wanted = _key(_from_address(name))
     known = {_key(one): page for one, page in database_pages().items()}

@@ -41,14 +41,7 @@ _NEAR_GAP = 1e-150  # relative: at the gap itself x² ln|x| is zero
 def lorentz(
     energy: Numeric, strength: Numeric, centre: Numeric, broadening: Numeric
 ) -> tuple[Numeric, Numeric]:
-    r"""Permittivity of a damped oscillator; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2.
-
-    Examples
-    --------
-    >>> real, imaginary = lorentz(1e-24, 2.0, 3e-19, 1e-20)
-    >>> print(f"{real:.4f} {imaginary:.4f}")
-    2.0000 0.0000
-    """
+    """Permittivity of a damped oscillator; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2."""
     # .. math:: \varepsilon = \frac{f E_0^2}{E_0^2-E^2-i\Gamma E}
     below = centre**2 - energy**2
     width = broadening * energy
@@ -58,14 +51,7 @@ def lorentz(
 
 @entry_point
 def drude(energy: Numeric, plasma: Numeric, broadening: Numeric) -> tuple[Numeric, Numeric]:
-    r"""Permittivity of free carriers; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2.
-
-    Examples
-    --------
-    >>> real, imaginary = drude(1.6e-19, 1.6e-19, 1e-22)
-    >>> print(f"{real:.4f}")
-    -1.0000
-    """
+    """Permittivity of free carriers; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2."""
     # .. math:: \varepsilon = -\frac{E_p^2}{E^2+i\Gamma E}
     scale = plasma**2 / (energy**2 + broadening**2)
     return -scale, scale * broadening / energy
@@ -75,15 +61,7 @@ def drude(energy: Numeric, plasma: Numeric, broadening: Numeric) -> tuple[Numeri
 def tauc_lorentz(
     energy: Numeric, amplitude: Numeric, centre: Numeric, broadening: Numeric, gap: Numeric
 ) -> tuple[Numeric, Numeric]:
-    r"""Permittivity of an amorphous semiconductor or insulator between its bands.
-
-    Examples
-    --------
-    >>> eV = 1.602176634e-19
-    >>> real, imaginary = tauc_lorentz(2.0 * eV, 122 * eV, 3.45 * eV, 2.54 * eV, 1.2 * eV)
-    >>> print(f"{imaginary:.3f}")
-    3.876
-    """
+    """Permittivity of an amorphous semiconductor or insulator between its bands."""
     # .. math::
     #     \varepsilon_2 = \frac{A E_0 C (E-E_g)^2}{(E^2-E_0^2)^2+C^2E^2}\,\frac1E
     #     \quad(E>E_g),\qquad 0\quad(E\le E_g),
@@ -152,7 +130,6 @@ class Lorentz(Term):
     broadening: PhotonEnergy
 
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        """See :meth:`Term.permittivity`."""
         return lorentz(energy, self.strength, self.energy, self.broadening)
 
 
@@ -169,7 +146,6 @@ class Drude(Term):
     broadening: PhotonEnergy
 
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        """See :meth:`Term.permittivity`."""
         return drude(energy, self.plasma, self.broadening)
 
 
@@ -199,7 +175,6 @@ class TaucLorentz(Term):
             raise ParameterError("broadening of a Tauc-Lorentz term must be below twice its energy")
 
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        """See :meth:`Term.permittivity`."""
         return tauc_lorentz(energy, self.amplitude, self.energy, self.broadening, self.gap)
 
 
@@ -249,8 +224,7 @@ class Formula(Medium):
     density_source: str = eqx.field(static=True, default="")
     #: Wavelengths at which the formula was fitted [m]; by default it is taken to hold at all
     shortest: float = eqx.field(static=True, default=0.0)
-    #: Wavelengths at which the formula was fitted [m]; by default it is taken to hold at all
-    longest: float = eqx.field(static=True, default=np.inf)
+    longest: float = eqx.field(static=True, default=np.inf)  #: As ``shortest``
     #: Policy outside of them. ``hold`` goes on with the formula
     extrapolation: Extrapolation = eqx.field(static=True, default=Extrapolation.ERROR)
     #: Where the parameters come from
@@ -274,13 +248,11 @@ class Formula(Medium):
 
     @property
     def usable_range(self) -> tuple[float, float]:
-        """See :attr:`Medium.usable_range`."""
         extrapolates = self.extrapolation is not Extrapolation.ERROR
         return (0.0, np.inf) if extrapolates else self.wavelength_range
 
     @property
     def source(self) -> str:
-        """Where n and k come from."""
         return self.origin
 
     @property
@@ -296,29 +268,24 @@ class Formula(Medium):
         return tuple(found)
 
     def with_extrapolation(self, policy: Extrapolation | str) -> "Formula":
-        """See :meth:`Medium.with_extrapolation`."""
         return self._with(extrapolation=Extrapolation.of(policy))
 
     def with_density(self, density: Numeric) -> "Formula":
-        """See :meth:`Medium.with_density`."""
         return self._with(density=density, density_source="given by the user")
 
     def _with(self, **changes: Any) -> "Formula":
         return dataclasses.replace(self, **changes)
 
     def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
-        """See :meth:`Medium.extrapolated`."""
         if self.extrapolation is Extrapolation.ERROR or np.all(self.covers([shortest, longest])):
             return ()
         return (f"{self.name}: {self.extrapolation} beyond {self.describe_range(named=False)}",)
 
     def describe_range(self, *, named: bool = True) -> str:
-        """See :meth:`Medium.describe_range`."""
         text = super().describe_range(named=named)
         return text if self.longest < np.inf else text.partition(" to ")[0] + " and longer"
 
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
-        """See :meth:`Medium.index`."""
         wavelength = np.asarray(wavelength, float)
         if self.extrapolation is Extrapolation.ERROR:
             require_covered(self, wavelength)

@@ -116,14 +116,7 @@ def _eigenvalue(permittivity: Pair, pole: Pair, residue: Pair) -> Pair:
 def maxwell_garnett(
     n: Numeric, k: Numeric, fraction: Numeric, depolarisation: Numeric = SPHERES
 ) -> tuple[Numeric, Numeric]:
-    r"""Separate inclusions in a host; ``n``, ``k`` (parts, ...); ``fraction`` (parts, ...).
-
-    Examples
-    --------
-    >>> n, _ = maxwell_garnett([1.0, 1.5], [0.0, 0.0], [0.9, 0.1])
-    >>> print(f"{n:.4f}")
-    1.0445
-    """
+    """Separate inclusions in a host; ``n``, ``k`` (parts, ...); ``fraction`` (parts, ...)."""
     # .. math::
     #     \frac{\varepsilon}{\varepsilon_0}
     #     = 1+\frac{\sum_{i>0} f_i\langle a_{ij}\rangle_j}
@@ -153,14 +146,7 @@ def maxwell_garnett(
 def parallel(
     n: Numeric, k: Numeric, fraction: Numeric, depolarisation: Numeric = 0.0
 ) -> tuple[Numeric, Numeric]:
-    r"""Parts side by side along the field: the mean of the permittivities; [Markel2016]_.
-
-    Examples
-    --------
-    >>> n, _ = parallel([1.0, 1.5], [0.0, 0.0], [0.5, 0.5])
-    >>> print(f"{n:.4f}")
-    1.2748
-    """
+    """Parts side by side along the field: the mean of the permittivities; [Markel2016]_."""
     # Wiener's bound, which no arrangement of lossless parts exceeds.
     #
     # .. math:: \varepsilon=\sum_i f_i\varepsilon_i
@@ -173,14 +159,7 @@ def parallel(
 def series(
     n: Numeric, k: Numeric, fraction: Numeric, depolarisation: Numeric = 1.0
 ) -> tuple[Numeric, Numeric]:
-    r"""Parts one behind the other along the field: the harmonic mean of the permittivities.
-
-    Examples
-    --------
-    >>> n, _ = series([1.0, 1.5], [0.0, 0.0], [0.5, 0.5])
-    >>> print(f"{n:.4f}")
-    1.1767
-    """
+    """Parts one behind the other along the field: the harmonic mean of the permittivities."""
     # Wiener's bound, below which no arrangement of lossless parts is.
     #
     # .. math:: \frac1\varepsilon=\sum_i\frac{f_i}{\varepsilon_i}

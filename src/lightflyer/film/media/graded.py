@@ -83,11 +83,9 @@ class Graded(Compound):
 
     @property
     def sheets(self) -> tuple[Medium, ...]:
-        """See :attr:`Medium.sheets`."""
         return tuple(self._at((number + 0.5) / self.count) for number in range(self.count))
 
     def flipped(self) -> "Graded":
-        """The medium upside down."""
         return eqx.tree_at(lambda one: (one.top, one.bottom), self, (self.bottom, self.top))
 
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:

@@ -59,13 +59,7 @@ _NEEDED = "wavelength (or photon_energy, wavenumber, frequency), n and k (or eps
 
 
 def names_file(name: str) -> bool:
-    """Whether the name of a material is meant as a file.
-
-    Examples
-    --------
-    >>> names_file("my-film.csv"), names_file("runs.xlsx#May"), names_file("main/Ge/Nunley")
-    (True, True, False)
-    """
+    """Whether the name of a material is meant as a file."""
     return name.lower().endswith(SUFFIXES) or bool(_SHEET.search(name))
 
 

@@ -22,17 +22,6 @@ from lightflyer.core.units import Measured
 from lightflyer.film.media.material_csv import read_index_csv
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, require_covered
 
-__all__ = [
-    "GIVEN",
-    "MICROMETRE",
-    "Extrapolation",
-    "Material",
-    "Segment",
-    "material_from_csv",
-    "tabulated_material",
-    "vacuum",
-]
-
 GIVEN = "given by the user"
 
 ROOM_TEMPERATURES = (270.0, 320.0)  # Temperatures of samples that need no mention [K]
@@ -81,12 +70,10 @@ class Material(Medium):
 
     @property
     def wavelength_range(self) -> tuple[float, float]:
-        """Shortest and longest wavelength with data [m]."""
         return self.segments[0].shortest, self.segments[-1].longest
 
     @property
     def usable_range(self) -> tuple[float, float]:
-        """See :attr:`Medium.usable_range`."""
         extrapolates = self.extrapolation is not Extrapolation.ERROR
         return (0.0, np.inf) if extrapolates else self.wavelength_range
 
@@ -112,19 +99,15 @@ class Material(Medium):
 
     @property
     def source(self) -> str:
-        """Where n and k come from."""
         return "; ".join(segment.source for segment in self.segments)
 
     def with_extrapolation(self, policy: Extrapolation | str) -> "Material":
-        """See :meth:`Medium.with_extrapolation`."""
         return dataclasses.replace(self, extrapolation=Extrapolation.of(policy))
 
     def with_density(self, density: Numeric) -> "Material":
-        """The same material with another density [kg/m³]."""
         return dataclasses.replace(self, density=density, density_source=GIVEN)
 
     def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
-        """See :meth:`Medium.extrapolated`."""
         if self.extrapolation is Extrapolation.ERROR or np.all(self.covers([shortest, longest])):
             return ()
         return (f"{self.name}: {self.extrapolation} beyond {self.describe_range(named=False)}",)

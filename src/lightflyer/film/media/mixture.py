@@ -144,7 +144,6 @@ class Mixture(Compound):
         return "volume fractions of " + "; ".join(part.density_source for part in self.parts)
 
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
-        """See :meth:`Medium.index`."""
         n, k = indices(self.parts, np.asarray(wavelength, float))
         return self.rule.law(n, k, self.all_fractions, self._factors)
 

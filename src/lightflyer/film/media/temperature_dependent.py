@@ -80,7 +80,6 @@ class TemperatureDependentMedium(Compound):
         return next(known, self.parts[0].density_source)
 
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
-        """See :meth:`Medium.index`."""
         n, k = indices(self.parts, np.asarray(wavelength, float))
         return _interpolate(n, k, np.array(self.temperatures), self.temperature)
 

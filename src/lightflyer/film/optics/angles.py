@@ -30,15 +30,9 @@ class DirectionalShares(NamedTuple):
     #: shape (2, angles, m); of s and of p polarisation [1]; their sum is one. The absorptance for
     #: heat radiation is the directional emittance. The last axis is that of the temperatures
     reflectance: Numeric
-    #: shape (2, angles, m); of s and of p polarisation [1]; their sum is one. The absorptance for
-    #: heat radiation is the directional emittance. The last axis is that of the temperatures
-    transmittance: Numeric
-    #: shape (2, angles, m); of s and of p polarisation [1]; their sum is one. The absorptance for
-    #: heat radiation is the directional emittance. The last axis is that of the temperatures
-    absorptance: Numeric
-    #: shape (2, angles, m); of s and of p polarisation [1]; their sum is one. The absorptance for
-    #: heat radiation is the directional emittance. The last axis is that of the temperatures
-    scattered: Numeric
+    transmittance: Numeric  #: As ``reflectance``
+    absorptance: Numeric  #: As ``reflectance``
+    scattered: Numeric  #: As ``reflectance``
 
     def unpolarised(self) -> "DirectionalShares":
         """The mean of both polarisations, without their axis."""

@@ -13,7 +13,6 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
 from lightflyer.film.optics.integration import (
-    DIRECTIONS,
     POINTS_PER_E_FOLD,
     Grid,
     data_range,
@@ -25,22 +24,6 @@ from lightflyer.film.optics.integration import (
 )
 from lightflyer.film.optics.spectra import Spectrum, am0, blackbody_fraction
 from lightflyer.film.optics.stack import GRAZING, Film, Side
-
-__all__ = [
-    "DIRECTIONS",
-    "POINTS_PER_E_FOLD",
-    "Average",
-    "Shares",
-    "absorptance",
-    "emittance",
-    "emittance_curve",
-    "heat_shares",
-    "infrared_transmittance",
-    "light_shares",
-    "thermal_coverage",
-    "thermal_range",
-    "transmittance",
-]
 
 
 class Average(eqx.Module):
@@ -84,15 +67,9 @@ class Shares(NamedTuple):
     #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
     #: rough interfaces scatter is not followed: the film may absorb some of it
     absorptance: Average
-    #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
-    #: rough interfaces scatter is not followed: the film may absorb some of it
-    transmittance: Average
-    #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
-    #: rough interfaces scatter is not followed: the film may absorb some of it
-    reflectance: Average
-    #: Their values have the sum one. The absorptance for heat radiation is the emittance. What
-    #: rough interfaces scatter is not followed: the film may absorb some of it
-    scattered: Average
+    transmittance: Average  #: As ``absorptance``
+    reflectance: Average  #: As ``absorptance``
+    scattered: Average  #: As ``absorptance``
 
 
 def light_shares(
@@ -155,18 +132,6 @@ def absorptance(
     return light_shares(film, spectrum, incidence, side=side, diffuse=diffuse).absorptance
 
 
-def transmittance(
-    film: Film,
-    spectrum: Spectrum | None = None,
-    incidence: Numeric = 0.0,
-    *,
-    diffuse: bool = False,
-) -> Average:
-    """Share of unpolarised light that passes a film; see :func:`light_shares`."""
-    # At the same angle it is the same from both sides.
-    return light_shares(film, spectrum, incidence, diffuse=diffuse).transmittance
-
-
 def heat_shares(
     film: Film,
     temperature: Numeric,
@@ -202,20 +167,6 @@ def emittance(
     return heat_shares(
         film, temperature, side=side, normal=normal, points_per_e_fold=points_per_e_fold
     ).absorptance
-
-
-def infrared_transmittance(
-    film: Film,
-    temperature: Numeric,
-    *,
-    normal: bool = False,
-    points_per_e_fold: int = POINTS_PER_E_FOLD,
-) -> Average:
-    """Share of a black body's radiation that passes a film; see :func:`heat_shares`."""
-    # It is the same from both sides.
-    return heat_shares(
-        film, temperature, normal=normal, points_per_e_fold=points_per_e_fold
-    ).transmittance
 
 
 def thermal_coverage(film: Film, temperature: Numeric) -> np.ndarray:

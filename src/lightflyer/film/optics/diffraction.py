@@ -27,13 +27,7 @@ _MICROMETRE = 1e-6
 
 
 def diffraction_deficit(hole_radius: Numeric, wavelength: Numeric) -> np.ndarray:
-    """Share of the radiation on a round hole that does not pass it [1]; [Jackson1999]_ ch. 10.9.
-
-    Examples
-    --------
-    >>> print(f"{diffraction_deficit(50e-6, 15e-6):.3f}")
-    0.023
-    """
+    """Share of the radiation on a round hole that does not pass it [1]; [Jackson1999]_ ch. 10.9."""
     # Kirchhoff's approximation: good for holes wider than the wavelength. In truth even less passes
     # holes that are much narrower.
     from scipy.special import itj0y0  # slow to import

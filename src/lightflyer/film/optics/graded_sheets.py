@@ -28,15 +28,7 @@ def sheet_warnings(film: Film) -> list[str]:
 
 
 def sheet_error(film: Film) -> float | None:
-    """Largest error of reflectance and transmittance by the sheets of graded layers [1].
-
-    Examples
-    --------
-    >>> from lightflyer.film import Graded, material
-    >>> fading = Graded((material("Si"), material("SiO2")), 0.0, 1.0)
-    >>> print(f"{sheet_error(Film((Layer(fading, 200e-9),))):.0e}")
-    9e-04
-    """
+    """Largest error of reflectance and transmittance by the sheets of graded layers [1]."""
     shortest, longest = film.covered_range
     shortest, longest = max(shortest, SPECTRUM_RANGE[0]), min(longest, SPECTRUM_RANGE[1])
     if shortest >= longest:

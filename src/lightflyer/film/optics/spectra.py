@@ -32,15 +32,6 @@ _SMALL_ARGUMENT = 0.5
 class Spectrum:
     """Spectral irradiance of light, linear between the wavelengths of a table.
 
-    Attributes
-    ----------
-    name : str
-    wavelength : array, shape (m,)
-        Increasing [m].
-    irradiance : array, shape (m,)
-        Per wavelength; [W/m³] where it is absolute. Averages depend on its shape only.
-    source : str
-
     Raises
     ------
     ParameterError
@@ -48,7 +39,8 @@ class Spectrum:
     """
 
     name: str
-    wavelength: np.ndarray
+    wavelength: np.ndarray  #: shape (m,); increasing [m]
+    #: shape (m,); per wavelength, [W/m³] where it is absolute. Averages depend on its shape only
     irradiance: np.ndarray
     source: str = ""
 
@@ -200,13 +192,7 @@ def planck(wavelength: np.ndarray, temperature: float) -> np.ndarray:
 
 
 def blackbody_fraction(wavelength: float, temperature: float) -> float:
-    r"""Share of a black body's radiation at wavelengths shorter than a given one [1].
-
-    Examples
-    --------
-    >>> print(f"{blackbody_fraction(10e-6, 289.777):.4f}")
-    0.2501
-    """
+    """Share of a black body's radiation at wavelengths shorter than a given one [1]."""
     # Source: [Chang1984]_ for the series in :math:`e^{-x}`.
     require_positive(temperature=temperature)
     x = SECOND_RADIATION_CONSTANT / (wavelength * temperature)

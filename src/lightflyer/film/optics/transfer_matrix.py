@@ -38,8 +38,7 @@ class StackOptics(eqx.Module):
 
     #: shape (2, ...); specular [1]. What enters an endless substrate is transmitted
     reflectance: Numeric
-    #: shape (2, ...); specular [1]. What enters an endless substrate is transmitted
-    transmittance: Numeric
+    transmittance: Numeric  #: As ``reflectance``
     #: shape (layers, 2, ...); absorptance of each layer, the lit side first [1]
     layer_absorptance: Numeric
     #: shape (2, ...); share that rough interfaces scatter out of the specular beams [1]. It is not

@@ -20,7 +20,7 @@ from lightflyer.files.drawing import (
     legend_below,
     new_figure,
 )
-from lightflyer.film.media.materials import MICROMETRE
+from lightflyer.film.media.medium import MICROMETRE
 from lightflyer.film.optics.integration import data_range
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0, planck
 

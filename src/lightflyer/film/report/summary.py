@@ -9,15 +9,10 @@ import numpy as np
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
-from lightflyer.film.media.materials import MICROMETRE
-from lightflyer.film.optics.averages import (
-    POINTS_PER_E_FOLD,
-    Average,
-    Shares,
-    heat_shares,
-    light_shares,
-)
+from lightflyer.film.media.medium import MICROMETRE
+from lightflyer.film.optics.averages import Average, Shares, heat_shares, light_shares
 from lightflyer.film.optics.diagnostics import film_warnings
+from lightflyer.film.optics.integration import POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.optics.thickness import COARSE_POINTS_PER_E_FOLD, thickness_uncertainty

@@ -103,12 +103,10 @@ class KineticDisk(AbstractForceModel):
         return Walls(self.wall, self.wall_error, self.tangential_accommodation)
 
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.assumptions`."""
         del flyer
         return (kinetic_walls.described(self.walls),)
 
     def require_gas(self, gas: AbstractGas) -> None:
-        """See :meth:`AbstractForceModel.require_gas`."""
         if self.polyatomic == "refused" and gas.molecules not in self.molecules:
             raise ParameterError(
                 f"force model Kinetic is not for {gas.name}, whose molecules are {gas.molecules}; "
@@ -123,7 +121,6 @@ class KineticDisk(AbstractForceModel):
     def heat_loss(
         self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
         (excess,) = unknowns
         fit, knudsen = _fit_and_knudsen_number(flyer, state)
         place = _place(flyer, state, excess)
@@ -141,7 +138,6 @@ class KineticDisk(AbstractForceModel):
         return (ratio * disk_conductance(flyer, state, excess) * excess,)
 
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
         (excess,) = unknowns
         fit, knudsen = _fit_and_knudsen_number(flyer, state)
         place = _place(flyer, state, excess)
@@ -170,7 +166,6 @@ class KineticDisk(AbstractForceModel):
     def diagnostics(
         self, flyer: Disk, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
         fit, knudsen = _fit_and_knudsen_number(flyer, state)
         pressure, ratio = state.pressure, temperature / state.temperature
         lowest, lowest_hot = fit.knudsen_range[0], fit.hot_knudsen_range[0]

@@ -143,23 +143,19 @@ class Kinetic(AbstractForceModel):
         return kind(**{one.name: getattr(self, one.name) for one in dataclasses.fields(kind)})
 
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.assumptions`."""
         return self.model_of(flyer).assumptions(flyer)
 
     def require_gas(self, gas: AbstractGas) -> None:
-        """See :meth:`AbstractForceModel.require_gas`."""
         self._model(KineticDisk).require_gas(gas)
 
     @entry_point
     def heat_loss(
         self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
         return self.model_of(flyer).heat_loss(flyer, state, unknowns)
 
     @entry_point
     def force(self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
         return self.model_of(flyer).force(flyer, state, unknowns)
 
     def pushes_unheated(self, flyer: Any, state: EnvironmentState) -> bool:

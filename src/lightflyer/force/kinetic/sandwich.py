@@ -73,12 +73,10 @@ class KineticSandwich(AbstractForceModel):
         require_collisions(self.collisions)
 
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.assumptions`."""
         del flyer
         return (f"walls: {WALLS}",)
 
     def require_gas(self, gas: AbstractGas) -> None:
-        """See :meth:`AbstractForceModel.require_gas`."""
         if gas.molecules not in self.molecules:
             raise ParameterError(
                 f"force model Kinetic is not for a sandwich in {gas.name}, whose molecules are "
@@ -88,7 +86,6 @@ class KineticSandwich(AbstractForceModel):
     def heat_loss(
         self, flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
         self.require_gas(state.gas)
         top, bottom = unknowns
         passed = passage_of(flyer, self.transmission)
@@ -109,7 +106,6 @@ class KineticSandwich(AbstractForceModel):
         return free * from_top - upward, free * from_bottom + upward
 
     def force(self, flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
         passed = passage_of(flyer, self.transmission)
         fit, ratios = _ratios(flyer, state, unknowns, passed, self.collisions)
         by_temperature, by_tac = ratios.force, ratios.tac_force
@@ -126,7 +122,6 @@ class KineticSandwich(AbstractForceModel):
     def diagnostics(
         self, flyer: Sandwich, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
         fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
         passed, pressure = passage_of(flyer, self.transmission), state.pressure
         hottest = 1.0 / (1.0 - fit.heating_limit)

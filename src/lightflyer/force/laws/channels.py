@@ -184,16 +184,7 @@ def channel_table() -> dict[str, np.ndarray]:
 def channel_coefficients(
     shape: ChannelShape, rarefaction: Numeric, length: Numeric | None = None
 ) -> Coefficients:
-    r"""Poiseuille and thermal-creep coefficient of a channel with diffuse walls.
-
-    Examples
-    --------
-    >>> for shape in (SLOT, ROUND):
-    ...     found = channel_coefficients(shape, 1.0)
-    ...     print(f"{shape.name}: {found.poiseuille:.2f}, {found.creep:.2f}")
-    slot: 1.55, 0.37
-    round hole: 1.48, 0.40
-    """
+    """Poiseuille and thermal-creep coefficient of a channel with diffuse walls."""
     # Smooth functions through a solution of the linearised Shakhov equation from a rarefaction of
     # 10⁻⁴ to 30; within 0.2 % of it, exact in both limits. Other model equations and the Boltzmann
     # equation differ from it by up to 3 %.

@@ -122,14 +122,7 @@ def passage(
     outer: tuple[Numeric, Numeric],
     inner: tuple[Numeric, Numeric],
 ) -> MembraneTransmission:
-    r"""Passage through two membranes; ``open_fraction``: of each membrane, :math:`\beta`.
-
-    Examples
-    --------
-    >>> found = passage("wide", 0.5, (1.0, 1.0), (1.0, 1.0))
-    >>> found.even, found.odd
-    (0.75, 0.25)
-    """
+    r"""Passage through two membranes; ``open_fraction``: of each membrane, :math:`\beta`."""
     # For a wide gap, with :math:`e = s\alpha` and :math:`r = s(1-\alpha)` of the inner faces, the
     # fluxes down and up in the gap are
     #

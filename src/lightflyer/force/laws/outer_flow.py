@@ -38,16 +38,7 @@ FLOW_RANGE = Validity(
 
 
 def through_flow_coefficient(reynolds: Numeric, creeping: Numeric = CREEPING) -> Array:
-    r"""Force on a thin disk that gas streams through, over :math:`\mu a u` [1].
-
-    Examples
-    --------
-    >>> for reynolds in (0.0, 10.0, 1000.0):
-    ...     print(f"{through_flow_coefficient(reynolds):.3g}")
-    16
-    42.2
-    2.42e+03
-    """
+    r"""Force on a thin disk that gas streams through, over :math:`\mu a u` [1]."""
     return jnp.sqrt(creeping**2 + (_growth(reynolds) * reynolds) ** 2)
 
 

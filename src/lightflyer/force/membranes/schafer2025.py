@@ -119,7 +119,6 @@ class Schafer2025(AbstractForceModel):
     def heat_loss(
         self, flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
         top, bottom = unknowns
         passed = self._passage(flyer)
         mean = state.temperature * (1.0 + 0.25 * (top + bottom))
@@ -153,7 +152,6 @@ class Schafer2025(AbstractForceModel):
 
     @entry_point
     def force(self, flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
         passed = self._passage(flyer)
         ratio = perforated_disk_fit().force_ratio(
             passed.open_fraction, rarefaction_of(flyer, state)
@@ -166,7 +164,6 @@ class Schafer2025(AbstractForceModel):
         state: EnvironmentState,
         temperature: Numeric,  # noqa: ARG002
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
         return (
             *_DENSE.diagnostics(rarefaction_of(flyer, state), state.pressure),
             *_OPEN.diagnostics(flyer.open_fraction, state.pressure),

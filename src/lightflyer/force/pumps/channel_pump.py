@@ -195,7 +195,6 @@ class ChannelPump(AbstractForceModel):
     def heat_loss(
         self, flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
         top, bottom = unknowns
         plate = _plate_in_gas(flyer, state, unknowns)
         free = _free_conductance(flyer.area, state, state.temperature)
@@ -208,7 +207,6 @@ class ChannelPump(AbstractForceModel):
 
     @entry_point
     def force(self, flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
         plate = _plate_in_gas(flyer, state, unknowns)
         exchange = plate.exchange
         top, bottom, gas_top, gas_bottom = map(
@@ -230,7 +228,6 @@ class ChannelPump(AbstractForceModel):
     def own_results(
         self, flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> dict[str, Any]:
-        """See :meth:`AbstractForceModel.own_results`."""
         plate = _plate_in_gas(flyer, state, unknowns)
         flow = _flow(flyer, state, plate)
         return {
@@ -246,7 +243,6 @@ class ChannelPump(AbstractForceModel):
         state: EnvironmentState,
         temperature: Numeric,
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
         return tuple(_diagnostics(flyer, state, temperature))
 
 

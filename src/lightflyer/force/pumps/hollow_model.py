@@ -44,21 +44,18 @@ class AbstractHollowModel(AbstractForceModel):
     def heat_loss(
         self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
-        """See :meth:`AbstractForceModel.heat_loss`."""
         return pump_heat(flyer, state, unknowns, self.corrections, self.errors)
 
     @entry_point
     def force(
         self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> Array:
-        """See :meth:`AbstractForceModel.force`."""
         return pump_force(flyer, state, unknowns, self.corrections, self.errors)
 
     @entry_point
     def own_results(
         self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> dict[str, Array]:
-        """See :meth:`AbstractForceModel.own_results`."""
         return pump_results(flyer, state, unknowns, self.corrections, self.errors)
 
     def diagnostics(
@@ -67,5 +64,4 @@ class AbstractHollowModel(AbstractForceModel):
         state: EnvironmentState,
         temperature: Numeric,  # noqa: ARG002
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`."""
         return pump_diagnostics(flyer, state, self.corrections)

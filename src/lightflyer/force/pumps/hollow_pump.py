@@ -97,12 +97,10 @@ class HollowPump(AbstractHollowModel):
 
     @property
     def corrections(self) -> Corrections:
-        """See :attr:`AbstractHollowModel.corrections`."""
         return Corrections(*(getattr(self, name) for name in Corrections._fields))
 
     @property
     def errors(self) -> Errors:
-        """See :attr:`AbstractHollowModel.errors`."""
         given = (getattr(self, f"{name}_error") for name in Errors._fields)
         return Errors(
             *(

@@ -16,7 +16,7 @@ from scipy.linalg import lu_factor, lu_solve
 
 from lightflyer.kinetic.chamber.enclosure import Chamber, Film, Surface
 from lightflyer.kinetic.chamber.half_mesh_operator import HalfOperator, OperatorRows
-from lightflyer.kinetic.disk.linear import corrected, source_matrices
+from lightflyer.kinetic.disk.linear import corrected, source_matrices, turning_rows
 from lightflyer.kinetic.model_gases import GasModel
 
 _SQRT_PI = np.sqrt(np.pi)
@@ -132,7 +132,7 @@ class ChamberSystem:
             block[:, :k] = np.einsum("ijsm,sf->imjf", part, translation, optimize=True)
             if self.gas.has_rotation:
                 theta = self.halves[side].gas.theta
-                turning = _turning(part, rows.theta, theta)
+                turning = turning_rows(part, rows.theta, theta)
                 block[:, k:] = np.einsum("ijsm,sf->imjf", turning, rotation, optimize=True)
             matrix[:, :, layout.gas(side)] = block.reshape(m, outputs, layout.n * self.fields)
         faces = rows.sigma, rows.temperature
@@ -419,15 +419,3 @@ class Totals:
     forces: dict[str, float] = field(default_factory=dict)
     heats: dict[str, float] = field(default_factory=dict)
     molecules: dict[str, float] = field(default_factory=dict)
-
-
-def _turning(rows: np.ndarray, theta: np.ndarray, source_theta: np.ndarray) -> np.ndarray:
-    """Rows between rotational energy and its flux: those of density and velocity."""
-    if rows.shape[-1] == 6:
-        part = rows[:, :, :3, :3].copy()
-        part[..., 0] -= rows[:, :, :3, 3] / theta[:, None, None]
-        part[..., 1:] /= theta[:, None, None, None]
-    else:
-        part = rows[:, :, :3, :1].copy()
-    part[:, :, 1:] *= source_theta[None, :, None, None]
-    return part

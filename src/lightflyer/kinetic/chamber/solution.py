@@ -14,7 +14,13 @@ from lightflyer.core.progress import report
 from lightflyer.kinetic.chamber.enclosure import Chamber, Film
 from lightflyer.kinetic.disk.free_molecular import FreeMolecularDisk
 from lightflyer.kinetic.model_gases import gas_model
-from lightflyer.kinetic.solver import KNUDSEN_RANGE, TEMPERATURE_RATIOS, furthest_boundary
+from lightflyer.kinetic.solver import (
+    KNUDSEN_RANGE,
+    TEMPERATURE_RATIOS,
+    difference,
+    furthest_boundary,
+    ratios,
+)
 from lightflyer.kinetic.walls import WALLS, require_wall
 
 if TYPE_CHECKING:
@@ -47,18 +53,12 @@ class ChamberSolution:
     #: Q/Q_fm of each face and of both, over the free-molecular heat with the mean temperatures of
     #: the faces
     heat_ratio_top: float | None
-    #: Q/Q_fm of each face and of both, over the free-molecular heat with the mean temperatures of
-    #: the faces
-    heat_ratio_bottom: float | None
-    #: Q/Q_fm of each face and of both, over the free-molecular heat with the mean temperatures of
-    #: the faces
-    heat_ratio: float | None
+    heat_ratio_bottom: float | None  #: As ``heat_ratio_top``
+    heat_ratio: float | None  #: As ``heat_ratio_top``
     #: Of ``disk``, ``floor``, ``lid`` and ``side``, the last three in a chamber. Of a reservoir:
     #: momentum and energy that leave through it, energy with its sign reversed
     forces: Mapping[str, float]
-    #: Of ``disk``, ``floor``, ``lid`` and ``side``, the last three in a chamber. Of a reservoir:
-    #: momentum and energy that leave through it, energy with its sign reversed
-    heats: Mapping[str, float]
+    heats: Mapping[str, float]  #: As ``forces``
     #: Numerical error of ``force_ratio``, ``heat_ratio``, ``force`` and ``heat``: their change with
     #: a coarser mesh. It excludes the error of the model equation
     error_estimate: dict[str, float | None]
@@ -70,12 +70,8 @@ class ChamberSolution:
     imbalance: float | None
     #: Heat that the film loses per area of the disk, by gas and radiation [p √(2RT_c)]
     absorbed: float
-    #: shape (21,); distance from the film's centre [disk radii] and T/T_c − 1 there, its mean over
-    #: both faces
-    film_radius: np.ndarray
-    #: shape (21,); distance from the film's centre [disk radii] and T/T_c − 1 there, its mean over
-    #: both faces
-    film_temperature: np.ndarray
+    film_radius: np.ndarray  #: shape (21,); distance from the film's centre [disk radii]
+    film_temperature: np.ndarray  #: shape (21,); T/T_c − 1 there, its mean over both faces
     iterations: int
     seconds: float  #: Time of the solution on both meshes
     warnings: tuple[str, ...]  #: What limits the result
@@ -328,7 +324,7 @@ def _solve(case: "ChamberCase", knudsen: float) -> ChamberSolution:
     report("solving the kinetic equation (compiled once, at its first use)")
     fine, coarse = (solve_chamber_case(case, mesh) for mesh in meshes(linear=case.linear))
     found, other = _results(case, fine), _results(case, coarse)
-    errors = {name: _difference(found[name], other[name]) for name in _WITH_ERROR}
+    errors = {name: difference(found[name], other[name]) for name in _WITH_ERROR}
     radius = np.linspace(0.0, 1.0, _PROFILE)
     return ChamberSolution(
         knudsen=float(knudsen),
@@ -366,21 +362,10 @@ def _results(case: "ChamberCase", outcome: "ChamberOutcome") -> dict[str, float 
         film.tac, temperatures, case.linear, case.gas.has_rotation, wall=film.wall
     )
     return {
-        "force_ratio": _quotient(totals.force, limit.force),
-        "heat_ratio_top": _quotient(totals.heat[0], limit.heat[0]),
-        "heat_ratio_bottom": _quotient(totals.heat[1], limit.heat[1]),
-        "heat_ratio": _quotient(sum(totals.heat), sum(limit.heat)),
+        **ratios(totals.force, totals.heat, limit),
         "force": totals.force,
         "heat": sum(totals.heat),
     }
-
-
-def _quotient(value: float, limit: float) -> float | None:
-    return None if abs(limit) < 1e-12 else float(value / limit)
-
-
-def _difference(fine: float | None, coarse: float | None) -> float | None:
-    return None if fine is None or coarse is None else abs(fine - coarse)
 
 
 def _closure(totals: "Totals") -> dict[str, float]:

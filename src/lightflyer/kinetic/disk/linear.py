@@ -85,18 +85,9 @@ class LinearSystem:
         matrix[:, :6] = np.einsum("ijsm,sf->imjf", rows, translation, optimize=True)
         if self.gas.has_rotation:
             # rotation moves as density and velocity do
-            part = self._turning(rows)
+            part = turning_rows(rows, self.operators.theta, self.operators.theta)
             matrix[:, 6:] = np.einsum("ijsm,sf->imjf", part, rotation, optimize=True)
         return matrix.reshape(self.size, self.size)
-
-    def _turning(self, rows: np.ndarray) -> np.ndarray:
-        """Rows between rotational energy and its flux: those of density and velocity."""
-        theta = self.operators.theta
-        part = rows[:, :, :3, :3].copy()
-        part[..., 0] -= rows[:, :, :3, 3] / theta[:, None, None]
-        part[..., 1:] /= theta[:, None, None, None]
-        part[:, :, 1:] *= theta[None, :, None, None]
-        return part
 
     def _exchange(self) -> tuple[np.ndarray | None, np.ndarray]:
         """X₀, if there is any, and X₁ of a wall."""
@@ -236,6 +227,18 @@ class LinearSystem:
             )
             arriving = np.concatenate([arriving, turning[:, None]], axis=1)
         return arriving
+
+
+def turning_rows(rows: np.ndarray, theta: np.ndarray, source_theta: np.ndarray) -> np.ndarray:
+    """Rows between rotational energy and its flux: those of density and velocity."""
+    if rows.shape[-1] == 6:
+        part = rows[:, :, :3, :3].copy()
+        part[..., 0] -= rows[:, :, :3, 3] / theta[:, None, None]
+        part[..., 1:] /= theta[:, None, None, None]
+    else:
+        part = rows[:, :, :3, :1].copy()
+    part[:, :, 1:] *= source_theta[None, :, None, None]
+    return part
 
 
 def source_matrices(gas: GasModel, fields: int) -> tuple[np.ndarray, np.ndarray]:

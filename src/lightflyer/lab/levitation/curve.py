@@ -58,8 +58,7 @@ class LevitationCurve(PrintedResult):
     irradiance: np.ndarray  #: shape (m,); the curve [W/m²]
     #: shape (m,); its 95 % band, which contains the instruments' calibration [W/m²]
     lower: np.ndarray
-    #: shape (m,); its 95 % band, which contains the instruments' calibration [W/m²]
-    upper: np.ndarray
+    upper: np.ndarray  #: As ``lower``
     #: shape (b, 2); draws of the logarithms of pressure and irradiance at the true minimum, without
     #: the instruments' calibration
     draws: np.ndarray

@@ -9,13 +9,7 @@ from lightflyer.core.extras import load_plugins
 
 
 class Source(NamedTuple):
-    """A file with its content.
-
-    Attributes
-    ----------
-    path : path
-    content : bytes
-    """
+    """A file with its content."""
 
     path: Path
     content: bytes

@@ -31,17 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = [
-    "HEIGHT_ACCURACY",
-    "PARAMETERS",
-    "Roughness",
-    "find_particles",
-    "level",
-    "roughness",
-    "summary",
-    "surface_parameters",
-    "to_dataset",
-]
 
 HEIGHT_ACCURACY = 0.02  # Relative standard uncertainty of the microscope's heights; our assumption
 PARAMETERS = ("rms_height", "mean_absolute_height", "skewness", "kurtosis")  # Sq, Sa, Ssk and Sku
@@ -60,11 +49,9 @@ class Roughness(PrintedResult):
     source: HeightMap
     #: shape (rows, columns); levelled height [m]; its mean outside the mask is zero
     height: np.ndarray
-    #: shape (rows, columns); true where the map stands out above, or below as where the tip lost
-    #: the surface. Pixels without a height count as holes
-    particles: np.ndarray
-    #: shape (rows, columns); true where the map stands out above, or below as where the tip lost
-    #: the surface. Pixels without a height count as holes
+    particles: np.ndarray  #: shape (rows, columns); true where the map stands out above
+    #: shape (rows, columns); true where it lies below, as where the tip lost the surface, and where
+    #: it has no height
     holes: np.ndarray
     #: Parameters of the surface without particles and holes, by names of :data:`PARAMETERS`;
     #: heights in nm. Skewness and kurtosis are those of the map: their intervals are open, since a

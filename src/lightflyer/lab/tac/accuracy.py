@@ -82,13 +82,7 @@ class TacAccuracy:
 
 
 def unstated_accuracies(stated: Iterable[str]) -> list[str]:
-    """A line that says which accuracies are assumed; none where all are stated.
-
-    Examples
-    --------
-    >>> unstated_accuracies(["gauge", "gauge_zero", "power", "diameter", "plateau"])
-    ['no accuracy of the temperature difference is stated; ± 1 K is assumed']
-    """
+    """A line that says which accuracies are assumed; none where all are stated."""
     known, usual = set(stated), TacAccuracy()
     missing = {
         said: f"± {scale * getattr(usual, name):g} {unit}"

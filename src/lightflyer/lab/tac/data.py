@@ -43,8 +43,7 @@ class TacRun:
     power: np.ndarray  #: shape (n,); heating power [W]
     #: shape (n,); temperatures of the heater, and of the gas and walls [K]
     heater_temperature: np.ndarray
-    #: shape (n,); temperatures of the heater, and of the gas and walls [K]
-    ambient_temperature: np.ndarray
+    ambient_temperature: np.ndarray  #: As ``heater_temperature``
 
     @property
     def source(self) -> str:

@@ -79,11 +79,9 @@ class TacFit(PrintedResult):
     reading: str  #: Name of the law of heat loss
     gas: str  #: Name of the gas
     accuracy: TacAccuracy
-    tac: Estimate  #: With 95 % profile intervals of the total uncertainty; the offset in W/(m² K)
-    #: With 95 % profile intervals of the total uncertainty; the offset in W/(m² K)
-    area_ratio: Estimate
-    #: With 95 % profile intervals of the total uncertainty; the offset in W/(m² K)
-    offset: Estimate
+    tac: Estimate  #: With the 95 % profile interval of the total uncertainty
+    area_ratio: Estimate  #: As ``tac``
+    offset: Estimate  #: As ``tac``, in W/(m² K)
     #: The same values with profile intervals of the scatter alone, by name of the parameter
     statistical: dict[str, Estimate]
     #: 95 % intervals of the total uncertainty from the covariance, by name of the parameter
@@ -204,25 +202,6 @@ class TacFit(PrintedResult):
             "pressure_range_pa": [low, high],
             "warnings": list(self.warnings),
         }  # fmt: skip
-
-
-def heater_power(
-    pressure: np.ndarray,
-    heater_temperature: np.ndarray,
-    ambient_temperature: np.ndarray,
-    tac: float,
-    area_ratio: float,
-    offset: float,
-    *,
-    diameter: float = LU2023_HEATER_DIAMETER,
-    law: AbstractHeatLaw = KINETIC_LAW,
-    gas: AbstractGas = AIR,
-) -> np.ndarray:
-    """Power that holds a heater at its temperature: the inverse of :func:`fit_tac` [W]."""
-    difference = heater_temperature - ambient_temperature
-    limits = law.limits(pressure, ambient_temperature, heater_temperature, diameter, gas)
-    conductance = area_ratio * (limits.conductance(tac) + offset)
-    return np.asarray(conductance * nominal_area(diameter) * difference)
 
 
 def fit_tac(

@@ -92,20 +92,8 @@ class AbstractHeatLaw(abc.ABC):
     ) -> tuple[np.ndarray, np.ndarray]:
         """Free-molecular conductance at a coefficient of one, and continuum conductance.
 
-        Parameters
-        ----------
-        tac : float
-            Accommodation coefficient [1].
-        pressure, ambient, heater : array, shape (m,)
-            Pressure [Pa], temperatures of gas and heater [K].
-        diameter : float
-            Of the heater [m].
-        gas : AbstractGas
-
-        Returns
-        -------
-        free_molecular, continuum : array, shape (m,)
-            Per area of one face, both faces counted [W/(m² K)].
+        Both of the area of one face, both faces counted [W/(m² K)], shape (m,); ``pressure`` [Pa],
+        ``ambient``, ``heater`` [K], ``diameter`` of the heater [m].
         """
 
     def limits(
@@ -116,12 +104,7 @@ class AbstractHeatLaw(abc.ABC):
         diameter: float,
         gas: AbstractGas,
     ) -> Limits:
-        """Both limits for all coefficients; arguments as for :meth:`at`.
-
-        Returns
-        -------
-        Limits
-        """
+        """Both limits for all coefficients; arguments as for :meth:`at`."""
         rows = np.arange(1 << max(len(pressure) - 1, _LEAST_LENGTH - 1).bit_length())
         kept = slice(len(pressure))
         # lengths of a power of two, so that few are compiled
@@ -160,7 +143,6 @@ class KineticLaw(AbstractHeatLaw):
         diameter: float,
         gas: AbstractGas,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """See :meth:`AbstractHeatLaw.at`."""
         if self.wall_distance is not None and self.wall_distance <= 0.5 * diameter:
             raise ParameterError(
                 f"a wall {self.wall_distance:g} m from the heater's centre is inside the heater, "
@@ -219,7 +201,6 @@ class Lu2023Law(AbstractHeatLaw):
         diameter: float,
         gas: AbstractGas,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """See :meth:`AbstractHeatLaw.at`."""
         found: Any = _lu2023(pressure, ambient, heater, diameter, self.reading, gas)
         return found
 

@@ -134,13 +134,7 @@ def read_response(path: str | Path) -> CameraBand:
 
 
 def parse_band(text: str) -> CameraBand | None:
-    """Camera's band from the text of an option; none for ``"total"``.
-
-    Examples
-    --------
-    >>> parse_band("8-14 um").name
-    '8 to 14 µm'
-    """
+    """Camera's band from the text of an option; none for ``"total"``."""
     if text.strip().lower() == "total":
         return None
     match = _BAND.match(text)

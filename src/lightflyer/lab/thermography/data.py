@@ -72,21 +72,13 @@ _ALIASES = {
 
 @dataclass(frozen=True)
 class Scene:
-    """What relates a thermal camera's readings to the film.
+    """What relates a thermal camera's readings to the film."""
 
-    Attributes
-    ----------
-    camera : CameraBand or None
-        None takes radiation as T⁴, as the paper does.
-    hotplate_emissivity : Measured
-        Within the camera's band. One where the hotplate's temperature is apparent; else the
-        temperature is the hotplate's own, by a thermometer.
-    film_temperature : Measured or None
-        The film's own [K]; None for that of the surroundings.
-    """
-
-    camera: CameraBand | None = UNCOOLED
+    camera: CameraBand | None = UNCOOLED  #: None takes radiation as T⁴, as the paper does
+    #: Within the camera's band. One where the hotplate's temperature is apparent; else the
+    #: temperature is the hotplate's own, by a thermometer
     hotplate_emissivity: Measured = BLACK
+    #: The film's own [K]; None for that of the surroundings
     film_temperature: Measured | None = None
 
     def __post_init__(self) -> None:
@@ -217,14 +209,7 @@ def given_readings(
 def standard_uncertainties(
     method: Method, values: np.ndarray, accuracy: float | None = None
 ) -> np.ndarray:
-    """Standard uncertainty of readings that state none, shape (4, ...); ``values`` (4, ...).
-
-    Examples
-    --------
-    >>> hot_and_cold = np.array([423.15, 323.15, 403.15, 295.15])
-    >>> standard_uncertainties(THERMAL, hot_and_cold).round(2)
-    array([1.73, 1.15, 1.5 , 1.15])
-    """
+    """Standard uncertainty of readings that state none, shape (4, ...); ``values`` (4, ...)."""
     # Source: [ThermalVision]_ for a camera, [DIN5032]_ for a light meter.
     if accuracy is not None:
         require_range("accuracy", accuracy, 0.0, 1.0 if method == LIGHT else np.inf)

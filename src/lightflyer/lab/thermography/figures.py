@@ -1,4 +1,4 @@
-"""Figure of reflectance, transmittance and emissivity."""
+"""Figures of reflectance, transmittance and emissivity, and of a thermal image."""
 
 from typing import TYPE_CHECKING
 
@@ -17,7 +17,9 @@ from lightflyer.files.drawing import (
 
 if TYPE_CHECKING:
     from lightflyer.lab.thermography.reduction import RadiativeProperties
+    from lightflyer.lab.thermography.thermal_image import ThermalImage
 
+_LARGEST = 6.0  # longer side of an image's axes [inch]
 _WIDTH = 2.9  # of one property [inch]
 _SPREAD = 0.3  # half the width over which rows are drawn
 
@@ -63,3 +65,17 @@ def plot_properties(result: "RadiativeProperties") -> Figure:
 def thermography_figures(result: "RadiativeProperties") -> dict[str, Figure]:
     """Figure of the properties, by file name without suffix."""
     return {"thermography": plot_properties(result)}
+
+
+def plot_image(image: "ThermalImage") -> Figure:
+    """Figure of the temperatures, row by row and column by column."""
+    rows, columns = image.temperature.shape
+    scale = _LARGEST / max(rows, columns)
+    figure = new_figure(width=max(scale * columns, 2.5), height=max(scale * rows, 2.5))
+    ax = figure.axes[0]
+    shown = ax.imshow(image.temperature, cmap="inferno", interpolation="nearest")
+    ax.set_xlabel("column")
+    ax.set_ylabel("row")
+    ax.set_title(image.source)
+    figure.colorbar(shown, ax=ax, label="temperature [K]")
+    return figure

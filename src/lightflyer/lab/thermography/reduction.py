@@ -65,12 +65,9 @@ class RadiativeProperties(PrintedResult):
 
     readings: Readings
     rows: np.ndarray  #: shape (3, n); properties of each row [1]
-    #: Uncertainty propagated by derivatives and by draws; by names of :data:`PROPERTIES`. Intervals
-    #: are within 0 and 1
+    #: Uncertainty propagated by derivatives, by names of :data:`PROPERTIES`; within 0 and 1
     first_order: dict[str, Estimate]
-    #: Uncertainty propagated by derivatives and by draws; by names of :data:`PROPERTIES`. Intervals
-    #: are within 0 and 1
-    monte_carlo: dict[str, Estimate]
+    monte_carlo: dict[str, Estimate]  #: The same by draws
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
     @property

@@ -61,7 +61,7 @@ class ThermalImage:
 
     def plot(self) -> "Figure":
         """Draw the temperatures."""
-        from lightflyer.lab.thermography.thermal_image_figures import plot_image
+        from lightflyer.lab.thermography.figures import plot_image
 
         return plot_image(self)
 

@@ -16,20 +16,7 @@ class AbstractAttitudeRule(Checked):
 
     @abc.abstractmethod
     def attitude(self, radiation: Radiation, own: Attitude | None) -> Attitude | None:
-        """Attitude in some light.
-
-        Parameters
-        ----------
-        radiation : Radiation
-            Of the flyer's surroundings.
-        own : Attitude or None
-            The flyer's own.
-
-        Returns
-        -------
-        Attitude or None
-            None stands for level.
-        """
+        """Attitude in the light of the surroundings; ``own``: the flyer's; None means level."""
 
     @abc.abstractmethod
     def describe(self) -> str:
@@ -40,12 +27,10 @@ class Own(AbstractAttitudeRule):
     """The attitude that the flyer itself states, level where it states none."""
 
     def attitude(self, radiation: Radiation, own: Attitude | None) -> Attitude | None:
-        """See :meth:`AbstractAttitudeRule.attitude`."""
         del radiation
         return own
 
     def describe(self) -> str:
-        """See :meth:`AbstractAttitudeRule.describe`."""
         return "the flyer's own, at all times"
 
 
@@ -53,12 +38,10 @@ class Level(AbstractAttitudeRule):
     """Level at all times."""
 
     def attitude(self, radiation: Radiation, own: Attitude | None) -> Attitude | None:
-        """See :meth:`AbstractAttitudeRule.attitude`."""
         del radiation, own
         return None
 
     def describe(self) -> str:
-        """See :meth:`AbstractAttitudeRule.describe`."""
         return "level"
 
 
@@ -85,14 +68,12 @@ class FollowSun(AbstractAttitudeRule):
     largest: PolarAngle = 0.25 * jnp.pi
 
     def attitude(self, radiation: Radiation, own: Attitude | None) -> Attitude | None:
-        """See :meth:`AbstractAttitudeRule.attitude`."""
         del own
         lit = _visible(radiation)
         tilt = jnp.minimum(self.share * radiation.zenith_angle, self.largest) * lit
         return _attitude(tilt, radiation.azimuth)
 
     def describe(self) -> str:
-        """See :meth:`AbstractAttitudeRule.describe`."""
         degrees = float(self.largest) * 180.0 / jnp.pi
         return (
             f"tilted towards the sun by {float(self.share):g} of its zenith angle, at most "

@@ -51,7 +51,6 @@ class Drift(PrintedResult, eqx.Module):
     warnings: tuple[str, ...] = eqx.field(static=True, default=())
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         yield rows_of(
             {
                 "speed along the tilt": number_text(self.speed, "m/s"),

@@ -54,7 +54,6 @@ class Hanging(PrintedResult):
     warnings: tuple[str, ...]
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         yield rows_of(
             {
                 "stable": "yes" if self.stable else "no",

@@ -1,6 +1,7 @@
 """Figures of a mission: altitude over time, ground track, flyer over time, survival."""
 
 import itertools
+from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -22,7 +23,7 @@ from lightflyer.files.drawing import (
     new_figure,
     wrapped,
 )
-from lightflyer.mission.report.coastline import coastline
+from lightflyer.files.table import shipped_table
 from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.mission.report.summary import day_and_night
 
@@ -272,3 +273,12 @@ def _unbroken(longitude: np.ndarray) -> np.ndarray:
     found = np.full(longitude.shape, np.nan)
     found[known] = np.unwrap(longitude[known], period=_TURN)
     return found
+
+
+@cache
+def coastline() -> tuple[np.ndarray, np.ndarray]:
+    """Coastlines as one line with gaps [deg], shape (n,); -180 to 180; NaN between two lines."""
+    # Source: [NaturalEarth]_, physical vectors, 1:110 million.
+    rows = shipped_table("coastline.csv").numbers
+    gaps = np.flatnonzero(np.diff(rows["line"])) + 1
+    return np.insert(rows["longitude"], gaps, np.nan), np.insert(rows["latitude"], gaps, np.nan)

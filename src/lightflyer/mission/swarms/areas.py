@@ -24,19 +24,7 @@ class AbstractArea(Checked):
 
     @abc.abstractmethod
     def contains(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
-        """Whether positions lie in the area.
-
-        Parameters
-        ----------
-        position : array, shape (..., 3)
-            Unit vectors in the planet's frame.
-        planet_radius : float
-            [m].
-
-        Returns
-        -------
-        bool array, shape (...)
-        """
+        """Whether positions lie in the area: unit vectors in the planet's frame, shape (..., 3)."""
 
     @abc.abstractmethod
     def describe(self) -> str:
@@ -64,7 +52,6 @@ class Circle(AbstractArea):
     radius: GroundDistance
 
     def contains(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
-        """See :meth:`AbstractArea.contains`."""
         middle = _units(self.latitude, self.longitude)
         # by the chord, which small distances do not round away
         chord = np.linalg.norm(position - middle, axis=-1)
@@ -72,7 +59,6 @@ class Circle(AbstractArea):
         return np.asarray(chord <= 2.0 * np.sin(0.5 * angle))
 
     def describe(self) -> str:
-        """See :meth:`AbstractArea.describe`."""
         place = _describe(float(self.latitude), float(self.longitude))
         return f"within {float(self.radius) / 1e3:g} km of {place}"
 
@@ -119,7 +105,6 @@ class Polygon(AbstractArea):
         return np.asarray(ahead & (np.abs(winding) > np.pi))
 
     def describe(self) -> str:
-        """See :meth:`AbstractArea.describe`."""
         corners = zip(np.asarray(self.latitudes), np.asarray(self.longitudes), strict=True)
         return "polygon of " + "; ".join(_describe(*map(float, corner)) for corner in corners)
 

@@ -1,8 +1,6 @@
 """Where the members of a released swarm are after days: shares, with what chance leaves open."""
 
-import itertools
 import json
-import pickle
 import zipfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -13,14 +11,12 @@ import jax
 import numpy as np
 
 import lightflyer
-from lightflyer.compute.scheduler import connected
+from lightflyer.compute.scheduler import connected, run_on_dask
 from lightflyer.compute.store import versions
 from lightflyer.config.designs import as_design
 from lightflyer.core.atomic_files import output_directory
 from lightflyer.core.clock import dates_of
 from lightflyer.core.errors import OutputError, ParameterError
-from lightflyer.core.extras import extra
-from lightflyer.core.pickling import dumps
 from lightflyer.core.progress import Counted, Step, reported_to
 from lightflyer.design.design import AbstractDesign, digest
 from lightflyer.environment.base import AbstractEnvironment
@@ -48,8 +44,6 @@ CONFIDENCE = 0.95  # Of the intervals of shares
 
 _unit_vector = entry_point(unit_vector)
 _EVERY = 3600.0  # seconds between counts where nobody asks for a spacing
-_RETRIES = 3
-_AHEAD = 3  # batches handed out per thread of a cluster
 _STUDY = "spread.json"
 
 
@@ -93,6 +87,21 @@ class _Swarm:
         """Of a batch's random numbers, which depend on nothing else."""
         sequence = np.random.SeedSequence(self.ensemble.seed, spawn_key=(batch,))
         return int(sequence.generate_state(1)[0])
+
+    def __call__(self, batch: int) -> tuple[int, Counts]:
+        """Fly a batch of members and count them."""
+        ensemble = replace(self.ensemble, members=self.size(batch), seed=self.seed(batch))
+        flights = flights_of(self.design, self.rule, self.start, ensemble)
+        with reported_to(_silent):  # whole batches are reported
+            tracks = fly_all(flights, self.limits, self.elapsed, self.accuracy)
+        # without the flyer as it is stated
+        return batch, _counts_of(jax.tree.map(lambda leaf: leaf[1:], tracks), self)
+
+    remotely = __call__
+
+    def received(self, answer: tuple[int, Counts]) -> tuple[int, Counts]:
+        """What a worker sent."""
+        return answer
 
 
 def disperse_ensemble(
@@ -196,16 +205,6 @@ def _require_members(ensemble: Ensemble, areas: Sequence[AbstractArea]) -> None:
             raise ParameterError(f"areas are a Circle or a Polygon, not {type(area).__name__}")
 
 
-def count_batch(swarm: _Swarm, batch: int) -> Counts:
-    """Fly a batch of members and count them."""
-    ensemble = replace(swarm.ensemble, members=swarm.size(batch), seed=swarm.seed(batch))
-    flights = flights_of(swarm.design, swarm.rule, swarm.start, ensemble)
-    with reported_to(_silent):  # whole batches are reported
-        tracks = fly_all(flights, swarm.limits, swarm.elapsed, swarm.accuracy)
-    # without the flyer as it is stated
-    return _counts_of(jax.tree.map(lambda leaf: leaf[1:], tracks), swarm)
-
-
 def _silent(step: Step) -> None:
     """Hear of a step without telling it."""
 
@@ -255,33 +254,10 @@ def _count(swarm: _Swarm, folder: Path | None, scheduler: str | None) -> Counts:
 
 def _fly(swarm: _Swarm, missing: list[int], scheduler: str | None) -> Iterator[tuple[int, Counts]]:
     if scheduler is None:
-        yield from ((batch, count_batch(swarm, batch)) for batch in missing)
+        yield from map(swarm, missing)
     elif missing:
         with connected(scheduler) as client:
-            yield from _flown_on_dask(swarm, missing, client)
-
-
-def _flown_on_dask(swarm: _Swarm, missing: list[int], client: Any) -> Iterator[tuple[int, Counts]]:
-    """Counts of batches that workers fly, as they are done."""
-    distributed: Any = extra("distributed", "scheduler", "sweep")
-    # made by a task and not scattered: it can be made again when its worker is lost
-    shared = client.submit(pickle.loads, dumps(swarm), pure=False)
-    waiting = iter(missing)
-
-    def submit(batch: int) -> Any:
-        return client.submit(_number, shared, batch, pure=False, retries=_RETRIES)
-
-    threads = max(sum(client.nthreads().values()), 1)
-    first = [submit(batch) for batch in itertools.islice(waiting, _AHEAD * threads)]
-    queue = distributed.as_completed(first, loop=client.loop, with_results=True)
-    for _, found in queue:
-        for more in itertools.islice(waiting, 1):
-            queue.add(submit(more))
-        yield found
-
-
-def _number(swarm: _Swarm, batch: int) -> tuple[int, Counts]:
-    return batch, count_batch(swarm, batch)
+            yield from run_on_dask(swarm, missing, client, scheduler)
 
 
 def _name(batch: int) -> str:
@@ -385,14 +361,7 @@ def _add_shares(
 def binomial_interval(
     counts: np.ndarray, trials: int, confidence: float = CONFIDENCE
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Interval of a share that was counted, by Clopper and Pearson; [ClopperPearson1934]_.
-
-    Examples
-    --------
-    >>> low, high = binomial_interval(np.array([0, 10]), 10)
-    >>> print(f"{high[0]:.4f} {low[1]:.4f}")
-    0.3085 0.6915
-    """
+    """Interval of a share that was counted, by Clopper and Pearson; [ClopperPearson1934]_."""
     from scipy.special import betaincinv
 
     tail = 0.5 * (1.0 - confidence)

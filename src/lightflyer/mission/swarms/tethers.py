@@ -78,7 +78,6 @@ class Swarm(PrintedResult):
     warnings: tuple[str, ...]
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         yield rows_of(
             {
                 "flyers": str(self.count),

@@ -45,13 +45,7 @@ class Channel:
 
 
 def metres(unit: str) -> float | None:
-    """A unit of length in metres; none if it is not a length.
-
-    Examples
-    --------
-    >>> metres("nm"), metres("V")
-    (1e-09, None)
-    """
+    """A unit of length in metres; none if it is not a length."""
     try:
         return scale_and_offset(unit, "m")[0] if unit else None
     except ConfigurationError:

@@ -7,7 +7,7 @@ import numpy as np
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Quantity
-from lightflyer.files.table import Rejected
+from lightflyer.files.table_rows import Rejected
 from lightflyer.lab.readers.formats import Source
 from lightflyer.lab.readers.spectra.names import (
     PER_CENTIMETRE,

@@ -52,13 +52,7 @@ class _State:
 
 
 def read_rows(lines: Sequence[str]) -> Rows:
-    """Read a table ``(X++(Y..Y))``.
-
-    Examples
-    --------
-    >>> read_rows(["400A000J000JU%T"]).ordinate
-    array([1000., 2000., 2001., 2002., 2003., 2003., 2003.])
-    """
+    """Read a table ``(X++(Y..Y))``."""
     state = _State()
     starts: list[float] = []
     places: list[int] = []
@@ -78,13 +72,7 @@ def read_rows(lines: Sequence[str]) -> Rows:
 
 
 def last_digit(number: str) -> float:
-    """Unit of the last digit of a number as it is written; 0 if it is none.
-
-    Examples
-    --------
-    >>> last_digit("0.37"), last_digit("4000")
-    (0.01, 1.0)
-    """
+    """Unit of the last digit of a number as it is written; 0 if it is none."""
     if not re.fullmatch(_NUMBER, number):
         return 0.0
     mantissa, _, exponent = number.lower().partition("e")

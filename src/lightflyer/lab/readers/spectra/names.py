@@ -60,15 +60,7 @@ class OrdinateUnit(NamedTuple):
 
 
 def axis_of(name: str) -> Axis | None:
-    """Unit that the name of an abscissa states.
-
-    Examples
-    --------
-    >>> axis_of("Wavenumber (cm-1)")
-    Axis(scale=100.0, is_wavelength=False)
-    >>> axis_of("NANOMETERS").is_wavelength
-    True
-    """
+    """Unit that the name of an abscissa states."""
     text = re.sub(r"\s+", "", name.casefold()).replace("µ", "u").replace("μ", "u")
     match = _AXIS.match(text)
     inner = match[1] if match else text
@@ -79,15 +71,7 @@ def axis_of(name: str) -> Axis | None:
 
 
 def parse_ordinate(name: str) -> OrdinateUnit | str:
-    """Quantity that the name of an ordinate states.
-
-    Examples
-    --------
-    >>> parse_ordinate("%T")
-    OrdinateUnit(quantity='transmittance', percent=True)
-    >>> parse_ordinate("Single Beam")
-    'shows a single beam; divide it by its background and export %T or %R'
-    """
+    """Quantity that the name of an ordinate states."""
     text = " ".join(name.casefold().split())
     percent = "%" in text or "percent" in text or "per cent" in text
     core = re.sub(r"per ?cent(?:age)?|%|\bunits?\b", "", text)

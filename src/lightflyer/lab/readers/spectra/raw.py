@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from lightflyer.files.table import Rejected
+from lightflyer.files.table_rows import Rejected
 from lightflyer.lab.readers.formats import one_line
 
 Ordinate = Literal["transmittance", "reflectance"]  # Quantity that a spectrum shows
@@ -46,13 +46,7 @@ class RawSpectrum:
 
 
 def plain(text: bytes, encoding: str = "utf-8") -> str:
-    r"""Words from a field of fixed width: up to its first zero byte, on one line.
-
-    Examples
-    --------
-    >>> plain(b"Nicolet  iS50\x00\x07\x07")
-    'Nicolet iS50'
-    """
+    """Words from a field of fixed width: up to its first zero byte, on one line."""
     words = text.partition(b"\x00")[0]
     try:
         return one_line(words.decode(encoding))

@@ -33,15 +33,7 @@ class Scale(NamedTuple):
 
 
 def parse_scale(unit: str, zero: str | None = None) -> Scale:
-    """Scale from options.
-
-    Examples
-    --------
-    >>> parse_scale("0.04 K")
-    Scale(step=0.04, zero=0.0)
-    >>> parse_scale("0.1 K", "200 K")
-    Scale(step=0.1, zero=200.0)
-    """
+    """Scale from options."""
     match = _UNIT.match(unit)
     try:
         if match is None:

@@ -1,0 +1,17 @@
+from lightflyer.files.display_units import amount, in_words, suitable
+from lightflyer.files.drawing import wrapped
+
+
+def test_units_that_suit_values():
+    assert suitable("kg", 1.5e-7) == (1e6, "mg")
+    assert amount(72116.2, "m", digits=5) == "72.116 km"
+
+
+def test_numbers_of_designs_in_words():
+    assert in_words("flyer.film.tac_top") == "film TAC, top"
+    assert in_words("flyer.diameter") == "flyer diameter"
+
+
+def test_long_labels_in_lines():
+    label = "smallest irradiance that levitates the flyer [W/m²]"
+    assert wrapped(label) == "smallest irradiance that\nlevitates the flyer [W/m²]"

@@ -30,7 +30,7 @@ from jax import Array
 
 from lightflyer.core.checks import is_concrete, is_traced
 from lightflyer.core.errors import ConvergenceError
-from lightflyer.core.quantity import require_record
+from lightflyer.core.quantity import require_fit, require_record, shapes_in
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.display_units import number_text
@@ -166,6 +166,7 @@ def require_suitable(
     require_record("model", (AbstractForceModel,), model)
     model.require_flyer(type(flyer))
     model.require_gas(state.gas)
+    require_fit(shapes_in(flyer, "flyer.") | shapes_in(state, "state.") | shapes_in(model))
 
 
 def node_losses(
@@ -175,7 +176,7 @@ def node_losses(
     unknowns: tuple[Array, ...],
 ) -> tuple[Array, ...]:
     """Power that each node loses to the gas, by radiation and to the others [W]."""
-    gas = model.heat_loss(flyer, state, unknowns)
+    gas = require_record("heat_loss()", (tuple,), model.heat_loss(flyer, state, unknowns))
     own = flyer.heat_losses(state, unknowns)
     return tuple(taken + given for taken, given in zip(gas, own, strict=True))
 

@@ -350,7 +350,7 @@ def _reported_coordinates(
     if at is None:
         low, high = searched[[0, -1]]
         return np.array([point for point in where.points if low <= point <= high])
-    asked = np.asarray(at, float)
+    asked = np.asarray(where.quantity.number("at", at), float)
     where.quantity.check(f"{where.name} [{where.unit}]", asked)
     return asked
 

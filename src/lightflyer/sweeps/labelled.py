@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.compute.evaluation import Evaluator, Table
+from lightflyer.core.checks import is_labelled
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.design.design import AbstractDesign, Field
 from lightflyer.design.outputs import check_outputs, outputs_of
@@ -47,8 +48,9 @@ def sweep_labelled(
 def _array(entry: Any, known: Field) -> "xr.DataArray":
     import xarray as xr
 
-    if isinstance(entry, xr.DataArray):
-        return entry
+    if is_labelled(entry):
+        array: xr.DataArray = known.quantity.number(known.name, entry)
+        return array if is_labelled(array) else xr.DataArray(array)
     with errors_at(None, known.name):
         axis = read_entry(entry, known)
         if not isinstance(axis, Axis):
@@ -63,14 +65,15 @@ def _evaluate(
     names: list[str],
     columns: Sequence[np.ndarray],
     outputs: tuple[str, ...],
-) -> tuple[np.ndarray, ...]:
+) -> Any:
     """Outputs of a block of designs, one for each element of the broadcast columns."""
     columns = np.broadcast_arrays(*columns)
     values: Table = {name: np.ravel(column) for name, column in zip(names, columns, strict=True)}
     for name, column in values.items():
         require(design.field(name), column)
     study = Study(design, (Dimension("design", values),), {}, outputs)
-    if not columns[0].size:
-        return tuple(np.empty(columns[0].shape) for _ in outputs)
-    results, _ = Evaluator(study)(0, study.size)
-    return tuple(results[name].reshape(columns[0].shape) for name in outputs)
+    results: Table = dict.fromkeys(outputs, columns[0])
+    if columns[0].size:
+        results, _ = Evaluator(study)(0, study.size)
+    found = tuple(results[name].reshape(columns[0].shape) for name in outputs)
+    return found if len(found) > 1 else found[0]  # xarray takes a tuple for several outputs

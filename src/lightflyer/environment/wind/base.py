@@ -9,6 +9,7 @@ import numpy as np
 
 from lightflyer.core.checks import is_traced
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.program.entry_point import entry_point
@@ -23,7 +24,7 @@ class AbstractWind(eqx.Module):
     """
 
     @abc.abstractmethod
-    def velocity(self, altitude: Numeric, place: Place) -> Wind:
+    def velocity(self, altitude: Altitude, place: Place) -> Wind:
         """Velocity of the gas.
 
         Parameters
@@ -44,7 +45,7 @@ class AbstractWind(eqx.Module):
             If arguments are concrete and a margin is negative.
         """
 
-    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         """How far the wind still reaches, for what integrates along a path.
 
         Parameters
@@ -62,7 +63,7 @@ class AbstractWind(eqx.Module):
         """
         return {}
 
-    def _within(self, altitude: Numeric, place: Place, wind: Wind) -> Wind:
+    def _within(self, altitude: Altitude, place: Place, wind: Wind) -> Wind:
         """A wind where there is one: else an error, or NaN where that cannot be known yet."""
         margins = self.margins(altitude, place)
         for beyond, margin in margins.items():

@@ -23,6 +23,7 @@ import numpy as np
 from lightflyer.core import constants
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ConfigurationError, LightflyerError
+from lightflyer.core.quantity import Length
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.estimate import Estimate
@@ -55,6 +56,7 @@ from lightflyer.lab.tac.problem import (
     minimise,
     require_distinct,
 )
+from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -206,7 +208,7 @@ def heater_power(
     area_ratio: float,
     offset: float,
     *,
-    diameter: float = LU2023_HEATER_DIAMETER,
+    diameter: Length = LU2023_HEATER_DIAMETER,
     law: AbstractHeatLaw = KINETIC_LAW,
     gas: AbstractGas = AIR,
 ) -> np.ndarray:
@@ -217,6 +219,7 @@ def heater_power(
     return np.asarray(conductance * nominal_area(diameter) * difference)
 
 
+@reads_units
 def fit_tac(
     run: TacRun,
     *,

@@ -203,6 +203,12 @@ class PlanetSection(AltitudeSection, abc.ABC):
             cls.model_rebuild(force=True)
         super().__pydantic_init_subclass__(**kwargs)
 
+    def idle(self) -> dict[str, str]:
+        """See :meth:`Section.idle`."""
+        both = self.infrared_top is not None and self.infrared_bottom is not None
+        why = "beside infrared_top and infrared_bottom; remove it, or both of them"
+        return super().idle() | ({"surroundings": why} if both else {})
+
     @property
     def default_infrared(self) -> tuple[float | None, float | None]:
         """Heat radiation from above and below where the file gives none [W/m²]."""

@@ -1,6 +1,8 @@
 """What constructors and functions make of texts, quantities, lists and of what is no number."""
 
+import jax
 import numpy as np
+import pandas as pd
 import pint
 import pytest
 import xarray as xr
@@ -66,7 +68,7 @@ def test_every_record_reads_units():
         (True, "radius must be a number"),
         (1j, "radius must be a number"),
         ({}, "radius must be a number"),
-        ([0.01, "x"], "radius must be a number"),
+        ([0.01, "x"], r'radius = "x" is not a number with a unit'),
         ([[0.01], [0.01, 0.02]], "radius must be a number"),
         ("-2 cm", "radius = -0.02 is not positive"),
         (np.nan, "radius = nan is not positive"),
@@ -96,5 +98,176 @@ def test_what_is_of_the_wrong_class_is_one_clear_line():
 def test_functions_take_lists_and_refuse_units():
     paths = lf.gas.mean_free_path([1.0, 2.0], 300.0, lf.gas.AIR)
     assert paths[0] == pytest.approx(2.0 * paths[1])
-    with pytest.raises(lf.ParameterError, match=r"mean_free_path\(\) takes numbers in SI units"):
-        lf.gas.mean_free_path("1 Pa", 300.0, lf.gas.AIR)
+    assert lf.gas.mean_free_path("1 Pa", 300.0, lf.gas.AIR) == paths[0]
+    hours = xr.DataArray([1.0, 2.0], dims="t", attrs={"units": "hour"})
+    position = lf.environment.EarthSun().position
+    for time in ("1 hour", ["1 hour"], OTHER_REGISTRY.Quantity(1, "hour"), hours):
+        with pytest.raises(lf.ParameterError, match="in SI units"):
+            position(time)
+
+
+EARTH, MARS, LU = lf.Earth(), lf.Mars(), lf.Lu2023()
+DISK, STATE = lf.Disk(FILM, 0.01), EARTH.state(72e3)
+PLACE = lf.environment.Place.at("2026-06-21T12:00Z", 45.0, 10.0)
+# What takes numbers: a function of one, values in SI, another unit, and its size by definition
+TAKES_NUMBERS = {
+    "mean free path": (lambda x: lf.gas.mean_free_path(x, 300.0, lf.gas.AIR), 10.0, "hPa", 100.0),
+    "Knudsen number": (
+        lambda x: lf.gas.knudsen_number(10.0, 300.0, x, lf.gas.AIR), 0.01, "cm", 0.01
+    ),
+    "method of a gas": (lf.gas.CARBON_DIOXIDE.viscosity, 300.0, "mK", 1e-3),
+    "density of a gas": (lambda x: lf.gas.AIR.density(x, 300.0), 300.0, "hPa", 100.0),
+    "Earth": (lambda x: EARTH.state(x).pressure, 70e3, "km", 1e3),
+    "Mars": (lambda x: MARS.state(x).temperature, 40e3, "km", 1e3),
+    "chamber": (lambda x: lf.Chamber().state(x).pressure, 10.0, "mbar", 100.0),
+    "atmosphere": (lf.environment.US1976().density, 70e3, "km", 1e3),
+    "wind": (
+        lambda x: lf.environment.UniformWind(x).velocity(70e3, PLACE).east, 5.0, "km/s", 1e3
+    ),
+    "gravity": (lf.environment.EARTH_PLANET.gravity_at, 70e3, "km", 1e3),
+    "curvature": (
+        lambda x: lf.environment.EARTH_PLANET.curvature_radius(x, 0.0), 0.3, "deg", np.pi / 180.0
+    ),
+    "place": (
+        lambda x: lf.environment.Place.at("2026-06-21", x, 10.0).latitude, 45.0, "rad",
+        180.0 / np.pi,
+    ),
+    "light": (lambda x: lf.environment.Radiation(x).irradiance, 1361.0, "kW/m^2", 1e3),
+    "constructor": (lambda x: lf.Disk(FILM, x).own_mass, 0.01, "cm", 0.01),
+    "payload": (lambda x: lf.payload(lf.Disk(FILM, x), STATE, LU), 0.01, "cm", 0.01),
+    "temperature": (
+        lambda x: lf.equilibrium(DISK, EARTH.state(x), LU).temperature, 70e3, "km", 1e3
+    ),
+    "drag": (
+        lambda x: lf.drag.disk_drag(x, 0.01, 5.2, 220.0, lf.gas.AIR), 1.0, "km/s", 1e3
+    ),
+    "radio": (lambda x: lf.budget.free_space_loss(x, 434e6), 30e3, "km", 1e3),
+    "black body": (lambda x: lf.film.planck(x, 300.0), 1e-5, "um", 1e-6),
+    "drift": (
+        lambda x: lf.mission.steady_drift(DISK, EARTH, LU, altitude=x, tilt=0.3).speed, 70e3,
+        "km", 1e3,
+    ),
+    "sweep": (
+        lambda x: lf.sweep(DISK, EARTH, LU, over={"altitude": x}, outputs=["payload"]).payload,
+        70e3, "km", 1e3,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", TAKES_NUMBERS.values(), ids=TAKES_NUMBERS)
+def test_units_and_names_travel(case):
+    function, value, unit, size = case
+    numbers = np.array([value, 1.01 * value])
+    expected = np.asarray(function(numbers))
+    coordinates = {"where": [3, 4]}
+    labelled = xr.DataArray(numbers / size, coordinates, ["where"], attrs={"units": unit})
+    found = function(labelled)
+    assert found.dims == ("where",)
+    np.testing.assert_array_equal(found["where"], [3, 4])
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    for written in (
+        pd.Series(numbers),
+        OTHER_REGISTRY.Quantity(numbers / size, unit),
+        [f"{number / size!r} {unit}" for number in numbers.tolist()],
+    ):
+        np.testing.assert_allclose(function(written), expected, rtol=1e-12)
+    with pytest.raises(lf.LightflyerError, match="wrong kind; give one that converts to") as caught:
+        function(labelled.assign_attrs(units="kg"))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", ["m", "metre", "degree", "degrees_north", "W m-2", "1", "%"])
+def test_units_are_read_as_datasets_write_them(kind):
+    targets = {"W m-2": "W/m^2", "1": "", "%": "", "degree": "deg", "degrees_north": "deg"}
+    number = lf.quantity.Quantity(targets.get(kind, "m")).number
+    expected = 0.005 if kind == "%" else 0.5
+    assert number("x", xr.DataArray(0.5, attrs={"units": kind})) == pytest.approx(expected)
+
+
+def test_names_of_dimensions_make_a_grid():
+    radii = xr.DataArray([1.0, 2.0, 3.0], dims="radius", attrs={"units": "cm"})
+    altitudes = xr.DataArray([70.0, 72.0], dims="altitude", attrs={"units": "km"})
+    found = lf.payload(lf.Disk(FILM, radii), EARTH.state(altitudes), LU)
+    assert dict(found.sizes) == {"radius": 3, "altitude": 2}
+    alone = lf.payload(lf.Disk(FILM, 0.03), EARTH.state(70e3), LU)
+    assert found[2, 0] == pytest.approx(alone, rel=1e-12)
+    shifted = altitudes.assign_coords(altitude=[1, 2])
+    other = lf.Disk(FILM, xr.DataArray([0.01, 0.02], {"altitude": [2, 3]}, ["altitude"]))
+    with pytest.raises(lf.ParameterError, match="do not fit together"):
+        lf.payload(other, EARTH.state(shifted), LU)
+
+
+@pytest.mark.parametrize(
+    "misfit",
+    [
+        lambda: lf.FilmProperties(1e-3, [0.7, 0.8], 0.1, 0.1, [0.8, 0.9, 1.0], 0.9),
+        lambda: lf.Disk(
+            lf.FilmProperties(1e-3, [0.7, 0.8], 0.1, 0.1, 0.8, 0.9), [1e-2, 2e-2, 3e-2]
+        ),
+        lambda: lf.levitate(lf.Disk(FILM, [0.01, 0.02]), EARTH.state([70e3, 71e3, 72e3]), LU),
+        lambda: lf.gas.mean_free_path([1.0, 2.0], [200.0, 250.0, 300.0], lf.gas.AIR),
+    ],
+)
+def test_shapes_that_do_not_fit_are_one_clear_line(misfit):
+    with pytest.raises(
+        lf.ParameterError, match=r"of shape \(2,\) and .* of shape \(3,\) do not fit"
+    ):
+        misfit()
+
+
+def test_a_prediction_is_of_one_design():
+    with pytest.raises(lf.ConfigurationError, match=r"flyer.radius of shape \(2,\) .*sweep takes"):
+        lf.predict(lf.Disk(FILM, [0.01, 0.02]), EARTH, LU)
+
+
+def test_under_jit_what_is_impossible_is_nan():
+    def payload(radius):
+        return lf.payload(lf.Disk(FILM, radius), STATE, LU)
+
+    for transformed in (jax.jit(payload), jax.vmap(payload)):
+        found = transformed(np.array([-0.01, 0.0, 0.01]))
+        np.testing.assert_array_equal(np.isnan(found), [True, True, False])
+    with lf.float64():
+        assert jax.jit(payload)(0.01) == pytest.approx(payload(0.01), rel=1e-12)
+
+
+def test_own_models_and_rules_of_the_wrong_kind_are_one_clear_line():
+    class Scalar(lf.Lu2023):
+        def heat_loss(self, flyer, state, unknowns):
+            return unknowns[0]
+
+    with pytest.raises(lf.ParameterError, match=r"heat_loss\(\) must be of class tuple"):
+        lf.payload(DISK, STATE, Scalar())
+    release = lf.Release("75 km", 45.0, 10.0, "2026-06-21T12:00Z")
+    with pytest.raises(lf.ParameterError, match="attitude must be of class AbstractAttitudeRule"):
+        lf.fly(DISK, EARTH, LU, release=release, duration="1 min", attitude="level")
+
+
+@pytest.mark.parametrize(
+    ("spreads", "correlation", "message"),
+    [
+        ((0.01, 0.01), 2.0, "= 2 is not between -1 and 1"),
+        ((-0.01, 0.01), 0.0, "tac_top: the uncertainty must be zero or positive"),
+        ((np.nan, 0.01), 0.0, "tac_top: the uncertainty must be zero or positive"),
+        ((5.0, 0.01), 0.0, "tac_top: the uncertainty must be at most 1.3"),
+        ((0.01, 0.0), 0.5, "of flyer.film.tac_bottom has no effect without its ±"),
+        ((True, 0.01), 0.5, "uncertainty of flyer.film.tac_top must be a number"),
+    ],
+)
+def test_a_design_of_objects_is_checked_as_files_are(spreads, correlation, message):
+    faces = "flyer.film.tac_top", "flyer.film.tac_bottom"
+    setup = lf.Setup(DISK, EARTH, LU)
+    with pytest.raises(lf.LightflyerError, match=message):
+        lf.design.ObjectDesign(setup, dict(zip(faces, spreads, strict=True)), {faces: correlation})
+
+
+def test_correlations_of_a_design_of_objects_belong_together():
+    top, bottom, light = names = [
+        f"flyer.film.{name}" for name in ("tac_top", "tac_bottom", "absorptance")
+    ]
+    pairs = {(top, bottom): 0.9, (bottom, light): 0.9, (top, light): -0.9}
+    setup = lf.Setup(DISK, EARTH, LU)
+    with pytest.raises(lf.ConfigurationError, match="no joint distribution"):
+        lf.design.ObjectDesign(setup, dict.fromkeys(names, 0.01), pairs)
+    spreads = lf.design.ObjectDesign(setup, {"flyer.radius": "0.5 mm", top: "1 %"}).uncertainties
+    assert spreads == pytest.approx({"flyer.radius": 5e-4, top: 0.01})

@@ -1,5 +1,6 @@
 from typing import ClassVar
 
+import equinox as eqx
 import jax
 import numpy as np
 import numpy_model
@@ -118,7 +119,8 @@ def test_non_convergence_raises_unless_asked_not_to(disk):
 
 
 def test_nan_input_is_flagged_not_returned_in_silence(disk):
-    poisoned = state(np.array([1.0, np.nan]))
+    broken = np.array([1.0, np.nan])
+    poisoned = eqx.tree_at(lambda state: state.pressure, state(1.0), broken)
     with pytest.raises(lf.ConvergenceError, match="1 of 2"):
         lf.equilibrium(disk, poisoned, lf.Lu2023())
     result = lf.equilibrium(disk, poisoned, lf.Lu2023(), throw=False)

@@ -9,7 +9,7 @@ from lightflyer.uncertainty.inputs import uncertain_inputs
 
 MEASURED = {
     "areal_density": "0.3 g/m^2", "absorptance": 0.02, "transmittance": 0.9, "emittance": 0.1,
-    "tac_top": 0.8, "tac_bottom": "0.80 ± 0.05", "tac_correlation": 0.5,
+    "tac_top": "0.80 ± 0.05", "tac_bottom": "0.80 ± 0.05", "tac_correlation": 0.5,
 }  # fmt: skip
 CHROMIUM = {"material": "Cr", "thickness": "10 ± 1 nm"}
 ALUMINA = {"material": "Al2O3", "thickness": "100 nm"}

@@ -28,7 +28,7 @@ def from_decibels(decibels: Numeric) -> Array:
 
 
 @entry_point
-def free_space_loss(distance: Numeric, frequency: Numeric) -> Array:
+def free_space_loss(distance: LinkDistance, frequency: Frequency) -> Array:
     r"""Power sent over power received between antennas without gain in free space.
 
     .. math:: L = \left(\frac{4\pi d f}{c}\right)^2

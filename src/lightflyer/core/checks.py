@@ -13,6 +13,11 @@ def is_traced(*trees: Any) -> bool:
     return any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(trees))
 
 
+def is_labelled(value: Any) -> bool:
+    """Whether a value is an array of xarray."""
+    return hasattr(value, "dims") and hasattr(value, "attrs") and hasattr(value, "dtype")
+
+
 def is_concrete(*values: Any) -> bool:
     """Whether all values are numbers that can be looked at."""
     return not is_traced(values) and all(

@@ -16,22 +16,24 @@ concrete values against the range when it is made. The section reads a text with
 import dataclasses
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from types import NoneType
 from typing import Annotated, Any, ClassVar, get_args, get_origin
 
 import equinox as eqx
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pint
 import pydantic
 from pydantic_core import CoreSchema, core_schema
 
-from lightflyer.core.checks import allowed, is_concrete, require_range
+from lightflyer.core.checks import allowed, is_concrete, is_labelled, require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.types import Numeric
-from lightflyer.core.units import Measured, parse
+from lightflyer.core.units import Measured, file_unit, parse, scale_and_offset
 
 
 @dataclass(frozen=True)
@@ -91,23 +93,39 @@ class Quantity:
         )
 
     def number(self, name: str, value: Any) -> Any:
-        """Number or array in the unit, from whatever a script gives."""
+        """Number or array in the unit, from whatever a script gives; labels of xarray stay."""
         if isinstance(value, eqx.Module):
             return value  # a number that depends on another, such as an emittance on temperature
+        if isinstance(value, jax.core.Tracer):
+            return self._possible(value)
+        value = self._in_unit(name, value)
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            return value
+        if hasattr(value, "index") or not hasattr(value, "dtype"):  # pandas has both
+            value = _array_of(value)
+        if not any(np.issubdtype(value.dtype, kind) for kind in (np.floating, np.integer)):
+            raise ParameterError(f"{name} must be {_a_number(self.unit)}")
+        return value
+
+    def _possible(self, value: Any) -> Any:
+        """A traced number, NaN where it is out of range: nothing can be raised there."""
+        if (self.lowest, self.highest) == (-math.inf, math.inf):
+            return value
+        above = value > self.lowest if self.open_below else value >= self.lowest
+        return jnp.where(above & (value <= self.highest), value, jnp.nan)
+
+    def _in_unit(self, name: str, value: Any) -> Any:
+        """What has a unit of its own, without it; anything else as it is."""
         if isinstance(value, str):
             value = self._number_of_text(name, value)
         if isinstance(value, Measured):
             raise ParameterError(f"{name} = {value.value:g}{_NO_UNCERTAINTY}")
+        if is_labelled(value):
+            return self._number_of_labelled(name, value)
         if hasattr(value, "magnitude"):
-            value = self._number_of_pint(name, value)
-        if isinstance(value, int | float) and not isinstance(value, bool):
-            return value
-        if isinstance(value, list | tuple) or not hasattr(value, "dtype"):
-            value = _array_of(value)
-        elif hasattr(value, "dims"):
-            value = value.to_numpy()  # of xarray, whose names of dimensions JAX does not know
-        if not any(np.issubdtype(value.dtype, kind) for kind in (np.floating, np.integer)):
-            raise ParameterError(f"{name} must be {_a_number(self.unit)}")
+            return self._number_of_pint(name, value)
+        if isinstance(value, list | tuple) and any(isinstance(one, str) for one in value):
+            return [self._in_unit(name, one) for one in value]
         return value
 
     def _number_of_text(self, name: str, text: str) -> Any:
@@ -123,6 +141,20 @@ class Quantity:
         except pint.PintError:
             raise ParameterError(f"{name} = {value:g~P} does not convert to {self.unit}") from None
 
+    def _number_of_labelled(self, name: str, value: Any) -> Any:
+        """An array of xarray in the unit; without attributes, which would outlive the unit."""
+        unit = value.attrs.get("units")
+        if hasattr(value.data, "magnitude"):
+            value = value.copy(data=self._number_of_pint(name, value.data))
+        elif unit is not None:
+            try:
+                scale, offset = scale_and_offset(file_unit(str(unit)), self.unit)
+            except ConfigurationError as error:
+                raise ParameterError(f"units of {name}: {error}") from None
+            if (scale, offset) != (1.0, 0.0):
+                value = scale * value + offset
+        return value.drop_attrs() if value.ndim else value.to_numpy()
+
     def read(self, value: Any) -> Measured:
         """Number in the unit from a text, a bare number or a :class:`Measured`."""
         measured = value if isinstance(value, Measured) else parse(value, self.unit)
@@ -134,7 +166,11 @@ class Quantity:
         except ParameterError:
             raise ConfigurationError(f"must be {self.allowed}") from None
         width = min(self.highest - self.lowest, self.sizes[1])
-        if measured.uncertainty is not None and measured.uncertainty > width:
+        if measured.uncertainty is None:
+            return measured
+        if not measured.uncertainty >= 0.0:
+            raise ConfigurationError("the uncertainty must be zero or positive")
+        if measured.uncertainty > width:
             raise ConfigurationError(
                 f"the uncertainty must be at most {width:g}{f' {self.unit}' if self.unit else ''}, "
                 "all that is possible"
@@ -172,10 +208,7 @@ HIGHEST_OPEN_FRACTION = 0.999  # Largest share of holes accepted: without film t
 
 _BETWEEN = "atoms are larger, flyers smaller"
 
-Length = Annotated[
-    Numeric,
-    Quantity("m", 0.0, open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN),
-]
+Length = Annotated[Numeric, Quantity("m", 0.0, open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN)]
 Thickness = Annotated[
     Numeric,
     Quantity("m", 0.0, open_below=True, sizes=(1e-10, 1e-2),
@@ -183,147 +216,108 @@ Thickness = Annotated[
              known="graphene is the thinnest film, and no light lifts one as thick as paper"),
 ]  # fmt: skip
 Roughness = Annotated[
-    Numeric,
-    Quantity("m", 0.0, sizes=(1e-11, 1e-4), why="atoms are larger, films are smoother"),
-]
+    Numeric, Quantity("m", 0.0, sizes=(1e-11, 1e-4), why="atoms are larger, films are smoother"),
+]  # fmt: skip
 Distance = Annotated[Numeric, Quantity("m", 0.0, sizes=(1e-10, 1e4), why=_BETWEEN)]
 LinearDensity = Annotated[
-    Numeric,
-    Quantity("kg/m", 0.0, sizes=(1e-15, 1e2), why="nanotubes and ropes are between"),
-]
+    Numeric, Quantity("kg/m", 0.0, sizes=(1e-15, 1e2), why="nanotubes and ropes are between"),
+]  # fmt: skip
 GroundDistance = Annotated[
-    Numeric,
-    Quantity("m", 0.0, open_below=True, sizes=(1.0, 1e8), why="no planet under a flyer is wider"),
-]
+    Numeric, Quantity("m", 0.0, open_below=True, sizes=(1.0, 1e8),
+        why="no planet under a flyer is wider"),
+]  # fmt: skip
 Altitude = Annotated[
-    Numeric, Quantity("m", 0.0, sizes=(0.0, 1e9), why="the moon is nearer than that")
-]
-Mass = Annotated[
-    Numeric,
-    Quantity("kg", 0.0, sizes=(0.0, 1e4), why="no flyer carries more"),
-]
+    Numeric, Quantity("m", 0.0, sizes=(0.0, 1e9), why="the moon is nearer than that"),
+]  # fmt: skip
+Mass = Annotated[Numeric, Quantity("kg", 0.0, sizes=(0.0, 1e4), why="no flyer carries more")]
 ArealDensity = Annotated[
-    Numeric,
-    Quantity(
-        "kg/m^2",
-        0.0,
-        open_below=True,
-        sizes=(1e-7, 1e2),
-        why="graphene weighs more, 1 cm of steel less",
-    ),
-]
+    Numeric, Quantity("kg/m^2", 0.0, open_below=True, sizes=(1e-7, 1e2),
+        why="graphene weighs more, 1 cm of steel less"),
+]  # fmt: skip
 Density = Annotated[
-    Numeric,
-    Quantity(
-        "kg/m^3",
-        0.0,
-        open_below=True,
-        sizes=(0.1, 2.3e4),
-        why="aerogels and osmium are between",
-    ),
-]
+    Numeric, Quantity("kg/m^3", 0.0, open_below=True, sizes=(0.1, 2.3e4),
+        why="aerogels and osmium are between"),
+]  # fmt: skip
 Pressure = Annotated[
-    Numeric,
-    Quantity(
-        "Pa",
-        0.0,
-        open_below=True,
-        sizes=(1e-15, 1e7),
-        why="beyond there is no gas, or none that is ideal",
-    ),
-]
+    Numeric, Quantity("Pa", 0.0, open_below=True, sizes=(1e-15, 1e7),
+        why="beyond there is no gas, or none that is ideal"),
+]  # fmt: skip
 Temperature = Annotated[
-    Numeric,
-    Quantity(
-        "K",
-        0.0,
-        open_below=True,
-        sizes=(1.0, 5e3),
-        why="no gas is colder, and its molecules fall apart above",
-    ),
-]
+    Numeric, Quantity("K", 0.0, open_below=True, sizes=(1.0, 5e3),
+        why="no gas is colder, and its molecules fall apart above"),
+]  # fmt: skip
 TemperatureOffset = Annotated[Numeric, Quantity("K", -100.0, 100.0)]
 MolarMass = Annotated[
-    Numeric,
-    Quantity("kg/mol", 0.0, open_below=True, sizes=(1e-3, 0.4), why="hydrogen and UF6 are between"),
-]
+    Numeric, Quantity("kg/mol", 0.0, open_below=True, sizes=(1e-3, 0.4),
+        why="hydrogen and UF6 are between"),
+]  # fmt: skip
 Tension = Annotated[
-    Numeric,
-    Quantity("N/m", 0.0, open_below=True, sizes=(1e-9, 1e8), why="no film bears more"),
-]
+    Numeric, Quantity("N/m", 0.0, open_below=True, sizes=(1e-9, 1e8), why="no film bears more"),
+]  # fmt: skip
 Irradiance = Annotated[
-    Numeric,
-    Quantity("W/m^2", 0.0, sizes=(1e-30, 1e8), why="the surface of the sun gives 6.3e7 W/m²"),
-]
+    Numeric, Quantity("W/m^2", 0.0, sizes=(1e-30, 1e8),
+        why="the surface of the sun gives 6.3e7 W/m²"),
+]  # fmt: skip
 Acceleration = Annotated[
-    Numeric,
-    Quantity(
-        "m/s^2", 0.0, open_below=True, sizes=(1e-6, 1e3), why="asteroids and the sun are between"
-    ),
-]
+    Numeric, Quantity("m/s^2", 0.0, open_below=True, sizes=(1e-6, 1e3),
+        why="asteroids and the sun are between"),
+]  # fmt: skip
 Velocity = Annotated[
-    Numeric, Quantity("m/s", sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth")
-]
+    Numeric, Quantity("m/s", sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth"),
+]  # fmt: skip
 Speed = Annotated[
-    Numeric, Quantity("m/s", 0.0, sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth")
-]
+    Numeric, Quantity("m/s", 0.0, sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth"),
+]  # fmt: skip
 Duration = Annotated[
-    Numeric,
-    Quantity("s", 0.0, open_below=True, sizes=(1.0, 1e10), why="no mission lasts three centuries"),
-]
+    Numeric, Quantity("s", 0.0, open_below=True, sizes=(1.0, 1e10),
+        why="no mission lasts three centuries"),
+]  # fmt: skip
 SpecificHeat = Annotated[
-    Numeric,
-    Quantity(
-        "J/(kg*K)", 0.0, open_below=True, sizes=(10.0, 2e4), why="gold and hydrogen are between"
-    ),
-]
+    Numeric, Quantity("J/(kg*K)", 0.0, open_below=True, sizes=(10.0, 2e4),
+        why="gold and hydrogen are between"),
+]  # fmt: skip
 Conductivity = Annotated[
-    Numeric, Quantity("W/(m*K)", 0.0, sizes=(1e-6, 1e4), why="aerogels and graphene are between")
-]
+    Numeric, Quantity("W/(m*K)", 0.0, sizes=(1e-6, 1e4), why="aerogels and graphene are between"),
+]  # fmt: skip
 Power = Annotated[
-    Numeric, Quantity("W", 0.0, sizes=(1e-18, 1e6), why="no flyer has more, and no radio less")
-]
+    Numeric, Quantity("W", 0.0, sizes=(1e-18, 1e6), why="no flyer has more, and no radio less"),
+]  # fmt: skip
 Frequency = Annotated[
-    Numeric,
-    Quantity("Hz", 0.0, open_below=True, sizes=(1e3, 1e13), why="radio is between"),
-]
+    Numeric, Quantity("Hz", 0.0, open_below=True, sizes=(1e3, 1e13), why="radio is between"),
+]  # fmt: skip
 LinkDistance = Annotated[
-    Numeric,
-    Quantity("m", 0.0, open_below=True, sizes=(1e-2, 1e12), why="Mars and Earth are between"),
-]
+    Numeric, Quantity("m", 0.0, open_below=True, sizes=(1e-2, 1e12),
+        why="Mars and Earth are between"),
+]  # fmt: skip
 DataRate = Annotated[
-    Numeric,
-    Quantity("bit/s", 0.0, open_below=True, sizes=(1e-4, 1e12), why="no radio is faster"),
-]
+    Numeric, Quantity("bit/s", 0.0, open_below=True, sizes=(1e-4, 1e12), why="no radio is faster"),
+]  # fmt: skip
 Decibels = Annotated[Numeric, Quantity("", -100.0, 100.0)]
 Efficiency = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]
 PhotonEnergy = Annotated[
-    Numeric,
-    Quantity(
-        "J", 0.0, open_below=True, sizes=(1e-24, 1e-15), why="radio waves and x-rays are between"
-    ),
-]
+    Numeric, Quantity("J", 0.0, open_below=True, sizes=(1e-24, 1e-15),
+        why="radio waves and x-rays are between"),
+]  # fmt: skip
 EnergyGap = Annotated[
-    Numeric, Quantity("J", 0.0, sizes=(0.0, 1e-17), why="no solid has a wider gap")
-]
+    Numeric, Quantity("J", 0.0, sizes=(0.0, 1e-17), why="no solid has a wider gap"),
+]  # fmt: skip
 OscillatorStrength = Annotated[Numeric, Quantity("", 0.0)]
 Permittivity = Annotated[Numeric, Quantity("", 0.0, sizes=(0.0, 1e4), why="no medium has more")]
 Fraction = Annotated[Numeric, Quantity("", 0.0, 1.0)]
 OpenFraction = Annotated[Numeric, Quantity("", 0.0, HIGHEST_OPEN_FRACTION)]
 Emittance = Annotated[
-    Numeric,
-    Quantity("", 0.0, 1.0, open_below=True, likely=(5e-3, 1.0), known="polished gold has 0.02"),
-]
+    Numeric, Quantity("", 0.0, 1.0, open_below=True,
+        likely=(5e-3, 1.0), known="polished gold has 0.02"),
+]  # fmt: skip
 AccommodationCoefficient = Annotated[
-    Numeric,
-    Quantity("", 0.0, HIGHEST_TAC, open_below=True, likely=(0.2, HIGHEST_TAC),
-             known="technical surfaces in air have 0.6 to 1"),
+    Numeric, Quantity("", 0.0, HIGHEST_TAC, open_below=True,
+        likely=(0.2, HIGHEST_TAC), known="technical surfaces in air have 0.6 to 1"),
 ]  # fmt: skip
 Coefficient = Annotated[Numeric, Quantity("", 0.0, open_below=True)]
 ForceCoefficient = Annotated[
-    Numeric,
-    Quantity("", 0.0, open_below=True, likely=(0.04, 30.0), known="the paper has 0.4 and 3"),
-]
+    Numeric, Quantity("", 0.0, open_below=True,
+        likely=(0.04, 30.0), known="the paper has 0.4 and 3"),
+]  # fmt: skip
 Correlation = Annotated[Numeric, Quantity("", -1.0, 1.0)]
 StandardErrors = Annotated[Numeric, Quantity("", -10.0, 10.0, in_files=Measured(0.0, 1.0))]
 Incidence = Annotated[Numeric, Quantity("deg", 0.0, 90.0)]
@@ -335,12 +329,12 @@ Longitude = Annotated[Numeric, Quantity("deg", -180.0, 360.0)]
 PolarAngle = Annotated[Numeric, Quantity("rad", 0.0, math.pi)]
 Angle = Annotated[Numeric, Quantity("rad", -2.0 * math.pi, 2.0 * math.pi)]
 PlanetRadius = Annotated[
-    Numeric,
-    Quantity("m", 0.0, open_below=True, sizes=(1e5, 1e8), why="Ceres and Jupiter are between"),
-]
+    Numeric, Quantity("m", 0.0, open_below=True, sizes=(1e5, 1e8),
+        why="Ceres and Jupiter are between"),
+]  # fmt: skip
 RotationRate = Annotated[
-    Numeric, Quantity("rad/s", sizes=(1e-9, 1e-2), why="Venus and Jupiter are between")
-]
+    Numeric, Quantity("rad/s", sizes=(1e-9, 1e-2), why="Venus and Jupiter are between"),
+]  # fmt: skip
 Flattening = Annotated[Numeric, Quantity("", 0.0, 0.5)]
 AngularRadius = Annotated[Numeric, Quantity("rad", 0.0, 0.1, open_below=True)]
 Refractivity = Annotated[Numeric, Quantity("", 0.0, 1e-2)]
@@ -406,6 +400,36 @@ def require_record(name: str, kinds: tuple[type, ...], value: Any) -> Any:
     raise ParameterError(f"{name} must be of class {wanted}, not {type(value).__name__}")
 
 
+Shapes = Mapping[str, tuple[int, ...]]
+
+
+def require_fit(shapes: Shapes) -> None:
+    """Raise :class:`ParameterError` unless arrays broadcast, whose shapes are given by name."""
+    # a trace for any length has symbols in place of it
+    known = {name: shape for name, shape in shapes.items() if {int} == {*map(type, shape)}}
+    try:
+        np.broadcast_shapes(*known.values())
+    except ValueError:
+        (first, one), *others = known.items()
+        name, other = next((name, shape) for name, shape in others if shape != one)
+        raise ParameterError(
+            f"{first} of shape {one} and {name} of shape {other} do not fit together; give arrays "
+            "that broadcast, or of xarray with names of dimensions"
+        ) from None
+
+
+def shapes_in(part: Any, prefix: str = "", *, labelled: bool = False) -> Shapes:
+    """Shapes of the numbers of a record and of those in it, by name."""
+    found: dict[str, tuple[int, ...]] = {}
+    for field in dataclasses.fields(part):
+        name, value = f"{prefix}{field.name}", getattr(part, field.name)
+        if isinstance(value, eqx.Module):
+            found |= shapes_in(value, f"{name}.", labelled=labelled)
+        elif field.name in quantities_of(part.__class__) and (labelled or not is_labelled(value)):
+            found[name] = np.shape(value)
+    return found
+
+
 class Checked(eqx.Module):
     """An immutable record whose concrete numbers are checked against their quantities."""
 
@@ -431,6 +455,7 @@ class Checked(eqx.Module):
     def __check_init__(self) -> None:
         for name, quantity in quantities_of(type(self)).items():
             quantity.check(name, getattr(self, name))
+        require_fit(shapes_in(self))
         problem = contradiction_in(type(self), partial(getattr, self))
         if problem:
             raise ParameterError(problem)

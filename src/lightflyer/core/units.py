@@ -59,6 +59,7 @@ _WORDS = {
     "angstrom", "ohm": "ohm", "ohms": "ohm", "\N{GREEK SMALL LETTER OMEGA}": "ohm", "volt": "V",
     "volts": "V", "amp": "A", "amps": "A", "watt": "W", "watts": "W", "sec": "s", "secs": "s",
     "second": "s", "seconds": "s", "sun": "sun", "suns": "sun", "ev": "eV", "percent": "%",
+    "degrees_north": "deg", "degrees_east": "deg",
     "1/cm": "cm^-1", "1/m": "m^-1",
 }  # fmt: skip
 _BY_TARGET = {
@@ -114,6 +115,15 @@ def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
             f'"{text}": unit "{written}" is of the wrong kind; {_unit_advice(target)}'
         )
     return lambda value: float(units.Quantity(value, parsed).to(target).magnitude)
+
+
+def is_si(unit: str) -> bool:
+    """Whether numbers in a unit of a dataset are in SI units as they are."""
+    try:
+        parsed = registry().parse_units(_EXPONENT.sub(r"**\1", spelled(file_unit(unit), "")))
+    except pint.PintError:
+        return False
+    return bool(registry().Quantity(1.0, parsed).to_base_units().magnitude == 1.0)
 
 
 def scale_and_offset(unit: str, target: str) -> tuple[float, float]:

@@ -23,11 +23,13 @@ import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.pickling import dumps
-from lightflyer.core.quantity import Quantity, quantities_of
+from lightflyer.core.quantity import Correlation, Quantity, quantities_of, quantity_of, shapes_in
 from lightflyer.core.types import Numeric
-from lightflyer.core.units import dataset_unit
+from lightflyer.core.units import Measured, dataset_unit
 from lightflyer.design.setup import Setup
 
+_CORRELATION = quantity_of(Correlation) or Quantity()
+_ROUNDING = 1e-12  # of an eigenvalue of a correlation matrix, whose diagonal is one
 _PACKAGES = ("lightflyer", "equinox")  # whose versions a result records
 _ADDRESS = re.compile(r" at 0x[0-9a-f]+")  # in the text of a function, another in each process
 
@@ -236,7 +238,8 @@ class ObjectDesign(AbstractDesign):
     Raises
     ------
     ConfigurationError
-        If a name is not that of a number.
+        If a name is not that of a number, a number is an array, or an uncertainty or correlation
+        is impossible.
     """
 
     def __init__(
@@ -246,10 +249,44 @@ class ObjectDesign(AbstractDesign):
         correlations: Mapping[tuple[str, str], float] | None = None,
     ):
         self._base = setup
-        self._uncertainties = dict(uncertainties or {})
+        several = {name: shape for name, shape in shapes_in(setup, labelled=True).items() if shape}
+        for name, shape in several.items():
+            raise ConfigurationError(
+                f"{name} of shape {shape} describes several designs; lightflyer.sweep takes arrays"
+            )
+        stated = (uncertainties or {}).items()
+        self._uncertainties = {name: self._spread(name, spread) for name, spread in stated}
         self._correlations = dict(correlations or {})
-        for name in (*self._uncertainties, *(name for pair in self._correlations for name in pair)):
+        for names, value in self._correlations.items():
+            _CORRELATION.check(f"correlation of {' and '.join(names)}", value)
+            for name in names:
+                if not self._uncertainties.get(name):
+                    raise ConfigurationError(f"a correlation of {name} has no effect without its ±")
+        self._require_joint_distribution()
+
+    def _spread(self, name: str, given: Any) -> float:
+        """A standard uncertainty by the rules of files, in the unit of the number."""
+        if name not in self._numbers:
             self.field(name)
+            raise ConfigurationError(f"{name} is where the flyer is, and has no ±")
+        quantity, value = self._numbers[name]
+        spread = Quantity(quantity.unit).number(f"uncertainty of {name}", given)
+        if np.ndim(spread):
+            raise ConfigurationError(f"{name}: the uncertainty must be one number")
+        try:
+            quantity.read(Measured(value, spread))
+        except ConfigurationError as error:
+            raise ConfigurationError(f"{name}: {error}") from None
+        return float(spread)
+
+    def _require_joint_distribution(self) -> None:
+        names = list(self._uncertainties)
+        matrix = np.eye(len(names))
+        for (first, second), value in self._correlations.items():
+            row, column = names.index(first), names.index(second)
+            matrix[row, column] = matrix[column, row] = value
+        if names and np.linalg.eigvalsh(matrix)[0] < -_ROUNDING:
+            raise ConfigurationError("no joint distribution has the correlations stated")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _unpickle, (dumps((self._base, self._uncertainties, self._correlations)),)

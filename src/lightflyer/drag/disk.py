@@ -23,6 +23,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.quantity import Length, Pressure, Temperature, Velocity
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
 from lightflyer.drag import free_molecular
@@ -64,10 +65,10 @@ _EDGEWISE = "edgewise drag between thin and dense gas is an estimate, within abo
 
 @entry_point
 def disk_drag(
-    speed: Numeric,
-    radius: Numeric,
-    pressure: Numeric,
-    temperature: Numeric,
+    speed: Velocity,
+    radius: Length,
+    pressure: Pressure,
+    temperature: Temperature,
     gas: AbstractGas,
     tac: tuple[Numeric, Numeric] = (1.0, 1.0),
     excess: tuple[Numeric, Numeric] = (0.0, 0.0),
@@ -120,10 +121,10 @@ def disk_drag(
 
 @entry_point
 def edgewise_disk_drag(
-    speed: Numeric,
-    radius: Numeric,
-    pressure: Numeric,
-    temperature: Numeric,
+    speed: Velocity,
+    radius: Length,
+    pressure: Pressure,
+    temperature: Temperature,
     gas: AbstractGas,
     tac: tuple[Numeric, Numeric] = (1.0, 1.0),
     excess: tuple[Numeric, Numeric] = (0.0, 0.0),

@@ -10,10 +10,14 @@ import numpy as np
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
+    Acceleration,
     Checked,
     Latitude,
+    Length,
     Longitude,
+    Pressure,
     Quantity,
+    Temperature,
     quantity_of,
 )
 from lightflyer.core.types import Numeric
@@ -51,11 +55,12 @@ class Place(NamedTuple):
         >>> print(Place.at("2026-06-21T12:00Z", 45.0, -120.5).describe())
         at 45° N, 120.5° W on 2026-06-21 12:00 UTC
         """
-        for quantity, name, degrees in zip(
-            _DEGREES, ("latitude", "longitude"), (latitude, longitude), strict=True
-        ):
-            quantity.check(name, degrees)
-        return cls(latitude * RADIANS_PER_DEGREE, longitude * RADIANS_PER_DEGREE, seconds_of(date))
+        degrees = {"latitude": latitude, "longitude": longitude}
+        for name, quantity in zip(degrees, _DEGREES, strict=True):
+            degrees[name] = quantity.number(name, degrees[name])
+            quantity.check(name, degrees[name])
+        north, east = (RADIANS_PER_DEGREE * value for value in degrees.values())
+        return cls(north, east, seconds_of(date))
 
     def describe(self) -> str:
         """Where and when in words, of one concrete place."""
@@ -66,20 +71,20 @@ class Place(NamedTuple):
         )
 
 
-class EnvironmentState(eqx.Module):
+class EnvironmentState(Checked):
     """The surroundings at one place, or at many: fields broadcast."""
 
-    pressure: Numeric  #: Gas pressure [Pa]
-    temperature: Numeric  #: Gas temperature far from the flyer [K]
-    gravity: Numeric  #: Acceleration of free fall [m/s²]
+    pressure: Pressure  #: Gas pressure [Pa]
+    temperature: Temperature  #: Gas temperature far from the flyer [K]
+    gravity: Acceleration  #: Acceleration of free fall [m/s²]
     gas: AbstractGas
     radiation: Radiation
     #: Distance from the flyer's centre to cold walls around it [m]; None in the open
-    wall_distance: Numeric = None
+    wall_distance: Length | None = None
     #: Distance down to a solid floor and up to a solid lid [m]; None where there is none near. With
     #: either, the walls around are solid too
-    floor_distance: Numeric = None
-    lid_distance: Numeric = None  #: Of the lid, as ``floor_distance``
+    floor_distance: Length | None = None
+    lid_distance: Length | None = None  #: Of the lid, as ``floor_distance``
     #: Floor's temperature over that of lid and side wall, less one [1]; None where all are alike.
     #: The gas temperature is then that which the gas has at the flyer's place
     floor_excess: Numeric = None

@@ -8,7 +8,6 @@ import equinox as eqx
 import pydantic
 
 from lightflyer.core import constants
-from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
     Fraction,
     GeomagneticIndex,
@@ -113,16 +112,6 @@ class EarthSection(SkySection):
     gas: Literal[tuple(AIRS)] | None = None  # type: ignore[valid-type]
     surroundings: Literal["earth", "gas"] = "earth"  # type: ignore[assignment]
     wind: AnyWindSection | None = None
-
-    @pydantic.model_validator(mode="after")
-    def _surroundings_matter(self) -> "EarthSection":
-        given = self.infrared_top is not None and self.infrared_bottom is not None
-        if "surroundings" in self.model_fields_set and given:
-            raise ConfigurationError(
-                "surroundings has no effect beside infrared_top and infrared_bottom; remove it, or "
-                "both of them"
-            )
-        return self
 
     @pydantic.model_validator(mode="after")
     def _wind_is_complete(self) -> "EarthSection":

@@ -15,6 +15,8 @@ from lightflyer.core import constants
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
     Acceleration,
+    Altitude,
+    Angle,
     Checked,
     Flattening,
     Fraction,
@@ -25,6 +27,7 @@ from lightflyer.core.quantity import (
 from lightflyer.core.types import Numeric
 from lightflyer.environment.horizon import EARTH_LIMB, Limb
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED, SKY_INFRARED, Radiation
+from lightflyer.program.arguments import reads_units
 from lightflyer.program.entry_point import entry_point
 
 
@@ -87,12 +90,14 @@ class Planet(Checked):
         """Radius of the equator [m]."""
         return self.radius / (1.0 - self.flattening / 3.0)
 
-    def view_from(self, altitude: Numeric) -> Any:
+    @reads_units
+    def view_from(self, altitude: Altitude) -> Any:
         """View factor to the planet of a face that looks straight down from an altitude [m]."""
         radius = self.radius if self.effective_radius is None else self.effective_radius
         return (radius / (radius + altitude)) ** 2
 
-    def gravity_at(self, altitude: Numeric) -> Any:
+    @reads_units
+    def gravity_at(self, altitude: Altitude) -> Any:
         """Acceleration of free fall at an altitude [m], without the planet's rotation [m/s²]."""
         return self._number("gravity") * self.view_from(altitude)  # the same inverse square
 
@@ -122,7 +127,7 @@ class Planet(Checked):
 
 
 @entry_point
-def _curvature_radius(planet: Planet, latitude: Numeric, azimuth: Numeric) -> Array:
+def _curvature_radius(planet: Planet, latitude: Angle, azimuth: Angle) -> Array:
     flattening = planet.flattening
     eccentricity_squared = flattening * (2.0 - flattening)
     root = 1.0 - eccentricity_squared * jnp.sin(latitude) ** 2

@@ -201,6 +201,12 @@ class PlanetSection(AltitudeSection, abc.ABC):
             cls.model_rebuild(force=True)
         super().__pydantic_init_subclass__(**kwargs)
 
+    def idle(self) -> dict[str, str]:
+        """See :meth:`Section.idle`."""
+        both = self.infrared_top is not None and self.infrared_bottom is not None
+        why = "beside infrared_top and infrared_bottom; remove it, or both of them"
+        return super().idle() | ({"surroundings": why} if both else {})
+
     @property
     def default_infrared(self) -> tuple[float | None, float | None]:
         infrared = None if self.surroundings == "gas" else self.planet.infrared

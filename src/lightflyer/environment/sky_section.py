@@ -43,7 +43,6 @@ class SkySection(PlanetSection, abc.ABC):
     @pydantic.model_validator(mode="after")
     def _sun_is_complete(self) -> "SkySection":
         if self.sun is None:
-            self._require_no_effect()
             return self
         if self.without_ephemeris:
             raise ConfigurationError(f"{_EPHEMERIS} does not go here: {self.without_ephemeris}")
@@ -53,26 +52,23 @@ class SkySection(PlanetSection, abc.ABC):
                 f"{_EPHEMERIS} of one day and place needs {' and '.join(missing)}; without date, "
                 "latitude and longitude it is that of a mission"
             )
-        for keys, beside in (
-            (_GIVEN_LIGHT, _EPHEMERIS),
-            (("albedo", "infrared_bottom") if self.ground else (), f'ground = "{self.ground}"'),
-        ):
-            given = [key for key in keys if key in self.model_fields_set]
-            if given:
-                raise ConfigurationError(
-                    f"{given[0]} has no effect beside {beside}; remove one of them"
-                )
         if self.default_infrared[1] is None and self.infrared_bottom is None and not self.ground:
             raise ConfigurationError(
                 f"{_EPHEMERIS} needs a number for the heat radiation from below: infrared_bottom"
             )
         return self
 
-    def _require_no_effect(self) -> None:
-        place = () if self.place_matters else _PLACE
-        for key in (*place, "limb_height", "ground"):
-            if getattr(self, key) is not None:
-                raise ConfigurationError(f"{key} has no effect without {_EPHEMERIS}")
+    def idle(self) -> dict[str, str]:
+        """See :meth:`Section.idle`: light as given and that of the ephemeris leave each other."""
+        if self.sun is None:
+            place = () if self.place_matters else _PLACE
+            unread = dict.fromkeys((*place, "limb_height", "ground"), f"without {_EPHEMERIS}")
+        else:
+            unread = dict.fromkeys(_GIVEN_LIGHT, f"beside {_EPHEMERIS}; remove one of them")
+            if self.ground:
+                beside = f'beside ground = "{self.ground}"; remove one of them'
+                unread |= dict.fromkeys(("albedo", "infrared_bottom"), beside)
+        return super().idle() | unread
 
     def reason_not_varied(self, name: str) -> str | None:
         """See :meth:`Section.reason_not_varied`: what the ephemeris decides, or does not read."""

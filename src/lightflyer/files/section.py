@@ -140,6 +140,17 @@ class Section(pydantic.BaseModel):
             raise ConfigurationError(problem)
         return self
 
+    def idle(self) -> dict[str, str]:
+        """Keys that have no effect as the others are, with why: ``"without tilt"``."""
+        return {}
+
+    @pydantic.model_validator(mode="after")
+    def _every_key_has_an_effect(self) -> "Section":
+        for key, why in self.idle().items():
+            if key in self.model_fields_set and getattr(self, key) is not None:
+                raise ConfigurationError(f"{key} has no effect {why}")
+        return self
+
     @classmethod
     def quantity(cls, name: str) -> Quantity | None:
         """Unit and range of a field, or None for one that is no number."""

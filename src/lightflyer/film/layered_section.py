@@ -266,7 +266,8 @@ class LayeredFilmSection(FilmSection):
         return self.computed(incidence, passing=passing).bounds
 
     def warnings(self, incidence: float = 0.0, *, passing: bool = True) -> tuple[str, ...]:
-        return self.computed(incidence, passing=passing).warnings
+        computed = self.computed(incidence, passing=passing).warnings
+        return super().warnings(passing=passing) + computed
 
     def lacking(self) -> str | None:
         """See :meth:`FilmSection.lacking`: TACs and densities that nobody knows."""

@@ -20,6 +20,7 @@ from lightflyer.core.units import Measured
 from lightflyer.files.section import Alternative
 from lightflyer.film.properties import PROPERTIES, FilmProperties, require_conservation
 
+_PASSING = ("transmittance", "transmittance_bottom", "infrared_transmittance")
 FACES = ("tac_top", "tac_bottom")  # Numbers whose errors ``tac_correlation`` is about
 
 
@@ -52,6 +53,13 @@ class FilmSection(Alternative, abc.ABC):
     transmittance_bottom: Fraction | None = None
     infrared_transmittance: Fraction | None = None
     highest_temperature: Temperature | None = None
+
+    def idle(self) -> dict[str, str]:
+        """See :meth:`Section.idle`: a correlation is that of two errors."""
+        faces = [getattr(self, name, None) or self.implied.get(name) for name in FACES]
+        exact = [name for name, face in zip(FACES, faces, strict=True) if not (face and face[1])]
+        shared = exact and self.tac_correlation.value
+        return {"tac_correlation": f"without a ± of {' and '.join(exact)}"} if shared else {}
 
     @pydantic.model_validator(mode="after")
     def _one_emittance_a_face(self) -> "FilmSection":
@@ -119,8 +127,9 @@ class FilmSection(Alternative, abc.ABC):
 
     def warnings(self, incidence: float = 0.0, *, passing: bool = True) -> tuple[str, ...]:
         """What a reader of the film's properties must know, one line each."""
-        del incidence, passing
-        return ()
+        del incidence
+        unseen = [] if passing else [name for name in _PASSING if getattr(self, name) is not None]
+        return tuple(f"{name} has no effect: nothing lies behind the film" for name in unseen)
 
     def report(self, incidence: float = 0.0, *, passing: bool = True) -> dict[str, Any]:
         """Value and origin of each property of a film of layers, as a JSON object in SI units."""

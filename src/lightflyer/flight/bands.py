@@ -179,7 +179,9 @@ def levitation_bands(
     """
     require_record("environment", (AbstractEnvironment,), environment)
     coordinate = environment.coordinate
-    low, high = coordinate.searched if search_range is None else search_range
+    low, high = coordinate.searched
+    if search_range is not None:
+        low, high = coordinate.quantity.number("search_range", search_range)
     count = (
         _POINTS if coordinate.step is None else max(3, round((high - low) / coordinate.step) + 1)
     )

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.core.quantity import require_record
+from lightflyer.core.quantity import require_fit, require_record, shapes_in
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
@@ -50,6 +50,11 @@ class FlightEquations(eqx.Module):
         require_record("model", (AbstractForceModel,), self.model)
         self.model.require_flyer(type(self.flyer))
         self.model.require_gas(self.state.gas)
+        require_fit({
+            **shapes_in(self.flyer, "flyer."),
+            **shapes_in(self.state, "state."),
+            **shapes_in(self.model),
+        })  # fmt: skip
 
     @property
     def has_one_unknown(self) -> bool:
@@ -85,6 +90,7 @@ class FlightEquations(eqx.Module):
     def heat_flows(self, unknowns: tuple[Any, ...]) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
         """Power that each node loses to the gas, and by radiation and to the others [W]."""
         gas = self.model.heat_loss(self.flyer, self.state, unknowns)
+        gas = require_record("heat_loss()", (tuple,), gas)
         return gas, self.flyer.heat_losses(self.state, unknowns)
 
     def losses(self, unknowns: tuple[Any, ...]) -> tuple[Array, ...]:

@@ -9,7 +9,7 @@ from jax import Array
 
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.quantity import require_record
+from lightflyer.core.quantity import Altitude, require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
 from lightflyer.flight.balance import require_converged, solve_equilibrium
@@ -17,6 +17,7 @@ from lightflyer.flight.equations import FlightEquations, weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
+from lightflyer.program.arguments import reads_units
 from lightflyer.program.entry_point import elementwise_entry_point
 
 _SLOW = 1e-6  # Speed at which drag is proportional to it, far below those of flight [m/s]
@@ -165,13 +166,14 @@ def in_the_dark(state: EnvironmentState) -> EnvironmentState:
     )
 
 
+@reads_units
 def settling_time(
     flyer: AbstractFlyer,
     environment: AbstractEnvironment,
     model: AbstractForceModel | None = None,
     *,
-    start: float,
-    end: float,
+    start: Altitude,
+    end: Altitude,
     place: Place | None = None,
 ) -> float:
     """Time that a level flyer takes to sink from one altitude to another in the dark.
@@ -183,7 +185,7 @@ def settling_time(
         With an altitude.
     model : AbstractForceModel, optional
         As for :func:`sinking_speed`.
-    start, end : float
+    start, end : array, shape ()
         Altitudes, the first one above the other [m].
     place : Place, optional
         Held throughout.
@@ -213,8 +215,8 @@ def settling_time(
     """
     if environment.coordinate.name != "altitude":
         raise ParameterError("settling_time needs an environment with an altitude")
-    if not start > end:
-        raise ParameterError(f"start = {start:g} m is not above end = {end:g} m")
+    if np.ndim(start) or np.ndim(end) or not start > end:
+        raise ParameterError("start is not above end: settling_time takes one altitude each")
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     altitudes = 0.5 * (start - end) * nodes + 0.5 * (start + end)
     state = environment.state(altitudes, place)

@@ -267,6 +267,12 @@ class BalloonSection(FlyerSection, of=Balloon):
     shape: Literal["balloon"]
     gas: Literal["ambient", "helium", "hydrogen"] = "ambient"
 
+    def idle(self) -> dict[str, str]:
+        """See :meth:`Section.idle`: a sphere has no attitude."""
+        opening = self.opening_diameter  # type: ignore[attr-defined] # a generated field
+        round_ = opening.value == 0.0 and self.tilt.value != 0.0
+        return super().idle() | ({"tilt": "without opening_diameter"} if round_ else {})
+
     def make(self, **given: Any) -> Balloon:
         """The balloon, with the gas of that name."""
         return super().make(molar_mass=MOLAR_MASSES.get(self.gas), **given)

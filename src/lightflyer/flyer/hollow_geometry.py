@@ -43,7 +43,7 @@ class HollowForm(NamedTuple):
 
 def _cone_surface(size: Numeric, outlet: Numeric) -> Array:
     radius = 0.5 * size
-    slant = jnp.hypot(radius - outlet, size)
+    slant = ((radius - outlet) ** 2 + size**2) ** 0.5
     return jnp.pi * (radius**2 + (radius + outlet) * slant)
 
 
@@ -94,7 +94,7 @@ def _sphere_volume(size: Numeric, outlet: Numeric) -> Array:
 
 def _cap(radius: Numeric, outlet: Numeric) -> Array:
     """Height of the cap that a sphere lacks, without cancellation [m]."""
-    return outlet**2 / (radius + jnp.sqrt(radius**2 - outlet**2))
+    return outlet**2 / (radius + (radius**2 - outlet**2) ** 0.5)
 
 
 def _sphere_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array:

@@ -43,6 +43,11 @@ class FlyerSection(Alternative):
             cls.needs_film = _FILM in of.film_names() or not of.film_names()
         super().__init_subclass__(of=of, **options)
 
+    def idle(self) -> dict[str, str]:
+        """See :meth:`Section.idle`."""
+        level = self.tilt == Measured(0.0) and self.azimuth != self.tilt
+        return {"azimuth": "without tilt"} if level else {}
+
     @classmethod
     def keys_of(cls, described: type) -> dict[str, tuple[Any, Any]]:
         films = {

@@ -8,6 +8,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core import constants
+from lightflyer.core.quantity import Temperature
 from lightflyer.core.types import Numeric
 from lightflyer.gas import relaxation
 from lightflyer.gas.base import AbstractGas
@@ -143,20 +144,20 @@ class US1976Air(AbstractAir):
     heat_capacity_ratio: Numeric = DIATOMIC_RATIO
 
     @entry_point
-    def viscosity(self, temperature: Numeric) -> Array:
+    def viscosity(self, temperature: Temperature) -> Array:
         """Dynamic viscosity [Pa s]; the standard gives it for 100 K to 1900 K."""
         beta, sutherland = 1.458e-6, 110.4
         return beta * temperature * jnp.sqrt(temperature) / (temperature + sutherland)
 
     @entry_point
-    def conductivity(self, temperature: Numeric) -> Array:
+    def conductivity(self, temperature: Temperature) -> Array:
         """Thermal conductivity [W/(m K)]; the standard gives it for 100 K to 1900 K."""
         scale, offset, decades = 2.64638e-3, 245.4, 12.0
         correction = offset * jnp.exp(-decades * jnp.log(10.0) / temperature)
         return scale * temperature * jnp.sqrt(temperature) / (temperature + correction)
 
     @entry_point
-    def heat_capacity(self, temperature: Numeric) -> Array:
+    def heat_capacity(self, temperature: Temperature) -> Array:
         """Isobaric heat capacity of a perfect diatomic gas [J/(kg K)]."""
         ratio = self.heat_capacity_ratio
         return ratio / (ratio - 1.0) * self.specific_gas_constant + jnp.zeros_like(temperature)
@@ -182,19 +183,19 @@ class Lu2023Air(AbstractAir):
     heat_capacity_ratio: Numeric = DIATOMIC_RATIO
 
     @entry_point
-    def viscosity(self, temperature: Numeric) -> Array:
+    def viscosity(self, temperature: Temperature) -> Array:
         """Dynamic viscosity [Pa s], [Lu2023]_ Eq. (11)."""
         reference, reference_temperature, exponent = 1.716e-5, 273.0, 2.0 / 3.0
         return reference * _power(temperature, exponent, reference_temperature)
 
     @entry_point
-    def conductivity(self, temperature: Numeric) -> Array:
+    def conductivity(self, temperature: Temperature) -> Array:
         """Thermal conductivity [W/(m K)], [Lu2023]_ Eq. (12)."""
         scale, exponent = 2.38e-4, 0.8218
         return scale * _power(temperature, exponent)
 
     @entry_point
-    def heat_capacity(self, temperature: Numeric) -> Array:
+    def heat_capacity(self, temperature: Temperature) -> Array:
         """Isobaric heat capacity [J/(kg K)], [Lu2023]_ Eq. (13), corrected."""
         c0, c1, c2, c3 = 28.11, 1.967e-3, 4.802e-6, -1.966e-9  # J/(mol K), powers of T
         grams_per_kilogram, molar_mass = 1000.0, 28.97

@@ -15,8 +15,10 @@ from jax import Array
 
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Length, Pressure, Temperature
 from lightflyer.core.types import Numeric
 from lightflyer.gas.relaxation import COLLISION_RATE, Parker, vhs_collision_rate
+from lightflyer.program.arguments import reads_units
 from lightflyer.program.entry_point import entry_point
 
 
@@ -37,18 +39,18 @@ class AbstractGas(eqx.Module):
     heat_capacity_ratio: eqx.AbstractVar[Numeric]
 
     @abc.abstractmethod
-    def viscosity(self, temperature: Numeric) -> Array:
+    def viscosity(self, temperature: Temperature) -> Array:
         """Dynamic viscosity [Pa s] at ``temperature`` [K]."""
 
     @abc.abstractmethod
-    def conductivity(self, temperature: Numeric) -> Array:
+    def conductivity(self, temperature: Temperature) -> Array:
         """Thermal conductivity [W/(m K)] at ``temperature`` [K]."""
 
     @abc.abstractmethod
-    def heat_capacity(self, temperature: Numeric) -> Array:
+    def heat_capacity(self, temperature: Temperature) -> Array:
         """Isobaric specific heat capacity [J/(kg K)] at ``temperature`` [K]."""
 
-    def heat_capacity_ratio_at(self, temperature: Numeric) -> Numeric:
+    def heat_capacity_ratio_at(self, temperature: Temperature) -> Numeric:
         """Ratio of heat capacities [1] at ``temperature`` [K]; by default the same at any.
 
         For free molecules between a gas and a wall take it at the mean of the two temperatures;
@@ -58,7 +60,7 @@ class AbstractGas(eqx.Module):
         return self.heat_capacity_ratio
 
     @entry_point
-    def viscosity_exponent(self, temperature: Numeric) -> Array:
+    def viscosity_exponent(self, temperature: Temperature) -> Array:
         r"""Local exponent of the viscosity, :math:`\omega = d\ln\mu/d\ln T` [1].
 
         ½ for hard spheres, 1 for Maxwell molecules. [Bird1994]_ gives exponents of variable hard
@@ -69,13 +71,13 @@ class AbstractGas(eqx.Module):
         return kelvin * slope / viscosity
 
     @entry_point
-    def prandtl_number(self, temperature: Numeric) -> Array:
+    def prandtl_number(self, temperature: Temperature) -> Array:
         r"""Prandtl number :math:`\mathrm{Pr} = \mu c_p/\kappa` [1]."""
         conductivity = self.conductivity(temperature)
         return self.viscosity(temperature) * self.heat_capacity(temperature) / conductivity
 
     @entry_point
-    def reduced_conductivity(self, temperature: Numeric) -> Array:
+    def reduced_conductivity(self, temperature: Temperature) -> Array:
         r"""Conductivity over viscosity and gas constant, :math:`\kappa/(\mu R)` [1].
 
         By kinetic theory :math:`\frac32 f_\mathrm{tr} + \frac j2 f_\mathrm{int}` with the Eucken
@@ -86,7 +88,7 @@ class AbstractGas(eqx.Module):
         return self.conductivity(temperature) / viscous
 
     @entry_point
-    def eucken_factor(self, temperature: Numeric) -> Array:
+    def eucken_factor(self, temperature: Temperature) -> Array:
         r"""Eucken factor :math:`f = \kappa/(\mu c_v)` [1]; 5/2 for monatomic gas.
 
         Vibrations count in the heat capacity.
@@ -95,7 +97,7 @@ class AbstractGas(eqx.Module):
         return self.reduced_conductivity(temperature) / isochoric
 
     @entry_point
-    def internal_degrees_of_freedom(self, temperature: Numeric) -> Array:
+    def internal_degrees_of_freedom(self, temperature: Temperature) -> Array:
         r"""Internal degrees of freedom that walls share, :math:`j = 2/(\gamma-1) - 3` [1].
 
         0 for a monatomic gas, 2 for rotating diatomic molecules; a gas of which walls exchange
@@ -106,7 +108,7 @@ class AbstractGas(eqx.Module):
 
     @entry_point
     def rotational_collision_number(
-        self, temperature: Numeric, viscosity_exponent: Numeric | None = None
+        self, temperature: Temperature, viscosity_exponent: Numeric | None = None
     ) -> Array:
         r"""Collisions of a variable hard sphere until its rotation relaxes.
 
@@ -164,29 +166,30 @@ class AbstractGas(eqx.Module):
         """What is assumed about the gas, in short texts."""
         return ()
 
-    def diagnostics(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
+    def diagnostics(self, temperature: Temperature, pressure: Pressure) -> tuple[str, ...]:
         """Warnings where the gas is outside its known range; arguments are concrete."""
         del temperature, pressure
         return ()
 
     @entry_point
-    def density(self, pressure: Numeric, temperature: Numeric) -> Array:
+    def density(self, pressure: Pressure, temperature: Temperature) -> Array:
         """Density of the ideal gas [kg/m³] at ``pressure`` [Pa] and ``temperature`` [K]."""
         return pressure / (self.specific_gas_constant * temperature)
 
     @entry_point
-    def mean_speed(self, temperature: Numeric) -> Array:
+    def mean_speed(self, temperature: Temperature) -> Array:
         r"""Mean molecular speed :math:`\bar v = \sqrt{8RT/\pi}` [m/s]."""
         return jnp.sqrt(8.0 * self.specific_gas_constant * temperature / jnp.pi)
 
 
 @entry_point
-def _mean_free_path(pressure: Numeric, temperature: Numeric, gas: AbstractGas) -> Array:
+def _mean_free_path(pressure: Pressure, temperature: Temperature, gas: AbstractGas) -> Array:
     thermal = jnp.sqrt(jnp.pi * gas.specific_gas_constant * temperature / 2.0)
     return gas.viscosity(temperature) / pressure * thermal
 
 
-def mean_free_path(pressure: Numeric, temperature: Numeric, gas: AbstractGas) -> Array:
+@reads_units
+def mean_free_path(pressure: Pressure, temperature: Temperature, gas: AbstractGas) -> Array:
     r"""Mean free path from viscosity.
 
     .. math:: \lambda = \frac{\mu}{p}\sqrt{\frac{\pi R T}{2}}
@@ -228,8 +231,9 @@ def mean_free_path(pressure: Numeric, temperature: Numeric, gas: AbstractGas) ->
     return _mean_free_path(pressure, temperature, gas)
 
 
+@reads_units
 def knudsen_number(
-    pressure: Numeric, temperature: Numeric, radius: Numeric, gas: AbstractGas
+    pressure: Pressure, temperature: Temperature, radius: Length, gas: AbstractGas
 ) -> Array:
     r"""Knudsen number of a disk, :math:`\mathrm{Kn} = \lambda/(2r)`.
 
@@ -263,6 +267,6 @@ def knudsen_number(
 
 @entry_point
 def _knudsen_number(
-    pressure: Numeric, temperature: Numeric, radius: Numeric, gas: AbstractGas
+    pressure: Pressure, temperature: Temperature, radius: Length, gas: AbstractGas
 ) -> Array:
     return _mean_free_path(pressure, temperature, gas) / (2.0 * radius)

@@ -7,6 +7,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Pressure, Temperature
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
 from lightflyer.gas.base import AbstractGas
@@ -111,20 +112,20 @@ class _Correlated(AbstractGas):
     molecules: ClassVar[str] = "polyatomic"
 
     @entry_point
-    def viscosity(self, temperature: Numeric) -> Array:
+    def viscosity(self, temperature: Temperature) -> Array:
         return jnp.sqrt(temperature) * _VISCOSITY_FIT(temperature)
 
     @entry_point
-    def conductivity(self, temperature: Numeric) -> Array:
+    def conductivity(self, temperature: Temperature) -> Array:
         viscous = self.viscosity(temperature) * (_HEAT_CAPACITY_FIT(temperature) - 1.0)
         return _EUCKEN_FIT(temperature) * viscous
 
     @entry_point
-    def heat_capacity(self, temperature: Numeric) -> Array:
+    def heat_capacity(self, temperature: Temperature) -> Array:
         """Isobaric heat capacity of the ideal gas, vibrations included [J/(kg K)]."""
         return self.specific_gas_constant * _HEAT_CAPACITY_FIT(temperature)
 
-    def diagnostics(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
+    def diagnostics(self, temperature: Temperature, pressure: Pressure) -> tuple[str, ...]:
         return tuple(_KNOWN.diagnostics(temperature, pressure))
 
 
@@ -180,7 +181,7 @@ class CarbonDioxide(_Correlated):  # type: ignore[misc]  # the ratio below is no
         )
 
     @entry_point
-    def heat_capacity_ratio_at(self, temperature: Numeric) -> Array:
+    def heat_capacity_ratio_at(self, temperature: Temperature) -> Array:
         """Isobaric over isochoric heat capacity [1] at ``temperature`` [K]."""
         over_constant = _HEAT_CAPACITY_FIT(temperature)
         return over_constant / (over_constant - 1.0)

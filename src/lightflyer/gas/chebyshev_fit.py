@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.core.types import Numeric
+from lightflyer.core.quantity import Temperature
 
 
 class ChebyshevFit(NamedTuple):
@@ -39,7 +39,7 @@ class ChebyshevFit(NamedTuple):
         coefficients = fit.convert(kind=np.polynomial.Polynomial).coef[::-1]
         return cls(coefficients, *ends, middle)
 
-    def __call__(self, temperature: Numeric) -> Array:
+    def __call__(self, temperature: Temperature) -> Array:
         """Value at temperatures [K]; beyond the range of the formula its value at the end."""
         within = jnp.clip(temperature, self.coldest, self.hottest)
         return jnp.polyval(jnp.asarray(self.coefficients), within / (within + self.middle))

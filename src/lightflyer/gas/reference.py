@@ -11,7 +11,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core import constants
-from lightflyer.core.types import Numeric
+from lightflyer.core.quantity import Pressure, Temperature
 from lightflyer.core.validity import Validity
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.chebyshev_fit import ChebyshevFit
@@ -81,19 +81,19 @@ class AbstractReferenceGas(AbstractGas):
     correlations: eqx.AbstractClassVar[Correlations]
 
     @entry_point
-    def viscosity(self, temperature: Numeric) -> Array:
+    def viscosity(self, temperature: Temperature) -> Array:
         return jnp.sqrt(temperature) * self.correlations.followed_viscosity(temperature)
 
     @entry_point
-    def conductivity(self, temperature: Numeric) -> Array:
+    def conductivity(self, temperature: Temperature) -> Array:
         return jnp.sqrt(temperature) * self.correlations.followed_conductivity(temperature)
 
     @entry_point
-    def heat_capacity(self, temperature: Numeric) -> Array:
+    def heat_capacity(self, temperature: Temperature) -> Array:
         """Isobaric heat capacity of the ideal gas, vibrations included [J/(kg K)]."""
         return self.specific_gas_constant * self.correlations.followed_heat_capacity(temperature)
 
-    def diagnostics(self, temperature: Numeric, pressure: Numeric) -> tuple[str, ...]:
+    def diagnostics(self, temperature: Temperature, pressure: Pressure) -> tuple[str, ...]:
         name = f"the temperature of {self.name}"
         known = Validity(name, *self.correlations.ends, BEYOND)
         return tuple(known.diagnostics(temperature, pressure))

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.core.quantity import Temperature
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
 
@@ -31,7 +32,7 @@ class Parker(NamedTuple):
     temperature: float  #: :math:`T^*`, depth of the molecules' attraction [K]
 
     @entry_point
-    def __call__(self, temperature: Numeric) -> Array:
+    def __call__(self, temperature: Temperature) -> Array:
         """Collision number [1] at temperatures [K]."""
         ratio = self.temperature / jnp.asarray(temperature)
         return self.limit / (1.0 + _FIRST * jnp.sqrt(ratio) + _SECOND * ratio)

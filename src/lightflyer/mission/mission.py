@@ -11,7 +11,7 @@ import numpy as np
 import lightflyer
 from lightflyer.config.designs import as_design
 from lightflyer.core.precision import float64
-from lightflyer.core.quantity import Duration, Quantity, quantity_of
+from lightflyer.core.quantity import Duration, Quantity, quantity_of, require_record
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Place
@@ -122,7 +122,8 @@ def fly(
     >>> flown.attrs["end"]
     'is still flying at the end of its time'
     """
-    mission = _Mission(as_design(what, environment, model), attitude or Own(), release)
+    rule = require_record("attitude", (AbstractAttitudeRule,), attitude or Own())
+    mission = _Mission(as_design(what, environment, model), rule, release)
     limits = limits_of(mission.setup.environment, lowest, highest)
     require_release_inside(release, limits)
     with float64():  # raises where the data of winds or ground do not reach

@@ -8,7 +8,7 @@ from lightflyer.config.flyer_file import FileDesign, flyer_file_type, section_at
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import read_text
 from lightflyer.files.section import Section
-from lightflyer.files.toml_file import FileKind, check, parsed
+from lightflyer.files.toml_file import FileKind, check, parsed, place_of
 from lightflyer.mission.section import EnsembleSection, LaunchesSection, MissionSection
 
 _MISSION = "mission"
@@ -80,10 +80,16 @@ def mission_of_text(text: str, path: Path) -> MissionFile:
     rest = {name: content for name, content in document.items() if name != _MISSION}
     part = {name: content for name, content in document.items() if name == _MISSION}
     mission, missions_mistakes = check(_MissionPart, part, text, path, MISSION_FILE)
+    given = rest.get("environment")
+    for key in _SHARED:
+        own = given.get(key) if isinstance(given, dict) else None
+        if own is not None and own != part.get(_MISSION, {}).get(key, own):
+            place = place_of(["environment", key], text, path)
+            missions_mistakes.append(f"{place}: {key} is not that of [mission]; leave it out here")
     # the place of a mission that is mistaken would be found mistaken again
     placed = _place(rest, {} if mission is None else part[_MISSION])
     file, mistakes = check(flyer_file_type(), placed, text, path, MISSION_FILE)
-    if mission is None or file is None:
+    if mission is None or file is None or missions_mistakes:
         raise ConfigurationError("\n".join([*mistakes, *missions_mistakes]))
     return MissionFile(file.design(text), mission.mission)
 

@@ -77,15 +77,11 @@ class MissionSection(Section, of=Release):
     launches: LaunchesSection | None = None
     ensemble: EnsembleSection | None = None
 
-    @pydantic.model_validator(mode="after")
-    def _tilts_follow_the_sun(self) -> "MissionSection":
-        given = [key for key in ("tilt_share", "largest_tilt") if getattr(self, key) is not None]
-        if given and self.attitude != "follow-sun":
-            raise ConfigurationError(
-                f'{given[0]} has no effect beside attitude = "{self.attitude}"; it belongs to '
-                'attitude = "follow-sun"'
-            )
-        return self
+    def idle(self) -> dict[str, str]:
+        """See :meth:`Section.idle`: who follows the sun alone has a tilt."""
+        why = f'beside attitude = "{self.attitude}"; it belongs to attitude = "follow-sun"'
+        follows = self.attitude == "follow-sun"
+        return {} if follows else dict.fromkeys(("tilt_share", "largest_tilt"), why)
 
     @pydantic.model_validator(mode="after")
     def _exact(self) -> "MissionSection":

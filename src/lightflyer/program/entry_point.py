@@ -35,6 +35,7 @@ import numpy as np
 from lightflyer.core.checks import is_traced
 from lightflyer.core.errors import ParameterError
 from lightflyer.program import kept
+from lightflyer.program.arguments import Reader, aligned
 from lightflyer.program.numpy_backend import (
     CALL,
     ELEMENT,
@@ -131,29 +132,18 @@ def is_entry_point(function: Any) -> bool:
 
 
 def _public(function: Callable[P, R], runner: "_Runner") -> Callable[P, R]:
+    read = Reader(function)
+
     @wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
-        plain = [_plain(function, arg) for arg in args]
-        named = {name: _plain(function, arg) for name, arg in kwargs.items()}
+        (plain, named), labels = aligned(read(args, kwargs))
         with jax.enable_x64(True):
             result: Any = runner(plain, named)
-        return result
+        return labels(result)
 
     wrapper.is_entry_point = True  # type: ignore[attr-defined]
     wrapper.runner = runner  # type: ignore[attr-defined]
     return wrapper
-
-
-def _plain(function: Callable[..., Any], argument: Any) -> Any:
-    """An argument without what JAX does not take for an array: lists and xarray's are."""
-    if isinstance(argument, list) or hasattr(argument, "dims"):
-        return np.asarray(argument)
-    if isinstance(argument, str) or hasattr(argument, "magnitude"):
-        raise ParameterError(
-            f"{function.__name__.lstrip('_')}() takes numbers in SI units, not {argument!s:.60}; "
-            "constructors and files read units"
-        )
-    return argument
 
 
 def _in_double(leaf: Any) -> np.ndarray:

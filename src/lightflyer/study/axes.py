@@ -35,6 +35,8 @@ class Axis:
 
 def read_entry(entry: Any, field: Field) -> Axis | Distribution:
     """What a study says about a number."""
+    if hasattr(entry, "to_numpy") or hasattr(entry, "magnitude"):
+        entry = np.asarray(field.quantity.number(field.name, entry))
     if isinstance(entry, np.ndarray) and entry.ndim:
         return _array_axis(entry, field)
     if isinstance(entry, list | tuple) and not isinstance(entry, Measured):

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.compute.evaluation import Evaluator, Table
+from lightflyer.core.checks import is_labelled
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.design.design import AbstractDesign
+from lightflyer.design.design import AbstractDesign, Field
 from lightflyer.design.outputs import outputs_of
 from lightflyer.study.axes import Axis, require
 from lightflyer.study.study import Dimension, Study
@@ -22,7 +23,7 @@ def sweep_labelled(
     """Outputs over arrays that broadcast by the names of their dimensions."""
     import xarray as xr
 
-    arrays = {name: _array(name, entry) for name, entry in entries.items()}
+    arrays = {name: _array(design.field(name), entry) for name, entry in entries.items()}
     found = xr.apply_ufunc(
         lambda *columns: _evaluate(design, list(arrays), columns, outputs),
         *arrays.values(),
@@ -41,16 +42,17 @@ def sweep_labelled(
     return dataset
 
 
-def _array(name: str, entry: Any) -> "xr.DataArray":
+def _array(known: Field, entry: Any) -> "xr.DataArray":
     import xarray as xr
 
-    if isinstance(entry, xr.DataArray):
-        return entry
+    if is_labelled(entry):
+        array: xr.DataArray = known.quantity.number(known.name, entry)
+        return array if is_labelled(array) else xr.DataArray(array)
     if not isinstance(entry, Axis):
-        raise ConfigurationError(f"{name}: a distribution cannot be combined with DataArrays")
+        raise ConfigurationError(f"{known.name}: a distribution cannot be combined with DataArrays")
     if entry.single:
         return xr.DataArray(float(entry.values[0]))
-    return xr.DataArray(entry.values, dims=[name], coords={name: entry.values})
+    return xr.DataArray(entry.values, dims=[known.name], coords={known.name: entry.values})
 
 
 def _evaluate(
@@ -58,14 +60,15 @@ def _evaluate(
     names: list[str],
     columns: Sequence[np.ndarray],
     outputs: tuple[str, ...],
-) -> tuple[np.ndarray, ...]:
+) -> Any:
     """Outputs of a block of designs, one for each element of the broadcast columns."""
     columns = np.broadcast_arrays(*columns)
     values: Table = {name: np.ravel(column) for name, column in zip(names, columns, strict=True)}
     for name, column in values.items():
         require(design.field(name), column)
     study = Study(design, (Dimension("design", values),), {}, outputs)
-    if not columns[0].size:
-        return tuple(np.empty(columns[0].shape) for _ in outputs)
-    results, _ = Evaluator(study)(0, study.size)
-    return tuple(results[name].reshape(columns[0].shape) for name in outputs)
+    results: Table = dict.fromkeys(outputs, columns[0])
+    if columns[0].size:
+        results, _ = Evaluator(study)(0, study.size)
+    found = tuple(results[name].reshape(columns[0].shape) for name in outputs)
+    return found if len(found) > 1 else found[0]  # xarray takes a tuple for several outputs

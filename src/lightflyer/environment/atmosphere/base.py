@@ -7,6 +7,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
 
@@ -26,21 +27,21 @@ class AbstractAtmosphere(eqx.Module):
         """Lowest and highest geometric altitude described [m]."""
 
     @abc.abstractmethod
-    def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:
+    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:
         """Kinetic temperature [K]."""
 
     @abc.abstractmethod
-    def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:
+    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:
         """Pressure [Pa]."""
 
     @abc.abstractmethod
-    def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:
         """Mean molar mass over its value at sea level [1]."""
 
     def describe(self) -> str:
         """Which atmosphere it is, in a short text; by default the name of the class."""
         return f"atmosphere: {type(self).__name__}"
 
-    def _nan_outside(self, altitude: Numeric, value: Numeric) -> Array:
+    def _nan_outside(self, altitude: Altitude, value: Numeric) -> Array:
         lowest, highest = self.altitude_range
         return jnp.where((altitude >= lowest) & (altitude <= highest), value, jnp.nan)

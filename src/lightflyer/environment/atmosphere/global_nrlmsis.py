@@ -14,8 +14,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.quantity import RADIANS_PER_DEGREE
-from lightflyer.core.types import Numeric
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.nrlmsis import Indices, evaluate
 from lightflyer.environment.base import Place
@@ -177,7 +176,7 @@ class GlobalNRLMSIS(AbstractAtmosphere):
     def describe(self) -> str:
         return f"atmosphere: NRLMSIS 2.1 by place and time, {self.indices.describe()}"
 
-    def _fields(self, altitude: Numeric, place: Place | None) -> tuple[Array, Array, Array]:
+    def _fields(self, altitude: Altitude, place: Place | None) -> tuple[Array, Array, Array]:
         if place is None:
             raise ConfigurationError(
                 "NRLMSIS of every place and time needs one of them: fly a mission, or give a "
@@ -197,16 +196,16 @@ class GlobalNRLMSIS(AbstractAtmosphere):
         return temperature, log_pressure, ratio
 
     @entry_point
-    def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:
+    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:
         return self._nan_outside(altitude, self._fields(altitude, place)[0])
 
     @entry_point
-    def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:
+    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:
         """Pressure [Pa], the sum of the species' number densities times kT."""
         return self._nan_outside(altitude, jnp.exp(self._fields(altitude, place)[1]))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:
         """Mean molar mass over that of the standard's sea-level air [1]."""
         return self._nan_outside(altitude, self._fields(altitude, place)[2])
 

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core import constants
-from lightflyer.core.types import Numeric
+from lightflyer.core.quantity import Altitude
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.program.entry_point import entry_point
@@ -69,18 +69,18 @@ class Lu2023Atmosphere(AbstractAtmosphere):
         return "atmosphere: the polynomial of Lu and others (2023), the same everywhere and always"
 
     @entry_point
-    def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         altitude_km = altitude / _METRES_PER_KILOMETRE
         return self._nan_outside(altitude, 1.0 / jnp.polyval(_INVERSE_TEMPERATURE, altitude_km))
 
     @entry_point
-    def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         altitude_km = altitude / _METRES_PER_KILOMETRE
         integral = _METRES_PER_KILOMETRE * jnp.polyval(_INTEGRAL, altitude_km)
         exponent = constants.GRAVITY_LU2023 / constants.GAS_CONSTANT_LU2023 * integral
         return self._nan_outside(altitude, constants.SEA_LEVEL_PRESSURE * jnp.exp(-exponent))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         """One: the paper's gas does not change with altitude."""
         return jnp.ones_like(altitude)

@@ -11,7 +11,12 @@ from numpy.typing import ArrayLike
 
 from lightflyer.core import constants
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.quantity import Checked, Pressure, TemperatureOffset
+from lightflyer.core.quantity import (
+    Altitude,
+    Checked,
+    Pressure,
+    TemperatureOffset,
+)
 from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
@@ -149,16 +154,16 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
         )
 
     @entry_point
-    def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         return self._nan_outside(altitude, self.profile(altitude) + self.temperature_offset)
 
     @entry_point
-    def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         exponent = self.molar_mass / _GAS_CONSTANT * self._weight_over_temperature(altitude)
         return self._nan_outside(altitude, self.surface_pressure * jnp.exp(-exponent))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         """One: the composition is the same at all altitudes."""
         return self._nan_outside(altitude, jnp.ones_like(altitude))
 

@@ -9,13 +9,13 @@ import numpy as np
 from lightflyer.core import constants
 from lightflyer.core.errors import MissingExtraError
 from lightflyer.core.quantity import (
+    Altitude,
     GeomagneticIndex,
     Latitude,
     Longitude,
     SolarFlux,
     quantity_of,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.numerics.spline import Spline
@@ -162,15 +162,15 @@ class NRLMSIS(AbstractAtmosphere):
         return 0.0, _TOP
 
     @entry_point
-    def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         return self._nan_outside(altitude, self.kinetic_temperature(altitude))
 
     @entry_point
-    def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         """Pressure [Pa], the sum of the species' number densities times kT."""
         return self._nan_outside(altitude, jnp.exp(self.log_pressure(altitude)))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         """Mean molar mass over that of the standard's sea-level air [1]."""
         return self._nan_outside(altitude, self.molar_mass(altitude))

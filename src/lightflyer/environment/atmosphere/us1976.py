@@ -9,7 +9,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core import constants
-from lightflyer.core.types import Numeric
+from lightflyer.core.quantity import Altitude
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.files.table import shipped_table
@@ -59,7 +59,7 @@ def _layer_bases() -> tuple[np.ndarray, np.ndarray]:
 _BASE_TEMPERATURES, _BASE_LOG_PRESSURES = _layer_bases()
 
 
-def geopotential_altitude(altitude: Numeric) -> Any:
+def geopotential_altitude(altitude: Altitude) -> Any:
     """Geopotential [m'] of a geometric altitude [m]; [USSA1976]_ Eq. (18)."""
     radius = constants.EARTH_EFFECTIVE_RADIUS
     return radius * altitude / (radius + altitude)
@@ -112,7 +112,7 @@ def _upper_table() -> _UpperTable:
     return _UpperTable(Spline.hermite(altitude, log_pressure, slopes), ratio)
 
 
-def _upper_temperature(altitude: Numeric, xp: ModuleType = jnp) -> Any:
+def _upper_temperature(altitude: Altitude, xp: ModuleType = jnp) -> Any:
     """Kinetic temperature above 86 km [K], with the array module that ``altitude`` is of."""
     radius = constants.EARTH_EFFECTIVE_RADIUS
     along = xp.clip((altitude - _Z8) / _ELLIPSE_B, -0.99, 0.0)
@@ -180,19 +180,19 @@ class US1976(AbstractAtmosphere):
         return "atmosphere: US Standard Atmosphere 1976, the same everywhere and always"
 
     @entry_point
-    def temperature(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         return self._nan_outside(altitude, _temperature(altitude))
 
     @entry_point
-    def pressure(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         return self._nan_outside(altitude, _pressure(altitude))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Numeric, place: Place | None = None) -> Any:  # noqa: ARG002
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         return self._nan_outside(altitude, _molar_mass_ratio(altitude))
 
     @entry_point
-    def density(self, altitude: Numeric) -> Any:
+    def density(self, altitude: Altitude) -> Any:
         """Mass density [kg/m³]."""
         molar_mass = constants.MOLAR_MASS_AIR * _molar_mass_ratio(altitude)
         per_temperature = molar_mass / constants.GAS_CONSTANT_US1976
@@ -200,7 +200,7 @@ class US1976(AbstractAtmosphere):
         return self._nan_outside(altitude, density)
 
     @entry_point
-    def viscosity(self, altitude: Numeric) -> Any:
+    def viscosity(self, altitude: Altitude) -> Any:
         """Dynamic viscosity [Pa s]; the standard gives it to 86 km, NaN above."""
         viscosity = US1976_AIR.viscosity(_temperature(altitude))
         return jnp.where(
@@ -208,7 +208,7 @@ class US1976(AbstractAtmosphere):
         )
 
     @entry_point
-    def mean_free_path(self, altitude: Numeric) -> Any:
+    def mean_free_path(self, altitude: Altitude) -> Any:
         r"""Mean free path as the standard defines it [m]."""
         # .. math:: L = \frac{R^* T}{\sqrt2\, \pi N_A \sigma^2 p}
         #

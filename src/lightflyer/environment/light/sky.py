@@ -12,7 +12,7 @@ from jax import Array
 
 from lightflyer.core import constants
 from lightflyer.core.checks import require_data
-from lightflyer.core.quantity import Checked, Irradiance
+from lightflyer.core.quantity import Altitude, Checked, Irradiance
 from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
@@ -41,13 +41,13 @@ class AbstractSky(eqx.Module):
     """Light and heat radiation by altitude, place and time. Subclasses are final."""
 
     @abc.abstractmethod
-    def radiation(self, altitude: Numeric, place: Place) -> Radiation:
+    def radiation(self, altitude: Altitude, place: Place) -> Radiation:
         """Light and heat radiation at a geometric altitude [m], with the view factor to the ground.
 
         Beyond the data a concrete place raises :class:`ParameterError`; a traced one gives NaN.
         """
 
-    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         """How far the data still reach at an altitude [m]; see :meth:`AbstractGround.margins`."""
         return {}
 
@@ -96,7 +96,7 @@ class Daylight(AbstractSky, Checked):
     #: Heat radiation from above [W/m²]; None for black surroundings at the gas temperature
     infrared_above: Irradiance | None = SKY_INFRARED
 
-    def radiation(self, altitude: Numeric, place: Place) -> Radiation:
+    def radiation(self, altitude: Altitude, place: Place) -> Radiation:
         require_data(self.ground.margins(place))
         return _daylight(self, altitude, place)
 
@@ -104,17 +104,17 @@ class Daylight(AbstractSky, Checked):
         """The same sky with the sun from a table, for many evaluations between two times."""
         return replace(self, sun=TabulatedSun(self.sun, self.planet.rotation_rate, start, stop))
 
-    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         """See :meth:`AbstractSky.margins`: those of the ground."""
         return self.ground.margins(place)
 
-    def depression(self, altitude: Numeric, place: Place, sun: SunInSky) -> Array:
+    def depression(self, altitude: Altitude, place: Place, sun: SunInSky) -> Array:
         """Angle below the horizontal at which the limb hides the sun's centre [rad]."""
         radius = self.planet.curvature_radius(place.latitude, sun.azimuth)
         return horizon_depression(self.limb, altitude, radius)
 
     @entry_point
-    def light_hours(self, altitude: Numeric, place: Place) -> LightHours:
+    def light_hours(self, altitude: Altitude, place: Place) -> LightHours:
         """First and last light of the day around a time; ``altitude``: geometric altitude."""
         # The sun's centre is on the horizon at first and last light; the edges of its disk are
         # about a minute before and after it at the equator. Differentiable where the sun rises.
@@ -143,7 +143,7 @@ class Daylight(AbstractSky, Checked):
         )
         return LightHours(first, noon, last, half_day / jnp.pi)
 
-    def _turn_since_noon(self, altitude: Numeric, place: Place) -> tuple[Array, Array]:
+    def _turn_since_noon(self, altitude: Altitude, place: Place) -> tuple[Array, Array]:
         """Angle by which the planet has turned since noon, and the cosine of that at sunset."""
         # A cosine beyond ±1 is that of a sun which stays above or below the horizon.
         sun = self.sun.position(place.time)
@@ -171,7 +171,7 @@ class Daylight(AbstractSky, Checked):
 
 
 @entry_point
-def _daylight(sky: Daylight, altitude: Numeric, place: Place) -> Radiation:
+def _daylight(sky: Daylight, altitude: Altitude, place: Place) -> Radiation:
     sun = sky.sun.seen_from(place)
     angular_radius = jnp.arcsin(constants.SOLAR_RADIUS / sun.distance)
     ground_view = (sky.planet.radius / (sky.planet.radius + altitude)) ** 2

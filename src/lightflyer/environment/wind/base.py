@@ -7,6 +7,7 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from lightflyer.core.checks import is_traced, require_data
+from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.program.entry_point import entry_point
@@ -21,14 +22,14 @@ class AbstractWind(eqx.Module):
     """
 
     @abc.abstractmethod
-    def velocity(self, altitude: Numeric, place: Place) -> Wind:
+    def velocity(self, altitude: Altitude, place: Place) -> Wind:
         """Velocity of the gas at a geometric altitude [m].
 
         Where a margin is negative, concrete arguments raise :class:`ParameterError`, traced ones
         give NaN.
         """
 
-    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         """How far the wind still reaches, for what integrates along a path; ``altitude`` [m].
 
         By what is beyond the end, in words, the distance to it: negative where there is no wind, in
@@ -36,7 +37,7 @@ class AbstractWind(eqx.Module):
         """
         return {}
 
-    def _within(self, altitude: Numeric, place: Place, wind: Wind) -> Wind:
+    def _within(self, altitude: Altitude, place: Place, wind: Wind) -> Wind:
         """A wind where there is one: else an error, or NaN where that cannot be known yet."""
         margins = self.margins(altitude, place)
         require_data(margins)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from lightflyer.core import constants
-from lightflyer.core.quantity import RADIANS_PER_DEGREE, require_record
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude, require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.global_nrlmsis import TROPICAL_YEAR, GlobalNRLMSIS
 from lightflyer.environment.base import Place, Wind
@@ -140,10 +140,10 @@ class GradientWind(AbstractWind):
         self.latitudes = Axis(np.concatenate([-_LATITUDES[::-1], _LATITUDES]))
         self.altitudes = Axis(_ALTITUDES)
 
-    def velocity(self, altitude: Numeric, place: Place) -> Wind:
+    def velocity(self, altitude: Altitude, place: Place) -> Wind:
         return self._within(altitude, place, _velocity(self, altitude, place))
 
-    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         from_equator = abs(place.latitude) - NEAREST_EQUATOR
         return {
             _EQUATOR: from_equator / RADIANS_PER_DEGREE,
@@ -158,7 +158,7 @@ class GradientWind(AbstractWind):
 
 
 @entry_point
-def _velocity(wind: GradientWind, altitude: Numeric, place: Place) -> Wind:
+def _velocity(wind: GradientWind, altitude: Altitude, place: Place) -> Wind:
     rotation = interpolate(
         wind.rotations,
         (wind.seasons, wind.latitudes, wind.altitudes),

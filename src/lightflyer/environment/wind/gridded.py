@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.quantity import RADIANS_PER_DEGREE
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
@@ -118,12 +118,12 @@ class GriddedWind(AbstractWind):
         except ConfigurationError as error:
             raise ConfigurationError(f"{path}: {error}") from None
 
-    def velocity(self, altitude: Numeric, place: Place) -> Wind:
+    def velocity(self, altitude: Altitude, place: Place) -> Wind:
         level, longitude = self._level(altitude, place), self._longitude(place)
         wind = _interpolate(self.table, self.axes, level, place, longitude)
         return self._within(altitude, place, wind)
 
-    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         time, level, latitude, longitude = self.reaches
         found: dict[str, Numeric] = {}
         if time[0] != time[1]:
@@ -141,7 +141,7 @@ class GriddedWind(AbstractWind):
             found |= _margins("longitude", near, longitude, _ONE_DEGREE, west, east)
         return found
 
-    def _level(self, altitude: Numeric, place: Place) -> Any:
+    def _level(self, altitude: Altitude, place: Place) -> Any:
         if self.atmosphere is None:
             return altitude
         return _minus_log_pressure(self.atmosphere, altitude, place)
@@ -217,7 +217,7 @@ def _over_south_pole(table: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarra
 
 
 @entry_point
-def _minus_log_pressure(atmosphere: AbstractAtmosphere, altitude: Numeric, place: Place) -> Any:
+def _minus_log_pressure(atmosphere: AbstractAtmosphere, altitude: Altitude, place: Place) -> Any:
     return -jnp.log(atmosphere.pressure(altitude, place))
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.global_nrlmsis import TROPICAL_YEAR
 from lightflyer.environment.base import Place, Wind
@@ -91,10 +92,10 @@ class HWM14(AbstractWind):
         knots, levels = _read(Path(path))
         self.pieces, self.heights = _pieces(knots, levels)
 
-    def velocity(self, altitude: Numeric, place: Place) -> Wind:
+    def velocity(self, altitude: Altitude, place: Place) -> Wind:
         return self._within(altitude, place, _velocity(self, altitude, place))
 
-    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         return {_ABOVE: (HIGHEST - altitude) / _TWO_KILOMETRES}
 
     def describe(self) -> tuple[str, ...]:
@@ -102,7 +103,7 @@ class HWM14(AbstractWind):
 
 
 @entry_point
-def _velocity(wind: HWM14, altitude: Numeric, place: Place) -> Wind:
+def _velocity(wind: HWM14, altitude: Altitude, place: Place) -> Wind:
     heights = jnp.asarray(wind.heights)
     altitude, latitude, longitude, time = jnp.broadcast_arrays(altitude, *place)
     piece = jnp.clip(jnp.searchsorted(heights, altitude, side="right") - 1, 0, heights.size - 2)

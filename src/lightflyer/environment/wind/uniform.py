@@ -3,7 +3,12 @@
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.core.quantity import Checked, Velocity, require_record
+from lightflyer.core.quantity import (
+    Altitude,
+    Checked,
+    Velocity,
+    require_record,
+)
 from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
@@ -33,7 +38,7 @@ class UniformWind(Checked, AbstractWind):
     north: Velocity = 0.0
     up: Velocity = 0.0
 
-    def velocity(self, altitude: Numeric, place: Place) -> Wind:
+    def velocity(self, altitude: Altitude, place: Place) -> Wind:
         return _uniform((self.east, self.north, self.up), (altitude, *place))
 
     def describe(self) -> tuple[str, ...]:
@@ -63,10 +68,10 @@ class SumOfWinds(AbstractWind):
             require_record("a wind", (AbstractWind,), wind)
         self.winds = winds
 
-    def velocity(self, altitude: Numeric, place: Place) -> Wind:
+    def velocity(self, altitude: Altitude, place: Place) -> Wind:
         return _sum(tuple(wind.velocity(altitude, place) for wind in self.winds))
 
-    def margins(self, altitude: Numeric, place: Place) -> dict[str, Numeric]:
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         """See :meth:`AbstractWind.margins`: those of all."""
         return {
             name: margin

@@ -17,10 +17,12 @@ from numpy.typing import ArrayLike
 
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Density, Length
 from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 from lightflyer.film.media.material_csv import read_index_csv
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, require_covered
+from lightflyer.program.arguments import reads_units
 
 GIVEN = "given by the user"
 
@@ -167,13 +169,14 @@ _VACUUM = Material(
 )
 
 
+@reads_units
 def tabulated_material(
     name: str,
-    wavelength: np.ndarray,
+    wavelength: Length,
     n: np.ndarray,
     k: np.ndarray,
     *,
-    density: float | None = None,
+    density: Density | None = None,
     tac: Measured | None = None,
     source: str = "given in Python",
 ) -> Material:

@@ -9,8 +9,10 @@ import numpy as np
 from lightflyer.core import constants
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Length, Temperature
 from lightflyer.files.table import shipped_table
 from lightflyer.film.media.material_csv import read_spectrum_csv
+from lightflyer.program.arguments import reads_units
 
 SECOND_RADIATION_CONSTANT = constants.PLANCK * constants.SPEED_OF_LIGHT / constants.BOLTZMANN
 """hc/k [m K]."""
@@ -28,6 +30,7 @@ _SERIES_TERMS = 80
 _SMALL_ARGUMENT = 0.5
 
 
+@reads_units
 @dataclasses.dataclass(frozen=True, eq=False)
 class Spectrum:
     """Spectral irradiance of light, linear between the wavelengths of a table.
@@ -39,7 +42,7 @@ class Spectrum:
     """
 
     name: str
-    wavelength: np.ndarray  #: shape (m,); increasing [m]
+    wavelength: Length  #: shape (m,); increasing [m]
     #: shape (m,); per wavelength, [W/m³] where it is absolute. Averages depend on its shape only
     irradiance: np.ndarray
     source: str = ""
@@ -162,7 +165,8 @@ def spectrum_from_csv(path: str | Path) -> Spectrum:
     return Spectrum(path.name, wavelength, irradiance, str(path))
 
 
-def planck(wavelength: np.ndarray, temperature: float) -> np.ndarray:
+@reads_units
+def planck(wavelength: Length, temperature: Temperature) -> np.ndarray:
     r"""Spectral exitance of a black body per wavelength, over its total exitance.
 
     .. math:: \frac{\pi B_\lambda(T)}{\sigma T^4}

@@ -28,6 +28,7 @@ from lightflyer.program.entry_point import entry_point
 
 _IDLE = {
     "transmission": "transmission = {0.transmission} has no effect: a disk has no holes",
+    "polyatomic": "polyatomic = {0.polyatomic} has no effect: the gas is not polyatomic",
     "wall": f"wall = {{0.wall}} has no effect: walls are {WALLS}",
     "film_balance": "film_balance has no effect: both membranes are isothermal",
 }
@@ -168,10 +169,11 @@ class Kinetic(AbstractForceModel):
         """See :meth:`AbstractForceModel.diagnostics`; options of the other model have no effect."""
         model = self.model_of(flyer)
         found = model.diagnostics(flyer, state, temperature)
+        idle = {"polyatomic": self.polyatomic != "refused" and state.gas.molecules != "polyatomic"}
         if isinstance(model, KineticDisk):
-            idle = {"transmission": self.transmission != "aligned"}
+            idle |= {"transmission": self.transmission != "aligned"}
         else:
-            idle = {
+            idle |= {
                 "wall": self.wall not in ("unknown", "maxwell"),
                 "film_balance": self.film_balance != "isothermal",
             }

@@ -18,6 +18,7 @@ from scipy.special import ndtri
 
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Temperature
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.lab.estimate import CONFIDENCE, Estimate
 from lightflyer.lab.ftir.diagnostics import (
@@ -38,6 +39,7 @@ from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
 from lightflyer.lab.record import dataset, require_distinct
 from lightflyer.lab.spectrum_noise import noise_density
+from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -162,12 +164,13 @@ def _by_temperature(estimates: dict[float, Estimate]) -> dict[str, Any]:
     return {f"{temperature:g}": one.to_json() for temperature, one in estimates.items()}
 
 
+@reads_units
 def reduce_ftir(
     spectra: Sequence[MeasuredSpectrum],
     reflectances: Sequence[MeasuredSpectrum] = (),
     *,
     band: tuple[float, float] = BAND,
-    temperatures: Sequence[float] = TEMPERATURES,
+    temperatures: Temperature = TEMPERATURES,
     accuracy: float | None = None,
 ) -> Ftir:
     """Average a film's spectra for its emissivity, or its upper bound.

@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Length
 from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
 from lightflyer.lab.readers.height_maps import gwyddion, igor, instruments, text
 from lightflyer.lab.readers.height_maps.channel import Channel, chosen
+from lightflyer.program.arguments import reads_units
 
 NANOMETRE = 1e-9  # [m]
 MOST_MISSING = 0.25  # Share of pixels without a height above which a map is refused; our choice
@@ -52,10 +54,11 @@ class HeightMap:
         return (self.width / columns) / (self.length / rows)
 
 
+@reads_units
 def read_height_map(
     path: str | Path,
     *,
-    size: float | None = None,
+    size: Length | None = None,
     unit: str | None = None,
     channel: str | None = None,
 ) -> HeightMap:

@@ -9,6 +9,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Pressure, Quantity, Temperature
 from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
+from lightflyer.program.arguments import reads_units
 
 _LEAST_DIFFERENCE = 1e-3  # between heater and gas [K]
 
@@ -64,12 +65,13 @@ class ResistanceThermometer:
         return self.intercept + self.slope * resistance
 
 
+@reads_units
 def read_tac(
     path: str | Path,
     *,
     columns: str | None = None,
     thermometer: ResistanceThermometer | None = None,
-    ambient_temperature: float | None = None,
+    ambient_temperature: Temperature | None = None,
 ) -> TacRun:
     """Read a run of a heater.
 

@@ -56,6 +56,7 @@ from lightflyer.lab.tac.problem import (
     minimise,
     require_distinct,
 )
+from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -204,6 +205,7 @@ class TacFit(PrintedResult):
         }  # fmt: skip
 
 
+@reads_units
 def fit_tac(
     run: TacRun,
     *,

@@ -10,11 +10,13 @@ import numpy as np
 
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Temperature
 from lightflyer.core.units import Measured
 from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
 from lightflyer.lab.thermography.data import THERMAL, ZERO_CELSIUS
 from lightflyer.lab.thermography.images import flir, radiometry, scaled
 from lightflyer.lab.thermography.images.scaled import Scale
+from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -87,12 +89,13 @@ class ThermalImage:
         return ", ".join(words)
 
 
+@reads_units
 def read_thermal_image(
     path: str | Path,
     *,
     scale: Scale | None = None,
     emissivity: float | None = None,
-    reflected_temperature: float | None = None,
+    reflected_temperature: Temperature | None = None,
 ) -> ThermalImage:
     """Read a thermal image.
 

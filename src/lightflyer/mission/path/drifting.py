@@ -36,6 +36,7 @@ from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.path.attitude import Own
 from lightflyer.mission.path.motion import Craft, Surroundings, steady_speeds, velocity
+from lightflyer.program.arguments import unlabelled
 from lightflyer.program.entry_point import entry_point
 
 
@@ -120,7 +121,7 @@ def steady_drift(
     if not is_concrete(found.speed):
         return found
     require_converged("heat balance of the tilted flyer", moving.status, moving.residual)
-    return replace(found, warnings=_warnings(setup, moving))
+    return replace(found, warnings=_warnings(setup, unlabelled(moving)))
 
 
 class _Moving(NamedTuple):

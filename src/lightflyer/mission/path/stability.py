@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError, ParameterError
-from lightflyer.core.quantity import Checked, Distance
+from lightflyer.core.quantity import Checked, Distance, Length
 from lightflyer.core.types import Numeric
 from lightflyer.drag.turning import TURNING_DIAGNOSTIC, turning_disk_torque
 from lightflyer.environment.base import EnvironmentState
@@ -34,6 +34,7 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.flyer.plate import Plate
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.program.arguments import reads_units
 
 _SLOW = 1e-6  # metres a second; drag is proportional to the speed there
 _NEUTRAL = 1e-9  # of the fastest mode: below, a rate is zero but for rounding
@@ -81,13 +82,14 @@ class _Hung(Checked):
     string: Distance
 
 
+@reads_units
 def hanging_stability(
     flyer: AbstractFlyer,
     state: EnvironmentState,
     model: AbstractForceModel | None = None,
     *,
-    rod: float,
-    string: float = 0.0,
+    rod: Length,
+    string: Distance = 0.0,
     payload_drag: float = 0.0,
 ) -> Hanging:
     """Whether a flyer with its payload hanging below keeps level.

@@ -1,0 +1,120 @@
+"""What scripts hand to functions: numbers with units, arrays with names of dimensions."""
+
+import inspect
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+import jax
+import numpy as np
+
+from lightflyer.core.checks import is_labelled
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import quantity_of, require_fit
+from lightflyer.core.units import is_si
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def reads_units(function: Callable[P, R]) -> Callable[P, R]:
+    """Make a function take numbers as constructors do, by the quantities of its annotations."""
+    if isinstance(function, type):
+        function.__init__ = reads_units(function.__init__)  # type: ignore[misc]
+        return function
+    read = Reader(function, refuse=False)
+
+    @wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        plain, named = read(args, kwargs)
+        return function(*plain, **named)
+
+    return wrapper
+
+
+class Reader:
+    """Arguments of a function in SI."""
+
+    # ``refuse``: whether texts and quantities are refused where no annotation tells their unit
+    def __init__(self, function: Callable[..., Any], *, refuse: bool = True):
+        self._function, self._refuse = function.__name__.lstrip("_"), refuse
+        parameters = inspect.signature(function).parameters
+        self._names = tuple(parameters)
+        found = {name: quantity_of(one.annotation) for name, one in parameters.items()}
+        self._quantities = {name: one for name, one in found.items() if one is not None}
+
+    def __call__(
+        self, args: tuple[Any, ...], kwargs: dict[str, Any]
+    ) -> tuple[list[Any], dict[str, Any]]:
+        """Arguments by place and by name."""
+        names = self._names[: len(args)] + self._names[-1:] * (len(args) - len(self._names))
+        plain = [self._read(name, arg) for name, arg in zip(names, args, strict=True)]
+        named = {name: self._read(name, arg) for name, arg in kwargs.items()}
+        if self._quantities:
+            given = dict(zip(names, plain, strict=True)) | named
+            numbers: dict[str, Any] = {name: given.get(name) for name in self._quantities}
+            require_fit(
+                {name: np.shape(one) for name, one in numbers.items() if not is_labelled(one)}
+            )
+        return plain, named
+
+    def _read(self, name: str, value: Any) -> Any:
+        quantity = self._quantities.get(name)
+        if quantity is not None and value is not None:
+            return quantity.number(name, value)
+        if not self._refuse:
+            return value
+        plain = np.asarray(value) if isinstance(value, list) else value
+        if isinstance(value, str) or hasattr(value, "magnitude") or not _is_numeric(plain):
+            raise ParameterError(
+                f"{self._function}() takes numbers in SI units, not {name} = {value!s:.60}"
+            )
+        return plain
+
+
+def _is_numeric(value: Any) -> bool:
+    return not isinstance(value, np.ndarray) or value.dtype.kind in "biufc"
+
+
+def unlabelled(tree: Any) -> Any:
+    """The same without names of dimensions."""
+    return jax.tree.map(lambda leaf: leaf.to_numpy() if is_labelled(leaf) else leaf, tree)
+
+
+def aligned(arguments: Any) -> tuple[Any, Callable[[Any], Any]]:
+    """Arguments without names of dimensions, and what gives results of their shape these names."""
+    labelled = [leaf for leaf in jax.tree.leaves(arguments) if is_labelled(leaf)]
+    if not labelled:
+        return arguments, _unchanged
+    for unit in (leaf.attrs.get("units", "") for leaf in labelled):
+        if not is_si(unit):
+            raise ParameterError(f'an array in "{unit}" is given where numbers are in SI units')
+    import xarray as xr
+
+    try:
+        spread = iter(xr.broadcast(*xr.align(*labelled, join="exact")))
+    except ValueError:
+        sizes = " and ".join(str(dict(one.sizes)) for one in labelled)
+        raise ParameterError(
+            f"arrays of sizes {sizes} do not fit together: coordinates of the same name differ"
+        ) from None
+    template = labelled[0]
+
+    def plain(leaf: Any) -> Any:
+        nonlocal template
+        if is_labelled(leaf):
+            template = next(spread)
+            return template.to_numpy()
+        return leaf
+
+    found = jax.tree.map(plain, arguments)
+
+    def named(leaf: Any) -> Any:
+        fits = template.ndim and isinstance(leaf, np.ndarray) and leaf.shape == template.shape
+        return xr.DataArray(leaf, template.coords, template.dims) if fits else leaf
+
+    return found, lambda result: jax.tree.map(named, result)
+
+
+def _unchanged(result: Any) -> Any:
+    return result

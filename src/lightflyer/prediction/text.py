@@ -45,6 +45,9 @@ def prediction_parts(
     too_hot = bool(np.any(_too_hot(prediction)))
     if too_hot:
         yield "* hotter in the light than its film bears"
+    if prediction.setup.budget is not None and not verbose:
+        best = prediction.verdict.best or prediction.best
+        yield wrapped(f"payload needs {payload_line(best.values)}")
     if verbose:
         yield _results(prediction, prediction.summary())
     yield from (wrapped(line, width) for line in warning_lines(prediction.other_warnings))
@@ -65,7 +68,7 @@ def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[st
     yield f"It flies {_ranges(prediction, prediction.bands, bands, 'band')}."
     yield from film_lines(prediction, bands)
     if found.best is not None:
-        held = "Afloat at" if found.carries_afloat else "Held at"
+        held = "Afloat at" if found.carries_afloat else "Held at" if found.rest else "At"
         place = _shown(prediction, found.best.coordinate)
         yield f"{held} {place} it carries up to {_most_payload(found.best, bands)}."
 

@@ -24,6 +24,8 @@ class Verdict:
     #: Ranges of the coordinate in which the flyer levitates and its film survives, lowest first
     usable: list[tuple[float, float]]
     best: Place | None  #: Where in them it carries the largest payload, if something holds it there
+    #: Whether nothing has to hold it there: at the peak of lift it rests, so loaded
+    carries_afloat: bool
     #: Lower edge of the widest band [m], below which the flyer sinks; None where the band reaches
     #: the end of the search
     lowest_release: float | None
@@ -43,11 +45,6 @@ class Verdict:
     #: in the whole band, else the lift at both edges
     limit: Limit
 
-    @property
-    def carries_afloat(self) -> bool:
-        """Whether it needs nothing to hold it where it carries most: it rests there, so loaded."""
-        return self.survives is True or self.ballast is not None
-
 
 def verdict_of(prediction: "Prediction") -> Verdict:
     """The verdict on a prediction."""
@@ -55,7 +52,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     stated = found.setup.flyer.highest_temperature
     highest = None if stated is None else float(stated)
     if found.widest is None:
-        return Verdict(highest, [], None, None, None, None, None, None, "light")
+        return Verdict(highest, [], None, False, None, None, None, None, None, "light")
     lower, upper = found.bands[found.widest]
     drifts = found.coordinate.name == "altitude"
     rest = evaluate.place(upper) if drifts and upper < found.coordinates[-1] else None
@@ -75,6 +72,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
         highest_temperature=highest,
         usable=usable,
         best=best,
+        carries_afloat=rest is not None and best is found.best,
         lowest_release=lower if drifts and lower > found.coordinates[0] else None,
         rest=rest,
         survives=survives,

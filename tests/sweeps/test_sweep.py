@@ -23,6 +23,7 @@ POINT_OUTPUTS = [
     "payload",
     "relative_payload",
     "payload_per_area",
+    "usable",
     "levitation_irradiance",
     "levitation_temperature",
     "own_mass",

@@ -10,6 +10,8 @@ import re
 import sys
 import warnings
 from collections.abc import Sequence
+from errno import ENOENT
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +20,17 @@ import cyclopts
 import lightflyer
 from lightflyer.cli.progress import Display, working
 from lightflyer.cli.report import note_warning, reporting
-from lightflyer.core.errors import LightflyerError, ParameterWarning
+from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
 
 EXIT_FAILURE = 2
 EXIT_INTERRUPTED = 130
+
+_READS = {
+    *("predict", "fly", "film", "compare", "sweep", "optimise", "sensitivity", "calibrate"),
+    *(f"lab {kind}" for kind in
+      ("tac", "levitation", "thermography", "ftir", "roughness", "optics")),
+}  # fmt: skip
+"""Commands whose first words are names of files."""
 
 _NEGATIVE, _OPTION = re.compile(r"-[\d.,]"), re.compile(r"--[a-z-]+")
 
@@ -157,6 +166,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             asked = next(iter(given), "-")
             if asked.startswith("-") or asked not in app:
                 _add_plugins(asked)
+            _require_files(given)
             with reporting(given):
                 app(given, exit_on_error=False, print_error=False)
             sys.stdout.flush()  # a full device says so here, not while Python ends
@@ -175,6 +185,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
         where = "the output" if error.filename is None else error.filename
         _abandon_output()
         _fail(f"{where}: {error.strerror or error}")
+
+
+def _require_files(given: Sequence[str]) -> None:
+    """Raise where a file to read is missing, before what takes seconds to load."""
+    command, words = " ".join(given[:1]), given[1:]
+    if command == "lab":
+        command, words = " ".join(given[:2]), given[2:]
+    if command in _READS:
+        for word in takewhile(lambda word: not word.startswith("-"), words):
+            if Path(word).suffix and not Path(word).exists():
+                raise ConfigurationError(f"{word}: cannot be read: {os.strerror(ENOENT)}")
 
 
 def _with_negatives(given: Sequence[str]) -> list[str]:

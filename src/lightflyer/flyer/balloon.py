@@ -11,6 +11,7 @@ from jax import Array
 from lightflyer.core import constants
 from lightflyer.core.quantity import Distance, Length, Mass, MolarMass, Tension
 from lightflyer.core.types import Numeric
+from lightflyer.core.units import Measured
 from lightflyer.drag.convex import Outline, sphere_outline
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
@@ -275,7 +276,8 @@ class BalloonSection(FlyerSection, of=Balloon):
 
     def idle(self) -> dict[str, str]:
         """See :meth:`Section.idle`: a sphere has no attitude."""
-        round_ = self.opening_diameter.value == 0.0 and self.tilt != self.opening_diameter
+        opening: Measured = self.opening_diameter  # type: ignore[attr-defined]
+        round_ = opening.value == 0.0 and self.tilt != opening
         return super().idle() | ({"tilt": "without opening_diameter"} if round_ else {})
 
     def make(self, **given: Any) -> Balloon:

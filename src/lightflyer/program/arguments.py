@@ -53,9 +53,8 @@ class Reader:
         if self._quantities:
             given = dict(zip(names, plain, strict=True)) | named
             numbers = {name: given.get(name) for name in self._quantities}
-            require_fit(
-                {name: np.shape(one) for name, one in numbers.items() if not is_labelled(one)}
-            )
+            shapes = {name: getattr(one, "shape", ()) for name, one in numbers.items()}
+            require_fit({name: shapes[name] for name in shapes if not is_labelled(numbers[name])})
         return plain, named
 
     def _read(self, name: str, value: Any) -> Any:

@@ -11,7 +11,6 @@ import sys
 import warnings
 from collections.abc import Sequence
 from errno import ENOENT
-from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +29,7 @@ _READS = {
     *(f"lab {kind}" for kind in
       ("tac", "levitation", "thermography", "ftir", "roughness", "optics")),
 }  # fmt: skip
-"""Commands whose first words are names of files."""
+"""Commands whose first word is a file."""
 
 _NEGATIVE, _OPTION = re.compile(r"-[\d.,]"), re.compile(r"--[a-z-]+")
 
@@ -188,14 +187,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _require_files(given: Sequence[str]) -> None:
-    """Raise where a file to read is missing, before what takes seconds to load."""
-    command, words = " ".join(given[:1]), given[1:]
-    if command == "lab":
-        command, words = " ".join(given[:2]), given[2:]
-    if command in _READS:
-        for word in takewhile(lambda word: not word.startswith("-"), words):
-            if Path(word).suffix and not Path(word).exists():
-                raise ConfigurationError(f"{word}: cannot be read: {os.strerror(ENOENT)}")
+    """Raise where the first file is missing, before what takes seconds to load."""
+    length = 2 if given[:1] == ["lab"] else 1
+    command, name = " ".join(given[:length]), "".join(given[length : length + 1])
+    if command in _READS and Path(name).suffix and not (name[0] == "-" or Path(name).exists()):
+        raise ConfigurationError(f"{name}: cannot be read: {os.strerror(ENOENT)}")
 
 
 def _with_negatives(given: Sequence[str]) -> list[str]:

@@ -84,8 +84,8 @@ def mission_of_text(text: str, path: Path) -> MissionFile:
     part = {name: content for name, content in document.items() if name == _MISSION}
     mission, missions_mistakes = _check(_MissionPart, part, text, path)
     given = rest.get("environment")
-    for key in _SHARED if isinstance(given, dict) else ():
-        own = given.get(key)
+    for key in _SHARED:
+        own = given.get(key) if isinstance(given, dict) else None
         if own is not None and own != part.get(_MISSION, {}).get(key, own):
             place = place_of(["environment", key], text, path)
             missions_mistakes.append(f"{place}: {key} is not that of [mission]; leave it out here")

@@ -324,6 +324,44 @@ def test_an_interrupt_is_one_line_at_any_moment(flyer_file, tmp_path, command, d
     assert errors.endswith(f"lightflyer: interrupted; {WHAT_NEXT[command]}\n".encode())
 
 
+INTERRUPTS = """
+import os, signal, sys
+
+os.kill(os.getpid(), signal.SIGINT)  # while the package is imported, before any of its commands
+sys.path.remove(os.path.dirname(__file__))
+del sys.modules["lazy_loader"]
+import lazy_loader
+
+globals().update(vars(lazy_loader))
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals cannot wait there")
+def test_an_interrupt_of_the_import_is_one_line(tmp_path):
+    (tmp_path / "lazy_loader.py").write_text(INTERRUPTS, encoding="utf-8")
+    path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])])
+    command = [sys.executable, "-m", "lightflyer", "predict", "flyer.toml"]
+    found = subprocess.run(command, env=os.environ | {"PYTHONPATH": path}, capture_output=True)
+    assert found.returncode == 130
+    assert found.stderr == b"lightflyer: interrupted; the same command begins anew\n"
+    library = [sys.executable, "-c", "import lightflyer"]
+    found = subprocess.run(library, env=os.environ | {"PYTHONPATH": path}, capture_output=True)
+    assert b"KeyboardInterrupt" in found.stderr
+
+
+@pytest.mark.parametrize("words", ["predict no.toml", "lab tac no.csv", "compare no.toml a.toml"])
+def test_a_missing_file_is_said_before_anything_is_loaded(words):
+    check = (
+        "import sys; from lightflyer.cli import main\n"
+        f"try: main({words.split()})\n"
+        "finally: assert not {'jax', 'numpy', 'pint'} & set(sys.modules)"
+    )
+    found = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True)
+    assert found.returncode == 2, found.stderr
+    name = next(word for word in words.split() if "." in word)
+    assert found.stderr == f"lightflyer: error: {name}: cannot be read: {os.strerror(2)}\n"
+
+
 def printed_without_importing(heavy, code):
     """What a program prints that must not import some packages."""
     check = f"import sys\nfound = {heavy} & set(sys.modules)\nassert not found, found"

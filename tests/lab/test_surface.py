@@ -285,10 +285,15 @@ ROWS = "\n".join(["1 2 3 4"] * 4)
             "# Value units: m\n# Width: 1 um\n" + "\n".join(["nan " * 20] * 20),
             "400 of its",
         ),
+        (
+            "m.txt",
+            "# Value units: nm\n# Width: 1 um\n" + "\n".join(["1e-8 2e-8 " * 10] * 20),
+            "all heights are within 1e-17 m; atoms are larger, the unit is wrong",
+        ),
         ("m.ibw", b"", "cannot be read as an Igor wave"),
         ("m.ibw", b"\x05\x00" + b"\x7f" * 500, "cannot be read as an Igor wave"),
         ("m.gwy", b"", "is not a Gwyddion file"),
-        ("m.gwy", b"GWYPGwyContainer\x00\xff\xff", "cannot be read as Gwyddion"),
+        ("m.gwy", b"GWYPGwyContainer\x00\xff\xff", "cannot be read as Gwyddion: it is damaged"),
     ],
 )
 def test_one_clear_line_for_each_mistake(tmp_path, name, content, says):
@@ -299,6 +304,7 @@ def test_one_clear_line_for_each_mistake(tmp_path, name, content, says):
     assert message.startswith(str(path))
     assert says in message
     assert "\n" not in message
+    assert "Error(" not in message
 
 
 SMALL = np.arange(400.0).reshape(20, 20) * 1e-9

@@ -10,6 +10,7 @@ import re
 import sys
 import warnings
 from collections.abc import Sequence
+from errno import ENOENT
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,17 @@ import cyclopts
 import lightflyer
 from lightflyer.cli.progress import Display, working
 from lightflyer.cli.report import note_warning, reporting
-from lightflyer.core.errors import LightflyerError, ParameterWarning
+from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
 
 EXIT_FAILURE = 2
 EXIT_INTERRUPTED = 130
+
+_READS = {
+    *("predict", "fly", "film", "compare", "sweep", "optimise", "sensitivity", "calibrate"),
+    *(f"lab {kind}" for kind in
+      ("tac", "levitation", "thermography", "ftir", "roughness", "optics")),
+}  # fmt: skip
+"""Commands whose first word is a file."""
 
 _NEGATIVE, _OPTION = re.compile(r"-[\d.,]"), re.compile(r"--[a-z-]+")
 
@@ -157,6 +165,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             asked = next(iter(given), "-")
             if asked.startswith("-") or asked not in app:
                 _add_plugins(asked)
+            _require_files(given)
             with reporting(given):
                 app(given, exit_on_error=False, print_error=False)
             sys.stdout.flush()  # a full device says so here, not while Python ends
@@ -175,6 +184,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
         where = "the output" if error.filename is None else error.filename
         _abandon_output()
         _fail(f"{where}: {error.strerror or error}")
+
+
+def _require_files(given: Sequence[str]) -> None:
+    """Raise where the first file is missing, before what takes seconds to load."""
+    length = 2 if given[:1] == ["lab"] else 1
+    command, name = " ".join(given[:length]), "".join(given[length : length + 1])
+    if command in _READS and Path(name).suffix and not (name[0] == "-" or Path(name).exists()):
+        raise ConfigurationError(f"{name}: cannot be read: {os.strerror(ENOENT)}")
 
 
 def _with_negatives(given: Sequence[str]) -> list[str]:

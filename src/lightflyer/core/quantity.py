@@ -418,15 +418,16 @@ def require_fit(shapes: Shapes) -> None:
         ) from None
 
 
-def shapes_in(part: Any, prefix: str = "", *, labelled: bool = False) -> Shapes:
+def shapes_in(part: Any, prefix: str = "", *, labelled: bool = False) -> dict[str, tuple[int, ...]]:
     """Shapes of the numbers of a record and of those in it, by name."""
     found: dict[str, tuple[int, ...]] = {}
-    for field in dataclasses.fields(part):
-        name, value = f"{prefix}{field.name}", getattr(part, field.name)
+    known = quantities_of(part.__class__)
+    for name in part.__dataclass_fields__:
+        value = getattr(part, name)
         if isinstance(value, eqx.Module):
-            found |= shapes_in(value, f"{name}.", labelled=labelled)
-        elif field.name in quantities_of(part.__class__) and (labelled or not is_labelled(value)):
-            found[name] = np.shape(value)
+            found |= shapes_in(value, f"{prefix}{name}.", labelled=labelled)
+        elif name in known and (labelled or not is_labelled(value)):
+            found[f"{prefix}{name}"] = getattr(value, "shape", ())
     return found
 
 

@@ -52,10 +52,9 @@ class Reader:
         named = {name: self._read(name, arg) for name, arg in kwargs.items()}
         if self._quantities:
             given = dict(zip(names, plain, strict=True)) | named
-            numbers: dict[str, Any] = {name: given.get(name) for name in self._quantities}
-            require_fit(
-                {name: np.shape(one) for name, one in numbers.items() if not is_labelled(one)}
-            )
+            numbers = {name: given.get(name) for name in self._quantities}
+            shapes = {name: getattr(one, "shape", ()) for name, one in numbers.items()}
+            require_fit({name: shapes[name] for name in shapes if not is_labelled(numbers[name])})
         return plain, named
 
     def _read(self, name: str, value: Any) -> Any:

@@ -13,7 +13,6 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Fraction, Irradiance, quantity_of
 from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
-from lightflyer.core.units import scale_and_offset
 from lightflyer.environment.base import Place
 from lightflyer.environment.light.ground import AbstractGround, UniformGround
 from lightflyer.numerics.cubic_grid import Axis, interpolate
@@ -211,12 +210,10 @@ def _dimensions(array: Any, name: str) -> dict[str, str]:
 def _check(array: Any, name: str) -> np.ndarray:
     quantity = quantity_of(_KINDS[name])
     assert quantity is not None
-    unit = str(array.attrs.get("units", quantity.unit))
     try:
-        scale, offset = scale_and_offset("" if unit == "1" else unit, quantity.unit)
-    except ConfigurationError as error:
-        raise ConfigurationError(f"ground: units of {name}: {error}") from None
-    values = scale * np.asarray(array.values, float) + offset
+        values = np.asarray(quantity.number(name, array), float)
+    except ParameterError as error:
+        raise ConfigurationError(f"ground: {error}") from None
     missing = int(np.sum(~np.isfinite(values)))
     if missing:
         raise ConfigurationError(

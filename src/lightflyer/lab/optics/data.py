@@ -143,7 +143,10 @@ class SpectrumSection(Section):
     @pydantic.field_validator("file")
     @classmethod
     def _beside(cls, name: str, info: ValidationInfo) -> str:
-        return file_beside(name, info)
+        path = file_beside(name, info)
+        if not Path(path).is_file():
+            raise ConfigurationError("there is no such file")
+        return path
 
     def read(self) -> FilmSpectrum:
         """The spectrum, within its limits."""

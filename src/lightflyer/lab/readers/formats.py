@@ -69,6 +69,11 @@ def find_format(source: Source, formats: Sequence[Format]) -> Format | None:
     return next((one for one in formats if one.recognises(source)), None)
 
 
+def reason(error: Exception) -> str:
+    """What another package's reader says of a damaged file."""
+    return f"it is damaged: {one_line(str(error)) or type(error).__name__}"
+
+
 def one_line(text: str) -> str:
     """Words with single spaces and without characters that cannot be printed."""
     return " ".join("".join(one if one.isprintable() else " " for one in text).split())

@@ -28,6 +28,7 @@ HEIGHT_MAP_FORMATS = [
 
 _LEAST_SIDE = 16  # pixels
 _FARTHEST = 0.1  # [m]; far more than any microscope's range
+_LEAST_HEIGHT = 1e-11  # [m]
 _WIDEST = 1.0  # [m]
 
 
@@ -145,6 +146,12 @@ def _require_usable(one: HeightMap) -> None:
         raise ConfigurationError(
             f"{one.source}: has a height of {farthest:.3g} m; {_FARTHEST:g} m is the most: a "
             "number is damaged, or the unit is wrong"
+        )
+    spread = float(np.ptp(one.height[~one.missing]))
+    if 0.0 < spread < _LEAST_HEIGHT:
+        raise ConfigurationError(
+            f"{one.source}: all heights are within {spread:.2g} m; atoms are larger, the unit is "
+            "wrong"
         )
     sides = np.array([one.width, one.length])
     if not (np.isfinite(sides).all() and (sides > 0.0).all() and sides.max() <= _WIDEST):

@@ -7,7 +7,7 @@ import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
-from lightflyer.lab.readers.formats import Source
+from lightflyer.lab.readers.formats import Source, reason
 from lightflyer.lab.readers.height_maps.channel import Channel
 
 _ITEM_SIZES = {"b": 1, "c": 1, "i": 4, "q": 8, "d": 8}  # of Gwyddion's types
@@ -26,7 +26,7 @@ def read_channels(source: Source) -> list[Channel]:
         sides = {_unit(one, "si_unit_xy") for one in fields.values()}
         channels = [_channel(str(name), one) for name, one in fields.items()]
     except Exception as error:  # the parser has no errors of its own
-        raise ConfigurationError(f"{path}: cannot be read as Gwyddion: {error!r}") from None
+        raise ConfigurationError(f"{path}: cannot be read as Gwyddion: {reason(error)}") from None
     if not channels:
         raise ConfigurationError(f"{path}: contains no map")
     if wrong := sorted(sides - {"m"}):

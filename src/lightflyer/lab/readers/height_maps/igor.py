@@ -9,7 +9,7 @@ import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
-from lightflyer.lab.readers.formats import Source
+from lightflyer.lab.readers.formats import Source, reason
 from lightflyer.lab.readers.height_maps.channel import Channel, metres
 
 # offsets in an Igor wave of version 5: sizes of its parts, numbers of points, end of the headers
@@ -31,7 +31,8 @@ def read_channels(source: Source) -> list[Channel]:
         side = _text(header["dimUnits"][0])
         labels = [] if data.ndim < 3 else wave["labels"][2]
     except Exception as error:  # the parser has no errors of its own
-        raise ConfigurationError(f"{path}: cannot be read as an Igor wave: {error!r}") from None
+        why = f"cannot be read as an Igor wave: {reason(error)}"
+        raise ConfigurationError(f"{path}: {why}") from None
     if data.ndim not in (2, 3) or not data.size:
         raise ConfigurationError(f"{path}: contains no map")
     pixel = metres(side) if side else 1.0

@@ -122,8 +122,8 @@ def in_blocks(function, numbers):
 
 def measured(on, function, count, repeats):
     """Median time of a run [s] and its result, for designs that lie on the devices."""
-    compiled = jax.jit(on.divided(function))
-    numbers = on.placed(np.arange(count, dtype=float))
+    compiled = jax.jit(on.divide_work(function))
+    numbers = on.place(np.arange(count, dtype=float))
     result = jax.block_until_ready(compiled(numbers))
     times = []
     for _ in range(repeats):

@@ -27,7 +27,7 @@ import lightflyer as lf
 from lightflyer.compute.chunks import Chunks
 from lightflyer.compute.evaluation import BATCH, Evaluator
 from lightflyer.compute.scheduler import processors
-from lightflyer.core.progress import reported_to
+from lightflyer.core.progress import report_to
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem
@@ -143,7 +143,7 @@ def cluster(folder, designs, repeats):
     def sweep(address):
         shutil.rmtree(folder / "cluster.zarr", ignore_errors=True)
         clock = Clock()
-        with reported_to(clock):
+        with report_to(clock):
             sweep_into(asked, folder / "cluster.zarr", scheduler=address)
         return clock.per_chunk
 
@@ -195,7 +195,7 @@ def thread(folder, designs):
     evaluate = Evaluator(asked)
     evaluate(0, BATCH)  # compiles
     before = time.process_time()
-    with reported_to(clock):
+    with report_to(clock):
         sweep_into(asked, folder, evaluator=evaluate, workers=1)
     print(json.dumps([clock.per_chunk, time.process_time() - before]))
 

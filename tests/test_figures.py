@@ -106,7 +106,7 @@ def test_every_result_draws_itself(name):
 
 @pytest.mark.parametrize("style", STYLES)
 def test_prediction(uncertain, style):
-    with drawing.styled(style):
+    with drawing.use_style(style):
         figure = uncertain.plot()
     irradiance, temperature, payload, chart, bar = figure.axes
     require_legible(figure)
@@ -181,7 +181,7 @@ def fit():
 
 @pytest.mark.parametrize("style", STYLES)
 def test_nine_samples_are_told_apart(fit, style):
-    with drawing.styled(style):
+    with drawing.use_style(style):
         figure = fit.plot()
     require_legible(figure)
     (legend,) = figure.legends
@@ -246,7 +246,7 @@ def swept(sampled=False):
 @pytest.mark.parametrize("style", STYLES)
 @pytest.mark.parametrize("sampled", [False, True])
 def test_map_of_a_sweep(sampled, style):
-    with drawing.styled(style):
+    with drawing.use_style(style):
         figure = lf.sweeps.plot_sweep(swept(sampled), "payload", "radius", "altitude")
     require_legible(figure)
     ax, bar = figure.axes
@@ -338,7 +338,7 @@ def test_intervals_of_thermography_are_tall(examples, style):
     method = lf.lab.THERMAL
     readings, _ = lf.lab.read_readings(examples / "thermal.csv", method, accuracy=0.5, scene=scene)
     found = lf.lab.reduce_readings(readings, draws=2000)
-    with drawing.styled(style):
+    with drawing.use_style(style):
         figure = found.plot()
     require_legible(figure)
     for ax, name in zip(figure.axes, found.first_order, strict=True):
@@ -405,7 +405,7 @@ def test_colours_markers_and_lines_of_nine_differ():
 
 
 def test_a_column_is_as_wide_as_a_column():
-    with drawing.styled("column"):
+    with drawing.use_style("column"):
         one, two = drawing.new_figure(), drawing.new_figure(columns=2)
     assert one.get_figwidth() * 2.54 == pytest.approx(8.6, rel=1e-3)
     assert two.get_figwidth() == 2 * one.get_figwidth()

@@ -96,7 +96,7 @@ def by_tmm(layers):
     film = flyer_with(layers).film.film()
     wavelengths, worst = np.array([0.45, 0.6, 0.9, 2.0, 8.0, 14.0]) * 1e-6, 0.0
     for angle in (0.0, 0.6, 1.2):
-        ours = film.optics(wavelengths, angle).unpolarised()
+        ours = film.optics(wavelengths, angle).polarisation_mean()
         n, k = film.index(wavelengths)
         for number, wavelength in enumerate(wavelengths):
             index = [1.0, *(n[:, number] + 1j * k[:, number]), 1.0]

@@ -58,14 +58,14 @@ def means(optics, weight=None):
 def window(stack):
     """At normal incidence, over 900 ± 400 cm⁻¹ as far as the data reach."""
     wavenumber = np.linspace(667.0, 1300.0, 400)
-    return means(stack.optics(0.01 / wavenumber).unpolarised())
+    return means(stack.optics(0.01 / wavenumber).polarisation_mean())
 
 
 def in_lamp(stack):
     """At normal incidence, over the light of a cold-white LED."""
     lamp, wavelength = film.cold_white_led(), np.linspace(400e-9, 780e-9, 2000)
     weight = np.interp(wavelength, lamp.wavelength, lamp.irradiance)
-    return means(stack.optics(wavelength).unpolarised(), weight)
+    return means(stack.optics(wavelength).polarisation_mean(), weight)
 
 
 def main():

@@ -40,6 +40,6 @@ def trials(seed: int) -> list[Trial]:
                                ("Monte Carlo", result.monte_carlo)):  # fmt: skip
             found += [
                 Trial(f"{name}, {way}, {count} repeats", truth[name], *one.interval)
-                for name, one in result.named(estimates).items()
+                for name, one in result.name_properties(estimates).items()
             ]
     return found

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import lu_solve
 
-from lightflyer.kinetic.chamber.cases import MEDIUM, ChamberCase, assembled
+from lightflyer.kinetic.chamber.cases import MEDIUM, ChamberCase, assemble_case
 from lightflyer.kinetic.chamber.enclosure import Chamber, Film
 from lightflyer.kinetic.chamber.linear import ChamberSystem
 from lightflyer.kinetic.disk.linear import solve_by_gmres
@@ -75,7 +75,7 @@ def measure(place: Place) -> dict[str, float]:
     rarefaction = float(np.sqrt(np.pi) / 4.0 / place.knudsen)
     warm, chamber = (1.0, 1.0), place.chamber
     case = ChamberCase(rarefaction, Film(LIKE, warm), DIATOMIC, chamber, True)
-    halves = assembled(case, MEDIUM)
+    halves = assemble_case(case, MEDIUM)
     found = {}
 
     def system(film: Film) -> ChamberSystem:
@@ -103,7 +103,7 @@ def measure(place: Place) -> dict[str, float]:
 def warm_floor(system: ChamberSystem) -> np.ndarray:
     """Right-hand side of a cold disk above a floor that is warmer by one unit."""
     right, (_, (_, flat)) = np.zeros(system.layout.size), system.surface_masks(1)
-    right[system.layout.wall_emitted(1)][flat] = 1.0
+    right[system.layout.wall_temperature(1)][flat] = 1.0
     return right
 
 

@@ -41,7 +41,7 @@ def film(carbon, arrangement, fraction, thickness=COATING):
 def optics(sample):
     """What the paper measured: shares of a white lamp's light, and of the infrared window."""
     lamp = lf.film.light_shares(sample, lf.film.cold_white_led())
-    window = sample.optics(WINDOW).unpolarised()
+    window = sample.optics(WINDOW).polarisation_mean()
     reflected, passed = window.reflectance.mean(), window.transmittance.mean()
     return {
         "visible_absorptance": lamp.absorptance.value,
@@ -81,7 +81,7 @@ def draw(sample):
     figure = plot.new_figure()
     ax = figure.axes[0]
     wavelength = np.geomspace(0.4e-6, 19.9e-6, 400)
-    spectra = sample.optics(wavelength).unpolarised()
+    spectra = sample.optics(wavelength).polarisation_mean()
     table_1 = {  # visible, infrared [Lu2023]
         "absorptance": (plot.VERMILION, "-", (0.75, 0.02), (0.48, 0.03)),
         "transmittance": (plot.GREEN, "-.", (0.22, 0.01), (0.47, 0.02)),

@@ -21,9 +21,9 @@ import distributed
 import numpy as np
 
 from lightflyer.compute.evaluation import Evaluator
-from lightflyer.compute.scheduler import connected, run_on_dask
+from lightflyer.compute.scheduler import connect_client, run_on_dask
 from lightflyer.files.drawing import new_figure
-from lightflyer.sweeps.reduced import Blocks, Progress, packed, reduce_into
+from lightflyer.sweeps.reduced import Blocks, Progress, pack, reduce_into
 from lightflyer.sweeps.reduction_plan import Designs, plan_reductions
 
 HERE = Path(__file__).parent
@@ -45,7 +45,7 @@ class Sent:
         """The same for every block."""
         return block, self.content, 0
 
-    def received(self, answer):
+    def receive(self, answer):
         """The same."""
         return answer
 
@@ -64,9 +64,9 @@ def of_a_chunk(asked):
         seen = Designs(asked, 0, outputs, np.arange(blocks.chunk))
         partials = {part.name: part.partial(seen) for part in kept}
         for part in kept:
-            part.reduction.merged(part.reduction.empty(), partials[part.name])
+            part.reduction.merge(part.reduction.empty(), partials[part.name])
     reduced = time.process_time()
-    content = packed(partials)
+    content = pack(partials)
     return (computed - start) / CHUNKS, (reduced - computed) / CHUNKS, content, blocks.chunk
 
 
@@ -77,7 +77,7 @@ def of_a_block(asked, content, count):
             n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=name,
             silence_logs=logging.CRITICAL,
         )  # fmt: skip
-        with cluster, connected(cluster.scheduler_address) as client:
+        with cluster, connect_client(cluster.scheduler_address) as client:
             progress = Progress(Path(name), plan_reductions(asked), count, {})
             list(run_on_dask(Sent(content), range(20), client, "here"))
             # the scheduler lives in this process; its workers do not

@@ -184,7 +184,7 @@ def rough(height=34.8 * NM):
         )
         for number, name in enumerate(names)
     )
-    optics = film.Film(layers).optics(VISIBLE).unpolarised()
+    optics = film.Film(layers).optics(VISIBLE).polarisation_mean()
     found = {"T": optics.transmittance, "R": optics.reflectance, "absorbed": optics.absorptance,
              "scattered": optics.scattered}  # fmt: skip
     return {name: np.average(one, weights=BANDS[0][1]) for name, one in found.items()}

@@ -444,14 +444,14 @@ def test_steps_of_the_light(setup, exact):
     lot = Points("steps", ["one"] * 40, {"pressure": pressure, "irradiance": noted})
     plain = lf.calibrate(setup, points=lot, **EXACT)
     assert "lie on steps of 100 W/m^2" in " ".join(plain.warnings)
-    stepped = lf.calibrate(setup, points=lot.stepped(100.0), **EXACT)
+    stepped = lf.calibrate(setup, points=lot.with_step(100.0), **EXACT)
     assert not any("lie on steps" in text for text in stepped.warnings)
     assert abs(np.log(stepped.values[0] / 0.4)) < 0.3 * abs(np.log(plain.values[0] / 0.4))
     low, high = stepped.intervals[0]
     assert low < 0.4 < high
     for step in (-1.0, 2000.0, np.nan):
         with pytest.raises(lf.ParameterError, match="steps: step = "):
-            lot.stepped(step)
+            lot.with_step(step)
 
 
 class Slow(lf.AbstractForceModel):

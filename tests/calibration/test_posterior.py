@@ -73,7 +73,7 @@ def assert_agrees(fit, drawn):
     """
     count = len(fit.names)
     # the posterior's scatter is one for all points; intervals allow for an uneven one
-    jacobian = fit.problem.linearised(np.log(fit.values)).jacobian
+    jacobian = fit.problem.linearise(np.log(fit.values)).jacobian
     even = fit.scatter * np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian))) * fit.values
     wider = (fit.standard_uncertainties / even)[:, None]
     best = fit.values[:, None]

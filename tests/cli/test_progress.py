@@ -6,7 +6,7 @@ import time
 import pytest
 
 from lightflyer.cli import main, output, progress
-from lightflyer.core.progress import Counted, report, reported_to
+from lightflyer.core.progress import Counted, report, report_to
 
 
 class Terminal(io.StringIO):
@@ -83,7 +83,7 @@ def test_every_command_is_shown(shown, monkeypatch, tmp_path):
 
 def test_parts_are_counted_up_to_their_number():
     steps = []
-    with reported_to(steps.append):
+    with report_to(steps.append):
         counted = Counted("drawing", 5, done=1)
         counted.add(2)
         counted.add(100)

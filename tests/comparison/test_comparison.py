@@ -10,7 +10,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.comparison import to_dataset, write_csv
-from lightflyer.comparison.tables import joined, require_comparable
+from lightflyer.comparison.tables import join_outputs, require_comparable
 from lightflyer.design.outputs import outputs_of
 
 
@@ -195,8 +195,8 @@ def test_one_name_for_two_things_in_one_unit():
     require_comparable([plate, hollow])  # of which both have a pressure_difference
     mine, theirs = (outputs_of(setup)["pressure_difference"] for setup in (plate, hollow))
     assert mine.long_name != theirs.long_name
-    both = joined(mine, theirs)
+    both = join_outputs(mine, theirs)
     assert both.long_name == f"{mine.long_name}; or {theirs.long_name}"
-    assert joined(both, mine) is joined(both, theirs) is both
+    assert join_outputs(both, mine) is join_outputs(both, theirs) is both
     with pytest.raises(lf.ConfigurationError, match=r"\[Pa\] of one flyer .* \[m\] of another"):
-        joined(mine, dataclasses.replace(theirs, unit="m"))
+        join_outputs(mine, dataclasses.replace(theirs, unit="m"))

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lightflyer as lf
-from lightflyer.core.units import parse, rewrite, scale_and_offset, spelled
+from lightflyer.core.units import parse, rewrite, scale_and_offset, spell_unit
 
 
 @pytest.mark.parametrize(
@@ -133,8 +133,8 @@ def test_megatorr_is_asked_for(unit):
 
 
 def test_units_of_instruments_are_spelled_as_pint_reads_them():
-    assert (spelled("TORR", "Pa"), spelled("micron", "Pa")) == ("Torr", "mTorr")
-    assert spelled("micron", "m") == "um"
+    assert (spell_unit("TORR", "Pa"), spell_unit("micron", "Pa")) == ("Torr", "mTorr")
+    assert spell_unit("micron", "m") == "um"
 
 
 def test_units_convert_by_factor_and_offset():

@@ -202,7 +202,7 @@ def test_flows_and_buoyancy_are_outputs(setup):
     ],
 )
 def test_units_suit_the_values(name, value, shown):
-    factor, unit = lf.design.OUTPUTS[name].shown_for([value, 0.1 * value, np.inf, np.nan])
+    factor, unit = lf.design.OUTPUTS[name].display_unit_for([value, 0.1 * value, np.inf, np.nan])
     assert f"{value * factor:g} {unit}" == shown
 
 

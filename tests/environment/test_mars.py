@@ -295,7 +295,7 @@ def test_light_of_a_file_by_date_and_place(read):
     lines = 'sun = "ephemeris"\ndate = 2026-06-21T12:00:00\nlatitude = "20 deg"\n'
     setup = read(f'{lines}longitude = "70 deg"').build()
     place = Place.at("2026-06-21T12:00Z", 20.0, 70.0)
-    expected = lf.environment.MarsSun().seen_from(place)
+    expected = lf.environment.MarsSun().position_above(place)
     radiation = setup.environment.radiation
     assert radiation.zenith_angle == pytest.approx(float(expected.zenith_angle), rel=1e-9)
     au = float(expected.distance) / ASTRONOMICAL_UNIT

@@ -141,11 +141,11 @@ def test_days_and_nights_without_end():
     hours = SKY.light_hours(70e3, midsummer)
     assert np.isnan([hours.first, hours.last]).all()
     np.testing.assert_array_equal(hours.share, [1.0, 0.0])
-    zenith = SKY.sun.seen_from(midsummer._replace(time=hours.noon)).zenith_angle
+    zenith = SKY.sun.position_above(midsummer._replace(time=hours.noon)).zenith_angle
     # noon is when the sun stands highest
     for moved in (-300.0, 300.0):
         aside = midsummer._replace(time=hours.noon + moved)
-        assert np.all(SKY.sun.seen_from(aside).zenith_angle > zenith)
+        assert np.all(SKY.sun.position_above(aside).zenith_angle > zenith)
 
 
 EVENING = Place.at("2026-06-21T19:50Z", 45.0, 10.0)

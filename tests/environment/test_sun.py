@@ -62,7 +62,7 @@ def random_century():
 
 def test_the_sun_stands_where_spa_has_it(random_century):
     place, zenith_angle, azimuth, distance = random_century
-    sun = EarthSun().seen_from(place)
+    sun = EarthSun().position_above(place)
     apart = separation(
         unit_vector(sun.zenith_angle, sun.azimuth), unit_vector(zenith_angle, azimuth)
     )
@@ -73,7 +73,7 @@ def test_the_sun_stands_where_spa_has_it(random_century):
 
 def test_examples_of_almanacs():
     # [RedaAndreas2004]_ appendix A.5: 17 October 2003, 19:30:30 UTC, 39.742476° N, 105.1786° W
-    sun = EarthSun().seen_from(Place.at("2003-10-17T19:30:30Z", 39.742476, -105.1786))
+    sun = EarthSun().position_above(Place.at("2003-10-17T19:30:30Z", 39.742476, -105.1786))
     assert np.degrees(sun.zenith_angle) == pytest.approx(50.12, abs=0.02)  # with refraction
     assert np.degrees(sun.azimuth) % 360.0 == pytest.approx(194.34024, abs=0.005)
     # [Meeus1998]_ example 25.a: 13 October 1992, 0 h terrestrial time: declination -7.78507°
@@ -117,14 +117,14 @@ def test_overhead_and_over_the_pole():
         assert float(zenith(0.0)) == 0.0
         assert float(jax.grad(zenith)(0.0)) == 0.0
     north = [
-        EarthSun().seen_from(Place(np.pi / 2.0, longitude, 8.2e8)).zenith_angle
+        EarthSun().position_above(Place(np.pi / 2.0, longitude, 8.2e8)).zenith_angle
         for longitude in (0.0, 2.0, -2.0)
     ]
     np.testing.assert_allclose(north, north[0], rtol=1e-14)
 
 
 def test_the_date_line_is_nothing_special():
-    one, other = (EarthSun().seen_from(Place(0.4, lon, 8.2e8)) for lon in (np.pi, -np.pi))
+    one, other = (EarthSun().position_above(Place(0.4, lon, 8.2e8)) for lon in (np.pi, -np.pi))
     np.testing.assert_allclose(one.zenith_angle, other.zenith_angle, rtol=1e-12)
     np.testing.assert_allclose(one.azimuth, other.azimuth, rtol=1e-12)
 

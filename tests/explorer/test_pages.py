@@ -21,7 +21,7 @@ from lightflyer.explorer.hints import templates
 from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.panes import panes
 from lightflyer.explorer.state import View, plain, to_toml
-from lightflyer.files.toml_file import parsed, validate
+from lightflyer.files.toml_file import parse_toml, validate
 from lightflyer.film.optics.spectra import am0
 from lightflyer.lab.levitation.data import read_lift_offs
 
@@ -352,5 +352,5 @@ def read_only(document):
     """Check a design without building it."""
     content = {name: part for name, part in document.items() if name != "mission"}
     text = to_toml(content)
-    content = parsed(text, Path("flyer.toml"), FLYER_FILE)
+    content = parse_toml(text, Path("flyer.toml"), FLYER_FILE)
     validate(flyer_file_type(), content, text, Path("flyer.toml"), FLYER_FILE)

@@ -10,7 +10,7 @@ from lightflyer.config.flyer_file import flyer_file_type
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.core.units import Measured
 from lightflyer.explorer import server
-from lightflyer.explorer.editing import slider, sliders, switched
+from lightflyer.explorer.editing import slider, sliders, switch_alternative
 from lightflyer.explorer.grammar import BASES, grammar, quantity_text
 from lightflyer.explorer.hints import templates
 from lightflyer.explorer.state import View, Workplace, from_url, plain, to_toml, to_url
@@ -152,7 +152,7 @@ def test_a_new_flyer_appears_with_its_fields(workplace):
             "unit": "m", "range": "positive", "default": "",
         }  # fmt: skip
         assert by_name["rounded"]["choices"] == ["true", "false"]
-        chosen = switched(workplace.initial, "flyer", "tile")
+        chosen = switch_alternative(workplace.initial, "flyer", "tile")
         with pytest.raises(lf.ConfigurationError, match=r"\[flyer\] needs side"):
             workplace.design(chosen)
         chosen["flyer"]["side"] = "3 cm"
@@ -167,7 +167,7 @@ CHOICES = [(name, tag) for name, base in BASES.items() for tag in base.alternati
 
 @pytest.mark.parametrize(("name", "tag"), CHOICES)
 def test_every_alternative_can_be_chosen(name, tag, workplace):
-    chosen = switched(workplace.initial, name, tag)
+    chosen = switch_alternative(workplace.initial, name, tag)
     kind = BASES[name].alternatives[tag]
     suits = name != "force" or issubclass(lf.Disk, kind.model_type.flyers)
     if suits:
@@ -180,12 +180,12 @@ def test_every_alternative_can_be_chosen(name, tag, workplace):
 def test_switching_keeps_what_a_kind_shares_with_the_one_before(workplace):
     document = copy.deepcopy(workplace.initial)
     document["environment"] |= {"albedo": 0.4, "irradiance": "1000 W/m^2"}
-    other = switched(document, "environment", "earth nrlmsis")["environment"]
+    other = switch_alternative(document, "environment", "earth nrlmsis")["environment"]
     assert (other["albedo"], other["atmosphere"]) == (0.4, "nrlmsis")
-    mars = switched(document, "environment", "mars")["environment"]
+    mars = switch_alternative(document, "environment", "mars")["environment"]
     assert mars["irradiance"] != "1000 W/m^2"  # Earth's light is not that of Mars
     with pytest.raises(lf.ConfigurationError, match="no alternative"):
-        switched(document, "flyer", "saucer")
+        switch_alternative(document, "flyer", "saucer")
 
 
 @pytest.mark.parametrize("name", [name for name in DOCUMENTS if name != "mission"])

@@ -1,5 +1,5 @@
 from lightflyer.files.display_units import amount, in_words, suitable
-from lightflyer.files.drawing import wrapped
+from lightflyer.files.drawing import wrap_label
 
 
 def test_units_that_suit_values():
@@ -14,4 +14,4 @@ def test_numbers_of_designs_in_words():
 
 def test_long_labels_in_lines():
     label = "smallest irradiance that levitates the flyer [W/m²]"
-    assert wrapped(label) == "smallest irradiance that\nlevitates the flyer [W/m²]"
+    assert wrap_label(label) == "smallest irradiance that\nlevitates the flyer [W/m²]"

@@ -59,7 +59,7 @@ def test_light_by_angle_is_that_of_tmm(film):
 
 
 def test_unpolarised_light_is_the_mean(film):
-    found = light_by_angle(film, ANGLES).unpolarised().absorptance
+    found = light_by_angle(film, ANGLES).polarisation_mean().absorptance
     expected = [absorptance(film, incidence=angle).value for angle in ANGLES]
     np.testing.assert_allclose(found, expected, rtol=1e-12)
 
@@ -71,7 +71,7 @@ def test_directional_emittances_add_up_to_the_hemispherical_one(film, side):
     angles, weights = 0.25 * np.pi * (nodes + 1.0), 0.25 * np.pi * weights
     temperatures = np.array([250.0, 441.0])
     found = heat_by_angle(film, angles, temperatures, side=side, points_per_e_fold=COARSE)
-    mean = (weights * np.sin(2.0 * angles)) @ found.unpolarised().absorptance
+    mean = (weights * np.sin(2.0 * angles)) @ found.polarisation_mean().absorptance
     expected = emittance(film, temperatures, side=side, points_per_e_fold=COARSE).value
     np.testing.assert_allclose(mean, expected, rtol=1e-6)
 

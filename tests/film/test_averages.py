@@ -166,14 +166,14 @@ def test_a_body_too_cold_to_radiate_is_refused():
 def test_sunlight_absorbed_is_the_weighted_mean_over_its_own_table():
     film = nominal()
     wavelength, weight = am0().between(*film.covered_range)
-    spectral = film.optics(wavelength, 0.5).unpolarised()
+    spectral = film.optics(wavelength, 0.5).polarisation_mean()
     expected = (weight @ (1.0 - spectral.reflectance - spectral.transmittance)) / weight.sum()
     assert absorptance(film, incidence=0.5).value == pytest.approx(expected, rel=1e-12)
 
 
 def test_one_colour_is_the_spectral_absorptance():
     line = Spectrum("line", np.array([0.5e-6, 0.5e-6 * (1 + 1e-12)]), np.ones(2))
-    optics = nominal().optics(0.5e-6).unpolarised()
+    optics = nominal().optics(0.5e-6).polarisation_mean()
     assert absorptance(nominal(), line).value == pytest.approx(optics.absorptance, rel=1e-9)
 
 

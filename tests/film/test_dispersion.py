@@ -109,7 +109,7 @@ def test_formula_keeps_to_its_range_and_says_what_it_does_beyond():
     with pytest.raises(lf.ParameterError, match="no data at 3 µm"):
         fitted.index(3e-6)
     held = fitted.with_extrapolation("hold")
-    assert held.extrapolated(1e-6, 3e-6) == ("x: hold beyond 1 µm to 2 µm",)
+    assert held.extrapolations(1e-6, 3e-6) == ("x: hold beyond 1 µm to 2 µm",)
     assert fitted.with_extrapolation("lossless").index(3e-6)[1] == 0.0
     unlimited = Formula("x", (Lorentz(1.0, "2 eV", "1 eV"),))
     assert "states no range" in unlimited.diagnostics[0]

@@ -182,14 +182,14 @@ def test_a_mixture_extrapolates_as_its_parts():
         mixture.index(0.3e-6)
     held = mixture.with_extrapolation("hold")
     assert held.index(0.3e-6) == held.index(0.4e-6)
-    assert held.extrapolated(0.3e-6, 1e-6) == ("PET: hold beyond 0.4 µm to 19.942 µm",)
+    assert held.extrapolations(0.3e-6, 1e-6) == ("PET: hold beyond 0.4 µm to 19.942 µm",)
 
 
 def test_the_nanotube_mat_absorbs_and_emits_as_measured():
     """300 nm on mylar: 0.75 ± 0.02 of white light, 0.48 ± 0.03 in the infrared [Lu2023]."""
     film = Film((Layer(material("PET"), 500e-9), Layer(material("CNT-mat"), 300e-9)))
     visible = absorptance(film, lf.film.cold_white_led()).value
-    window = film.optics(1e-2 / np.linspace(667.0, 1300.0, 40)).unpolarised()
+    window = film.optics(1e-2 / np.linspace(667.0, 1300.0, 40)).polarisation_mean()
     infrared = 1.0 - window.reflectance.mean() - window.transmittance.mean()
     assert visible == pytest.approx(0.75, abs=0.02)
     assert infrared == pytest.approx(0.48, abs=0.03)

@@ -177,9 +177,9 @@ def test_films_turn_over_with_all_they_have(sample):
     )  # fmt: skip
     np.testing.assert_allclose(down.layer_absorptance, direct.layer_absorptance, rtol=1e-13)
     np.testing.assert_allclose(down.transmittance, up.transmittance, rtol=1e-11)
-    assert sample.flipped().flipped() == sample
+    assert sample.flip().flip() == sample
     between = Film(sample.layers, above=flat(1.2, 0.0), below=flat(2.0, 0.1))
-    assert (between.flipped().above, between.flipped().below) == (between.below, between.above)
+    assert (between.flip().above, between.flip().below) == (between.below, between.above)
     assert between.lit_sides == ("top",)
     with pytest.raises(lf.ParameterError, match="is above the film and absorbs light"):
         between.optics(WAVELENGTH, side="bottom")

@@ -37,7 +37,7 @@ def by_tmm(thickness):
 
 
 def three_lines(film):
-    optics = film.optics(LINES).unpolarised()
+    optics = film.optics(LINES).polarisation_mean()
     return 1.0 - np.mean(optics.reflectance + optics.transmittance)
 
 
@@ -56,7 +56,7 @@ def test_an_extremum_has_an_uncertainty(rng):
     glass = tabulated_material("g", np.array([1e-7, 1e-5]), np.full(2, index), np.zeros(2))
 
     def reflectance(film):
-        return film.optics(wavelength).unpolarised().reflectance
+        return film.optics(wavelength).polarisation_mean().reflectance
 
     found = thickness_uncertainty(reflectance, Film((Layer(glass, quarter),)), [spread])
     draws = [

@@ -12,14 +12,14 @@ from lightflyer.film import (
     Film,
     Layer,
     Spectrum,
-    area_weighted,
+    area_weighted_mean,
     cold_white_led,
     light_shares,
     material,
     planck,
     tabulated_material,
 )
-from lightflyer.film.computed import with_measured
+from lightflyer.film.computed import with_measurements
 from lightflyer.film.optics.averages import heat_shares
 from lightflyer.film.properties import FilmProperties
 
@@ -196,7 +196,7 @@ def test_what_passes_keeps_its_share_beside_a_measured_absorptance(computed):
     assert black.transmittance == 0.0
     # the same where a measured number moves and the optics of layers stay
     for given in ({"absorptance": 0.95}, {"absorptance": 0.95, "emittance_top": 0.6}):
-        moved = FilmProperties(**with_measured(film, TACS_ALONE | given))
+        moved = FilmProperties(**with_measurements(film, TACS_ALONE | given))
         assert moved.transmittance == pytest.approx(0.05 * share, rel=1e-12)
         assert np.all([np.all(total <= 1.0 + 1e-9) for total in shares_of(moved)])
     assert moved.infrared_transmittance.at_nodes == pytest.approx(
@@ -245,7 +245,7 @@ def test_more_than_arrives_is_refused():
 
 def test_a_patterned_film_is_the_mean_over_its_area(computed):
     plain = FilmProperties(5e-4, 0.1, 0.2, 0.3, 0.7, 0.9, highest_temperature=600.0)
-    mixed = area_weighted([computed.properties, plain], [0.3, 0.7])
+    mixed = area_weighted_mean([computed.properties, plain], [0.3, 0.7])
     own = computed.properties
     assert mixed.areal_density == pytest.approx(0.3 * own.areal_density + 0.7 * 5e-4, rel=1e-12)
     assert mixed.absorptance_below == pytest.approx(0.3 * own.absorptance_below + 0.07, rel=1e-12)
@@ -256,11 +256,11 @@ def test_a_patterned_film_is_the_mean_over_its_area(computed):
     own_top, own_bottom = own.emittances_at(320.0)
     assert float(top) == pytest.approx(0.3 * float(own_top) + 0.7 * 0.2, rel=1e-12)
     assert float(bottom) == pytest.approx(0.3 * float(own_bottom) + 0.7 * 0.3, rel=1e-12)
-    same = area_weighted([own, own], [0.5, 0.5])
+    same = area_weighted_mean([own, own], [0.5, 0.5])
     np.testing.assert_allclose(same.emittance_top.at_nodes, own.emittance_top.at_nodes, rtol=1e-9)
     with lf.float64():
-        slope = jax.grad(lambda x: area_weighted([own, plain], [x, 1.0 - x]).absorptance)(0.3)
+        slope = jax.grad(lambda x: area_weighted_mean([own, plain], [x, 1.0 - x]).absorptance)(0.3)
     assert float(slope) == pytest.approx(own.absorptance - 0.1, rel=1e-12)
     for shares in ([0.5], [0.5, 0.6]):
         with pytest.raises(lf.ParameterError, match="shares"):
-            area_weighted([own, plain], shares)
+            area_weighted_mean([own, plain], shares)

@@ -180,7 +180,9 @@ def test_light_of_sky_and_ground_by_elements_of_the_wall(films, form, tilt):
         radiation = lf.environment.Radiation(ground_view=view)
         with lf.float64():
             views = body._views_of_ground(radiation)
-            wall, outlet = body._fallen(lf.environment.radiation.Exitances(3.0, 2.0), *views)
+            wall, outlet = body._incident_powers(
+                lf.environment.radiation.Exitances(3.0, 2.0), *views
+            )
             flat = float(ground_view_factor(tilt, view))
         assert float(wall) == pytest.approx(expected, rel=within)
         assert float(outlet) == pytest.approx(np.pi * OUTLET**2 * (3.0 - flat), rel=1e-12)

@@ -4,7 +4,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.film.optics.curve import NODES, EmittanceCurve
-from lightflyer.flyer.sheets import Exitance, Sheet, net_gains, perforated
+from lightflyer.flyer.sheets import Exitance, Sheet, net_gains, perforate
 
 SIGMA = 5.670374419e-8
 
@@ -66,7 +66,7 @@ def random_faces(rng):
 
 def sheets_of(faces, open_fraction):
     (a1, t1, _), (a2, *_), (a3, t3, _), (a4, *_) = faces
-    return perforated(a1, a2, t1, open_fraction), perforated(a3, a4, t3, open_fraction)
+    return perforate(a1, a2, t1, open_fraction), perforate(a3, a4, t3, open_fraction)
 
 
 def test_radiation_between_sheets_is_the_sum_of_its_bounces(rng):
@@ -106,11 +106,11 @@ def test_sheets_exchange_as_much_one_way_as_the_other(rng):
 def test_known_cases_of_sheets():
     with lf.float64():
         # opaque plates without holes: the textbook's two grey plates
-        top, bottom = perforated(0.2, 0.3, 0.0, 0.0), perforated(0.5, 0.1, 0.0, 0.0)
+        top, bottom = perforate(0.2, 0.3, 0.0, 0.0), perforate(0.5, 0.1, 0.0, 0.0)
         gain, _ = net_gains(top, bottom, 0.0, 0.0, emitted_bottom=Exitance(0.5, 0.0))
         assert gain == pytest.approx(1.0 / (1.0 / 0.3 + 1.0 / 0.5 - 1.0), rel=1e-14)
         # nothing but holes
-        nothing = perforated(0.5, 0.5, 0.2, 1.0)
+        nothing = perforate(0.5, 0.5, 0.2, 1.0)
         assert net_gains(nothing, nothing, 7.0, 3.0) == (0.0, 0.0)
         # perfect mirrors keep the light out, without dividing zero by zero
         mirror = Sheet(0.0, 0.0, 0.0, 0.0)

@@ -31,7 +31,7 @@ def design():
 
 def test_layers_become_the_properties_of_the_membrane(design):
     section = design.file.flyer.bottom
-    expected = ComputedFilm.of(section.film(), section.measured()).properties
+    expected = ComputedFilm.of(section.film(), section.measured_values()).properties
     flyer = design.setup.flyer
     for name in ("areal_density", "absorptance", "absorptance_bottom", "transmittance", "tac_top"):
         assert getattr(flyer.bottom, name) == getattr(expected, name)

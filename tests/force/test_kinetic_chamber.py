@@ -15,7 +15,7 @@ from lightflyer.force.kinetic.chamber import (
     PUSH_ERROR,
     Chamber,
     chamber_fit,
-    fitted,
+    fit_columns,
 )
 
 RADIUS = 0.01
@@ -63,7 +63,7 @@ def test_fit_follows_the_table(table):
 def test_fit_predicts_chambers_that_it_was_not_shown(table):
     hidden = (table["floor"] == 3.0) & (table["wall"] == 6.0)
     assert hidden.any()
-    fit = fitted({name: column[~hidden] for name, column in table.items()})
+    fit = fit_columns({name: column[~hidden] for name, column in table.items()})
     found = misfits(fit, {name: column[hidden] for name, column in table.items()})
     for name, bound in (("force", 0.05), ("heat", 0.01), ("lift", 0.06)):
         assert np.abs(found[name]).max() < bound, name

@@ -182,7 +182,7 @@ def test_fit_follows_the_table_and_predicts_what_it_was_not_shown(gas):
 def hiding(table, rows):
     """Misfits at rows that are not fitted."""
     shown, kept = ({k: v[mask] for k, v in table.items()} for mask in (~rows, rows))
-    return misfits(kinetic_walls.fitted(shown), kept)
+    return misfits(kinetic_walls.fit_columns(shown), kept)
 
 
 def test_a_better_mesh_gives_the_same_ratio_of_walls(study):

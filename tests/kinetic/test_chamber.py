@@ -9,7 +9,7 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.kinetic import Chamber, Surface, solve_in_chamber
 from lightflyer.kinetic.chamber import cases as chamber_cases
 from lightflyer.kinetic.chamber import half_mesh_operator as halves_module
-from lightflyer.kinetic.chamber.cases import COARSE, ChamberCase, assembled, solve_chamber_case
+from lightflyer.kinetic.chamber.cases import COARSE, ChamberCase, assemble_case, solve_chamber_case
 from lightflyer.kinetic.chamber.enclosure import Film
 from lightflyer.kinetic.chamber.half_mesh_operator import assemble_halves
 from lightflyer.kinetic.chamber.linear import ChamberSystem
@@ -39,7 +39,7 @@ def reservoir(distance):
 def near():
     """A closed chamber with all surfaces near, and its rays."""
     problem = case(0.5, Chamber(floor=0.6, lid=1.5, side=2.0))
-    return problem, assembled(problem, COARSE)
+    return problem, assemble_case(problem, COARSE)
 
 
 def test_walls_have_their_areas():
@@ -117,7 +117,7 @@ def test_free_molecules_between_disk_and_floor():
     gap, tac, floor_tac = 0.2, 0.8, 0.5
     chamber = Chamber(Surface(gap, tac=floor_tac), 2.0, 3.0)
     film = Film((1.0, tac), (1.0, 1.0), wall="accommodated")
-    system = ChamberSystem(assembled(case(1000.0, chamber), SKETCH), MONATOMIC, chamber, film)
+    system = ChamberSystem(assemble_case(case(1000.0, chamber), SKETCH), MONATOMIC, chamber, film)
     loss = system.face_heat(1)[0] @ system.solve()
     edges = np.linspace(0.0, 3.0, 601)
     ring, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
@@ -145,7 +145,7 @@ def test_fourier_between_disk_and_floor():
     gap, kn = 0.3, 0.012
     delta, chamber = rarefaction(kn), Chamber(gap, 0.6, 1.3)
     film = Film((1.0, 1.0), (1.0, 1.0))
-    system = ChamberSystem(assembled(case(kn, chamber, film), SKETCH), MONATOMIC, chamber, film)
+    system = ChamberSystem(assemble_case(case(kn, chamber, film), SKETCH), MONATOMIC, chamber, film)
     loss = system.face_heat(1)[0] @ system.solve()
     conductivity = 15.0 / (8.0 * delta)  # [r p √(2RT)/T], Prandtl number 2/3
     assert loss[-1] == pytest.approx(conductivity / (gap + 2.0 * 1.954 / delta), rel=0.01)

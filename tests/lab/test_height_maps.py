@@ -9,7 +9,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.lab.readers.height_map import HeightMap, list_channels, read_height_map
-from lightflyer.lab.readers.height_maps.channel import Channel, chosen
+from lightflyer.lab.readers.height_maps.channel import Channel, choose_channel
 from lightflyer.lab.readers.number_matrix import read_number_matrix
 from lightflyer.lab.surface.reduction import roughness, to_dataset
 
@@ -177,14 +177,14 @@ def channels(*named):
     ],
 )
 def test_a_height_is_known_by_name_and_unit(named, expected):
-    assert chosen(Path("a"), channels(*named), None)[0].name == expected
+    assert choose_channel(Path("a"), channels(*named), None)[0].name == expected
 
 
 def test_no_channel_is_guessed():
     with pytest.raises(lf.ConfigurationError, match="several channels of heights; choose"):
-        chosen(Path("a"), channels(("Channel 1", "nm"), ("Channel 2", "nm")), None)
+        choose_channel(Path("a"), channels(("Channel 1", "nm"), ("Channel 2", "nm")), None)
     with pytest.raises(lf.ConfigurationError, match="no channel of heights; choose"):
-        chosen(Path("a"), channels(("Channel 1", "V"), ("Phase", "nm")), None)
+        choose_channel(Path("a"), channels(("Channel 1", "V"), ("Phase", "nm")), None)
 
 
 def changed(name, old, new):

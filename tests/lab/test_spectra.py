@@ -15,7 +15,7 @@ from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
 from lightflyer.lab.readers.formats import Source, read_source
 from lightflyer.lab.readers.spectra import jcamp_dx, omnic, opus, spc
 from lightflyer.lab.readers.spectra.formats import format_of, read_raw
-from lightflyer.lab.readers.spectra.interpretation import ReadOptions, measured
+from lightflyer.lab.readers.spectra.interpretation import ReadOptions, interpret_spectrum
 from lightflyer.lab.readers.spectra.jcamp_numbers import last_digit, read_rows
 from lightflyer.lab.readers.spectra.names import Axis, OrdinateUnit, axis_of, parse_ordinate
 from lightflyer.lab.readers.spectrum_data import read_spectrum
@@ -30,7 +30,7 @@ def read(name, content, **wanted):
     wants = ReadOptions(**wanted)
     kind = format_of(source)
     assert kind is not None
-    return measured(source, read_raw(source, kind, wants), wants)
+    return interpret_spectrum(source, read_raw(source, kind, wants), wants)
 
 
 def fault(name, content, **wanted):
@@ -572,7 +572,7 @@ def test_damage_gives_one_line_or_a_spectrum(name):
             kind = format_of(source)
             if kind is None:
                 continue  # read as a table, which has its own tests
-            found = measured(source, read_raw(source, kind, wants), wants)
+            found = interpret_spectrum(source, read_raw(source, kind, wants), wants)
         except lf.ConfigurationError as error:
             said.append(str(error))
             continue

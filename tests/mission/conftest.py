@@ -61,7 +61,7 @@ class IsothermalAir(AbstractEnvironment):
     def state(self, coordinate, place=None):
         view = (6.371e6 / (6.371e6 + coordinate)) ** 2
         pressure = 5.0 * jnp.exp((70e3 - coordinate) / 6500.0)
-        light = self.radiation.seen_from(view)
+        light = self.radiation.with_ground_view(view)
         if self.sky is not None:
             light = self.sky.radiation(coordinate, place)
         return EnvironmentState(pressure, 220.0, 9.6, self.gas, light)

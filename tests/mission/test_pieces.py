@@ -62,7 +62,7 @@ def test_errors_of_the_wind_have_the_stated_size_and_memory():
 def test_an_error_of_the_wind_is_a_vector_along_the_ground(place):
     one = WindError(np.zeros(1), np.array([[3.0], [4.0], [12.0], [0.5]]), np.zeros((4, 1)))
     with lf.float64():
-        found = one.added(Wind(1.0, 2.0, 0.0), place, 100.0)
+        found = one.add_to_wind(Wind(1.0, 2.0, 0.0), place, 100.0)
         up = np.asarray(unit_vector(place.latitude, place.longitude))
     along = np.array([3.0, 4.0, 12.0]) - up * (up @ [3.0, 4.0, 12.0])
     size = np.hypot(float(found.east) - 1.0, float(found.north) - 2.0)

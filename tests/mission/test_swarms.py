@@ -185,7 +185,7 @@ def test_what_cannot_spread_is_refused_in_one_line(flown, arguments, message):
 
 def test_forces_on_a_tethered_flyer_are_in_balance():
     hung = _Hung(own=3e-6, spare=4e-6, thread=1e-7, spacing=0.3, depth=1.0)
-    carried, lengths, tilts = hung.carried(30)
+    carried, lengths, tilts = hung.carried_weight(30)
     total = 0.0
     for length, tilt in zip(lengths, tilts, strict=True):
         down = hung.own + hung.thread * length

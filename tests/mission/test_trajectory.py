@@ -13,7 +13,14 @@ from lightflyer.environment import Place
 from lightflyer.mission.mission import trajectory
 from lightflyer.mission.path.attitude import FollowSun, Level
 from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
-from lightflyer.mission.path.integration import Accuracy, Limits, Start, scaled, steady_rate, track
+from lightflyer.mission.path.integration import (
+    Accuracy,
+    Limits,
+    Start,
+    scale_state,
+    steady_rate,
+    track,
+)
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.position import unit_vector
 from lightflyer.mission.path.termination import TerminationReason
@@ -121,7 +128,7 @@ def test_no_place_is_special_when_sun_and_air_are_turned_as_well(by_numpy, sky, 
             craft, start, Limits(0.0, 200e3), time, flown
         )
         rate = by_numpy(jax.vmap(one, in_axes=(0, 0, None, 0)))
-        flown = np.stack([np.asarray(scaled(start)) for start in starts])
+        flown = np.stack([np.asarray(scale_state(start)) for start in starts])
         begin = flown[0]
         for number in range(count):
             time = np.float64(number * step)

@@ -8,7 +8,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.calibration import read_points
-from lightflyer.core.progress import reported_to
+from lightflyer.core.progress import report_to
 from lightflyer.paper.claims import Claim, Quantity, Verdict, claims
 from lightflyer.paper.conditions import COLUMNS, facts
 from lightflyer.paper.curves import FIGURES
@@ -159,7 +159,7 @@ def test_twice_gives_the_same_data(folder, tmp_path):
         encoding="utf-8",
     )
     steps = []
-    with reported_to(steps.append):
+    with report_to(steps.append):
         reproduce(
             tmp_path / "again", read_points(points), formats=["svg", "pdf"], style="column", dpi=60
         )

@@ -169,7 +169,7 @@ def test_thicknesses_go_through_to_flight():
     state, model = lf.lu2023_earth().state(72e3), lf.Lu2023()
 
     def exact(nanometres):
-        film = section.replaced({"layers.0.thickness": nanometres * 1e-9}).build()
+        film = section.with_values({"layers.0.thickness": nanometres * 1e-9}).build()
         return float(lf.payload(lf.Disk(film, 0.01), state, model))
 
     def propagated(nanometres):

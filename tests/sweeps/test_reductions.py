@@ -50,13 +50,13 @@ def require_same(one, other):
 def test_chunks_merge_to_the_whole_in_any_order_and_on_the_device(reduction):
     whole = reduction.of_chunk(COLUMNS, 0)
     divided = parts(reduction, [0, 0, 1, 100, 350, 600])
-    require_same(whole, reduction.merged_all(divided[::-1]))
+    require_same(whole, reduction.merge_all(divided[::-1]))
     a, b, *rest = divided
-    require_same(whole, reduction.merged(reduction.merged_all([b, *rest]), a))
+    require_same(whole, reduction.merge(reduction.merge_all([b, *rest]), a))
     with lf.float64():
         found = jax.jit(reduction.on_device)(COLUMNS, 0)
     assert reduction.is_whole(found)
-    require_same(whole, reduction.merged(reduction.empty(), found))
+    require_same(whole, reduction.merge(reduction.empty(), found))
 
 
 @pytest.mark.parametrize("less", [False, True])

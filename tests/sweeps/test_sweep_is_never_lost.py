@@ -417,7 +417,7 @@ def test_results_come_back_where_workers_do_not_see_the_folder(cluster, study, t
     cloudpickle.register_pickle_by_value(sys.modules[__name__])
     with store.open_store(folder, study, 100) as opened:
         task = scheduler.Task(StandIn(), folder, opened.chunks, "the token of another store")
-        with scheduler.connected(cluster.scheduler_address) as client:
+        with scheduler.connect_client(cluster.scheduler_address) as client:
             for done in scheduler.run_on_dask(task, opened.missing, client, "here"):
                 opened.commit(*done)
     sweep_into(study, here, chunk=100, evaluator=StandIn())

@@ -378,13 +378,13 @@ def _reachable_start(problem: Problem) -> np.ndarray:
     """Log-parameters from which some irradiance levitates every point."""
     points, lower, upper = problem.points, *problem.bounds
     start = problem.start
-    out_of_reach = np.flatnonzero(problem.linearised(start).value >= UNREACHABLE)
+    out_of_reach = np.flatnonzero(problem.linearise(start).value >= UNREACHABLE)
     if not out_of_reach.size:
         return start
     for factor in _START_FACTORS:
         for moved in (*np.eye(start.size), np.ones(start.size)):
             other = np.clip(start + math.log(factor) * moved, lower, upper - _AT_END)
-            if np.all(problem.linearised(other).value < UNREACHABLE):
+            if np.all(problem.linearise(other).value < UNREACHABLE):
                 return other
     first = out_of_reach[0]
     line = f":{points.lines[first]}" if points.lines else ""

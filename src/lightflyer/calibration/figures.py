@@ -50,11 +50,15 @@ def fitted_curve(fit: "Calibration", sample: str) -> tuple[np.ndarray, np.ndarra
     batch = len(fit.points)
     batches = -(-_CURVE_POINTS // batch)
     fine = np.geomspace(pressure[0], pressure[-1], batch * batches)
-    found = [_of_sample(problem, here[0], part, fit.values) for part in np.split(fine, batches)]
+    found = [
+        _fitted_irradiance(problem, here[0], part, fit.values) for part in np.split(fine, batches)
+    ]
     return fine, np.concatenate(found)
 
 
-def _of_sample(problem: Problem, row: int, pressure: np.ndarray, values: np.ndarray) -> np.ndarray:
+def _fitted_irradiance(
+    problem: Problem, row: int, pressure: np.ndarray, values: np.ndarray
+) -> np.ndarray:
     """Fitted irradiance at pressures, with all else as at one of the points."""
     same = np.full(len(problem.points), row)
     model = replace(
@@ -65,7 +69,7 @@ def _of_sample(problem: Problem, row: int, pressure: np.ndarray, values: np.ndar
     )
     numbers = problem.points.numbers | {"pressure": pressure}
     there = replace(problem, points=replace(problem.points, numbers=numbers), model=model)
-    found = there.linearised(np.log(values)).value
+    found = there.linearise(np.log(values)).value
     return np.where(found < UNREACHABLE, np.exp(np.minimum(found, UNREACHABLE)), np.nan)
 
 

@@ -121,8 +121,8 @@ def fit_inputs(
     """Find the uncertain numbers that a fit takes as given; ``index`` (n,)."""
     replaced = {target.fields for target in columns.values()}
     of_design = uncertain_inputs(design)
-    own, targets, left_out = _of_design(design, of_design, replaced, index, len(points))
-    samples = _of_samples(points, columns, index)
+    own, targets, left_out = _design_inputs(design, of_design, replaced, index, len(points))
+    samples = _sample_inputs(points, columns, index)
     read_by = [
         _Input(name, gain=(spread, 0.0) if name == PRESSURE_GAUGE else (0.0, spread))
         for name, spread in meters.items()
@@ -138,7 +138,7 @@ def fit_inputs(
     )
 
 
-def _of_design(
+def _design_inputs(
     design: AbstractDesign,
     inputs: Inputs | None,
     replaced: set[Fields],
@@ -174,7 +174,7 @@ def _of_design(
     return found, targets, tuple(left_out)
 
 
-def _of_samples(
+def _sample_inputs(
     points: Points, columns: Mapping[str, Target], index: Mapping[Fields, np.ndarray]
 ) -> list[_Input]:
     """Inputs with a column of uncertainties, one for each sample."""
@@ -219,7 +219,7 @@ def _changes(of_design: Inputs | None, own: Sequence[_Input]) -> dict[int, Chang
         return {}
     spreads = dict(zip(of_design.names, of_design.spreads, strict=True))
     return {
-        number: of_design.changes[one.name].scaled(float(spreads[one.name]))
+        number: of_design.changes[one.name].in_unit(float(spreads[one.name]))
         for number, one in enumerate(own)
         if one.name in of_design.changes
     }

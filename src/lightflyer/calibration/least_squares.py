@@ -32,7 +32,7 @@ class LeastSquares:
 
     def at(self, parameters: np.ndarray) -> Linearised:
         """Log-irradiance of the model and its derivatives, at log-parameters of shape (p,)."""
-        return self.problem.linearised(parameters, self.shifts)
+        return self.problem.linearise(parameters, self.shifts)
 
     def solve(
         self, start: np.ndarray, held: int | None = None, value: float = np.nan

@@ -211,7 +211,7 @@ class Points:
             )
         return replace(self.where(~near), notes=(*self.notes, *said))
 
-    def stepped(self, step: float) -> "Points":
+    def with_step(self, step: float) -> "Points":
         """Points whose light was raised in steps until the sample lifted off."""
         # The light that suffices lies between the last one without levitation and the first one
         # with it. The points returned have the middle of the two and, where uncertainties are

@@ -68,17 +68,17 @@ class LevitationModel(eqx.Module):
             for (fields, factor), row in zip(self.targets, rows, strict=True)
             for field in fields
         }
-        setup = self.design.build(numbers, self._prepared_at(shifts))
+        setup = self.design.build(numbers, self._prepare_at(shifts))
         state = setup.environment.state(jnp.exp(log_pressure - pressure_error))
         found = levitate(setup.flyer, state, setup.model, throw=False)
         irradiance = jnp.where(found.levitates, found.irradiance, 1.0)
         return jnp.where(found.levitates, jnp.log(irradiance) + light_error, UNREACHABLE)
 
-    def _prepared_at(self, shifts: Any) -> Any:
+    def _prepare_at(self, shifts: Any) -> Any:
         """The costly part of the design at errors of the inputs."""
         prepared = self.prepared
         for number, change in zip(self.movers, self.changes, strict=True):
-            prepared = change.added(prepared, shifts[number])
+            prepared = change.apply(prepared, shifts[number])
         return prepared
 
 
@@ -161,9 +161,7 @@ class Problem:
         lower, upper = self.bounds
         return np.clip(start, lower, upper - _INSIDE)
 
-    def linearised(
-        self, log_parameters: np.ndarray, shifts: np.ndarray | None = None
-    ) -> Linearised:
+    def linearise(self, log_parameters: np.ndarray, shifts: np.ndarray | None = None) -> Linearised:
         """Log-irradiance of the model at the points, and its derivatives; ``shifts`` (k,)."""
         moved = np.zeros(len(self.inputs.names)) if shifts is None else shifts
         found = _linearise(self.model, log_parameters, np.log(self.points.pressure), moved)

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from lightflyer.cli import report as reports
 from lightflyer.cli.output import say, write_json
 from lightflyer.core.errors import ParameterError
-from lightflyer.files.result_text import wrapped
+from lightflyer.files.result_text import wrap
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -71,10 +71,10 @@ class FigureOptions:
         draw: "Callable[[], Mapping[str, Figure]]",
     ) -> list[str]:
         """Draw figures, write each in every format, and return the names of the files."""
-        from lightflyer.files.drawing import save, styled
+        from lightflyer.files.drawing import save, use_style
 
         names = []
-        with styled(self.style):
+        with use_style(self.style):
             drawn = draw()
             if reports.current is not None:
                 reports.current.draw(drawn)
@@ -136,7 +136,7 @@ class ResultOptions(FigureOptions):
         folders = dict.fromkeys(path.parent for path in kept)
         for folder in folders:
             names = [path.name for path in kept if path.parent == folder]
-            several = wrapped(f"wrote into {folder}: {', '.join(names)}")
+            several = wrap(f"wrote into {folder}: {', '.join(names)}")
             say(console, several if len(names) > 1 else f"wrote {folder / names[0]}")
         if not kept and begun is None and otherwise:
             say(console, otherwise)

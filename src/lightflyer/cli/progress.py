@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from lightflyer.cli.output import BEFORE_RESULTS
-from lightflyer.core.progress import Step, reported_to
+from lightflyer.core.progress import Step, report_to
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -110,7 +110,7 @@ def working(command: str) -> Iterator[Display]:
     display = Display(command)
     BEFORE_RESULTS.append(display.stop)
     try:
-        with reported_to(display):
+        with report_to(display):
             display.start()
             yield display
     finally:

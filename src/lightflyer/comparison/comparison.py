@@ -133,7 +133,9 @@ class Comparison(PrintedResult):
 
     def display_unit(self, output: str) -> tuple[float, str]:
         """Factor from an output's SI unit, and the unit, that suit the best of all flyers."""
-        return OUTPUTS[output].shown_for([found.best.values[output] for found in self.flyers])
+        return OUTPUTS[output].display_unit_for(
+            [found.best.values[output] for found in self.flyers]
+        )
 
     @cached_property
     def _setups(self) -> dict[str, Setup]:

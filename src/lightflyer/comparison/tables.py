@@ -132,12 +132,12 @@ def _outputs(comparison: "Comparison") -> dict[str, Output]:
     for flyer in comparison.flyers:
         known = outputs_of(flyer.setup)
         for name in flyer.table:
-            found[name] = joined(found.get(name, known[name]), known[name])
+            found[name] = join_outputs(found.get(name, known[name]), known[name])
     found.pop(comparison.coordinate.name, None)
     return found
 
 
-def joined(one: Output, other: Output) -> Output:
+def join_outputs(one: Output, other: Output) -> Output:
     """Two flyers' output of one name: it may be another thing for each, in the same unit."""
     if one.unit != other.unit:
         raise ConfigurationError(
@@ -154,4 +154,4 @@ def require_comparable(setups: Iterable[Setup]) -> None:
     found: dict[str, Output] = {}
     for setup in setups:
         for name, output in outputs_of(setup).items():
-            found[name] = joined(found.get(name, output), output)
+            found[name] = join_outputs(found.get(name, output), output)

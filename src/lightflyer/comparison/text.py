@@ -7,7 +7,7 @@ import numpy as np
 from rich.table import Table
 
 from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, budget_outputs
-from lightflyer.files.result_text import Parts, warning_lines, wrapped
+from lightflyer.files.result_text import Parts, warning_lines, wrap
 from lightflyer.prediction.text import film_lines
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def comparison_parts(comparison: "Comparison") -> Parts:
     yield _best_table(comparison)
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         if found.prediction.verdict.highest_temperature is not None:
-            yield from (wrapped(f"{letter}: {line}") for line in film_lines(found.prediction))
+            yield from (wrap(f"{letter}: {line}") for line in film_lines(found.prediction))
     yield _payloads_table(comparison)
     if any(np.any(_too_hot(found)) for found in comparison.flyers):
         yield "! hotter than the film bears"
@@ -82,7 +82,7 @@ def needs_table(comparison: "Comparison") -> Table:
     scales = {}
     for name, output in BUDGET_OUTPUTS.items():
         values = [found.best.values.get(name, math.nan) for found in having]
-        scales[name], unit = output.shown_for(values)
+        scales[name], unit = output.display_unit_for(values)
         heading = f"{name.replace('_', ' ')}\n[{unit.replace('^2', '²')}]"
         table.add_column(heading, justify="right", no_wrap=True)
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):

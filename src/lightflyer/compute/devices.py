@@ -39,12 +39,12 @@ class OnDevices:
         self.count = len(devices)
         self._mesh = Mesh(np.array(devices), (_AXIS,))
 
-    def divided(self, function: Callable[..., Any]) -> Callable[..., Any]:
+    def divide_work(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """A function of arrays of designs that is computed part by part."""
         return jax.shard_map(
             function, mesh=self._mesh, in_specs=_EACH, out_specs=_EACH, check_vma=False
         )
 
-    def placed(self, arrays: Any) -> Any:
+    def place(self, arrays: Any) -> Any:
         """Arrays on the devices, a part on each; their length is a multiple of the devices'."""
         return jax.device_put(arrays, NamedSharding(self._mesh, _EACH))

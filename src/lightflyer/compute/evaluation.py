@@ -136,7 +136,7 @@ class _Kernel:
         self.parts = self._devices.count if self._devices else 1
         every = jax.vmap(_outputs_of_one(design, names, fixed))
         if self._devices:
-            every = self._devices.divided(every)
+            every = self._devices.divide_work(every)
         self._compiled = jit_with_options(every, {} if device == "gpu" else _COMPILATION)
         self._ready: set[Any] = set()
         self._lock = threading.Lock()
@@ -155,7 +155,7 @@ class _Kernel:
     def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
         with float64():
             if self._devices:
-                values, prepared = self._devices.placed((values, prepared))
+                values, prepared = self._devices.place((values, prepared))
             outputs, converged = self._compiled(values, prepared)
             return {name: np.asarray(column) for name, column in outputs.items()}, np.asarray(
                 converged

@@ -42,7 +42,7 @@ class AbstractTask(Protocol):
     def remotely(self, number: int, /) -> Any:
         """Do a part on a worker; what goes to the client."""
 
-    def received(self, answer: Any, /) -> Any:
+    def receive(self, answer: Any, /) -> Any:
         """What came of a part, from what a worker sent."""
 
 
@@ -71,7 +71,7 @@ class Task(NamedTuple):
                 return (chunk, record, failures), None
         return (chunk, {}, failures), outputs
 
-    def received(self, answer: "tuple[Done, Any]") -> "Done":
+    def receive(self, answer: "tuple[Done, Any]") -> "Done":
         """Write the outputs that a worker could not write."""
         (chunk, record, failures), outputs = answer
         if outputs is not None:
@@ -170,7 +170,7 @@ def run_on_dask(
         for _, answer in queue:
             for more in itertools.islice(waiting, 1):
                 queue.add(submit(more))
-            yield task.received(answer)
+            yield task.receive(answer)
     except (distributed.KilledWorker, distributed.CancelledError, OSError) as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise  # of the disk
@@ -197,7 +197,7 @@ def _await_answer(address: str) -> None:
 
 
 @contextmanager
-def connected(address: str) -> Iterator[Any]:
+def connect_client(address: str) -> Iterator[Any]:
     """A client of an existing Dask scheduler whose workers can do the work."""
     distributed = extra("distributed", "--scheduler", "sweep")
     try:

@@ -129,11 +129,11 @@ class FlyerFile(Section):
         }
         return {
             name: value.uncertainty
-            for name, value in (stated | self.implied()).items()
+            for name, value in (stated | self.implied_numbers()).items()
             if value.uncertainty is not None
         }
 
-    def implied(self) -> dict[str, Measured]:
+    def implied_numbers(self) -> dict[str, Measured]:
         """Numbers that the file leaves to the materials of its films, by dotted name."""
         return {
             f"{name}.{key}": value
@@ -229,7 +229,7 @@ class FileDesign(AbstractDesign):
     def number(self, name: str) -> float | None:
         """See :meth:`AbstractDesign.number`: the materials' where the file gives none."""
         value = self._all[name][3] if name in self._all else None
-        value = self.file.implied().get(name) if value is None else value
+        value = self.file.implied_numbers().get(name) if value is None else value
         return None if value is None else float(value.value)
 
     @property
@@ -292,7 +292,7 @@ class FileDesign(AbstractDesign):
         costly = self.needs_recompute(
             list(values)
         )  # others leave the optics, and their warnings, alone
-        parts = self._replaced({name: values[name] for name in costly})
+        parts = self._parts_with({name: values[name] for name in costly})
         incidence = float(parts["environment"].light_incidence)
         return tuple(
             text if name == "film" else f"{name}: {text}"
@@ -326,7 +326,7 @@ class FileDesign(AbstractDesign):
 
     def precompute(self, values: Mapping[str, float]) -> Any:
         """See :meth:`AbstractDesign.precompute`: properties of the films of layers, by name."""
-        parts = self._replaced(values)
+        parts = self._parts_with(values)
         incidence = parts["environment"].light_incidence
         return {
             name: part_at(parts, name).build(incidence, passing=self._passing)
@@ -336,7 +336,7 @@ class FileDesign(AbstractDesign):
 
     def surrogate(self, names: Sequence[str]) -> SurrogateFilms:
         """See :meth:`AbstractDesign.surrogate`: films whose thicknesses change."""
-        return SurrogateFilms(self.file, self._replaced, names)
+        return SurrogateFilms(self.file, self._parts_with, names)
 
     def stacks(self, asked: Any, folder: Path | None = None) -> AbstractStacks:
         """See :meth:`AbstractDesign.stacks`."""
@@ -349,7 +349,7 @@ class FileDesign(AbstractDesign):
         values = values or {}
         if prepared is None and not self.needs_recompute(list(values)):
             prepared = self._own_films  # measured numbers may be traced, layers stay as they are
-        parts = self._replaced(values)
+        parts = self._parts_with(values)
         for name, properties in (prepared or {}).items():
             film = part_at(parts, name).with_optics(properties)
             first, _, inner = name.partition(".")
@@ -361,7 +361,7 @@ class FileDesign(AbstractDesign):
         with jax.ensure_compile_time_eval():  # it stays, so it must not belong to a trace
             return dict(self.precompute({}))
 
-    def _replaced(self, values: Mapping[str, Numeric]) -> dict[str, Any]:
+    def _parts_with(self, values: Mapping[str, Numeric]) -> dict[str, Any]:
         parts: dict[str, Section] = self.file.parts()
         for name in parts:
             mine = {
@@ -370,7 +370,7 @@ class FileDesign(AbstractDesign):
                 if key.startswith(f"{name}.")
             }
             if mine:
-                parts[name] = parts[name].replaced(mine)
+                parts[name] = parts[name].with_values(mine)
         return parts
 
     def description(self) -> dict[str, str]:

@@ -11,7 +11,7 @@ from lightflyer.files.toml_file import (
     FileKind,
     load,
     named_keys,
-    parsed,
+    parse_toml,
     place_of,
     read_file,
     validate,
@@ -64,7 +64,7 @@ def read_design(path: str | Path) -> FileDesign:
 
 def design_of_text(text: str, path: Path) -> FileDesign:
     """What the text of a flyer file describes."""
-    document = parsed(text, path, FLYER_FILE)
+    document = parse_toml(text, path, FLYER_FILE)
     design = validate(flyer_file_type(), document, text, path, FLYER_FILE).design(text)
     try:
         design.file.environment.require_search_range(design.setup.environment)

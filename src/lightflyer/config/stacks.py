@@ -112,7 +112,7 @@ class Stacks(AbstractStacks):
             known = [name for name, film in base.file.films().items() if film.layered]
             choice = " or ".join(known) or "the flyer file has none"
             raise ConfigurationError(f'film = "{self.film}" is no film of layers: {choice}')
-        stated = [name for name in self.section.stated() if name not in _STATED_ONCE]
+        stated = [name for name in self.section.stated_values() if name not in _STATED_ONCE]
         if stated:
             raise ConfigurationError(
                 f"{self.film}.{stated[0]} in the flyer file is of one film; a search over stacks "
@@ -234,13 +234,13 @@ class Stacks(AbstractStacks):
         layers = tuple(self.candidates[number].layer for number in sequence)
         if thickness is not None:
             layers = tuple(
-                layer.replaced({"thickness": float(one)})  # type: ignore[misc]
+                layer.with_values({"thickness": float(one)})  # type: ignore[misc]
                 for layer, one in zip(layers, thickness, strict=True)
             )
         return self.section.model_copy(update={"layers": layers})
 
-    def chosen(self, sequence: Sequence[int]) -> tuple[AbstractDesign, dict[str, Any]]:
-        """See :meth:`AbstractStacks.chosen`."""
+    def choose(self, sequence: Sequence[int]) -> tuple[AbstractDesign, dict[str, Any]]:
+        """See :meth:`AbstractStacks.choose`."""
         first, _, inner = self.film.partition(".")
         film = self._section(sequence)
         if inner:

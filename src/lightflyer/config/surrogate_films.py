@@ -29,7 +29,7 @@ class SurrogateFilms:
     ):
         self._directions = [f"environment.{key}" for key in file.environment.incidence_keys]
         self._passing = file.flyer.needs_transmittance
-        self._replaced = replaced
+        self._parts_with = replaced
         for name in names:
             if not self.knows(name):
                 raise ConfigurationError(
@@ -54,7 +54,7 @@ class SurrogateFilms:
         self, values: Mapping[str, Numeric], tables: Mapping[str, ThicknessSurrogate]
     ) -> dict[str, FilmProperties]:
         """Properties of the films by name, to be traced."""
-        parts = self._replaced(values)
+        parts = self._parts_with(values)
         incidence = parts["environment"].light_incidence
         return {
             name: _properties(part_at(parts, name), family, incidence, self._passing)

@@ -9,7 +9,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TextIO
 
-from lightflyer.core.atomic_files import TEMPORARY, unfinished
+from lightflyer.core.atomic_files import TEMPORARY, remove_if_interrupted
 from lightflyer.core.errors import ConfigurationError, OutputError
 from lightflyer.core.extras import extra
 from lightflyer.core.text import read_text
@@ -183,7 +183,7 @@ def replace_file(path: Path, text: str, measured: Collection[str] = ()) -> None:
         handle, name = tempfile.mkstemp(prefix=TEMPORARY, suffix=".toml", dir=path.parent)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
-    with unfinished(Path(name)), os.fdopen(handle, "w", encoding="utf-8") as file:
+    with remove_if_interrupted(Path(name)), os.fdopen(handle, "w", encoding="utf-8") as file:
         _check_and_rename(file, Path(name), path, text, measured)
 
 

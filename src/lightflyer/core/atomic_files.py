@@ -22,7 +22,7 @@ _RENAMING = threading.Lock()
 
 
 @contextmanager
-def unfinished(path: Path) -> Iterator[None]:
+def remove_if_interrupted(path: Path) -> Iterator[None]:
     """Have a file or folder removed if the process is interrupted within the block."""
     _UNFINISHED.add(path)
     try:
@@ -67,7 +67,10 @@ def output_directory(directory: Path, *, shared: bool = False) -> Iterator[Calla
     finished = False
     try:
         # known before they are made: an interrupt may come at any moment
-        with unfinished(temporary), unfinished(directory) if made else nullcontext():
+        with (
+            remove_if_interrupted(temporary),
+            remove_if_interrupted(directory) if made else nullcontext(),
+        ):
             directory.mkdir(parents=True, exist_ok=True)
             for left in directory.glob(f"{TEMPORARY}*"):  # of a run that was killed
                 if left.is_dir() and time.time() - left.stat().st_mtime > _LEFT_BEHIND:

@@ -41,10 +41,10 @@ def require_range(
     inside = above & (array <= highest) & np.isfinite(array)
     if not np.all(inside):
         bad = array[~inside].flat[0] if array.ndim else array
-        raise ParameterError(f"{name} = {bad:g} is not {allowed(lowest, highest, open_below)}")
+        raise ParameterError(f"{name} = {bad:g} is not {range_text(lowest, highest, open_below)}")
 
 
-def allowed(lowest: float, highest: float, open_below: bool) -> str:
+def range_text(lowest: float, highest: float, open_below: bool) -> str:
     """Words for an allowed range, such as ``"positive"``."""
     if highest == np.inf:
         if lowest == -np.inf:

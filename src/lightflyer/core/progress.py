@@ -1,7 +1,7 @@
 """What long work says about where it is.
 
 Work reports its steps here and knows nothing of who listens. The command line listens and shows
-them; from Python nobody does unless :func:`reported_to` is used.
+them; from Python nobody does unless :func:`report_to` is used.
 """
 
 import threading
@@ -31,7 +31,7 @@ def report(doing: str, done: int | None = None, total: int | None = None, unit: 
 
 
 @contextmanager
-def reported_to(listener: Listener) -> Iterator[None]:
+def report_to(listener: Listener) -> Iterator[None]:
     """Have the steps of long work reported to a function within the block."""
     _LISTENERS.append(listener)
     try:

@@ -30,7 +30,7 @@ import pint
 import pydantic
 from pydantic_core import CoreSchema, core_schema
 
-from lightflyer.core.checks import allowed, is_concrete, is_labelled, require_range
+from lightflyer.core.checks import is_concrete, is_labelled, range_text, require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured, file_unit, parse, scale_and_offset
@@ -57,7 +57,7 @@ class Quantity:
     @property
     def allowed(self) -> str:
         """The range in words, such as ``"positive"``."""
-        words = allowed(self.lowest, self.highest, self.open_below)
+        words = range_text(self.lowest, self.highest, self.open_below)
         return f"{words} {self.unit}" if self.unit and "between" in words else words
 
     def check(self, name: str, value: Any) -> None:

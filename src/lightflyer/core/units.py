@@ -80,7 +80,7 @@ def registry() -> pint.UnitRegistry:
         return pint.UnitRegistry(str(path))
 
 
-def spelled(unit: str, target: str) -> str:
+def spell_unit(unit: str, target: str) -> str:
     """A unit in the package's spelling, from that of instruments and spreadsheets."""
     # full-width, raised and squared letters as plain ones: ⁻², ℃, ㎛, Å
     text = unicodedata.normalize("NFKC", unit).replace(_MINUS, "-").replace(_DOT, "·").strip()
@@ -91,13 +91,13 @@ def spelled(unit: str, target: str) -> str:
 
 def stated_convention(unit: str) -> str:
     """What a reader must know of a unit that is not the same everywhere; empty where all agree."""
-    return _CONVENTIONS.get(spelled(unit, ""), "")
+    return _CONVENTIONS.get(spell_unit(unit, ""), "")
 
 
 def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
     """Conversion of values from ``unit`` to ``target``, offset included."""
     units = registry()
-    written, unit = unit, spelled(unit, target)
+    written, unit = unit, spell_unit(unit, target)
     if _MEGA_OR_MILLI.fullmatch(unit):
         milli = "mbar" if "b" in unit.casefold() else "mTorr"
         raise ConfigurationError(f'"{text}": unit "{written}" may be milli or mega; write {milli}')
@@ -120,7 +120,7 @@ def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
 def is_si(unit: str) -> bool:
     """Whether numbers in a unit of a dataset are in SI units as they are."""
     try:
-        parsed = registry().parse_units(_EXPONENT.sub(r"**\1", spelled(file_unit(unit), "")))
+        parsed = registry().parse_units(_EXPONENT.sub(r"**\1", spell_unit(file_unit(unit), "")))
     except pint.PintError:
         return False
     return bool(registry().Quantity(1.0, parsed).to_base_units().magnitude == 1.0)

@@ -90,7 +90,7 @@ class AbstractStacks(abc.ABC):
         """Thickness of each layer of a stack, from where it lies between its bounds [m]."""
 
     @abc.abstractmethod
-    def chosen(self, sequence: Sequence[int]) -> tuple["AbstractDesign", dict[str, Any]]:
+    def choose(self, sequence: Sequence[int]) -> tuple["AbstractDesign", dict[str, Any]]:
         """The design with a stack, and bounds of its thicknesses by name."""
 
 

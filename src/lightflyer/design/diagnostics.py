@@ -41,12 +41,12 @@ def _state(environment: AbstractEnvironment, coordinate: Numeric) -> Environment
 def diagnose(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
     """Diagnostics of a flyer in some surroundings; ``temperature`` (n,)."""
     return (
-        *_of_walls(setup, state),
+        *_walls_diagnostics(setup, state),
         *setup.model.diagnostics(setup.flyer, state, temperature),
         *setup.flyer.diagnostics(state, temperature),
-        *_of_gas(state, temperature),
-        *_of_cells(setup, state),
-        *_of_heat(setup.flyer.highest_temperature, temperature),
+        *_gas_diagnostics(state, temperature),
+        *_cells_diagnostics(setup, state),
+        *_heat_diagnostics(setup.flyer.highest_temperature, temperature),
     )
 
 
@@ -72,7 +72,7 @@ def diagnose_design(design: AbstractDesign, values: Mapping[str, float]) -> tupl
     return (*design.warnings_for(values), *found)
 
 
-def _of_walls(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:
+def _walls_diagnostics(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:
     """That walls, floor or lid are given and the force model knows none."""
     name = type(setup.model).__name__
     found: tuple[str, ...] = ()
@@ -85,7 +85,7 @@ def _of_walls(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:
     return found
 
 
-def _of_cells(setup: Setup, state: EnvironmentState) -> Iterator[str]:
+def _cells_diagnostics(setup: Setup, state: EnvironmentState) -> Iterator[str]:
     """Diagnostics of solar cells that a flyer has no room for, or that have no light."""
     if setup.budget is None or setup.budget.cells is None:
         return
@@ -100,13 +100,13 @@ def _of_cells(setup: Setup, state: EnvironmentState) -> Iterator[str]:
         )
 
 
-def _of_gas(state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+def _gas_diagnostics(state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
     """Diagnostics of the gas, from its own temperature to that of the flyer."""
     ends = np.stack(np.broadcast_arrays(state.temperature, temperature))
     return state.gas.diagnostics(ends, state.pressure)
 
 
-def _of_heat(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:
+def _heat_diagnostics(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:
     hottest = float(np.max(temperature, initial=0.0))
     if highest is None:
         if hottest > UNSTATED_LIMIT:

@@ -78,7 +78,7 @@ class Output:
         """Factor from the SI unit to the one shown, and that unit."""
         return _factor(self.unit, self.shown_unit), self.shown_unit or self.unit
 
-    def shown_for(self, values: Any) -> tuple[float, str]:
+    def display_unit_for(self, values: Any) -> tuple[float, str]:
         """Factor and unit that suit some values; returns ``factor``, ``unit``."""
         size = np.abs(np.asarray(values, float))
         largest = float(np.max(size, where=np.isfinite(size), initial=0.0))

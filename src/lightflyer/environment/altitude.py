@@ -61,7 +61,7 @@ class AltitudeSection(EnvironmentSection):
     floor: Length | None = None
 
     @pydantic.model_validator(mode="after")
-    def _ordered(self) -> "AltitudeSection":
+    def _require_order(self) -> "AltitudeSection":
         low, high = self.search_range
         if low is not None and high is not None and low >= high:
             raise ConfigurationError("altitude_min must be below altitude_max")

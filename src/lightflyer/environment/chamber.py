@@ -182,7 +182,7 @@ class ChamberSection(EnvironmentSection, of=Chamber):
     pressure_max: Pressure = Measured(1e3)
 
     @pydantic.model_validator(mode="after")
-    def _ordered(self) -> "ChamberSection":
+    def _require_order(self) -> "ChamberSection":
         if self.pressure_min.value >= self.pressure_max.value:
             raise ConfigurationError("pressure_min must be below pressure_max")
         return self

@@ -127,7 +127,7 @@ class MarsSection(PlanetSection):
     def _zenith_angle(self) -> Numeric:
         place = self.build_place()
         if place is not None:
-            return MarsSun().seen_from(place).zenith_angle
+            return MarsSun().position_above(place).zenith_angle
         if self.latitude is None or self.solar_longitude is None:
             return self.incidence.value * RADIANS_PER_DEGREE
         season, latitude = (

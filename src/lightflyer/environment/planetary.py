@@ -149,7 +149,7 @@ def _state(
         temperature=atmosphere.temperature(altitude, place),
         gravity=planet.gravity_at(altitude) if gravity is None else gravity,
         gas=gas,
-        radiation=radiation.seen_from(planet.view_from(altitude)),
+        radiation=radiation.with_ground_view(planet.view_from(altitude)),
         floor_distance=environment.floor,
     )
 

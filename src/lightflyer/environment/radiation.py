@@ -148,7 +148,7 @@ class Radiation(Checked):
     angular_radius: AngularRadius | None = None
     lit_ground: Fraction | None = None
 
-    def seen_from(self, ground_view: Numeric) -> "Radiation":
+    def with_ground_view(self, ground_view: Numeric) -> "Radiation":
         """The same, with this view factor to the ground where none is given."""
         if self.ground_view is not None:
             return self

@@ -93,7 +93,7 @@ class SkySection(PlanetSection, abc.ABC):
         place = self.build_place()
         if place is None:
             return super().light_incidence
-        zenith_angle = EarthSun().seen_from(place).zenith_angle
+        zenith_angle = EarthSun().position_above(place).zenith_angle
         return abs(zenith_angle - np.pi * (zenith_angle > 0.5 * np.pi))
 
     def build_place(self) -> Place | None:

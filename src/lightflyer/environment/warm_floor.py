@@ -60,7 +60,7 @@ def radiation_over_floor(
         infrared_above=black * temperature**4 if above is None else above,
         infrared_below=black * floor_temperature**4 if below is None else below,
     )
-    return given.seen_from(view)
+    return given.with_ground_view(view)
 
 
 def distances(state: EnvironmentState) -> tuple[Numeric, Numeric, Numeric]:

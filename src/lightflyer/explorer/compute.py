@@ -135,7 +135,7 @@ def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) 
         output = OUTPUTS[name]
         json_key, json_scale = output.json
         value = place.values[name]
-        scale, unit = output.shown_for(value)
+        scale, unit = output.display_unit_for(value)
         reading = _reading(
             f"{group}.{json_key}",
             f"{_SHORT[name]}, {best}",
@@ -196,7 +196,7 @@ def _verdict(prediction: Prediction, spreads: Mapping[str, Any]) -> Iterator[Rea
 
 def _own(setup: Setup, name: str) -> Reading:
     value = float(np.asarray(_design_output(setup, name)))
-    scale, unit = OUTPUTS[name].shown_for(value)
+    scale, unit = OUTPUTS[name].display_unit_for(value)
     return Reading(name, _SHORT[name], _number(value * scale, pretty_unit(unit)), value)
 
 
@@ -237,7 +237,7 @@ def values_at(setup: Setup, place: float) -> list[Reading]:
 
 
 def _at_place(output: Output, value: float) -> Reading:
-    scale, unit = output.shown_for(value)
+    scale, unit = output.display_unit_for(value)
     json_key, json_scale = output.json
     finite = value * json_scale if math.isfinite(value) else None
     return Reading(json_key, output.long_name, _number(value * scale, pretty_unit(unit)), finite)

@@ -93,7 +93,7 @@ def _round(number: float) -> float:
     return float(f"{number:.12g}")
 
 
-def switched(document: Document, name: str, tag: str) -> Document:
+def switch_alternative(document: Document, name: str, tag: str) -> Document:
     """A document with another alternative of one of its sections."""
     # The section's content is that of the first template with the alternative. Parts that do not
     # belong to it change with it.

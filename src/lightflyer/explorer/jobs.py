@@ -14,7 +14,7 @@ import numpy as np
 from lightflyer.comparison.comparison import FEWEST, compare
 from lightflyer.config.flyer_file import FileDesign, models_for
 from lightflyer.core.errors import ConfigurationError, LightflyerError
-from lightflyer.core.progress import Step, report, reported_to
+from lightflyer.core.progress import Step, report, report_to
 from lightflyer.explorer import view
 from lightflyer.explorer.compute import (
     coordinate_factor,
@@ -77,7 +77,7 @@ LISTENERS = Listeners()  # Where all steps of jobs go, once :func:`listening` ha
 @contextmanager
 def listening() -> Iterator[None]:
     """Pass the steps of long work on to the jobs that do it, for as long as the server runs."""
-    with reported_to(LISTENERS):
+    with report_to(LISTENERS):
         yield
 
 

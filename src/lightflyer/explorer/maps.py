@@ -148,7 +148,9 @@ def _map_data(
     where = design.setup.environment.coordinate
     unit = _shown_unit(known[over].unit, values)
     across = scale_and_offset(known[over].unit, unit)[0]
-    scales = _Scales(across, unit, coordinate_factor(where), *OUTPUTS["payload"].shown_for(best[2]))
+    scales = _Scales(
+        across, unit, coordinate_factor(where), *OUTPUTS["payload"].display_unit_for(best[2])
+    )
     cells = _cells(values, coordinates, payload, scales, logarithmic=where.logarithmic)
     own = float(design.number(over) or 0.0), prediction_of(design).best.coordinate
     marked = {"best": best, "here": own}

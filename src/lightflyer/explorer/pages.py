@@ -26,7 +26,7 @@ from lightflyer.explorer.compute import (
     warm as warm_up,
 )
 from lightflyer.explorer.downloads import python_lines
-from lightflyer.explorer.editing import sliders, switched
+from lightflyer.explorer.editing import sliders, switch_alternative
 from lightflyer.explorer.grammar import MISSION, grammar
 from lightflyer.explorer.hints import templates
 from lightflyer.explorer.state import (
@@ -96,7 +96,7 @@ def grammar_of_page(workplace: Workplace, largest_upload: int) -> Answer:
     }
 
 
-def opened(workplace: Workplace, text: str, name: str) -> Answer:
+def open_upload(workplace: Workplace, text: str, name: str) -> Answer:
     """Document of a flyer or mission file that the user gave."""
     return _form_of(workplace.from_toml(text, Path(name).name))
 
@@ -135,7 +135,7 @@ def _switch(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     """The document with another alternative of a section."""
     del workplace
     section, tag = str(content.get("section", "")), str(content.get("tag", ""))
-    return _form_of(switched(document_of(content), section, tag))
+    return _form_of(switch_alternative(document_of(content), section, tag))
 
 
 def _view_of(content: Mapping[str, Any]) -> View:

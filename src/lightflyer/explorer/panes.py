@@ -95,7 +95,7 @@ def _hover(
     pane.add_tools(tool)
 
 
-def _over_coordinate(name: str, along: Scale, up: Scale, *outputs: str) -> tuple[Any, Any]:
+def _coordinate_figure(name: str, along: Scale, up: Scale, *outputs: str) -> tuple[Any, Any]:
     """A figure over the coordinate: bands of flight, 95 % band, pinned curves, the place shown."""
     pane = _figure(name, along, up)
     pane.vstrip("low", "high", source=_empty("flies", "low", "high"), fill_color=GREEN,
@@ -120,7 +120,7 @@ def _best(pane: Any) -> None:
 
 
 def _irradiance(along: Scale) -> Any:
-    pane, source = _over_coordinate("irradiance", along, LOGARITHMIC, "needed")
+    pane, source = _coordinate_figure("irradiance", along, LOGARITHMIC, "needed")
     _level(pane)
     line = pane.line("x", "needed", source=source, line_color=BLUE, line_width=_LINE)
     points = _empty("points", "x", "y", "low", "high", "sample")
@@ -135,7 +135,7 @@ def _irradiance(along: Scale) -> Any:
 
 
 def _temperature(along: Scale) -> Any:
-    pane, source = _over_coordinate("temperature", along, LINEAR, "flyer", "gas")
+    pane, source = _coordinate_figure("temperature", along, LINEAR, "flyer", "gas")
     _level(pane)
     pane.multi_line("xs", "ys", source=_empty("nodes", "xs", "ys", "colour"), line_color="colour",
                     line_width=_LINE)  # fmt: skip
@@ -147,7 +147,7 @@ def _temperature(along: Scale) -> Any:
 
 
 def _payload(along: Scale) -> Any:
-    pane, source = _over_coordinate("payload", along, LINEAR, "payload")
+    pane, source = _coordinate_figure("payload", along, LINEAR, "payload")
     line = pane.line("x", "payload", source=source, line_color=BLUE, line_width=_LINE)
     pane.hspan(0.0, line_color=GREY, line_width=1.0)
     _best(pane)

@@ -242,7 +242,7 @@ class _Upload(_Handler):
             if name == "points":
                 found = await self.in_thread(lambda: _points(text, file, content, workplace))
             else:
-                found = await self.in_thread(lambda: pages.opened(workplace, text, file))
+                found = await self.in_thread(lambda: pages.open_upload(workplace, text, file))
             self.say(found)
         except LightflyerError as error:
             self.say({"errors": pages.mistakes(str(error))})

@@ -23,7 +23,7 @@ from lightflyer.explorer.diagnostics import gathering_warnings
 from lightflyer.explorer.grammar import MISSION
 from lightflyer.explorer.hints import templates
 from lightflyer.files.section import Alternative
-from lightflyer.files.toml_file import parsed
+from lightflyer.files.toml_file import parse_toml
 from lightflyer.mission.mission_file import MissionFile, mission_of_text
 
 Document = dict[str, Any]
@@ -71,7 +71,7 @@ class Workplace:
             first = next(iter(templates().values()))
             return cls(Path.cwd(), "flyer.toml", plain(first.document))
         text = read_text(path)
-        document = parsed(text, path, FLYER_FILE)
+        document = parse_toml(text, path, FLYER_FILE)
         read: Callable[[str, Path], Any] = design_of_text
         if MISSION in document:
             read = mission_of_text
@@ -80,20 +80,20 @@ class Workplace:
 
     def design(self, document: Document) -> FileDesign:
         """What a document describes, without its mission."""
-        return self._described(document).design
+        return self._read_design(document).design
 
     def diagnostics(self, document: Document) -> tuple[str, ...]:
         """Warnings about the numbers of a document, such as a TAC above one."""
-        return self._described(document).diagnostics
+        return self._read_design(document).diagnostics
 
-    def _described(self, document: Document) -> "_Described":
+    def _read_design(self, document: Document) -> "_Described":
         content = {name: entry for name, entry in document.items() if name != MISSION}
-        found: _Described = self._designs(self._checked(content))
+        found: _Described = self._designs(self._confined_toml(content))
         return found
 
     def mission(self, document: Document) -> MissionFile:
         """The mission that a document describes."""
-        return self._missions(self._checked(document))
+        return self._missions(self._confined_toml(document))
 
     @cached_property
     def _designs(self) -> Any:
@@ -117,7 +117,7 @@ class Workplace:
             place = re.compile(rf"^{re.escape(str(path))}(?::\d+)?: ", re.MULTILINE)
             raise ConfigurationError(place.sub("", str(error))) from None
 
-    def _checked(self, document: Document) -> str:
+    def _confined_toml(self, document: Document) -> str:
         """The document as TOML, unless it names files elsewhere."""
         for text in _texts(document):
             if _leaves_folder(text) and text not in self._trusted:
@@ -133,7 +133,7 @@ class Workplace:
 
     def from_toml(self, text: str, name: str) -> Document:
         """Document of a file that was uploaded; ``name``: of the file, for messages."""
-        document = plain(parsed(text, Path(name or "the file"), FLYER_FILE))
+        document = plain(parse_toml(text, Path(name or "the file"), FLYER_FILE))
         require_document(document)
         self.mission(document) if MISSION in document else self.design(document)
         return document

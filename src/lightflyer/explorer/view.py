@@ -37,7 +37,7 @@ class Line(NamedTuple):
     colour: str
     dash: str = "solid"
 
-    def described(self) -> dict[str, str]:
+    def page_entry(self) -> dict[str, str]:
         """The entry for the page."""
         return self._asdict()
 
@@ -61,7 +61,7 @@ def figure_data(
         "x": list(x),
         "y": list(y),
         "labels": list(labels),
-        "legend": [line.described() for line in legend],
+        "legend": [line.page_entry() for line in legend],
         "words": words,
         **more,
     }
@@ -96,7 +96,7 @@ def curves(found: Quick, pins: int = 0) -> dict[str, Any]:
     here = (where.name, f"@x{{0.00}} {where.shown_unit}")
     usable = _usable(found, factor)
     pinned = [
-        Line(f"pin {number}", colour, "dashdot").described()
+        Line(f"pin {number}", colour, "dashdot").page_entry()
         for number, colour in enumerate(PIN_COLOURS[:pins], start=1)
     ]
     for data in drawn.values():
@@ -245,7 +245,7 @@ def _temperature(
 
 def _payload(x: np.ndarray, table: Mapping[str, Any], axis: _Axis) -> dict[str, Any]:
     most = float(np.nanmax(table["payload"]))
-    scale, unit = OUTPUTS["payload"].shown_for(most)
+    scale, unit = OUTPUTS["payload"].display_unit_for(most)
     values = table["payload"] * scale
     low, high = round_range(values)
     high = round_up(_ROOM * most * scale) if most > 0.0 else high
@@ -277,7 +277,7 @@ def marks(prediction: Prediction) -> dict[str, Any]:
     edges = factor * np.array(prediction.verdict.usable).reshape(-1, 2)
     flies = {"low": plain_list(edges[:, 0]), "high": plain_list(edges[:, 1])}
     best = prediction.verdict.best or prediction.best
-    scale = OUTPUTS["payload"].shown_for(_most(prediction))[0]
+    scale = OUTPUTS["payload"].display_unit_for(_most(prediction))[0]
     found: dict[str, Any] = {
         name: {"sources": {"flies": flies}} for name in ("irradiance", "temperature", "payload")
     }
@@ -316,7 +316,7 @@ def bands(uncertainty: PredictionUncertainty | None) -> dict[str, Any]:
             factor = coordinate_factor(uncertainty.prediction.coordinate)
             scale = 1.0
             if output == "payload":
-                scale = OUTPUTS[output].shown_for(_most(uncertainty.prediction))[0]
+                scale = OUTPUTS[output].display_unit_for(_most(uncertainty.prediction))[0]
             known = np.isfinite(uncertainty.low[output]) & np.isfinite(uncertainty.high[output])
             columns = {
                 "x": plain_list(uncertainty.coordinate[known] * factor),
@@ -334,7 +334,7 @@ def rows(found: Quick) -> dict[str, Any]:
     places = np.flatnonzero((found.coordinates >= low) & (found.coordinates <= high))
     chosen = places[np.linspace(0, places.size - 1, min(_ROWS, places.size)).round().astype(int)]
     names = [name for name in found.table if name != where.name]
-    scales = {name: known[name].shown_for(found.table[name][chosen]) for name in names}
+    scales = {name: known[name].display_unit_for(found.table[name][chosen]) for name in names}
     columns = [axis_label(where)]
     for name in names:
         unit = pretty_unit(scales[name][1])

@@ -54,7 +54,7 @@ _PLAIN = (1e-4, 1e5)  # numbers that are not written as powers of ten
 def require_style(style: str, prefix: str = "") -> None:
     """Raise unless Matplotlib knows a style sheet; ``style``: name or path."""
     try:
-        with styled(style):
+        with use_style(style):
             pass
     except (OSError, ValueError):
         raise ParameterError(
@@ -64,7 +64,7 @@ def require_style(style: str, prefix: str = "") -> None:
 
 
 @contextmanager
-def styled(style: str | None) -> Iterator[None]:
+def use_style(style: str | None) -> Iterator[None]:
     """Draw in a style within the block."""
     if style is None:
         yield
@@ -155,12 +155,12 @@ def plain_decades(axis: Axis) -> None:
     axis.set_minor_formatter(_PlainNumbers())
 
 
-def outlined(width: float = 3.0, colour: str = "black") -> list[AbstractPathEffect]:
+def outline_effects(width: float = 3.0, colour: str = "black") -> list[AbstractPathEffect]:
     """Path effects that make a line or a text stand out from any colour below it."""
     return [withStroke(linewidth=width, foreground=colour)]
 
 
-def wrapped(label: str, width: int = 28) -> str:
+def wrap_label(label: str, width: int = 28) -> str:
     """A long label of an axis in several lines; ``width`` [characters]; ``width``: of a line."""
     return "\n".join(textwrap.wrap(label, width))
 

@@ -78,7 +78,7 @@ def width_of(table: "Table") -> "Measurement":
     return Measurement.get(console, console.options, table)
 
 
-def wrapped(line: str, width: int = NARROW) -> str:
+def wrap(line: str, width: int = NARROW) -> str:
     """A text in lines that break between words."""
     return textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False)
 

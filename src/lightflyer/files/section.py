@@ -47,9 +47,11 @@ class OneOf:
         self, source: Any, handler: pydantic.GetCoreSchemaHandler
     ) -> CoreSchema:
         """Tell Pydantic to look the name up."""
-        return core_schema.no_info_after_validator_function(self._known, handler(source))
+        return core_schema.no_info_after_validator_function(
+            self._require_registered, handler(source)
+        )
 
-    def _known(self, name: str) -> str:
+    def _require_registered(self, name: str) -> str:
         if name in self.registry:
             return name
         known = ", ".join(f"'{known}'" for known in self.registry)
@@ -169,7 +171,7 @@ class Section(pydantic.BaseModel):
                 for inner_name, inner_quantity, number in inner.numbers():
                     yield f"{key}.{inner_name}", inner_quantity, number
 
-    def replaced(self, values: Mapping[str, Any]) -> "Section":
+    def with_values(self, values: Mapping[str, Any]) -> "Section":
         """A copy with other numbers, which are not checked and may be traced by JAX."""
         own = {name: Measured(value) for name, value in values.items() if "." not in name}
         nested: dict[str, dict[str, Any]] = {}
@@ -178,7 +180,7 @@ class Section(pydantic.BaseModel):
             if dot:
                 nested.setdefault(first, {})[rest] = value
         for name, inner in nested.items():
-            own[name] = _replaced_inside(getattr(self, name), inner)
+            own[name] = _with_values_inside(getattr(self, name), inner)
         return self.model_copy(update=own) if own else self
 
     def reason_not_varied(self, name: str) -> str | None:
@@ -217,9 +219,9 @@ def _inner(name: str, value: Any) -> Iterator[tuple[str, Section]]:
                 yield f"{name}.{index}", entry
 
 
-def _replaced_inside(value: Any, changes: Mapping[str, Any]) -> Any:
+def _with_values_inside(value: Any, changes: Mapping[str, Any]) -> Any:
     if isinstance(value, Section):
-        return value.replaced(changes)
+        return value.with_values(changes)
     entries = list(value)
     for index, entry in enumerate(entries):
         mine = {
@@ -227,7 +229,7 @@ def _replaced_inside(value: Any, changes: Mapping[str, Any]) -> Any:
             for key, change in changes.items()
             if key.partition(".")[0] == str(index)
         }
-        entries[index] = entry.replaced(mine) if mine else entry
+        entries[index] = entry.with_values(mine) if mine else entry
     return tuple(entries)
 
 

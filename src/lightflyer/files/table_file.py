@@ -28,7 +28,7 @@ def read_lines(path: Path) -> list[Lines]:
     book, sheet = split_sheet(path)
     content = read_bytes(book)
     if is_workbook(content, str(book)):
-        return _of_workbook(content, str(book), sheet)
+        return _read_workbook(content, str(book), sheet)
     text = plain_text(content, str(path))
     lines, delimiter = split_lines(text), None
     stated = _SEPARATOR.match(lines[0]) if lines else None
@@ -37,7 +37,7 @@ def read_lines(path: Path) -> list[Lines]:
     return [Lines(str(path), lines, text.endswith(("\n", "\r")), delimiter)]
 
 
-def _of_workbook(content: bytes, name: str, sheet: str | None) -> list[Lines]:
+def _read_workbook(content: bytes, name: str, sheet: str | None) -> list[Lines]:
     sheets = read_sheets(content, name)
     if sheet is not None and sheet not in sheets:
         known = ", ".join(f'"{one}"' for one in sheets)

@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Quantity, quantity_of
-from lightflyer.core.units import scale_and_offset, spelled
+from lightflyer.core.units import scale_and_offset, spell_unit
 
 PREAMBLE = 200  # Lines in which the header is looked for
 
@@ -310,7 +310,7 @@ def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple
 def _split_name(cell: str) -> tuple[str, str]:
     """Name and unit of ``pressure [Pa]``, ``Pressure (Pa)`` or ``pressure / Pa``."""
     text = cell.strip().strip('"')
-    whole = spelled(text, "").casefold()
+    whole = spell_unit(text, "").casefold()
     if whole in _WHOLE_NAMES:
         return _WHOLE_NAMES[whole]
     match = _NAME_AND_UNIT.match(text)

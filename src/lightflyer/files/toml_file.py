@@ -72,10 +72,10 @@ def check(
 def load(path: Path, kind: FileKind) -> tuple[dict[str, Any], str]:
     """Content and text of a TOML file; returns ``document``, ``text``."""
     text = read_text(path)
-    return parsed(text, path, kind), text
+    return parse_toml(text, path, kind), text
 
 
-def parsed(text: str, path: Path, kind: FileKind) -> dict[str, Any]:
+def parse_toml(text: str, path: Path, kind: FileKind) -> dict[str, Any]:
     """Content of a TOML text; ``path``: that messages name."""
     if not text.strip():
         raise ConfigurationError(f"{path}: is empty; {kind.hint}")

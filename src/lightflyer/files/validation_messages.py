@@ -66,7 +66,7 @@ def _other_mistake(mistake: Any, dotted: str) -> str:
     return f"{dotted} = {shown}: {message[0].lower()}{message[1:]}"
 
 
-def _of_wrong_kind(wanted: str) -> Callable[[Any, str], str]:
+def _explain_kind(wanted: str) -> Callable[[Any, str], str]:
     """Explanation that a value is not of a kind."""
 
     def format_error(mistake: Any, dotted: str) -> str:
@@ -75,7 +75,7 @@ def _of_wrong_kind(wanted: str) -> Callable[[Any, str], str]:
     return format_error
 
 
-def _beyond(words: str) -> Callable[[Any, str], str]:
+def _explain_limit(words: str) -> Callable[[Any, str], str]:
     """Explanation that a number is on the wrong side of a limit."""
 
     def format_error(mistake: Any, dotted: str) -> str:
@@ -104,7 +104,7 @@ _EXPLANATIONS: dict[str, Callable[[Any, str], str]] = {
     "union_tag_invalid": _unknown_alternative,
     "literal_error": _unknown_word,
     **{
-        kind: _beyond(words)
+        kind: _explain_limit(words)
         for kind, words in {
             "greater_than_equal": "at least {ge}",
             "greater_than": "above {gt}",
@@ -113,19 +113,17 @@ _EXPLANATIONS: dict[str, Callable[[Any, str], str]] = {
         }.items()
     },
     "too_short": _too_few,
-    **dict.fromkeys(("tuple_type", "list_type"), _of_wrong_kind("a list, such as [ ... ]")),
+    **dict.fromkeys(("tuple_type", "list_type"), _explain_kind("a list, such as [ ... ]")),
     **dict.fromkeys(
         ("model_type", "model_attributes_type", "dict_type", "mapping_type"),
-        _of_wrong_kind("a section, such as [section] followed by its keys"),
+        _explain_kind("a section, such as [section] followed by its keys"),
     ),
-    "string_type": _of_wrong_kind("a text in quotes"),
-    **dict.fromkeys(
-        ("int_type", "int_parsing", "int_from_float"), _of_wrong_kind("a whole number")
-    ),
-    **dict.fromkeys(("float_type", "float_parsing"), _of_wrong_kind("a number")),
-    **dict.fromkeys(("bool_type", "bool_parsing"), _of_wrong_kind("true or false")),
+    "string_type": _explain_kind("a text in quotes"),
+    **dict.fromkeys(("int_type", "int_parsing", "int_from_float"), _explain_kind("a whole number")),
+    **dict.fromkeys(("float_type", "float_parsing"), _explain_kind("a number")),
+    **dict.fromkeys(("bool_type", "bool_parsing"), _explain_kind("true or false")),
     **dict.fromkeys(
         ("datetime_type", "datetime_parsing", "datetime_from_date_parsing"),
-        _of_wrong_kind("a date, such as 2026-06-21T12:00:00"),
+        _explain_kind("a date, such as 2026-06-21T12:00:00"),
     ),
 }

@@ -41,7 +41,7 @@ from .optics.thickness import thickness_uncertainty as thickness_uncertainty
 from .optics.transfer_matrix import StackOptics as StackOptics
 from .optics.transfer_matrix import stack_optics as stack_optics
 from .properties import FilmProperties as FilmProperties
-from .properties import area_weighted as area_weighted
+from .properties import area_weighted_mean as area_weighted_mean
 from .report.angular_summary import AngularSummary as AngularSummary
 from .report.summary import FilmSummary as FilmSummary
 from .section import FilmSection as FilmSection

@@ -127,7 +127,7 @@ class ComputedFilm:
             for name, mean in self.averages.items()
             for text in property_warnings(name, mean, self.film)
         ]
-        extrapolated = (f"extrapolated {text}" for text in self._extrapolated())
+        extrapolated = (f"extrapolated {text}" for text in self._extrapolations())
         film = self.film
         of_layers = (*medium_warnings(film), *thick_warnings(film), *roughness_warnings(film))
         return (*missing, *extrapolated, *of_layers)
@@ -148,7 +148,7 @@ class ComputedFilm:
         given: dict[str, Any] = dict(measured)
         if not passing:
             given |= dict.fromkeys((*_IN_LIGHT, _IN_INFRARED))
-        computed = _of_light(film, spectrum, incidence, given) | _of_heat(film, given)
+        computed = _light_averages(film, spectrum, incidence, given) | _heat_averages(film, given)
         averages = {name: mean for name, mean in computed.items() if name not in given}
         values: dict[str, Numeric] = {name: value.value for name, value in measured.items()}
         values |= {name: _property(average.value) for name, average in averages.items()}
@@ -162,21 +162,21 @@ class ComputedFilm:
         entries: dict[str, Any] = {
             name: {"value": float(getattr(self.properties, name)), **self._origin(name)}
             for name in ("areal_density", "absorptance", "absorptance_bottom", *_IN_LIGHT)
-            if getattr(self.properties, name) is not None and self._reported(name)
+            if getattr(self.properties, name) is not None and self._is_reported(name)
         }
-        for name in filter(self._reported, ("emittance_top", "emittance_bottom", _IN_INFRARED)):
+        for name in filter(self._is_reported, ("emittance_top", "emittance_bottom", _IN_INFRARED)):
             value = getattr(self.properties, name)
             entries[name] = {"value": _over_temperatures(value), **self._origin(name)}
         for name in ("tac_top", "tac_bottom"):
             value = float(getattr(self.properties, name))
             entries[name] = {"value": value, **self._origin(name)}
-        return {**entries, "extrapolated": self._extrapolated()}
+        return {**entries, "extrapolated": self._extrapolations()}
 
-    def _reported(self, name: str) -> bool:
+    def _is_reported(self, name: str) -> bool:
         """Whether a property is of concern: a transmittance only if it is computed or measured."""
         return "transmittance" not in name or name in self.averages or name in self.measured
 
-    def _extrapolated(self) -> list[str]:
+    def _extrapolations(self) -> list[str]:
         found = [text for mean in self.averages.values() for text in mean.extrapolated]
         return list(dict.fromkeys(found))
 
@@ -225,7 +225,7 @@ def _over_temperatures(value: Any) -> Any:
     return dict(zip(map("{:g}".format, REPORT_TEMPERATURES), map(float, values), strict=True))
 
 
-def with_measured(optics: FilmProperties, given: dict[str, Any]) -> dict[str, Any]:
+def with_measurements(optics: FilmProperties, given: dict[str, Any]) -> dict[str, Any]:
     """Properties of a film of which some are measured, and others were computed."""
     # Where an absorptance or emittance is another than the one beside which a transmittance was
     # computed, what passes keeps its share of what is not absorbed.
@@ -241,11 +241,11 @@ def with_measured(optics: FilmProperties, given: dict[str, Any]) -> dict[str, An
             share = _ratio(1.0 - now, 1.0 - _value_of(optics, absorbing))
             found[passing] = _value_of(optics, passing) * share
     if _IN_INFRARED not in given:
-        found[_IN_INFRARED] = _infrared_beside(optics, given)
+        found[_IN_INFRARED] = _infrared_transmittance(optics, given)
     return found
 
 
-def _infrared_beside(optics: FilmProperties, given: dict[str, Any]) -> Any:
+def _infrared_transmittance(optics: FilmProperties, given: dict[str, Any]) -> Any:
     """Infrared transmittance beside measured emittances."""
     through = optics.infrared_transmittance
     factors = [
@@ -255,28 +255,28 @@ def _infrared_beside(optics: FilmProperties, given: dict[str, Any]) -> Any:
     ]
     if not factors:
         return through
-    factor = reduce(_where(*factors).minimum, factors)
+    factor = reduce(_array_module(*factors).minimum, factors)
     if isinstance(through, EmittanceCurve) and factor.shape[-1] == 1:
         return EmittanceCurve(through.coefficients * factor)
     nodes = _numbers(through, axis=True) * factor
     return EmittanceCurve.through(nodes + np.zeros(NODES))
 
 
-def _where(*values: Any) -> Any:
+def _array_module(*values: Any) -> Any:
     """JAX's functions for traced values, NumPy's for others, as JAX's are in single precision."""
     return jnp if is_traced(*values) else np
 
 
 def _ratio(over: Any, under: Any) -> Any:
     """Quotient of two shares, zero where both are."""
-    return over / _where(over, under).where(under > 0.0, under, 1.0)
+    return over / _array_module(over, under).where(under > 0.0, under, 1.0)
 
 
 def _numbers(value: Any, axis: bool = False) -> Any:
     """A number as it is or with an axis behind, or the numbers at the nodes of a curve."""
     if isinstance(value, EmittanceCurve):
         return value.at_nodes
-    return _where(value).asarray(value)[..., None] if axis else value
+    return _array_module(value).asarray(value)[..., None] if axis else value
 
 
 def _value_of(film: FilmProperties, name: str) -> Any:
@@ -285,7 +285,7 @@ def _value_of(film: FilmProperties, name: str) -> Any:
     return getattr(film, name.removesuffix("_bottom")) if value is None else value
 
 
-def _of_light(
+def _light_averages(
     film: Film, spectrum: Spectrum | None, incidence: float, measured: dict[str, Measured]
 ) -> dict[str, Average]:
     """Shares of the beam on the top face, and of diffuse light on the bottom face."""
@@ -331,7 +331,7 @@ def _scale(mean: Average, factor: Any) -> Average:
     return dataclasses.replace(mean, value=mean.value * factor, within=within)
 
 
-def _of_heat(film: Film, measured: dict[str, Measured]) -> dict[str, Average]:
+def _heat_averages(film: Film, measured: dict[str, Measured]) -> dict[str, Average]:
     """Emittance of both faces, and infrared transmittance, at the nodes of a curve."""
     given = [measured.get(f"emittance_{side}") for side in _FACES]
     if None not in given and _IN_INFRARED in measured:
@@ -350,7 +350,7 @@ def _of_heat(film: Film, measured: dict[str, Measured]) -> dict[str, Average]:
     factors = [_keep(share, value) for share, value in zip(shares, given, strict=True) if value]
     mean = shares[0].transmittance
     if factors:
-        mean = _scale(mean, reduce(_where(*factors).minimum, factors))
+        mean = _scale(mean, reduce(_array_module(*factors).minimum, factors))
     return found | {_IN_INFRARED: mean}
 
 

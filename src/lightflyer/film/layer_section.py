@@ -45,7 +45,7 @@ class _Named(Section):
 
     @pydantic.field_validator("material", check_fields=False)
     @classmethod
-    def _known(cls, name: str | None, info: ValidationInfo) -> str | None:
+    def _canonical_material(cls, name: str | None, info: ValidationInfo) -> str | None:
         """Its canonical name; raises here, where the line of the flyer file is known."""
         if name is None:
             return None
@@ -117,7 +117,7 @@ class LayerSection(_Named, of=Layer):
 
     @pydantic.field_validator("thickness")
     @classmethod
-    def _known_to_better_than_itself(cls, thickness: Measured) -> Measured:
+    def _require_certain_thickness(cls, thickness: Measured) -> Measured:
         if not (thickness.uncertainty or 0.0) < thickness.value:
             raise ValueError("± is one standard deviation and must be below the thickness")
         return thickness
@@ -166,7 +166,7 @@ class LayerSection(_Named, of=Layer):
                 continue
             for change in (value.uncertainty, -value.uncertainty):
                 end = min(max(value.value + change, quantity.lowest), quantity.highest)
-                other = self.replaced({name: end})
+                other = self.with_values({name: end})
                 assert isinstance(other, LayerSection)
                 try:
                     other.medium(Extrapolation.ERROR)
@@ -245,12 +245,12 @@ class LayerSection(_Named, of=Layer):
         if self.parts is not None:
             found = self._mixture(policy)
         elif self.tables is not None:
-            return self._tempered(self.tables, policy)
+            return self._interpolate_tables(self.tables, policy)
         elif self.dispersion is not None and self.porosity is None:
             found = self.dispersion.medium(self._formula_name, policy)
         elif self.porosity is not None:
             solid = self._solid(policy)
-            found = self._mixed((solid, vacuum()), (self.porosity,), (self.porosity_bottom,))
+            found = self._mix((solid, vacuum()), (self.porosity,), (self.porosity_bottom,))
         else:
             return _medium(str(self.material), policy, self.density)
         return found if self.density is None else found.with_density(self.density.value)
@@ -264,13 +264,13 @@ class LayerSection(_Named, of=Layer):
     def _mixture(self, policy: Extrapolation) -> Medium:
         rest, *others = sorted(self.parts or (), key=lambda part: part.fraction is not None)
         media = tuple(_medium(part.material, policy, part.density) for part in (rest, *others))
-        return self._mixed(
+        return self._mix(
             media,
             tuple(part.fraction for part in others),
             tuple(part.fraction_bottom for part in others),
         )
 
-    def _mixed(
+    def _mix(
         self,
         media: tuple[Medium, ...],
         top: tuple[Measured | None, ...],
@@ -287,7 +287,9 @@ class LayerSection(_Named, of=Layer):
         lower = tuple((end or start).value for start, end in zip(top, bottom, strict=True) if start)
         return Graded(media, upper, lower, **how, count=self.sheets)
 
-    def _tempered(self, tables: tuple[TableSection, ...], policy: Extrapolation) -> Medium:
+    def _interpolate_tables(
+        self, tables: tuple[TableSection, ...], policy: Extrapolation
+    ) -> Medium:
         known = {table.temperature(): _medium(table.material, policy, None) for table in tables}
         if len(known) != len(tables):
             raise ConfigurationError("two tables are for the same temperature")

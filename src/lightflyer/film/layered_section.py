@@ -21,7 +21,7 @@ from lightflyer.core.quantity import (
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
 from lightflyer.files.toml_file import file_beside
-from lightflyer.film.computed import ComputedFilm, with_measured
+from lightflyer.film.computed import ComputedFilm, with_measurements
 from lightflyer.film.layer_section import LayerSection, Policy, is_varied
 from lightflyer.film.optics.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
 from lightflyer.film.optics.stack import Film
@@ -198,7 +198,7 @@ class LayeredFilmSection(FilmSection):
         return self._film_of({name: value})
 
     def _film_of(self, values: Mapping[str, float]) -> Film:
-        changed = self.replaced(values)
+        changed = self.with_values(values)
         assert isinstance(changed, LayeredFilmSection)
         return changed.film()
 
@@ -235,11 +235,11 @@ class LayeredFilmSection(FilmSection):
         """The layer at each face, by the name of its TAC."""
         return dict(zip(FACES, (self.layers[0], self.layers[-1]), strict=True))
 
-    def measured(self) -> dict[str, Measured]:
+    def measured_values(self) -> dict[str, Measured]:
         """The values that replace computed ones, by the name of the property."""
         surfaces = {name: layer.surface_tac for name, layer in self._surfaces().items()}
         known = {name: value for name, value in surfaces.items() if value is not None}
-        known |= self.stated()
+        known |= self.stated_values()
         known.pop(_LIMIT, None)  # nobody measures it, and it changes no result
         return known
 
@@ -251,7 +251,7 @@ class LayeredFilmSection(FilmSection):
         limits = [entry.highest_temperature for entry in known if entry.highest_temperature]
         return min(limits, default=None)
 
-    def computed(self, incidence: float = 0.0, *, passing: bool = True) -> ComputedFilm:
+    def compute_properties(self, incidence: float = 0.0, *, passing: bool = True) -> ComputedFilm:
         """The film's properties with the origin of each, for light at an incidence [rad]."""
         # ``passing`` says whether transmittances matter.
         lacking = self.lacking()
@@ -263,10 +263,10 @@ class LayeredFilmSection(FilmSection):
     def bounds(
         self, incidence: float = 0.0, *, passing: bool = True
     ) -> dict[str, tuple[FilmProperties, FilmProperties]]:
-        return self.computed(incidence, passing=passing).bounds
+        return self.compute_properties(incidence, passing=passing).bounds
 
     def warnings(self, incidence: float = 0.0, *, passing: bool = True) -> tuple[str, ...]:
-        computed = self.computed(incidence, passing=passing).warnings
+        computed = self.compute_properties(incidence, passing=passing).warnings
         return super().warnings(passing=passing) + computed
 
     def lacking(self) -> str | None:
@@ -287,11 +287,11 @@ class LayeredFilmSection(FilmSection):
 
     def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:
         if self._optics is None:
-            return self.computed(incidence, passing=passing).properties
+            return self.compute_properties(incidence, passing=passing).properties
         if isinstance(self._optics, WholeFilm):
             return self._optics.properties
-        given = {name: value.value for name, value in self.measured().items()}
-        return FilmProperties(**with_measured(self._optics, given) | {_LIMIT: self.limit()})
+        given = {name: value.value for name, value in self.measured_values().items()}
+        return FilmProperties(**with_measurements(self._optics, given) | {_LIMIT: self.limit()})
 
     def changes_optics(self, name: str, *, passing: bool = True) -> bool:
         through = passing and self.transmittance is None
@@ -300,13 +300,13 @@ class LayeredFilmSection(FilmSection):
         return own or (name == "incidence" and computed)
 
     def report(self, incidence: float = 0.0, *, passing: bool = True) -> dict[str, Any]:
-        return self.computed(incidence, passing=passing).report()
+        return self.compute_properties(incidence, passing=passing).report()
 
 
 def _compute(section: LayeredFilmSection, incidence: float, passing: bool) -> ComputedFilm:
     return ComputedFilm.of(
         section.film(),
-        section.measured(),
+        section.measured_values(),
         spectrum=section.light(),
         incidence=incidence,
         highest_temperature=section.limit(),

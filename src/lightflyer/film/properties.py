@@ -194,7 +194,9 @@ PROPERTIES = tuple(field.name for field in dataclasses.fields(FilmProperties))
 """Names of all properties of a film."""
 
 
-def area_weighted(films: Sequence[FilmProperties], shares: Sequence[Numeric]) -> FilmProperties:
+def area_weighted_mean(
+    films: Sequence[FilmProperties], shares: Sequence[Numeric]
+) -> FilmProperties:
     """Properties of a patterned film, of whose area each of several films has a share.
 
     Parameters
@@ -222,7 +224,7 @@ def area_weighted(films: Sequence[FilmProperties], shares: Sequence[Numeric]) ->
     --------
     >>> clear = FilmProperties(3e-4, 0.02, 0.1, 0.1, 0.8, 0.8, transmittance=0.9)
     >>> dark = FilmProperties(4e-4, 0.60, 0.2, 0.2, 0.8, 0.8, transmittance=0.3)
-    >>> print(f"{area_weighted([dark, clear], [0.25, 0.75]).absorptance:.3f}")
+    >>> print(f"{area_weighted_mean([dark, clear], [0.25, 0.75]).absorptance:.3f}")
     0.165
     """
     total = sum(shares)

@@ -81,8 +81,8 @@ class FilmSection(Alternative, abc.ABC):
         )
         return "layered" if layered else "measured"
 
-    def replaced(self, values: Mapping[str, Any]) -> "FilmSection":
-        """See :meth:`Section.replaced`; one emittance stands for both faces."""
+    def with_values(self, values: Mapping[str, Any]) -> "FilmSection":
+        """See :meth:`Section.with_values`; one emittance stands for both faces."""
         cleared: dict[str, Measured | None] = {}
         if "emittance" in values:
             cleared = {"emittance_top": None, "emittance_bottom": None}
@@ -90,9 +90,9 @@ class FilmSection(Alternative, abc.ABC):
             both = self.emittance
             cleared = {"emittance": None, "emittance_top": both, "emittance_bottom": both}
         section = self.model_copy(update=cleared) if cleared else self
-        return super(FilmSection, section).replaced(values)  # type: ignore[return-value]
+        return super(FilmSection, section).with_values(values)  # type: ignore[return-value]
 
-    def stated(self) -> dict[str, Measured]:
+    def stated_values(self) -> dict[str, Measured]:
         """The values that the file gives, by the name of the film's property."""
         given = {
             name: getattr(self, name) for name in PROPERTIES if getattr(self, name) is not None
@@ -170,11 +170,13 @@ class MeasuredFilmSection(FilmSection):
         if self.emittance is None and None in (self.emittance_top, self.emittance_bottom):
             raise ConfigurationError("give emittance, or both emittance_top and emittance_bottom")
         try:
-            require_conservation({name: value.value for name, value in self.stated().items()})
+            require_conservation(
+                {name: value.value for name, value in self.stated_values().items()}
+            )
         except ParameterError as error:
             raise ConfigurationError(str(error)) from error
         return self
 
     def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:  # noqa: ARG002
         """The film's properties, without their uncertainties; the same at any incidence."""
-        return FilmProperties(**{name: value.value for name, value in self.stated().items()})
+        return FilmProperties(**{name: value.value for name, value in self.stated_values().items()})

@@ -192,7 +192,7 @@ def balance_solver(
     equations: FlightEquations, shape: tuple[int, ...], guess: tuple[Array, ...] | None = None
 ) -> Callable[[tuple[Array, ...]], tuple[tuple[Array, ...], RootOutcome]]:
     """Make the function that finds the unknowns at which each node loses what it absorbs [W]."""
-    balance = equations.traced(shape)
+    balance = equations.trace_balance(shape)
     if equations.has_one_unknown:
         return partial(_solve_one, equations, balance, shape)
     return partial(_solve_several, equations, balance, guess)

@@ -97,7 +97,7 @@ class FlightEquations(eqx.Module):
         """Power that each node loses [W]."""
         return tuple(taken + given for taken, given in zip(*self.heat_flows(unknowns), strict=True))
 
-    def traced(self, shape: tuple[int, ...]) -> Balance:
+    def trace_balance(self, shape: tuple[int, ...]) -> Balance:
         """All but the powers of the equations, traced once for all who call it."""
 
         def balance(*unknowns: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:

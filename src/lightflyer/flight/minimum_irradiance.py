@@ -103,7 +103,7 @@ def find_by_irradiance(equations: FlightEquations) -> LiftOff:
     found = find_least_light(partial(_force_in, still, shape), top, least, dark)
     share = found.light / top
     held = ~found.carries | found.in_the_dark
-    balance = equations.traced(shape)
+    balance = equations.trace_balance(shape)
 
     def residual(point: tuple[Array, ...]) -> tuple[Array, ...]:
         *unknowns, way = point
@@ -188,10 +188,10 @@ def _advance(at: LeastLight, look: Look, brightest: Array, load: Array) -> Least
     carries = looking & (force >= load)
     begins = carries & (at.light > 0.0)
     residual, newton = power_step(force, slope, at.light, load)
-    bracket = _where(
+    bracket = _select(
         begins,
         BracketSearch.within(SMALLEST_SHARE * at.light, at.light, at.light * load / force),
-        _where(searching, at.bracket.advanced(residual, newton, geometric_middle), at.bracket),
+        _select(searching, at.bracket.advance(residual, newton, geometric_middle), at.bracket),
     )
     peak, vertex = _peak(at, force)
     goes_on = looking & ~carries & (at.stage < _AT_PEAK)
@@ -203,7 +203,7 @@ def _advance(at: LeastLight, look: Look, brightest: Array, load: Array) -> Least
         light=jnp.where(begins | searching, bracket.point, jnp.where(goes_on, brighter, at.light)),
         force=jnp.where(looking, force, at.force),
         carries=at.carries | carries,
-        unknowns=_where(at.stage == _DONE, at.unknowns, unknowns),
+        unknowns=_select(at.stage == _DONE, at.unknowns, unknowns),
         before=(at.before[1], force),
         peak=peak,
         vertex=vertex,
@@ -229,6 +229,6 @@ def _peak(at: LeastLight, force: Array) -> tuple[Array, Array]:
     return jnp.where(higher, before, at.peak), jnp.where(higher, vertex, at.vertex)
 
 
-def _where(condition: Array, first: T, second: T) -> T:
+def _select(condition: Array, first: T, second: T) -> T:
     chosen: T = jax.tree.map(lambda a, b: jnp.where(condition, a, b), first, second)
     return chosen

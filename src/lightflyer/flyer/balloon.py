@@ -208,7 +208,7 @@ class Balloon(AbstractClosedFlyer):
 
     def _absorbed_light(self, onto_sphere: Numeric, into_opening: Numeric) -> Array:
         film = self.film
-        return self._absorbed(
+        return self._absorbed_power(
             (film.absorptance, film.absorptance_below),
             (film.transmittance, film.transmittance_below),
             onto_sphere,
@@ -224,9 +224,11 @@ class Balloon(AbstractClosedFlyer):
     ) -> Array:
         through = self.film.infrared_transmittance_at(state.temperature)
         emittances = self.film.emittances_at(state.temperature)
-        return self._absorbed(emittances, (through, through), onto_sphere, into_opening, *emitted)
+        return self._absorbed_power(
+            emittances, (through, through), onto_sphere, into_opening, *emitted
+        )
 
-    def _absorbed(
+    def _absorbed_power(
         self,
         absorptances: tuple[Numeric, Numeric],
         transmittances: tuple[Numeric, Numeric],

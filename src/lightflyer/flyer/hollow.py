@@ -27,7 +27,7 @@ from lightflyer.files.section import Spelling
 from lightflyer.film.optics.diffraction import narrow_channels
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.bodies import AbstractClosedFlyer
-from lightflyer.flyer.hollow_geometry import FORMS, Form, HollowForm, seen_below_horizon
+from lightflyer.flyer.hollow_geometry import FORMS, Form, HollowForm, silhouette_below_horizon
 from lightflyer.flyer.hollow_outline import hollow_outline
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.sheets import (
@@ -220,8 +220,8 @@ class HollowBody(AbstractClosedFlyer):
         )
         into_outlet = self.outlet_area * direct.beam_bottom
         reflected, _ = radiation.diffuse_light()
-        wall, outlet = self._fallen(reflected, *self._views_of_ground(radiation))
-        return self._absorbed(
+        wall, outlet = self._incident_powers(reflected, *self._views_of_ground(radiation))
+        return self._absorbed_power(
             self._sheets_in_light(),
             wall + radiation.visible_part(seen - into_outlet),
             outlet + radiation.visible_part(into_outlet),
@@ -233,7 +233,7 @@ class HollowBody(AbstractClosedFlyer):
         infrared = radiation.infrared_exitances(state.temperature)
         views = self._views_of_ground(radiation)
         gains = (
-            self._absorbed(sheets, *self._fallen(exitances, *views))
+            self._absorbed_power(sheets, *self._incident_powers(exitances, *views))
             for sheets, exitances in (
                 (self._sheets_in_light(), light),
                 (self._sheets_in_infrared(state), infrared),
@@ -246,7 +246,7 @@ class HollowBody(AbstractClosedFlyer):
         # and conduction :math:`A_t f k (T_i - T_o)/L` through the channels' sheets.
         inner_excess, outer_excess = unknowns[:2]
         black = state.radiation.stefan_boltzmann * state.temperature**4
-        inner, outer = self._absorbed(
+        inner, outer = self._absorbed_power(
             self._sheets_in_infrared(state),
             0.0,
             0.0,
@@ -295,13 +295,13 @@ class HollowBody(AbstractClosedFlyer):
         #
         # .. math:: F = \tfrac12 - \frac2A\int_0^{\cos\gamma}\bar S\,dx
         tilt = None if self.attitude is None else self.attitude.tilt
-        beside = seen_below_horizon(
+        beside = silhouette_below_horizon(
             self.geometry, self.size, self.outlet_radius, tilt, radiation.edge_of_ground
         )
         _, outlet = radiation.views_of_ground(self.attitude)
         return 0.5 - 2.0 * beside / (self.surface + self.outlet_area), outlet
 
-    def _fallen(
+    def _incident_powers(
         self, exitances: Exitances, closed: Numeric, outlet: Numeric
     ) -> tuple[Array, Array]:
         """Power that falls on the wall and into the outlet, by their views of the ground [W]."""
@@ -309,7 +309,7 @@ class HollowBody(AbstractClosedFlyer):
         onto_both = (self.surface + self.outlet_area) * exitances.mean_over_view(closed)
         return onto_both - into_outlet, into_outlet
 
-    def _absorbed(
+    def _absorbed_power(
         self,
         sheets: tuple[Sheet, Sheet],
         onto_wall: Numeric,

@@ -169,7 +169,7 @@ _RING_OF_UPRIGHT, _RING_OF_TILTED = _ring(4, 1), _ring(2, 12)
 _PASSAGE = _gauss(16)
 
 
-def seen_below_horizon(
+def silhouette_below_horizon(
     form: HollowForm, size: Numeric, outlet: Numeric, tilt: Numeric | None, edge: Numeric
 ) -> Array:
     r"""Silhouette towards the directions between the horizon and the edge of the ground [m²]."""

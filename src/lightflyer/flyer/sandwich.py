@@ -135,12 +135,14 @@ class Sandwich(AbstractThinFlyer):
 
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
         light = state.radiation.on_faces(self.attitude)
-        return self._absorbed(self._sheets_in_light(), light.beam_top, light.beam_bottom)
+        return self._absorbed_power(self._sheets_in_light(), light.beam_top, light.beam_bottom)
 
     def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
         light = state.radiation.on_faces(self.attitude)
-        diffuse = self._absorbed(self._sheets_in_light(), light.diffuse_top, light.diffuse_bottom)
-        infrared = self._absorbed(
+        diffuse = self._absorbed_power(
+            self._sheets_in_light(), light.diffuse_top, light.diffuse_bottom
+        )
+        infrared = self._absorbed_power(
             self._sheets_in_infrared(state),
             *state.radiation.infrared_excess(state.temperature, self.attitude),
         )
@@ -197,7 +199,7 @@ class Sandwich(AbstractThinFlyer):
         )
         return top, bottom
 
-    def _absorbed(
+    def _absorbed_power(
         self, sheets: tuple[Sheet, Sheet], above: Numeric, below: Numeric
     ) -> tuple[Array, ...]:
         """What the membranes absorb of irradiances from above and below, over their area."""

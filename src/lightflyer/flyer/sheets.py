@@ -52,7 +52,7 @@ class Exitance(NamedTuple):
 DARK = Exitance(0.0, 0.0)  # No emission, as of light
 
 
-def perforated(
+def perforate(
     absorptance_top: Numeric,
     absorptance_bottom: Numeric,
     transmittance: Numeric,
@@ -73,7 +73,7 @@ def perforated(
 
 def sheet_in_light(film: FilmProperties, open_fraction: Numeric) -> Sheet:
     """Effective properties of a film with holes in light."""
-    return perforated(
+    return perforate(
         film.absorptance,
         film.absorptance_below,
         film.transmittance,
@@ -85,7 +85,7 @@ def sheet_in_light(film: FilmProperties, open_fraction: Numeric) -> Sheet:
 def sheet_in_infrared(film: FilmProperties, open_fraction: Numeric, temperature: Numeric) -> Sheet:
     """Effective properties of a film with holes for heat radiation."""
     top, bottom = film.emittances_at(temperature)
-    return perforated(top, bottom, film.infrared_transmittance_at(temperature), open_fraction)
+    return perforate(top, bottom, film.infrared_transmittance_at(temperature), open_fraction)
 
 
 def net_gains(

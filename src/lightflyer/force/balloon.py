@@ -120,11 +120,11 @@ class BalloonConvection(AbstractForceModel):
         )
         return (
             *OUTER_RAYLEIGH.diagnostics(rayleigh, state.pressure),
-            *_of_filling(flyer, state, self.own_results(flyer, state, (excess,))),
+            *_filling_diagnostics(flyer, state, self.own_results(flyer, state, (excess,))),
         )
 
 
-def _of_filling(
+def _filling_diagnostics(
     flyer: Balloon, state: EnvironmentState, found: Mapping[str, Array]
 ) -> Iterator[str]:
     pressure, share, tension = np.broadcast_arrays(

@@ -239,11 +239,11 @@ class Lu2023(AbstractForceModel):
             *_FITTED_DIAMETERS.diagnostics(diameter, state.pressure),
             *_FITTED_WARMER.diagnostics(ratio, state.pressure),
             *_FITTED_HEATING.diagnostics(ratio, state.pressure),
-            *_of_gas(state.gas),
+            *_gas_diagnostics(state.gas),
         )
 
 
-def _of_gas(gas: AbstractGas) -> tuple[str, ...]:
+def _gas_diagnostics(gas: AbstractGas) -> tuple[str, ...]:
     if isinstance(gas, AbstractAir):
         return ()
     return (f"c_fm and c_cont of lu2023 were fitted in air, and the gas is {gas.name}",)

@@ -48,19 +48,19 @@ class Correlations:
     @cached_property
     def followed_viscosity(self) -> ChebyshevFit:
         """Of the viscosity over the root of the temperature."""
-        return self._followed(lambda kelvin: self.viscosity(kelvin) / np.sqrt(kelvin))
+        return self._fit_formula(lambda kelvin: self.viscosity(kelvin) / np.sqrt(kelvin))
 
     @cached_property
     def followed_conductivity(self) -> ChebyshevFit:
         """Of the conductivity over the root of the temperature."""
-        return self._followed(lambda kelvin: self.conductivity(kelvin) / np.sqrt(kelvin))
+        return self._fit_formula(lambda kelvin: self.conductivity(kelvin) / np.sqrt(kelvin))
 
     @cached_property
     def followed_heat_capacity(self) -> ChebyshevFit:
         """Of the heat capacity over the gas constant."""
-        return self._followed(self.heat_capacity)
+        return self._fit_formula(self.heat_capacity)
 
-    def _followed(self, formula: Formula) -> ChebyshevFit:
+    def _fit_formula(self, formula: Formula) -> ChebyshevFit:
         return ChebyshevFit.of(formula, self.ends, _MIDDLE, _DEGREE)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.files.drawing import SKY, figure_for, outlined
+from lightflyer.files.drawing import SKY, figure_for, outline_effects
 
 if TYPE_CHECKING:
     from lightflyer.kinetic.chamber.enclosure import Chamber
@@ -43,7 +43,7 @@ def draw_flow(solution: "Solution | ChamberSolution", ax: Axes, extent: float = 
         arrowsize=0.7,
     )
     ax.plot([-1.0, 1.0], [0.0, 0.0], color=SKY, linewidth=3.5, solid_capstyle="butt",
-            path_effects=outlined(5.5))  # fmt: skip
+            path_effects=outline_effects(5.5))  # fmt: skip
     ax.set_aspect("equal")
     ax.set_xlim(-side, side)
     ax.set_ylim(low, high)

@@ -35,7 +35,7 @@ from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.release import Release, limits_of, require_release_inside
 from lightflyer.mission.path.termination import TerminationReason
-from lightflyer.mission.report.assumptions import assumptions_of, described
+from lightflyer.mission.report.assumptions import assumptions_of, describe_object
 from lightflyer.mission.report.dataset import Several, add_several, add_survival, dataset_of
 from lightflyer.mission.report.diagnostics import diagnose_flight, termination_text
 from lightflyer.numerics.rootfind import SolverStatus
@@ -325,7 +325,7 @@ def _record(
         "title": "lightflyer mission",
         "lightflyer_version": lightflyer.__version__,
         "flyer": setup.flyer.describe(),
-        "force_model": described(setup.model),
+        "force_model": describe_object(setup.model),
         "planet": planet_of(setup.environment).name,
         "planet_radius_km": float(planet_of(setup.environment).radius) / 1e3,
         "assumptions": "; ".join(assumptions_of(setup, mission.rule, ensemble, inertia)),

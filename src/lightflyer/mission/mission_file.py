@@ -8,7 +8,7 @@ from lightflyer.config.flyer_file import FileDesign, flyer_file_type, section_at
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import read_text
 from lightflyer.files.section import Section
-from lightflyer.files.toml_file import FileKind, check, parsed, place_of
+from lightflyer.files.toml_file import FileKind, check, parse_toml, place_of
 from lightflyer.mission.section import EnsembleSection, LaunchesSection, MissionSection
 
 _MISSION = "mission"
@@ -76,7 +76,7 @@ def read_mission_file(path: str | Path) -> MissionFile:
 
 def mission_of_text(text: str, path: Path) -> MissionFile:
     """What the text of a mission file describes."""
-    document = parsed(text, path, MISSION_FILE)
+    document = parse_toml(text, path, MISSION_FILE)
     rest = {name: content for name, content in document.items() if name != _MISSION}
     part = {name: content for name, content in document.items() if name == _MISSION}
     mission, missions_mistakes = check(_MissionPart, part, text, path, MISSION_FILE)

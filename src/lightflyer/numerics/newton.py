@@ -122,13 +122,13 @@ class SafeNewton:
         most = self.plain_steps + self.careful_steps
         end = jax.lax.while_loop(
             lambda at: jnp.any(_searching(at.status)) & (at.steps < most),
-            lambda at: self._moved(function, at),
+            lambda at: self._move_active(function, at),
             state,
         )
         unfinished = _searching(end.status) & end.is_careful
         return _select(unfinished, end.careful.base, end.point), RootOutcome(end.status, end.steps)
 
-    def _moved(self, function: Callable[[Unknowns], Unknowns], state: _State) -> _State:
+    def _move_active(self, function: Callable[[Unknowns], Unknowns], state: _State) -> _State:
         """The state after a step of every element that is still searching."""
         newton = _newton(function, state.point)
         plain, plain_verdict, fails = self._plain(newton, state.point, state)

@@ -12,7 +12,7 @@ _ERROR_POWERS = [(0,), (1,), (2,)]
 _MARGIN = 0.02  # how far beyond an end a corner lies, and half of the width of its rounding
 
 
-def scaled(value: Any, low: float, high: float) -> Any:
+def place_between(value: Any, low: float, high: float) -> Any:
     """Place of a value between two ends, from −1 to 1."""
     return (2.0 * value - low - high) / (high - low)
 
@@ -29,7 +29,7 @@ def polynomial(coefficients: Any, *variables: Any) -> Any:
     return result
 
 
-def held_within(value: Any, low: float, high: float) -> Any:
+def hold_within(value: Any, low: float, high: float) -> Any:
     """A value within two ends, and a little beyond the nearer one where it lies outside."""
     # The corners are round: a kink would stop Newton's method where a solution lies at it. Up to
     # the ends the value is itself. Twice differentiable, without transcendental functions, which
@@ -72,11 +72,11 @@ def as_tuples(array: np.ndarray) -> Any:
     return tuple(map(as_tuples, array)) if array.ndim else float(array)
 
 
-def trimmed(coefficients: Any) -> Any:
+def trim_zeros(coefficients: Any) -> Any:
     """Coefficients without zeros of the highest powers, which cost time."""
     if not isinstance(coefficients, tuple):
         return coefficients
-    kept = [trimmed(part) for part in coefficients]
+    kept = [trim_zeros(part) for part in coefficients]
     while len(kept) > 1 and kept[-1] in (0.0, (0.0,)):
         kept.pop()
     return tuple(kept)

@@ -121,7 +121,7 @@ class BracketSearch(eqx.Module):
         )
         return jnp.where(self.active, unfinished, jnp.int8(SolverStatus.CONVERGED))
 
-    def advanced(
+    def advance(
         self,
         value: Array,
         newton: Array,
@@ -226,7 +226,7 @@ def _search(
 
     def advance(at: tuple[BracketSearch, Array]) -> tuple[BracketSearch, Array]:
         search, steps = at
-        return search.advanced(*look(search.point), middle, tolerance), steps + 1
+        return search.advance(*look(search.point), middle, tolerance), steps + 1
 
     def unfinished(at: tuple[BracketSearch, Array]) -> Array:
         search, steps = at

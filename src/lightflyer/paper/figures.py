@@ -19,7 +19,7 @@ from lightflyer.files.drawing import (
     VERMILION,
     legend_below,
     new_figure,
-    outlined,
+    outline_effects,
     plain_decades,
     shared_legend,
 )
@@ -108,7 +108,7 @@ def _draw_5a(curves: Curves) -> Figure:
         lift = curves[f"lift over weight {coating} [1]"].reshape(shape)
         ax.contour(
             MAP_PRESSURES_MTORR, MAP_IRRADIANCES / _KILO, lift.T, [1.0], colors="white"
-        ).set_path_effects(outlined())
+        ).set_path_effects(outline_effects())
     figure.colorbar(image, ax=figure.axes[:2], label="temperature of the disk [K]")
     _letter(figure.axes[0], "a")
     return figure
@@ -127,7 +127,7 @@ def _draw_5bcd(curves: Curves, points: Points | None) -> Figure:
                     ls=_STYLES[column.key],
                     label=f"{_NAMES[coating]}, {column.title}",
                 )
-        _draw_points(ax, points, _in_panel(points, size))
+        _draw_points(ax, points, _panel_points(points, size))
         ax.set_yscale("log")
         plain_decades(ax.yaxis)
         ax.set_ylim(0.4, 20.0)
@@ -143,7 +143,7 @@ def _draw_5bcd(curves: Curves, points: Points | None) -> Figure:
     return figure
 
 
-def _in_panel(points: Points | None, size_cm: float) -> Any:
+def _panel_points(points: Points | None, size_cm: float) -> Any:
     if points is None or "diameter" not in points.numbers:
         return None
     return np.isclose(points.numbers["diameter"], size_cm * _CENTIMETRE)

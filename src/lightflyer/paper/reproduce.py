@@ -6,7 +6,7 @@ from pathlib import Path
 from lightflyer.calibration.points import Points
 from lightflyer.core import progress
 from lightflyer.core.atomic_files import output_directory
-from lightflyer.files.drawing import DOTS_PER_INCH, save, styled
+from lightflyer.files.drawing import DOTS_PER_INCH, save, use_style
 from lightflyer.paper import report
 from lightflyer.paper.conditions import COLUMNS
 from lightflyer.paper.curves import FIGURES, rows
@@ -39,7 +39,7 @@ def reproduce(
     """Write report, figures and data into a folder: everything, or nothing on failure."""
     results = compute()
     endings = dict.fromkeys(("png", *formats))
-    with output_directory(out) as stage, styled(style):
+    with output_directory(out) as stage, use_style(style):
         images = {}
         figures = {}
         for name, (title, curves_of) in FIGURES.items():

@@ -23,7 +23,7 @@ from lightflyer.files.drawing import (
     hatch,
     legend_below,
     new_figure,
-    outlined,
+    outline_effects,
     plain_decades,
 )
 from lightflyer.prediction.evaluator import POINTS, Evaluator
@@ -50,9 +50,9 @@ def across(prediction: "Prediction") -> float:
     return scale_and_offset(where.unit, where.shown_unit)[0]
 
 
-def shown_for_best(prediction: "Prediction", output: str) -> tuple[float, str]:
+def display_unit_at_best(prediction: "Prediction", output: str) -> tuple[float, str]:
     """Factor from an output's SI unit, and the unit, that suit its value at the best."""
-    return OUTPUTS[output].shown_for(prediction.best.values[output])
+    return OUTPUTS[output].display_unit_for(prediction.best.values[output])
 
 
 def closer(prediction: "Prediction") -> "Prediction":
@@ -227,7 +227,7 @@ def temperature(prediction: "Prediction", ax: Axes) -> Axes:
 
 def payload(prediction: "Prediction", ax: Axes) -> Axes:
     """Draw the largest payload, with the relative payload on the right."""
-    factor, (scale, unit) = across(prediction), shown_for_best(prediction, "payload")
+    factor, (scale, unit) = across(prediction), display_unit_at_best(prediction, "payload")
     place = prediction.verdict.best or prediction.best
     values = place.values
     best, point = values["payload"] * scale, factor * place.coordinate
@@ -277,7 +277,7 @@ def temperature_map(prediction: "Prediction", ax: Axes) -> Axes:
         ("available light", np.full(places.shape, prediction.available), "--"),
     ):
         ax.plot(places, drawn, ls=style, color="white", lw=1.8, label=label,
-                path_effects=outlined())  # fmt: skip
+                path_effects=outline_effects())  # fmt: skip
     if where.logarithmic:
         ax.set_xscale("log")
         plain_decades(ax.xaxis)

@@ -339,8 +339,8 @@ def predict_design(
         map=_map(evaluate, coordinates, easiest) if setup.environment.dimmable_light else None,
         warnings=(
             *design.warnings,
-            *_unsolved(where, coordinates, table),
-            *_unsolved(where, asked, at_asked),
+            *_describe_unsolved(where, coordinates, table),
+            *_describe_unsolved(where, asked, at_asked),
             *diagnose_force(table),
             *diagnose_at(setup, reported[solved], temperature[solved]),
         ),
@@ -373,7 +373,7 @@ def _reported_coordinates(
     return asked
 
 
-def _unsolved(where: Coordinate, coordinates: np.ndarray, table: Table) -> Iterator[str]:
+def _describe_unsolved(where: Coordinate, coordinates: np.ndarray, table: Table) -> Iterator[str]:
     """What is missing, where a balance has no solution within the tolerance."""
     unbalanced = np.isnan(table["lift_over_weight"])
     for what, missing in (

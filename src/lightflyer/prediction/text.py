@@ -15,7 +15,7 @@ from lightflyer.files.result_text import (
     rows_of,
     warning_lines,
     width_of,
-    wrapped,
+    wrap,
 )
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def prediction_parts(
 ) -> Parts:
     """The verdict, a table around the bands, and what must be known; ``verbose``: all of it."""
     width = min(width, NARROW)
-    yield from (wrapped(line, width) for line in verdict_lines(prediction, bands))
+    yield from (wrap(line, width) for line in verdict_lines(prediction, bands))
     if prediction.asked.size:
         yield from (
             _points_tables(prediction, width) if verbose else [_short_table(prediction, width)]
@@ -47,12 +47,12 @@ def prediction_parts(
         yield "* hotter in the light than its film bears"
     if prediction.setup.budget is not None and not verbose:
         best = prediction.verdict.best or prediction.best
-        yield wrapped(f"payload needs {payload_line(best.values)}")
+        yield wrap(f"payload needs {payload_line(best.values)}")
     if verbose:
         yield _results(prediction, prediction.summary())
-    yield from (wrapped(line, width) for line in warning_lines(prediction.other_warnings))
+    yield from (wrap(line, width) for line in warning_lines(prediction.other_warnings))
     if verbose:
-        yield wrapped("; ".join(prediction.assumptions), width)
+        yield wrap("; ".join(prediction.assumptions), width)
 
 
 def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
@@ -69,7 +69,7 @@ def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[st
     yield from film_lines(prediction, bands)
     if found.best is not None:
         held = "Afloat at" if found.carries_afloat else "Held at" if found.rest else "At"
-        place = _shown(prediction, found.best.coordinate)
+        place = _place_text(prediction, found.best.coordinate)
         yield f"{held} {place} it carries up to {_most_payload(found.best, bands)}."
 
 
@@ -83,7 +83,7 @@ def film_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
         band = bands.get("verdict.rest.temperature_k")
         hot = _with_band(rest.values["temperature"], band, ".0f", "K")
         survives = " and survives" if found.survives else ""
-        place = _shown(prediction, rest.coordinate)
+        place = _place_text(prediction, rest.coordinate)
         yield f"Let go, it rests at {place} and {hot}; {film}{survives}."
     ways = []
     if found.strongest_light and math.isfinite(found.strongest_light):
@@ -107,7 +107,10 @@ def film_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
 def _most_payload(best: "Place", bands: Bands) -> str:
     """The largest payload where the film survives, with its band."""
     output = OUTPUTS["payload"]
-    (factor, unit), (key, json_factor) = output.shown_for(best.values["payload"]), output.json
+    (factor, unit), (key, json_factor) = (
+        output.display_unit_for(best.values["payload"]),
+        output.json,
+    )
     band = bands.get(f"verdict.best.{key}", bands.get(f"best.{key}"))
     if band is not None:
         band = band[0] * factor / json_factor, band[1] * factor / json_factor
@@ -126,7 +129,7 @@ def _with_band(value: float, band: tuple[float, float] | None, form: str, unit: 
     return f"{value:.{digits}f}{unit} ({low} to {high})"
 
 
-def _shown(
+def _place_text(
     prediction: "Prediction", coordinate: float, band: tuple[float, float] | None = None
 ) -> str:
     """An altitude or pressure with its unit."""
@@ -147,7 +150,7 @@ def _ranges(
     words = []
     for ends in ranges:
         low, high = (
-            _shown(prediction, end, bands.get(f"{name}.{edge}") if ends == widest else None)
+            _place_text(prediction, end, bands.get(f"{name}.{edge}") if ends == widest else None)
             for end, edge in zip(ends, ("lower", "upper"), strict=True)
         )
         below = "below " if ends[0] <= first else ""
@@ -159,7 +162,7 @@ def _ranges(
 def _most_lift(prediction: "Prediction", bands: Bands = _NONE) -> str:
     lift = round(float(prediction.best.values["lift_over_weight"]), 2) + 0.0  # and never -0.00
     most = _with_band(lift, bands.get("best.lift_over_weight"), ".2f")
-    return f"{most} of its weight, at {_shown(prediction, prediction.best.coordinate)}"
+    return f"{most} of its weight, at {_place_text(prediction, prediction.best.coordinate)}"
 
 
 def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
@@ -201,7 +204,7 @@ def _pressures(prediction: "Prediction", summary: dict[str, Any], bands: int) ->
 
 def _mass(kilograms: float, form: str = ".4g") -> str:
     """A mass with a unit that suits it."""
-    factor, unit = OUTPUTS["own_mass"].shown_for(kilograms)
+    factor, unit = OUTPUTS["own_mass"].display_unit_for(kilograms)
     return f"{kilograms * factor:{form}} {unit}"
 
 
@@ -217,7 +220,7 @@ def payload_line(best: dict[str, float]) -> str:
 
     def shown(name: str, form: str = ".4g") -> str:
         output = BUDGET_OUTPUTS[name]
-        factor, unit = output.shown_for(best[name])
+        factor, unit = output.display_unit_for(best[name])
         return f"{best[name] * factor:{form}} {unit.replace('^2', '²')}"
 
     if not math.isfinite(best["payload_needed"]):
@@ -315,7 +318,7 @@ def _points_table(
     }
     for name, (heading, form) in headings.items():
         values = prediction.at[name]
-        scale, unit = known[name].shown_for(values)
+        scale, unit = known[name].display_unit_for(values)
         title = heading.format(unit.replace("^2", "²"))
         columns[title] = [_cell(value * scale, form) for value in values]
     table = Table(box=None, padding=(0, 1), collapse_padding=len(columns) > _ROOMY, pad_edge=False)

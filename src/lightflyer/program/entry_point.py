@@ -72,22 +72,22 @@ _way: ContextVar[str | None] = ContextVar("way", default=None)
 @contextmanager
 def run_by(way: str) -> Iterator[None]:
     """Context in which functions are run one way, whatever they cost."""
-    before = _way.set(_checked(way))
+    before = _way.set(_require_way(way))
     try:
         yield
     finally:
         _way.reset(before)
 
 
-def _checked(way: str) -> str:
+def _require_way(way: str) -> str:
     if way not in ("numpy", "xla"):
         raise ParameterError(f'functions run by "numpy" or "xla", not by "{way}"')
     return way
 
 
-def _forced() -> str | None:
+def _forced_way() -> str | None:
     chosen, setting = _way.get(), os.environ.get(SETTING, "")
-    return chosen or (_checked(setting) if setting else None)
+    return chosen or (_require_way(setting) if setting else None)
 
 
 def entry_point(
@@ -180,7 +180,7 @@ class _Runner:
         self._traced: dict[Any, _Traced | None] = {}
         self._spent: dict[Any, float] = {}  # time that NumPy took, by the shapes of a call
         self._run: dict[Program, tuple[float, float]] = {}  # calls a piece, work an element
-        self._compiled = jax.jit(self._promoted)
+        self._compiled = jax.jit(self._run_in_double)
         self._narrowed: dict[tuple[str, ...], _Runner] = {}
         self._whole: _Runner | None = None
         self._names: tuple[str, ...] = ()
@@ -203,13 +203,13 @@ class _Runner:
         if jax.config.jax_disable_jit or is_traced(leaves):  # type: ignore[attr-defined]
             return self._compiled(*args, **kwargs)
         arrays = [_in_double(leaf) for leaf in leaves]
-        way = _forced() or self._way
+        way = _forced_way() or self._way
         found = None if way == "xla" else self._by_numpy(arrays, structure, way)
         if found is None:
             found = jax.tree.map(lambda leaf: np.asarray(leaf)[()], self._by_xla(arrays, structure))
         return found
 
-    def _promoted(self, *args: Any, **kwargs: Any) -> Any:
+    def _run_in_double(self, *args: Any, **kwargs: Any) -> Any:
         args, kwargs = jax.tree.map(_promote, (args, kwargs))
         return self._function(*args, **kwargs)
 
@@ -332,7 +332,7 @@ class _Runner:
                 kept.Number(shape, kind.str) for shape, kind in zip(pattern, types, strict=True)
             ]
             form = jax.tree.unflatten(structure, numbers)
-            found = _kept(self._function, form)
+            found = _load_kept(self._function, form)
             if found is None and may_trace:
                 found = self._trace(structure, pattern, types, form)
         if found is not None or may_trace:
@@ -364,7 +364,7 @@ class _Runner:
         return _Traced(program, lambda leaves: jax.tree.unflatten(result, leaves))
 
 
-def _kept(function: Callable[..., Any], form: Any) -> _Traced | None:
+def _load_kept(function: Callable[..., Any], form: Any) -> _Traced | None:
     """The program that an earlier process kept, if any."""
     found = kept.find(function, form)
     if found is None:

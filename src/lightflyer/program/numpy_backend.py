@@ -16,7 +16,7 @@ from lightflyer.program.operations import (
     RULES,
     SINGLE,
     UnsupportedError,
-    filled,
+    fill_axes,
     function_of,
 )
 from lightflyer.program.program import ROWS, Block, Operation, Program, length_of
@@ -58,13 +58,13 @@ def run(
     program: Program, inputs: Sequence[np.ndarray], meter: Meter | None = None
 ) -> list[np.ndarray]:
     """Outputs of a program; ``meter``: what counts the work."""
-    prepared: _Prepared = program.prepared("numpy", _Prepared)
+    prepared: _Prepared = program.prepare_once("numpy", _Prepared)
     lengths = _Run(program.lengths([np.shape(array) for array in inputs]))
     lengths.meter = meter or Meter()
     with np.errstate(all="ignore"):
         found = prepared.run(lengths, inputs)
     return [
-        filled(value, shape, lengths).astype(kind, copy=False).copy()
+        fill_axes(value, shape, lengths).astype(kind, copy=False).copy()
         for value, shape, kind in zip(
             found, program.output_shapes, program.output_types, strict=True
         )
@@ -243,7 +243,7 @@ def _while(operation: Operation, fixed: frozenset[int]) -> Callable[[Values, _Ru
                 following = _where_rows(goes_on, following, state)
             elif active is not None:
                 goes_on = values[active]
-            state = following if rest is None else rest.narrowed(goes_on, state, following)
+            state = following if rest is None else rest.narrow(goes_on, state, following)
         _set(values, operation.outputs, state if rest is None else rest.whole(state))
 
     return loop
@@ -274,7 +274,7 @@ class _Rest:
         self._full: list[Any] | None = None
         self._rows: Any = None
 
-    def narrowed(self, active: Any, state: list[Any], following: list[Any]) -> list[Any]:
+    def narrow(self, active: Any, state: list[Any], following: list[Any]) -> list[Any]:
         """The state without elements that have ended and change no more, where they are many."""
         count = self._lengths.get(ROWS, 1)
         if count < _FEW or np.shape(active) != (count,):
@@ -370,13 +370,13 @@ def _scan(operation: Operation, fixed: frozenset[int]) -> Callable[[Values, _Run
                 column.append(value)
         if given["reverse"]:
             collected = [column[::-1] for column in collected]
-        stacked = [_stacked(column, rank) for column, rank in zip(collected, ranks, strict=True)]
+        stacked = [_stack_rows(column, rank) for column, rank in zip(collected, ranks, strict=True)]
         _set(values, operation.outputs, [*state, *stacked])
 
     return loop
 
 
-def _stacked(rows: list[Any], rank: int) -> Any:
+def _stack_rows(rows: list[Any], rank: int) -> Any:
     """Rows of one array; each may lack axes along which it does not vary."""
     whole = np.stack(np.broadcast_arrays(*rows)) if rows else np.zeros((0,))
     return whole.reshape(whole.shape + (1,) * (1 + rank - whole.ndim))

@@ -160,7 +160,7 @@ def _shape(shape: Iterable[Length], lengths: Lengths) -> tuple[int, ...]:
     return tuple(length_of(length, lengths) for length in shape)
 
 
-def filled(value: Any, shape: Iterable[Length], lengths: Lengths) -> np.ndarray:
+def fill_axes(value: Any, shape: Iterable[Length], lengths: Lengths) -> np.ndarray:
     """A view of a value that fills all of its axes."""
     return np.broadcast_to(value, _shape(shape, lengths))
 
@@ -201,7 +201,7 @@ def _squeeze(_: Lengths, value: Any, *, dimensions: list[int]) -> Any:
 def _reshape(lengths: Lengths, value: Any, *, shape: list[Length], new: list[Length]) -> Any:
     if np.size(value) == 1:
         return np.reshape(value, (1,) * len(new))
-    return np.reshape(filled(value, shape, lengths), _shape(new, lengths))
+    return np.reshape(fill_axes(value, shape, lengths), _shape(new, lengths))
 
 
 @_rule("transpose")
@@ -238,19 +238,19 @@ def _slice(
 @_rule("concatenate")
 def _concatenate(lengths: Lengths, *values: Any, dimension: int, shapes: list[list[Length]]) -> Any:
     return np.concatenate(
-        [filled(value, shape, lengths) for value, shape in zip(values, shapes, strict=True)],
+        [fill_axes(value, shape, lengths) for value, shape in zip(values, shapes, strict=True)],
         dimension,
     )
 
 
 @_rule("stack")
 def _stack(lengths: Lengths, *values: Any, shape: list[Length], axis: int) -> Any:
-    return np.stack([filled(value, shape, lengths) for value in values], axis)
+    return np.stack([fill_axes(value, shape, lengths) for value in values], axis)
 
 
 @_rule("unstack")
 def _unstack(lengths: Lengths, value: Any, *, shape: list[Length], axis: int) -> Any:
-    parts = [*np.moveaxis(filled(value, shape, lengths), axis, 0)]
+    parts = [*np.moveaxis(fill_axes(value, shape, lengths), axis, 0)]
     return parts if len(parts) > 1 else parts[0]
 
 
@@ -259,7 +259,7 @@ def _split(
     lengths: Lengths, value: Any, *, sizes: list[Length], axis: int, shape: list[Length]
 ) -> Any:
     ends = list(itertools.accumulate(_shape(sizes, lengths)))[:-1]
-    parts = np.split(filled(value, shape, lengths), ends, axis)
+    parts = np.split(fill_axes(value, shape, lengths), ends, axis)
     return parts if len(parts) > 1 else parts[0]
 
 
@@ -267,7 +267,7 @@ def _split(
 def _pad(
     lengths: Lengths, value: Any, filling: Any, *, config: list[list[int]], shape: list[Length]
 ) -> Any:
-    full = filled(value, shape, lengths)
+    full = fill_axes(value, shape, lengths)
     inner = [length + (length - 1) * gap for length, (_, _, gap) in zip(full.shape, config,
              strict=True)]  # fmt: skip
     whole = np.full(
@@ -303,7 +303,7 @@ def _dim_as_value(lengths: Lengths, *, dim: Length, dtype: str) -> Any:
 def _dynamic_slice(
     lengths: Lengths, value: Any, *start: Any, sizes: list[Length], shape: list[Length]
 ) -> Any:
-    full = filled(value, shape, lengths)
+    full = fill_axes(value, shape, lengths)
     wanted = _shape(sizes, lengths)
     return full[_window(full.shape, start, wanted)]
 
@@ -317,7 +317,7 @@ def _dynamic_update_slice(
     shape: list[Length],
     sizes: list[Length],
 ) -> Any:
-    full = filled(value, shape, lengths).copy()
+    full = fill_axes(value, shape, lengths).copy()
     full[_window(full.shape, start, _shape(sizes, lengths))] = update
     return full
 
@@ -349,9 +349,9 @@ def _gather(
     fill: Any,
 ) -> Any:
     """A window for each index vector; a place beyond the ends is moved in, or filled."""
-    full, widths = filled(value, shape, lengths), _shape(sizes, lengths)
+    full, widths = fill_axes(value, shape, lengths), _shape(sizes, lengths)
     if np.ndim(indices) == 0 or indices.shape[-1] != len(start_index_map):
-        indices = filled(indices, index_shape, lengths)
+        indices = fill_axes(indices, index_shape, lengths)
     batch = indices.ndim - 1
     kept = [axis for axis in range(full.ndim) if axis not in {*collapsed, *operand_batching}]
     rank = batch + len(kept)
@@ -410,9 +410,9 @@ def _scatter(
     mode: str,
 ) -> Any:
     """An array with windows replaced or added to; windows that do not fit are left out."""
-    full = filled(value, shape, lengths).copy()
-    places = filled(indices, index_shape, lengths)
-    new = filled(updates, update_shape, lengths)
+    full = fill_axes(value, shape, lengths).copy()
+    places = fill_axes(indices, index_shape, lengths)
+    new = fill_axes(updates, update_shape, lengths)
     batch = [axis for axis in range(new.ndim) if axis not in window_dims]
     new = np.transpose(new, [*batch, *window_dims])
     single = {*inserted, *operand_batching}
@@ -445,7 +445,7 @@ def _scatter(
 
 def _whole_reduction(reduce: Callable[..., Any]) -> Callable[..., Any]:
     def reduced(lengths: Lengths, value: Any, *, axes: list[int], shape: list[Length]) -> Any:
-        full = filled(value, shape, lengths)
+        full = fill_axes(value, shape, lengths)
         return reduce(full, axis=tuple(axes), dtype=full.dtype)
 
     return reduced
@@ -469,7 +469,7 @@ def _accumulation(accumulate: Callable[..., Any]) -> Callable[..., Any]:
     def accumulated(
         lengths: Lengths, value: Any, *, axis: int, reverse: bool, shape: list[Length]
     ) -> Any:
-        full = filled(value, shape, lengths)
+        full = fill_axes(value, shape, lengths)
         full = np.flip(full, axis) if reverse else full
         found = accumulate(full, axis=axis, dtype=full.dtype)
         return np.flip(found, axis) if reverse else found
@@ -491,7 +491,7 @@ def _search(find: Callable[..., Any]) -> Callable[..., Any]:
         lengths: Lengths, value: Any, *, axes: list[int], index_dtype: str, shape: list[Length]
     ) -> Any:
         (axis,) = axes
-        return find(filled(value, shape, lengths), axis=axis).astype(index_dtype)
+        return find(fill_axes(value, shape, lengths), axis=axis).astype(index_dtype)
 
     return found
 
@@ -503,7 +503,7 @@ RULES["argmax"], RULES["argmin"] = _search(np.argmax), _search(np.argmin)
 def _sort(
     lengths: Lengths, *values: Any, dimension: int, num_keys: int, shape: list[Length]
 ) -> Any:
-    full = [filled(value, shape, lengths) for value in values]
+    full = [fill_axes(value, shape, lengths) for value in values]
     if len(full) == 1:
         return np.sort(full[0], axis=dimension, kind="stable")
     if num_keys != 1:
@@ -523,7 +523,7 @@ def _dot_general(
     shapes: list[list[Length]],
 ) -> Any:
     left, right = (
-        filled(value, shape, lengths) for value, shape in zip((one, other), shapes, strict=True)
+        fill_axes(value, shape, lengths) for value, shape in zip((one, other), shapes, strict=True)
     )
     names = itertools.count()
     of_left = [next(names) for _ in range(left.ndim)]

@@ -85,7 +85,7 @@ class Program:
         single = {number for number, shape in inputs if not shape}
         return single | {number for number, array in self.constants.items() if not array.ndim}
 
-    def prepared(self, backend: str, prepare: "Callable[[Program], Any]") -> Any:
+    def prepare_once(self, backend: str, prepare: "Callable[[Program], Any]") -> Any:
         """What a backend makes of the program, made once."""
         if backend not in self._prepared:
             self._prepared[backend] = prepare(self)

@@ -20,10 +20,10 @@ def with_outputs(program: Program, places: Sequence[int]) -> Program:
 
 def without_dead(block: Block) -> Block:
     """The block without operations that its results do not need."""
-    return _pruned(block, set(block.results))
+    return _prune(block, set(block.results))
 
 
-def _pruned(block: Block, needed: set[int]) -> Block:
+def _prune(block: Block, needed: set[int]) -> Block:
     """Without dead operations; ``needed`` gains what the rest reads."""
     kept: list[Operation] = []
     for operation in reversed(block.operations):
@@ -33,7 +33,7 @@ def _pruned(block: Block, needed: set[int]) -> Block:
         blocks = []
         for part in alive.blocks:
             inner = set(part.results)
-            blocks.append(_pruned(part, inner))
+            blocks.append(_prune(part, inner))
             needed |= inner - part.makes()
         needed |= set(alive.inputs)
         kept.append(alive._replace(blocks=tuple(blocks)))

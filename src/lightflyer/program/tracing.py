@@ -210,7 +210,7 @@ class _Builder:
         if name == "select_if_vmap":
             return [inputs[1]]
         if name.startswith("unvmap_"):
-            return self._unmapped(name, equation, inputs)
+            return self._record_unmapped(name, equation, inputs)
         special = {
             "while": self._while,
             "scan": self._scan,
@@ -230,7 +230,7 @@ class _Builder:
         parameters = PARAMETERS[name](equation) if name in PARAMETERS else {}
         return self._add(name, inputs, len(equation.outvars), **parameters)
 
-    def _unmapped(self, name: str, equation: Any, inputs: list[int]) -> list[int]:
+    def _record_unmapped(self, name: str, equation: Any, inputs: list[int]) -> list[int]:
         """Equinox's reductions over whatever a function is mapped over."""
         (shape,) = (variable.aval.shape for variable in equation.invars)
         kind = {"any": "or", "all": "and", "max": "max"}[name.removeprefix("unvmap_")]
@@ -275,7 +275,7 @@ class _Builder:
         fixed, carried = given["num_consts"], given["num_carry"]
         outer, rest = inputs[:fixed], inputs[fixed:]
         if isinstance(given["length"], int) and given["length"] <= _MOST_STEPS:
-            return self._written_out(equation, outer, rest)
+            return self._unroll(equation, outer, rest)
         block = self._block(given["jaxpr"], outer, len(rest))
         return self._add(
             "scan",
@@ -288,7 +288,7 @@ class _Builder:
             ranks=[len(one.aval.shape) - 1 for one in equation.outvars[carried:]],
         )
 
-    def _written_out(self, equation: Any, outer: list[int], rest: list[int]) -> list[int]:
+    def _unroll(self, equation: Any, outer: list[int], rest: list[int]) -> list[int]:
         """A loop of a few steps as one step after the other."""
         given = equation.params
         carried, steps = given["num_carry"], range(given["length"])

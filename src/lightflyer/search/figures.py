@@ -16,7 +16,7 @@ from lightflyer.files.drawing import (
     VERMILION,
     legend_below,
     new_figure,
-    wrapped,
+    wrap_label,
 )
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def front_figure(front: "Front") -> Figure:
         for part, side in ((first, "x"), (other, "y")):
             better = "more" if part.sign > 0.0 else "less"
             factor, label = scale_and_label(table[part.name])
-            getattr(ax, f"set_{side}label")(f"{wrapped(label)}\n({better} is better)")
+            getattr(ax, f"set_{side}label")(f"{wrap_label(label)}\n({better} is better)")
             values.append(factor * table[part.name].values)
         ax.plot(*values, "o", color=BLUE, ms=4, label="designs that no other beats in everything")
         ax.grid(alpha=_OPACITY)
@@ -71,7 +71,7 @@ def _draw_ranges(found: "Indices", order: np.ndarray, ax: Axes) -> None:
     ax.axvline(factor * found.nominal, color=GREY, lw=1.0)
     names = [" and\n".join(map(in_words, found.groups[number])) for number in order]
     ax.set_yticks(rows, names)
-    ax.set_xlabel(wrapped(label))
+    ax.set_xlabel(wrap_label(label))
     ax.locator_params(axis="x", nbins=_TICKS)
 
 

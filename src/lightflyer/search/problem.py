@@ -92,7 +92,7 @@ class Choice:
 
     def problem_of(self, sequence: Sequence[int]) -> "Problem":
         """The whole problem with one of the stacks, whose thicknesses are free."""
-        design, over = self.stacks.chosen(sequence)
+        design, over = self.stacks.choose(sequence)
         changes = {"over": self.section.over | over, "stacks": None}
         section = self.section.model_copy(update=changes)
         return make_problem(design, section, self.sampling, self.source)
@@ -296,7 +296,7 @@ def _check_bounds(stacks: AbstractStacks) -> None:
     checked: set[int] = set()
     for sequence in stacks.sequences:
         if not set(sequence) <= checked:
-            design, over = stacks.chosen(sequence)
+            design, over = stacks.choose(sequence)
             for name, entry in over.items():
                 try:
                     read_bounds(entry, design.field(name))

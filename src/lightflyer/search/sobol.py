@@ -349,10 +349,12 @@ def _indices(study: SensitivityStudy) -> list[Indices]:
     sizes, designs = _designs(study, shares, power)
     table = _evaluate(study, designs)
     ends = np.cumsum(sizes)[:-1]
-    return [_of_output(study, space, name, np.split(table[name], ends)) for name in study.outputs]
+    return [
+        _output_indices(study, space, name, np.split(table[name], ends)) for name in study.outputs
+    ]
 
 
-def _of_output(
+def _output_indices(
     study: SensitivityStudy, space: dict[str, Any], output: str, blocks: list[np.ndarray]
 ) -> Indices:
     """Indices of an output from its values in each block of designs."""
@@ -390,7 +392,7 @@ def _of_output(
         high=high,
         elasticity=_elasticities(study, nominal, up - down),
         warnings=study.design.sampling_warnings,
-        shown=known.shown_for([nominal, *low, *high]),
+        shown=known.display_unit_for([nominal, *low, *high]),
     )
 
 

@@ -96,7 +96,7 @@ def choose_stack(problem: Problem) -> tuple[Problem, Ranking]:
     screened = len(entries)
     better = list(_improve(function, choice, entries[:IMPROVED], scale, ends))
     better.sort(key=lambda entry: -entry.merit)
-    best = list(_computed_in_full(function, choice, better[:IN_FULL], scale, ends))
+    best = list(_compute_in_full(function, choice, better[:IN_FULL], scale, ends))
     best.sort(key=lambda entry: -entry.merit)
     rest = better[len(best) :]
     sign = problem.objectives[0].sign
@@ -166,7 +166,7 @@ def _improve(
         yield entry
 
 
-def _computed_in_full(
+def _compute_in_full(
     function: ObjectiveFunction, choice: Choice, entries: list[_Entry], scale: float, ends: float
 ) -> Iterator[_Entry]:
     """Stacks with the best thicknesses on the full grids."""

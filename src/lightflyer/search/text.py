@@ -7,7 +7,7 @@ from rich.table import Table
 
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.files.display_units import amount, suitable
-from lightflyer.files.result_text import Parts, warning_lines, wrapped
+from lightflyer.files.result_text import Parts, warning_lines, wrap
 
 if TYPE_CHECKING:
     from lightflyer.search.front import Front
@@ -61,7 +61,7 @@ def optimum_parts(optimum: "Optimum") -> Parts:
         words = [f"{objective.name} {amount(rival.value, problem.unit_of(objective.name), 4)}"]
         for name, number in rival.design.items():
             words.append(f"{name} {amount(number, problem.design.field(name).quantity.unit, 4)}")
-        yield wrapped(f"{rival.words}: {', '.join(words)}")
+        yield wrap(f"{rival.words}: {', '.join(words)}")
     if optimum.as_made is not None:
         yield from _tolerance_parts(problem, optimum.as_made)
     if optimum.elasticities:

@@ -22,9 +22,9 @@ from lightflyer.files.drawing import (
     figure_for,
     legend_below,
     new_figure,
-    outlined,
+    outline_effects,
     plain_decades,
-    wrapped,
+    wrap_label,
 )
 from lightflyer.study.distributions import SAMPLE
 from lightflyer.sweeps.explore import (
@@ -66,7 +66,7 @@ def _axis(ax: Axes, side: str, array: "xr.DataArray") -> np.ndarray:
     """Label one axis; returns the coordinate in the unit shown."""
     factor, label = scale_and_label(array)
     values = factor * np.asarray(array.values, float)
-    getattr(ax, f"set_{side}label")(wrapped(label))
+    getattr(ax, f"set_{side}label")(wrap_label(label))
     if _is_logarithmic(values):
         getattr(ax, f"set_{side}scale")("log")
         plain_decades(getattr(ax, f"{side}axis"))
@@ -116,7 +116,7 @@ def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axe
             extend="min" if np.nanmin(values) < levels[0] else "neither",
         )
         bar = ax.get_figure().colorbar(filled, ax=ax)  # type: ignore[union-attr]
-        bar.set_label(wrapped(label) + ("\nmedian of the samples" if sampled else ""))
+        bar.set_label(wrap_label(label) + ("\nmedian of the samples" if sampled else ""))
         handles += _best_per_column(ax, horizontal, vertical, flying, value)
     if able is not None:
         handles += _cannot_fly(ax, horizontal, vertical, able.values, sampled=sampled)
@@ -137,7 +137,7 @@ def _best_per_column(
     across = ax.get_xlabel().replace("\n", " ").partition(" [")[0]
     return ax.plot(
         horizontal, best, color=VERMILION, lw=2.0, label=f"{words} at each {across}",
-        path_effects=outlined(3.5, "white"),
+        path_effects=outline_effects(3.5, "white"),
     )  # fmt: skip
 
 
@@ -183,7 +183,7 @@ def _cannot_fly(
                 horizontal, vertical, chances, levels=[chance], colors="black",
                 linestyles=[style], linewidths=1.2,
             )  # fmt: skip
-            lines.set_path_effects(outlined(3.0, "white"))
+            lines.set_path_effects(outline_effects(3.0, "white"))
             words = f"{100.0 * chance:g} % of the samples fly"
             handles.append(Line2D([], [], color="black", ls=style, lw=1.2, label=words))
     return handles
@@ -194,7 +194,7 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
     array, able = dataset[value], margin(dataset)
     horizontal = _axis(ax, "x", dataset[x])
     factor, label = scale_and_label(array)
-    ax.set_ylabel(wrapped(label))
+    ax.set_ylabel(wrap_label(label))
     _fix_text(ax, dataset, (x,))
     # few designs are seen one by one, straight lines between them
     marker = "o" if horizontal.size <= _MARKED else ""
@@ -319,7 +319,7 @@ def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
         worth = "less" if less_is_better(gain) else "more"
         # the best of the designs computed: between two of them nothing is known
         ax.plot(across * against, up * gains, "o", color=colour, ms=4, label="best designs")
-        ax.set_xlabel(f"{wrapped(label_across)}\n({better} is better)")
-        ax.set_ylabel(f"{wrapped(label_up)}\n({worth} is better)")
+        ax.set_xlabel(f"{wrap_label(label_across)}\n({better} is better)")
+        ax.set_ylabel(f"{wrap_label(label_up)}\n({worth} is better)")
         ax.grid(alpha=_OPACITY)
     return figure

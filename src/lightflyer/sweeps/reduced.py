@@ -25,7 +25,7 @@ import numpy as np
 from lightflyer.compute.chunks import CHUNK
 from lightflyer.compute.devices import find_devices
 from lightflyer.compute.evaluation import Evaluator
-from lightflyer.compute.scheduler import connected, run_here, run_on_dask
+from lightflyer.compute.scheduler import connect_client, run_here, run_on_dask
 from lightflyer.compute.store import require_same, versions, write_atomically
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ConfigurationError, OutputError
@@ -108,16 +108,16 @@ class BlockTask:
             found, failed = self.reducer(start, stop)
             failures += failed
             merge(kept, partials, found)
-        return block, packed(partials), failures
+        return block, pack(partials), failures
 
     remotely = __call__
 
-    def received(self, answer: tuple[int, bytes, int]) -> tuple[int, bytes, int]:
+    def receive(self, answer: tuple[int, bytes, int]) -> tuple[int, bytes, int]:
         """The same."""
         return answer
 
 
-def packed(partials: Partials, **more: Any) -> bytes:
+def pack(partials: Partials, **more: Any) -> bytes:
     """Partials, and whatever else, compressed: most cells of a distribution are empty."""
     stream = io.BytesIO()
     flat = {
@@ -127,8 +127,8 @@ def packed(partials: Partials, **more: Any) -> bytes:
     return stream.getvalue()
 
 
-def unpacked(content: bytes) -> tuple[Partials, dict[str, np.ndarray]]:
-    """Partials, and whatever else, from :func:`packed`."""
+def unpack(content: bytes) -> tuple[Partials, dict[str, np.ndarray]]:
+    """Partials, and whatever else, from :func:`pack`."""
     partials: Partials = {}
     more = {}
     with np.load(io.BytesIO(content)) as arrays:
@@ -164,7 +164,7 @@ class Progress:
             f"{self._path}: is damaged; remove {self._path.parent} to start again"
         )
         try:
-            partials, more = unpacked(self._path.read_bytes())
+            partials, more = unpack(self._path.read_bytes())
             description = json.loads(str(more[_DESCRIPTION]))
             done, failures = more[_DONE], int(more[_FAILURES])
         except _DAMAGES:
@@ -176,7 +176,7 @@ class Progress:
 
     def add(self, block: int, content: bytes, failures: int, save_every: float) -> None:
         """Merge what is kept of a block, and save when it is time."""
-        merge(self._kept, self.partials, unpacked(content)[0])
+        merge(self._kept, self.partials, unpack(content)[0])
         self.done[block] = True
         self.failures += failures
         if time.monotonic() - self._saved >= save_every:
@@ -189,7 +189,7 @@ class Progress:
             _FAILURES: np.asarray(self.failures),
             _DESCRIPTION: np.asarray(json.dumps(self._description)),
         }
-        write_atomically(self._path, packed(self.partials, **more))
+        write_atomically(self._path, pack(self.partials, **more))
         self._saved = time.monotonic()
 
 
@@ -217,7 +217,7 @@ def reduce_into(
     description = _describe(study, kept, blocks)
     start = time.perf_counter()
     with ExitStack() as stack:
-        client = stack.enter_context(connected(scheduler)) if scheduler else None
+        client = stack.enter_context(connect_client(scheduler)) if scheduler else None
         folder = stack.enter_context(_unfinished_report(path))
         if path.exists():
             return _finished_report(study, path, description)

@@ -30,7 +30,7 @@ _MORE = 16  # batches of an evaluator: less memory is needed where only partials
 def merge(kept: list[ReductionSpec], partials: Partials, more: Partials) -> None:
     """Merge further partials into some."""
     for part in kept:
-        partials[part.name] = part.reduction.merged(partials[part.name], more[part.name])
+        partials[part.name] = part.reduction.merge(partials[part.name], more[part.name])
 
 
 class Reducer:
@@ -77,7 +77,7 @@ class DeviceReducer:
 
     def __call__(self, start: int, stop: int) -> tuple[Partials, int]:
         """As of :class:`Reducer`."""
-        program = self._compiled()
+        program = self._compile()
         firsts = range(start, stop, program.designs)
         spans = [(first, min(first + program.designs, stop)) for first in firsts]
         kept = plan_reductions(self._study)
@@ -86,7 +86,7 @@ class DeviceReducer:
         for span, following in zip_longest(spans, spans[1:]):
             # the devices already compute the next while these are merged
             done, running = running, program(*following) if following else None
-            found, failed = self._received(kept, done, span)
+            found, failed = self._receive(kept, done, span)
             for each in found:
                 merge(kept, partials, each)
             failures += failed
@@ -94,7 +94,7 @@ class DeviceReducer:
                 self.counted.add(span[1] - span[0])
         return partials, failures
 
-    def _received(
+    def _receive(
         self, kept: list[ReductionSpec], done: Any, span: tuple[int, int]
     ) -> tuple[list[Partials], int]:
         """What each device found; where one had no room for all, reduced by NumPy."""
@@ -108,7 +108,7 @@ class DeviceReducer:
         whole, failed = Reducer(self._study, self._evaluator)(*span)
         return [whole], failed
 
-    def _compiled(self) -> "_Program":
+    def _compile(self) -> "_Program":
         with self._lock:  # or every thread would compile
             if self._program is None:
                 self._program = _Program(self._study, self._evaluator, self._device, self.batch)
@@ -138,10 +138,10 @@ class _Program:
             failures = jnp.count_nonzero(inside & ~converged)
             return jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], (found, failures))
 
-        self._run = jax.jit(self._devices.divided(reduced))
+        self._run = jax.jit(self._devices.divide_work(reduced))
 
     def __call__(self, start: int, stop: int) -> Any:
         """Partials and failures, with the devices as leading axis; they may still be computed."""
         firsts = start + self._length * np.arange(self._devices.count)
         with float64():
-            return self._run(*self._devices.placed((firsts, np.full_like(firsts, stop))))
+            return self._run(*self._devices.place((firsts, np.full_like(firsts, stop))))

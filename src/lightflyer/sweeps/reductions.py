@@ -42,7 +42,7 @@ class AbstractReduction(abc.ABC):
         """As :meth:`of_chunk`, by JAX: of fixed shapes, for :func:`jax.jit`, in float64."""
 
     @abc.abstractmethod
-    def merged(self, one: Partial, other: Partial) -> Partial:
+    def merge(self, one: Partial, other: Partial) -> Partial:
         """The partial of the designs of two, in NumPy and without padding."""
 
     def is_whole(self, partial: Partial) -> bool:
@@ -51,9 +51,9 @@ class AbstractReduction(abc.ABC):
         del partial
         return True
 
-    def merged_all(self, partials: list[Partial]) -> Partial:
+    def merge_all(self, partials: list[Partial]) -> Partial:
         """The partial of any number of them."""
-        return reduce(self.merged, partials, self.empty())
+        return reduce(self.merge, partials, self.empty())
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Best(AbstractReduction):
         designs = jnp.where(jnp.isfinite(score), first + places.astype(jnp.int64), _NONE)
         return {"designs": designs, "values": values[places]}
 
-    def merged(self, one: Partial, other: Partial) -> Partial:
+    def merge(self, one: Partial, other: Partial) -> Partial:
         both = _join(one, other)
         return self._first(both["designs"], both["values"])
 
@@ -163,7 +163,7 @@ class Front(AbstractReduction):
         """See :meth:`AbstractReduction.is_whole`: not where the front is above the capacity."""
         return int(partial.get("left_out", 0)) == 0
 
-    def merged(self, one: Partial, other: Partial) -> Partial:
+    def merge(self, one: Partial, other: Partial) -> Partial:
         both = _join(one, other)
         return self._unbeaten(both["designs"], both["gain"], both["cost"])
 
@@ -263,7 +263,7 @@ class Spread(AbstractReduction):
             "missing": jnp.count_nonzero(~known & inside),
         }
 
-    def merged(self, one: Partial, other: Partial) -> Partial:
+    def merge(self, one: Partial, other: Partial) -> Partial:
         return {
             "counts": np.asarray(one["counts"]) + np.asarray(other["counts"]),
             "least": np.minimum(one["least"], other["least"]),

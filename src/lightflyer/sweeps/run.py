@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from lightflyer.compute.chunks import CHUNK, Chunks
 from lightflyer.compute.devices import find_devices
 from lightflyer.compute.evaluation import Evaluator
-from lightflyer.compute.scheduler import Task, connected, processors, run_here, run_on_dask
+from lightflyer.compute.scheduler import Task, connect_client, processors, run_here, run_on_dask
 from lightflyer.compute.store import empty_dataset, open_store
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ConfigurationError, LightflyerError
@@ -58,7 +58,7 @@ def sweep_into(
         find_devices(device)
     with ExitStack() as stack:
         # first, so that no folder is made for a scheduler that does not answer
-        client = stack.enter_context(connected(scheduler)) if scheduler else None
+        client = stack.enter_context(connect_client(scheduler)) if scheduler else None
         store = stack.enter_context(open_store(folder, study, chunk))
         missing, chunks = store.missing, store.chunks
         left = sum(_length(chunks, number) for number in missing)

@@ -6,7 +6,7 @@ import numpy as np
 
 from lightflyer.core.units import dataset_unit
 from lightflyer.files.drawing import BAND, GREY, legend_below
-from lightflyer.prediction.figures import across, panels, shown_for_best
+from lightflyer.prediction.figures import across, display_unit_at_best, panels
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,7 +60,7 @@ def add_bands(panel: str, ax: "Axes", uncertainty: "PredictionUncertainty") -> N
     for label, output in bands.items():
         _shade(ax, label, output, uncertainty)
     if panel == "payload":
-        scale, _ = shown_for_best(uncertainty.prediction, "payload")
+        scale, _ = display_unit_at_best(uncertainty.prediction, "payload")
         bottom, top = ax.get_ylim()
         highest = _HEADROOM * scale * float(np.nanmax(uncertainty.high["payload"]))
         ax.set_ylim(bottom, max(top, highest))
@@ -82,7 +82,7 @@ def plot_uncertainty(
 
 def _shade(ax: "Axes", label: str, output: str, uncertainty: "PredictionUncertainty") -> None:
     """Shade a band in the colour of its line, the first whose label ends so."""
-    scale, _ = shown_for_best(uncertainty.prediction, output)
+    scale, _ = display_unit_at_best(uncertainty.prediction, output)
     low, high = uncertainty.low[output] * scale, uncertainty.high[output] * scale
     # a lower end without an upper one: some samples need more light than there is a number for
     ceiling = np.where(np.isfinite(low) & ~np.isfinite(high), _FAR, high)

@@ -31,7 +31,7 @@ class Change(eqx.Module):
     # goes with the size of the shift
     bounded: bool = eqx.field(static=True)
 
-    def scaled(self, unit: float) -> "Change":
+    def in_unit(self, unit: float) -> "Change":
         """The change by a shift that is measured in another unit."""
         square = unit if self.bounded else unit**2
         return Change(
@@ -40,7 +40,7 @@ class Change(eqx.Module):
             self.bounded,
         )
 
-    def added(self, prepared: Any, shift: Any) -> Any:
+    def apply(self, prepared: Any, shift: Any) -> Any:
         """The costly part after a shift of the input."""
         bent = abs(shift) if self.bounded else shift * shift
         return jax.tree.map(
@@ -89,7 +89,7 @@ class Inputs:
         prepared = self.prepared
         for name, change in self.changes.items():
             row = self.names.index(name)
-            prepared = change.added(prepared, values[row] - self.values[row])
+            prepared = change.apply(prepared, values[row] - self.values[row])
         numbers = dict(zip(self.names, values, strict=True))
         for name in self.open_names:
             del numbers[name]

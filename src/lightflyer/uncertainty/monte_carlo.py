@@ -41,14 +41,14 @@ def tabulate_samples(
     if any(np.ndim(leaf) > 2 for leaf in jax.tree.leaves(setup)):  # tables for each sample
         found = table_of(setup, places, light, names, _tabulate_each)
     else:
-        rows = jax.tree.map(lambda leaf: _in_a_row(leaf, shape), setup)
+        rows = jax.tree.map(lambda leaf: _place_in_row(leaf, shape), setup)
         found = table_of(rows, places.ravel(), np.broadcast_to(light, shape).ravel(), names)
     return {
         name: np.broadcast_to(values.reshape(-1, shape[1]), shape) for name, values in found.items()
     }
 
 
-def _in_a_row(leaf: Any, shape: tuple[int, int]) -> Any:
+def _place_in_row(leaf: Any, shape: tuple[int, int]) -> Any:
     """A number of each sample, shape (samples, 1), for each of its coordinates."""
     own = np.shape(leaf) in ((shape[0], 1), shape)  # and no table of an atmosphere
     return np.broadcast_to(leaf, shape).ravel() if own else leaf

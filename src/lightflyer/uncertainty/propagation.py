@@ -264,10 +264,10 @@ def propagate(
         coordinates = np.concatenate([points, grid[:: 2 if over is None else 1], whole])
         tabulate = partial(tabulate_samples, inputs, drawn.samples)
         table = tabulate(coordinates, wanted)
-        told += _unsolved(table)
+        told += _describe_unsolved(table)
         searched, where = (whole[0], whole[-1]), prediction.coordinate
         found = search_samples(inputs, drawn.samples, coordinates, table, searched, where)
-        sampled = {target.name: _sampled(target, found, table) for target in targets}
+        sampled = {target.name: _sample_result(target, found, table) for target in targets}
         shown = slice(points.size, coordinates.size - whole.size)
         quick = tuple(name for name in names if not name.startswith(_SLOW))
         bands = _quantiles({name: table[name][:, shown] for name in names})
@@ -312,7 +312,7 @@ def _diagnostics(drawn: Drawn) -> tuple[str, ...]:
     )
 
 
-def _unsolved(table: Table) -> tuple[str, ...]:
+def _describe_unsolved(table: Table) -> tuple[str, ...]:
     """What is missing in the samples, where a balance has no solution within the tolerance."""
     missing = np.isnan(table["lift_over_weight"]) | np.isnan(table["levitation_irradiance"])
     if not missing.any():
@@ -473,7 +473,7 @@ def _spread(target: _Target, slopes: Derivatives) -> float:
     return target.scale * slopes.spread(moving)
 
 
-def _sampled(
+def _sample_result(
     target: _Target, found: dict[str, tuple[np.ndarray, Table]], table: Table
 ) -> np.ndarray:
     """One result in each sample, shape (samples,)."""

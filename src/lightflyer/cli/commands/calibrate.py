@@ -97,7 +97,7 @@ def calibrate_command(
 
     points = read_points(points_file, columns=columns)
     points = points if keep_ground_effect else points.without_ground_effect()
-    points = points.stepped(0.0 if step is None else quantity("--step", step, "W/m^2").value)
+    points = points.with_step(0.0 if step is None else quantity("--step", step, "W/m^2").value)
     template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
     with resources.as_file(template) as default:
         design = read_flyer_file(default if flyer is None else flyer)

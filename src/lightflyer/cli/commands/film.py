@@ -126,7 +126,7 @@ def _points(
     wavelengths = quantities("--at", at, "m")
 
     def optics(one: "Film") -> dict[str, Any]:
-        found = one.optics(wavelengths).unpolarised()
+        found = one.optics(wavelengths).polarisation_mean()
         shares = {"reflectance": found.reflectance, "transmittance": found.transmittance,
                   "absorptance": found.absorptance}  # fmt: skip
         return shares | ({"scattered": found.scattered} if one.is_rough else {})
@@ -145,7 +145,7 @@ def _points(
     beyond = [
         f"at {point['wavelength_um']:.5g} µm optical data are extrapolated: {text}"
         for point, one in zip(points, wavelengths, strict=True)
-        for text in film.extrapolated(one, one)
+        for text in film.extrapolations(one, one)
     ]
     return points, beyond
 
@@ -154,7 +154,7 @@ def _origins(section: "SampleSection") -> dict[str, Any]:
     """Measured values of the file, which replace the computed ones in predictions."""
     return {
         name: {"origin": "measured", "value": value.value, "uncertainty": value.uncertainty}
-        for name, value in section.measured().items()
+        for name, value in section.measured_values().items()
     }
 
 
@@ -259,7 +259,7 @@ def _show(
     limit = section.limit()
     if limit is not None:
         console.print(f"highest temperature that the film bears {limit:g} K")
-    measured = section.measured() if summary.film.free_standing else {}
+    measured = section.measured_values() if summary.film.free_standing else {}
     for name, value in measured.items():
         spread = "" if value.uncertainty is None else f" ± {value.uncertainty:g}"
         console.print(f"measured, used in predictions: {name} {value.value:g}{spread}")
@@ -321,8 +321,8 @@ def _table(title: str, headings: Sequence[str]) -> Table:
 
 def _emittances(summary: "FilmSummary") -> Table:
     sides = tuple(summary.thermal)
-    table = _table("emittance", ("at\n[K]", *_of_sides("hemispherical", sides),
-                                 *_of_sides("normal", sides), "absorptance\n/ emittance",
+    table = _table("emittance", ("at\n[K]", *_side_headings("hemispherical", sides),
+                                 *_side_headings("normal", sides), "absorptance\n/ emittance",
                                  "infrared\ntransmittance"))  # fmt: skip
     values = summary.values()
     kinds = ("emittance", "emittance_normal")
@@ -337,7 +337,7 @@ def _emittances(summary: "FilmSummary") -> Table:
     return table
 
 
-def _of_sides(what: str, sides: Sequence[str]) -> list[str]:
+def _side_headings(what: str, sides: Sequence[str]) -> list[str]:
     """Headings of a column a side, of which the first says what it is."""
     return [f"{what if not number else ''}\n{side}" for number, side in enumerate(sides)]
 
@@ -357,7 +357,7 @@ def _intervals(summary: "FilmSummary") -> Table | None:
         return None
     title = "95 % intervals from the stated ± of the layers' numbers"
     sides = tuple(summary.thermal)
-    table = _table(title, ("at\n[K]", *_of_sides("hemispherical", sides),
+    table = _table(title, ("at\n[K]", *_side_headings("hemispherical", sides),
                            "absorptance\n/ emittance", "infrared\ntransmittance"))  # fmt: skip
     names = (*(f"emittance_{side}" for side in sides), "selectivity", "infrared_transmittance")
     columns = [summary.interval(name) for name in names]
@@ -377,7 +377,7 @@ def _missing(summary: "FilmSummary") -> Table | None:
         "passes, there"
     )
     table = _table(title, ("at\n[K]", "outside\nthe data", "of which\nextrapolated",
-                           *_of_sides("hemispherical", tuple(summary.thermal)),
+                           *_side_headings("hemispherical", tuple(summary.thermal)),
                            "infrared\ntransmittance"))  # fmt: skip
     for row, temperature in enumerate(summary.temperatures):
         table.add_row(

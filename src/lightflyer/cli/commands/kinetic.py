@@ -142,11 +142,11 @@ def kinetic_command(
     # a folder that cannot be written is found before, not after, a long solution
     written: list[str] = []
     opened = nullcontext() if out is None else output_directory(out)
-    with opened as stage, _named_as_options():
+    with opened as stage, _name_as_options():
         heated: dict[str, Any] = {
             "top_temperature": 1.0 if top_temperature is None else top_temperature,
             "bottom_temperature": 1.0 if bottom_temperature is None else bottom_temperature,
-            "temperature_ratio": _of_both_faces(temperature_ratio, top_temperature_ratio),
+            "temperature_ratio": _for_both_faces(temperature_ratio, top_temperature_ratio),
             "gas": gas,
             "wall": wall,
         }
@@ -220,7 +220,7 @@ def _chamber(
     )
 
 
-def _of_both_faces(ratio: float | None, top: float | None) -> float | tuple[float, float] | None:
+def _for_both_faces(ratio: float | None, top: float | None) -> float | tuple[float, float] | None:
     return ratio if ratio is None or top is None else (top, ratio)
 
 
@@ -249,7 +249,7 @@ def _show(console: "Console", solution: "Solution | ChamberSolution") -> None:
 
 
 @contextmanager
-def _named_as_options() -> Iterator[None]:
+def _name_as_options() -> Iterator[None]:
     """Name parameters in errors as the command line does."""
     try:
         yield

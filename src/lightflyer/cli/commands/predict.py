@@ -12,7 +12,7 @@ from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json, Samples, Seed
 from lightflyer.cli.output import print_json, printer, say, show, write_json
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.files.result_text import warning_lines, wrapped
+from lightflyer.files.result_text import warning_lines, wrap
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -192,14 +192,14 @@ def _show(console: "Console", file: "FlyerFile", results: "_Results") -> None:
     line = f"lifted by {setup.flyer.lifted_by}; force: {type(setup.model).__name__}"
     if uncertainty is not None:
         line += f"; brackets: 95 % bands from {sources_line(uncertainty.summary(), short=True)}"
-    console.print(wrapped(line), soft_wrap=True)
+    console.print(wrap(line), soft_wrap=True)
     if uncertainty is not None:
         share = uncertainty.share_that_levitates
         if share is not None and share < 1.0:
             count = uncertainty.samples
             console.print(f"it flies in {100.0 * share:.0f} % of {count} samples of these")
         for warning in warning_lines(uncertainty.warnings):
-            console.print(wrapped(warning), soft_wrap=True)
+            console.print(wrap(warning), soft_wrap=True)
     _note_kept(console, file, uncertainty)
 
 

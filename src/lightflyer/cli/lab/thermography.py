@@ -137,15 +137,15 @@ def thermography_command(
     own = _accuracy(accuracy, light_meter=light_meter)
     image = None
     if light_meter:
-        readings, tables = _of_meter(file, columns, own)
+        readings, tables = _meter_readings(file, columns, own)
     else:
         scene = _scene(band, hotplate_emissivity, film_temperature)
         settings = image_unit, image_zero, image_emissivity, image_reflected
         image = _image(file, regions, settings)
         readings, tables = (
-            _of_table(file, columns, given, own, scene)
+            _table_readings(file, columns, given, own, scene)
             if image is None
-            else (_of_image(image, regions, given, own, scene), [])
+            else (_image_readings(image, regions, given, own, scene), [])
         )
     result = thermography.reduce_readings(readings, draws=draws, seed=seed)
     document = result.summary() | {"read": read_summary(tables)}
@@ -201,14 +201,16 @@ def _scene(band: str | None, emissivity: str | None, film: str | None) -> "Scene
         raise ConfigurationError(f"--{str(error).replace('_', '-', 1)}") from None
 
 
-def _of_meter(file: Any, columns: str | None, accuracy: float | None) -> "tuple[Readings, list]":
+def _meter_readings(
+    file: Any, columns: str | None, accuracy: float | None
+) -> "tuple[Readings, list]":
     from lightflyer.lab.thermography.data import LIGHT, read_readings
 
     readings, table = read_readings(file, LIGHT, columns=columns, accuracy=accuracy)
     return readings, [table]
 
 
-def _of_table(
+def _table_readings(
     file: Path | None, columns: str | None, given: "dict[str, Measured]",
     accuracy: float | None, scene: "Scene",
 ) -> "tuple[Readings, list]":  # fmt: skip
@@ -252,7 +254,7 @@ def _image(
     return read_thermal_image(file, scale=scale, emissivity=own, reflected_temperature=behind)
 
 
-def _of_image(
+def _image_readings(
     image: "ThermalImage", regions: str | None, given: "dict[str, Measured]",
     accuracy: float | None, scene: "Scene",
 ) -> "Readings":  # fmt: skip

@@ -172,7 +172,7 @@ class Daylight(AbstractSky, Checked):
 
 @entry_point
 def _daylight(sky: Daylight, altitude: Altitude, place: Place) -> Radiation:
-    sun = sky.sun.seen_from(place)
+    sun = sky.sun.position_above(place)
     angular_radius = jnp.arcsin(constants.SOLAR_RADIUS / sun.distance)
     ground_view = (sky.planet.radius / (sky.planet.radius + altitude)) ** 2
     elevation = 0.5 * jnp.pi - sun.zenith_angle + sky.depression(altitude, place, sun)

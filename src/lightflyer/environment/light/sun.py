@@ -103,7 +103,7 @@ class AbstractSun(eqx.Module):
     def position(self, time: Numeric) -> SunPosition:
         """Direction and distance of the sun; ``time``: since 2000-01-01 12:00 UTC [s]."""
 
-    def seen_from(self, place: Place) -> SunInSky:
+    def position_above(self, place: Place) -> SunInSky:
         """Where the sun stands in the sky of a place."""
         found = self.position(place.time)
         return sun_in_sky(found, place.latitude, place.longitude)
@@ -118,7 +118,7 @@ class EarthSun(AbstractSun):
 
     >>> from lightflyer.environment import Place
     >>> solstice = Place(latitude=0.8985, longitude=0.0, time=772_243_200.0)
-    >>> sun = EarthSun().seen_from(solstice)
+    >>> sun = EarthSun().position_above(solstice)
     >>> print(f"{np.degrees(sun.zenith_angle):.2f}°")
     28.05°
     """

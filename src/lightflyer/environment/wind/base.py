@@ -37,11 +37,11 @@ class AbstractWind(eqx.Module):
         """
         return {}
 
-    def _within(self, altitude: Altitude, place: Place, wind: Wind) -> Wind:
+    def _require_margins(self, altitude: Altitude, place: Place, wind: Wind) -> Wind:
         """A wind where there is one: else an error, or NaN where that cannot be known yet."""
         margins = self.margins(altitude, place)
         require_data(margins)
-        return _where_reached(wind, tuple(margins.values())) if is_traced(margins) else wind
+        return _blank_unreached(wind, tuple(margins.values())) if is_traced(margins) else wind
 
     @abc.abstractmethod
     def describe(self) -> tuple[str, ...]:
@@ -49,6 +49,6 @@ class AbstractWind(eqx.Module):
 
 
 @entry_point
-def _where_reached(wind: Wind, margins: tuple[Numeric, ...]) -> Wind:
+def _blank_unreached(wind: Wind, margins: tuple[Numeric, ...]) -> Wind:
     reached = reduce(jnp.logical_and, [margin >= 0.0 for margin in margins])
     return Wind(*(jnp.where(reached, part, jnp.nan) for part in wind))

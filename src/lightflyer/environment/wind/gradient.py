@@ -141,7 +141,7 @@ class GradientWind(AbstractWind):
         self.altitudes = Axis(_ALTITUDES)
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
-        return self._within(altitude, place, _velocity(self, altitude, place))
+        return self._require_margins(altitude, place, _velocity(self, altitude, place))
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         from_equator = abs(place.latitude) - NEAREST_EQUATOR

@@ -94,9 +94,9 @@ class GriddedWind(AbstractWind):
         if grid.around:
             near_pole = 0.5 * np.pi - 1.01 * float(np.diff(nodes).max(initial=0.0))
             if low < -near_pole:
-                (table, nodes), low = _over_south_pole(table, nodes), -0.5 * np.pi
+                (table, nodes), low = _extend_over_pole(table, nodes), -0.5 * np.pi
             if high > near_pole:
-                turned, mirrored = _over_south_pole(table[:, :, ::-1], -nodes[::-1])
+                turned, mirrored = _extend_over_pole(table[:, :, ::-1], -nodes[::-1])
                 table, nodes, high = turned[:, :, ::-1], -mirrored[::-1], 0.5 * np.pi
         self.table = table
         around = _TURN if grid.around else None
@@ -121,7 +121,7 @@ class GriddedWind(AbstractWind):
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         level, longitude = self._level(altitude, place), self._longitude(place)
         wind = _interpolate(self.table, self.axes, level, place, longitude)
-        return self._within(altitude, place, wind)
+        return self._require_margins(altitude, place, wind)
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         time, level, latitude, longitude = self.reaches
@@ -202,7 +202,7 @@ def _directions(latitude: Any, longitude: Any, xp: Any = jnp) -> tuple[Any, Any]
     return east, north
 
 
-def _over_south_pole(table: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _extend_over_pole(table: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Table and latitudes with two rows more, beyond the pole, where it is met from behind."""
     at_pole = bool(np.isclose(latitude[0], -np.pi / 2))
     if at_pole:  # one wind, whatever the longitude

@@ -93,7 +93,7 @@ class HWM14(AbstractWind):
         self.pieces, self.heights = _pieces(knots, levels)
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
-        return self._within(altitude, place, _velocity(self, altitude, place))
+        return self._require_margins(altitude, place, _velocity(self, altitude, place))
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         return {_ABOVE: (HIGHEST - altitude) / _TWO_KILOMETRES}

@@ -41,20 +41,22 @@ class Compound(Medium):
     def source(self) -> str:
         return "; ".join(dict.fromkeys(part.source for part in self.parts))
 
-    def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
-        found = (text for part in self.parts for text in part.extrapolated(shortest, longest))
+    def extrapolations(self, shortest: float, longest: float) -> tuple[str, ...]:
+        found = (text for part in self.parts for text in part.extrapolations(shortest, longest))
         return tuple(dict.fromkeys(found))
 
-    def _changed(self, name: str, value: Any) -> Any:
+    def _with_field(self, name: str, value: Any) -> Any:
         return eqx.tree_at(lambda one: getattr(one, name), self, value, is_leaf=_is_none)
 
     def with_extrapolation(self, policy: Extrapolation | str) -> Any:
         """See :meth:`Medium.with_extrapolation`; it is that of all parts."""
-        return self._changed("parts", tuple(part.with_extrapolation(policy) for part in self.parts))
+        return self._with_field(
+            "parts", tuple(part.with_extrapolation(policy) for part in self.parts)
+        )
 
     def with_density(self, density: Numeric) -> Any:
         """The same medium with a measured density, not that of its parts [kg/m³]."""
-        return self._changed("measured_density", density)
+        return self._with_field("measured_density", density)
 
 
 def _is_none(value: Any) -> bool:
@@ -70,12 +72,12 @@ def _common(ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
 def indices(parts: Sequence[Medium], wavelength: np.ndarray) -> tuple[Numeric, Numeric]:
     """Values of n and k of media, shape (parts, ...); ``wavelength``: concrete."""
     pairs = [part.index(wavelength) for part in parts]
-    stack = stacked if is_traced(pairs) else np.stack
+    stack = stack_arrays if is_traced(pairs) else np.stack
     return stack(tuple(pair[0] for pair in pairs)), stack(tuple(pair[1] for pair in pairs))
 
 
 @entry_point
-def stacked(values: tuple[Numeric, ...]) -> Numeric:
+def stack_arrays(values: tuple[Numeric, ...]) -> Numeric:
     """One array of several, in double precision."""
     return jnp.stack(values)
 
@@ -83,7 +85,7 @@ def stacked(values: tuple[Numeric, ...]) -> Numeric:
 def vector(value: Any) -> Numeric:
     """Fractions as a vector, from a number or a sequence of numbers that may be traced."""
     if isinstance(value, list | tuple) and is_traced(value):
-        return stacked(tuple(value))
+        return stack_arrays(tuple(value))
     if is_traced(value):
         return value if np.ndim(value) else value[None]
     return np.atleast_1d(np.asarray(value, float))

@@ -276,7 +276,7 @@ class Formula(Medium):
     def _with(self, **changes: Any) -> "Formula":
         return dataclasses.replace(self, **changes)
 
-    def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
+    def extrapolations(self, shortest: float, longest: float) -> tuple[str, ...]:
         if self.extrapolation is Extrapolation.ERROR or np.all(self.covers([shortest, longest])):
             return ()
         return (f"{self.name}: {self.extrapolation} beyond {self.describe_range(named=False)}",)

@@ -14,7 +14,7 @@ from jax import Array, lax
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
-from lightflyer.film.media.pairs import Pair, over, plus, root, scaled, summed, times
+from lightflyer.film.media.pairs import Pair, multiply_real, over, plus, root, sum_first_axis, times
 from lightflyer.program.entry_point import entry_point
 
 SPHERES = 1.0 / 3.0  # Depolarisation factor of spheres
@@ -76,23 +76,23 @@ def _bruggeman_of_two(index: Pair, fraction: Array, depolarisation: Numeric) -> 
     # is the one with the principal square root.
     scale = times((index[0][0], index[1][0]), (index[0][1], index[1][1]))
     weight = fraction - depolarisation
-    middle = over(summed(scaled(times(index, index), weight)), scale)
+    middle = over(sum_first_axis(multiply_real(times(index, index), weight)), scale)
     square = times(middle, middle)
     other = 1.0 - depolarisation
     inside = square[0] + 4.0 * depolarisation * other, square[1]
-    return scaled(times(scale, plus(middle, root(inside))), 0.5 / other)
+    return multiply_real(times(scale, plus(middle, root(inside))), 0.5 / other)
 
 
 def _bruggeman_of_many(index: Pair, fraction: Array, depolarisation: Numeric) -> Pair:
     """The root as an eigenvalue of a diagonal matrix changed by one of rank one."""
     permittivity, other = times(index, index), 1.0 - depolarisation
-    pole = scaled(permittivity, -depolarisation / other)
-    residue = scaled(permittivity, fraction / other)
+    pole = multiply_real(permittivity, -depolarisation / other)
+    residue = multiply_real(permittivity, fraction / other)
     value = _eigenvalue(*(lax.stop_gradient(part) for part in (permittivity, pole, residue)))
     for _ in range(_POLISHING):
         apart = value[0] - pole[0], value[1] - pole[1]
         terms = over(residue, apart)
-        excess, slope = summed(terms), summed(over(terms, apart))
+        excess, slope = sum_first_axis(terms), sum_first_axis(over(terms, apart))
         value = plus(value, over((excess[0] - 1.0, excess[1]), slope))
     return value
 
@@ -135,9 +135,11 @@ def maxwell_garnett(
     factors = jnp.atleast_1d(depolarisation)
     moment = above = jnp.zeros(()), jnp.zeros(())
     for factor in factors:
-        one = summed(scaled(over(rest, plus(host, scaled(rest, factor))), fraction[1:]))
-        moment = plus(moment, scaled(one, 1.0 / factors.size))
-        above = plus(above, scaled(one, factor / factors.size))
+        one = sum_first_axis(
+            multiply_real(over(rest, plus(host, multiply_real(rest, factor))), fraction[1:])
+        )
+        moment = plus(moment, multiply_real(one, 1.0 / factors.size))
+        above = plus(above, multiply_real(one, factor / factors.size))
     more = over(moment, (1.0 - above[0], -above[1]))
     return _index(times(host, (1.0 + more[0], more[1])))
 
@@ -152,7 +154,7 @@ def parallel(
     # .. math:: \varepsilon=\sum_i f_i\varepsilon_i
     del depolarisation
     index = _pair(n, k)
-    return _index(summed(scaled(times(index, index), _align(fraction, jnp.ndim(n)))))
+    return _index(sum_first_axis(multiply_real(times(index, index), _align(fraction, jnp.ndim(n)))))
 
 
 @entry_point
@@ -168,7 +170,7 @@ def series(
     del depolarisation
     index, fraction = _pair(n, k), _align(fraction, jnp.ndim(n))
     shares = over((fraction, jnp.zeros_like(fraction)), times(index, index))
-    inverse = summed(shares)
+    inverse = sum_first_axis(shares)
     return _index(over((jnp.ones_like(inverse[0]), jnp.zeros_like(inverse[0])), inverse))
 
 

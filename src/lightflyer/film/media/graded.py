@@ -85,7 +85,7 @@ class Graded(Compound):
     def sheets(self) -> tuple[Medium, ...]:
         return tuple(self._at((number + 0.5) / self.count) for number in range(self.count))
 
-    def flipped(self) -> "Graded":
+    def flip(self) -> "Graded":
         return eqx.tree_at(lambda one: (one.top, one.bottom), self, (self.bottom, self.top))
 
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:

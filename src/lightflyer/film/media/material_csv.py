@@ -67,7 +67,7 @@ def read_index_csv(path: Path) -> Indices:
     """Read wavelength, n and k from a file; returns ``wavelength`` (m,) [m], ``n, k`` (m,) [1]."""
     path = Path(path)
     if path.suffix.lower() in (".yml", ".yaml"):
-        return _of_page(path)
+        return _read_page(path)
     blocks = _blocks(path)
     if blocks:
         return _join(path, *blocks)
@@ -194,7 +194,7 @@ def _common(
     return wavelength, np.interp(wavelength, *n), np.interp(wavelength, *k)
 
 
-def _of_page(path: Path) -> Indices:
+def _read_page(path: Path) -> Indices:
     """Refractive indices of a page of refractiveindex.info in YAML."""
     text = plain_text(read_bytes(path), str(path))
     try:

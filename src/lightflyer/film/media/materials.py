@@ -109,7 +109,7 @@ class Material(Medium):
     def with_density(self, density: Numeric) -> "Material":
         return dataclasses.replace(self, density=density, density_source=GIVEN)
 
-    def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
+    def extrapolations(self, shortest: float, longest: float) -> tuple[str, ...]:
         if self.extrapolation is Extrapolation.ERROR or np.all(self.covers([shortest, longest])):
             return ()
         return (f"{self.name}: {self.extrapolation} beyond {self.describe_range(named=False)}",)

@@ -111,7 +111,7 @@ class Medium(eqx.Module):
         """The same medium with another density [kg/m³]."""
 
     @abc.abstractmethod
-    def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
+    def extrapolations(self, shortest: float, longest: float) -> tuple[str, ...]:
         """What is extrapolated within a range of wavelengths, with the policy."""
 
     @property
@@ -125,7 +125,7 @@ class Medium(eqx.Module):
         # One, the medium itself, unless the medium changes with depth.
         return (self,)
 
-    def flipped(self) -> "Medium":
+    def flip(self) -> "Medium":
         """The medium upside down."""
         return self
 

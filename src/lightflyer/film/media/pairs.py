@@ -36,12 +36,12 @@ def plus(first: Pair, second: Pair) -> Pair:
     return first[0] + second[0], first[1] + second[1]
 
 
-def scaled(number: Pair, factor: Numeric) -> Pair:
+def multiply_real(number: Pair, factor: Numeric) -> Pair:
     """Product of a complex number and a real one."""
     return number[0] * factor, number[1] * factor
 
 
-def summed(number: Pair) -> Pair:
+def sum_first_axis(number: Pair) -> Pair:
     """Sum of complex numbers over the first axis."""
     return number[0].sum(axis=0), number[1].sum(axis=0)
 

@@ -34,7 +34,7 @@ class DirectionalShares(NamedTuple):
     absorptance: Numeric  #: As ``reflectance``
     scattered: Numeric  #: As ``reflectance``
 
-    def unpolarised(self) -> "DirectionalShares":
+    def polarisation_mean(self) -> "DirectionalShares":
         """The mean of both polarisations, without their axis."""
         return DirectionalShares(*(0.5 * (share[0] + share[1]) for share in self))
 

@@ -20,7 +20,7 @@ from lightflyer.film.optics.integration import (
     spectral_shares,
     thermal_grid,
     thermal_range,
-    weighted,
+    weighted_means,
 )
 from lightflyer.film.optics.spectra import Spectrum, am0, blackbody_fraction
 from lightflyer.film.optics.stack import GRAZING, Film, Side
@@ -247,20 +247,20 @@ def _averages(
         total = weight.sum(axis=1, keepdims=True)
         known = np.divide(weight, total, where=total > 0.0, out=np.zeros_like(weight))
     weight = grid.mean_weight
-    extrapolated = film.extrapolated(grid.wavelength[0], grid.wavelength[-1])
+    extrapolated = film.extrapolations(grid.wavelength[0], grid.wavelength[-1])
 
     found = spectral_shares(film, side, grid)
     scattered: Numeric = 0.0
     if film.is_rough:
-        scattered = weighted(found.scattered, weight).reshape(shape)
+        scattered = weighted_means(found.scattered, weight).reshape(shape)
 
     def average(spectral: Numeric) -> Average:
         return Average(
-            value=weighted(spectral, weight).reshape(shape),
+            value=weighted_means(spectral, weight).reshape(shape),
             covered=covered.reshape(shape)[()],
             extrapolated_share=np.maximum(computed - covered, 0.0).reshape(shape)[()],
             extrapolated=extrapolated,
-            within=None if known is None else weighted(spectral, known).reshape(shape),
+            within=None if known is None else weighted_means(spectral, known).reshape(shape),
             scattered=scattered,
         )
 

@@ -74,7 +74,7 @@ class Sheets(NamedTuple):
         found: Sheets = jax.tree.map(lambda one: one[start:stop], self)
         return found
 
-    def flipped(self) -> "Sheets":
+    def flip(self) -> "Sheets":
         """The layers in reverse order."""
         found: Sheets = jax.tree.map(lambda one: one[::-1], self)
         return found

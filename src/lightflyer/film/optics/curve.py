@@ -68,7 +68,9 @@ class EmittanceCurve(eqx.Module):
     @entry_point
     def __call__(self, temperature: Numeric) -> Array:
         """Emittance at a temperature [K], any shape."""
-        value, _ = self._horner(self._scaled(temperature), self._scaled(temperature))
+        value, _ = self._horner(
+            self._scale_temperature(temperature), self._scale_temperature(temperature)
+        )
         return value
 
     @entry_point
@@ -76,7 +78,10 @@ class EmittanceCurve(eqx.Module):
         r"""Change of :math:`\varepsilon T^4` over a temperature difference [1]."""
         # .. math:: \varepsilon(T_h)\,(1+\theta)^4-\varepsilon(T),\qquad T_h=T(1+\theta)
         fourth = excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
-        x, y = self._scaled(temperature * (1.0 + excess)), self._scaled(temperature)
+        x, y = (
+            self._scale_temperature(temperature * (1.0 + excess)),
+            self._scale_temperature(temperature),
+        )
         value, slope = self._horner(x, y)
         return value * fourth + slope * self._distance(temperature, excess)
 
@@ -93,7 +98,7 @@ class EmittanceCurve(eqx.Module):
         (value, slope), _ = jax.lax.scan(step, (zero, zero), powers, unroll=_UNROLLED)
         return value, slope
 
-    def _scaled(self, temperature: Numeric) -> Array:
+    def _scale_temperature(self, temperature: Numeric) -> Array:
         span = jnp.log(self.highest / self.lowest)
         held = jnp.clip(temperature, self.lowest, self.highest)
         return 2.0 * jnp.log(held / self.lowest) / span - 1.0
@@ -106,7 +111,9 @@ class EmittanceCurve(eqx.Module):
         )
         span = jnp.log(self.highest / self.lowest)
         near = 2.0 * jnp.log1p(excess) / span
-        return jnp.where(inside, near, self._scaled(hot) - self._scaled(temperature))
+        return jnp.where(
+            inside, near, self._scale_temperature(hot) - self._scale_temperature(temperature)
+        )
 
 
 @cache

@@ -127,7 +127,7 @@ def spectral_pieces(
     film: Film, side: Side, wavelength: np.ndarray, *weights: np.ndarray
 ) -> list[tuple[Any, ...]]:
     """A lit film as numbers at wavelengths, in pieces to be computed one after another."""
-    lit = (film if side == "top" else film.flipped()).homogeneous()
+    lit = (film if side == "top" else film.flip()).homogeneous()
     n, k = lit.index(wavelength)
     structure = lit.structure(wavelength, axes=2)
     thickness = lit.thickness
@@ -169,7 +169,7 @@ def _spectral(
     layers = thickness.reshape(-1, 1, 1)
     optics = transfer(
         n[:, None], k[:, None], layers, wavelength, incidence, structure, inside=False
-    ).unpolarised()
+    ).polarisation_mean()
     scattered = optics.scattered + jnp.zeros_like(optics.reflectance)
     absorbed = 1.0 - optics.reflectance - optics.transmittance - scattered
     # rounding below zero, of clear films; the derivative stays
@@ -179,6 +179,6 @@ def _spectral(
 
 
 @entry_point
-def weighted(spectral: Numeric, weights: Numeric) -> Array:
+def weighted_means(spectral: Numeric, weights: Numeric) -> Array:
     """Means of a spectrum; ``weights`` has one row a mean."""
     return weights @ spectral

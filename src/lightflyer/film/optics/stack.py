@@ -185,9 +185,9 @@ class Film(Checked):
             raise ParameterError(f"the materials' data have no wavelength in common: {spans}")
         return shortest, longest
 
-    def extrapolated(self, shortest: float, longest: float) -> tuple[str, ...]:
+    def extrapolations(self, shortest: float, longest: float) -> tuple[str, ...]:
         """Materials whose data end within a range of wavelengths, with their policy."""
-        found = (text for one in self.media for text in one.extrapolated(shortest, longest))
+        found = (text for one in self.media for text in one.extrapolations(shortest, longest))
         return tuple(dict.fromkeys(found))
 
     def index(self, wavelength: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -200,10 +200,10 @@ class Film(Checked):
         k = stack(tuple(pair[1] for pair in pairs)) if pairs else empty
         return n, k
 
-    def flipped(self) -> "Film":
+    def flip(self) -> "Film":
         """The film upside down."""
         layers = tuple(
-            Layer(one.material.flipped(), one.thickness, one.coherent, face)
+            Layer(one.material.flip(), one.thickness, one.coherent, face)
             for one, face in zip(reversed(self.layers), reversed(self.faces[1:]), strict=True)
         )
         return dataclasses.replace(
@@ -243,7 +243,7 @@ class Film(Checked):
         # Light interferes in coherent layers with parallel faces, up to about ten wavelengths
         # thick. Differentiable in the thicknesses, the media's parameters and the angle.
         require_range("incidence", incidence, 0.0, GRAZING)
-        film = self if side == "top" else self.flipped()
+        film = self if side == "top" else self.flip()
         wavelength = np.asarray(wavelength, float)
         require_positive(wavelength=wavelength)
         sheets = film.homogeneous()
@@ -256,7 +256,7 @@ class Film(Checked):
             n.reshape(shape), k.reshape(shape), thickness, wavelength, incidence, structure
         )
         if sheets is not film:
-            optics = optics.merged([len(one.sheets) for one in film.layers])
+            optics = optics.merge_layers([len(one.sheets) for one in film.layers])
         return optics if self.open_fraction is None else optics.with_holes(self.open_fraction)
 
 

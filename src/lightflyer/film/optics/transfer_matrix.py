@@ -50,7 +50,7 @@ class StackOptics(eqx.Module):
         """Absorptance of the stack, shape (2, ...) [1]."""
         return self.layer_absorptance.sum(axis=0)
 
-    def merged(self, sizes: Sequence[int]) -> "StackOptics":
+    def merge_layers(self, sizes: Sequence[int]) -> "StackOptics":
         """The absorptances of neighbouring layers added up."""
         groups = np.repeat(np.eye(len(sizes)), sizes, axis=1)
         absorptance = _sum(groups, self.layer_absorptance)
@@ -66,7 +66,7 @@ class StackOptics(eqx.Module):
             scattered=solid * self.scattered,
         )
 
-    def unpolarised(self) -> "StackOptics":
+    def polarisation_mean(self) -> "StackOptics":
         """The mean of both polarisations, without their axis."""
         scattered = self.scattered
         return StackOptics(
@@ -245,7 +245,7 @@ class _Grouped(NamedTuple):
             down.append(respond(above, part, below, kappa, self.shape, inside=self.inside))
             if place < len(self.thick):
                 turned = None if kappa is None else kappa[::-1]
-                flipped = part.flipped()
+                flipped = part.flip()
                 up.append(respond(below, flipped, above, turned, self.shape, inside=self.inside))
         decays = [self.layers.cut(number, number + 1).decay[0] for number in self.thick]
         return [

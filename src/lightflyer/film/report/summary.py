@@ -81,7 +81,7 @@ class FilmSummary:
             **averages,
             temperatures=temperatures,
             wavelength=wavelength,
-            optics=film.optics(wavelength).unpolarised(),
+            optics=film.optics(wavelength).polarisation_mean(),
             uncertainty=_uncertainty(
                 film, light, temperatures, spreads, densities, others
             ),
@@ -96,7 +96,7 @@ class FilmSummary:
         """Materials that were extrapolated anywhere in the summary."""
         averages = [*self.solar.values(), *self.lamp.values(), *self.thermal.values()]
         found = [text for average in averages for text in average.extrapolated]
-        found += self.film.extrapolated(self.wavelength[0], self.wavelength[-1])
+        found += self.film.extrapolations(self.wavelength[0], self.wavelength[-1])
         return list(dict.fromkeys(found))
 
     def selectivity(self) -> np.ndarray:
@@ -125,12 +125,12 @@ class FilmSummary:
     def to_json(self) -> dict[str, Any]:
         """The summary as a JSON object, with a unit at the end of each name."""
         entries: dict[str, Any] = {_MASS: None}  # where a density is unknown
-        entries |= {name: self._described(value) for name, value in self.values().items()}
+        entries |= {name: self._json_value(value) for name, value in self.values().items()}
         if self.light is not am0():
             entries["lamp"] = self.light.name
         return entries | {
             "uncertainty": {
-                name: self._described(value) for name, value in (self.uncertainty or {}).items()
+                name: self._json_value(value) for name, value in (self.uncertainty or {}).items()
             },
             "interval_95": {name: self._ends(name) for name in self.uncertainty or {}},
             "bounds": self._bounds(),
@@ -141,16 +141,16 @@ class FilmSummary:
                 "absorptance": self.optics.absorptance.tolist(),
                 "layer_absorptance": self.optics.layer_absorptance.tolist(),
             }
-            | self._scattered(),
+            | self._scattering_entries(),
             "extrapolated": self.extrapolated,
             "warnings": list(self.warnings),
         }
 
-    def _scattered(self) -> dict[str, Any]:
+    def _scattering_entries(self) -> dict[str, Any]:
         """What rough interfaces scatter, over the wavelengths."""
         return {"scattered": self.optics.scattered.tolist()} if self.film.is_rough else {}
 
-    def _described(self, value: Any) -> Any:
+    def _json_value(self, value: Any) -> Any:
         """A number, or numbers by temperature; None where it is none."""
         if np.ndim(value) == 0:
             return float(value)
@@ -172,7 +172,7 @@ class FilmSummary:
         found |= {f"emittance_{side}": mean for side, mean in self.thermal.items()}
         found |= {f"emittance_normal_{side}": mean for side, mean in self.thermal_normal.items()}
         found |= _transmittances_by_name(self.passing, self.light)
-        return {name: _coverage(average, self._described) for name, average in found.items()}
+        return {name: _coverage(average, self._json_value) for name, average in found.items()}
 
 
 def _number(value: Any) -> float | None:

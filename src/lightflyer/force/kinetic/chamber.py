@@ -27,7 +27,7 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.kinetic.ratios import denseness, thinness
-from lightflyer.numerics.polynomials import polynomial, scaled
+from lightflyer.numerics.polynomials import place_between, polynomial
 
 # powers of floor, lid and side wall: floor and lid may be exchanged, with the same or the
 # opposite result
@@ -112,11 +112,11 @@ class SolidWalls(NamedTuple):
 
     def force_ratio(self, opened: Numeric) -> Numeric:
         """As of :class:`Reservoir`."""
-        return resisted(opened, self.force_kept)
+        return resistance_ratio(opened, self.force_kept)
 
     def heat_ratio(self, opened: Numeric) -> Numeric:
         """As of :class:`Reservoir`."""
-        return resisted(opened, self.heat_kept)
+        return resistance_ratio(opened, self.heat_kept)
 
     def push(self, disk: Disk, state: EnvironmentState, excess: Numeric) -> Numeric:
         """Push on a disk of like faces [N]; ``excess``: T_h/T_c − 1."""
@@ -131,7 +131,7 @@ class SolidWalls(NamedTuple):
         return FORCE_ERROR
 
 
-def resisted(opened: Numeric, kept: Numeric) -> Array:
+def resistance_ratio(opened: Numeric, kept: Numeric) -> Array:
     """Force or heat over that of free molecules where a share of the resistance is left [1]."""
     return jnp.asarray(opened / (opened + kept * (1.0 - opened)))
 
@@ -169,7 +169,7 @@ class ChamberFit:
         heat_kept = jnp.exp(value(self.kept, _terms(near, _EVEN, 1.0)))
         beside = jnp.exp(value(self.force, _terms(near, _EVEN, 1.0)) * dense)
         force, heat = opened
-        factor = beside * resisted(heat, heat_kept) / heat
+        factor = beside * resistance_ratio(heat, heat_kept) / heat
         lift = value(self.lift, _terms(near, _ODD, -1.0))
         lift *= beyond * dense * tac / REFERENCE_TAC
         return SolidWalls(_keep(factor, force), heat_kept, lift)
@@ -213,14 +213,14 @@ def _terms(near: tuple[Any, ...], powers: Any, exchanged: float) -> list[Any]:
 @lru_cache
 def chamber_fit() -> ChamberFit:
     """Effects of a chamber on a disk, fitted to the table, which is for a diatomic gas."""
-    return fitted(dict(shipped_table("kinetic_chamber.csv").numbers))
+    return fit_columns(dict(shipped_table("kinetic_chamber.csv").numbers))
 
 
-def fitted(table: dict[str, np.ndarray]) -> ChamberFit:
+def fit_columns(table: dict[str, np.ndarray]) -> ChamberFit:
     """Smooth functions through a table's columns; ``table`` (n,)."""
     knudsen, opened = table["knudsen"], table["open_heat_ratio"]
     ends = float(knudsen.min()), float(knudsen.max())
-    place, dense = scaled(np.log(knudsen), *np.log(ends)), denseness(knudsen)
+    place, dense = place_between(np.log(knudsen), *np.log(ends)), denseness(knudsen)
     near = nearness(Chamber(table["floor"], table["lid"], table["wall"]))
     heat = table["heat_factor"]
     kept = (1.0 / heat - opened) / (1.0 - opened)

@@ -26,7 +26,7 @@ from lightflyer.core.types import Numeric
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic.ratios import heating_of
 from lightflyer.gas.base import AbstractGas
-from lightflyer.numerics.polynomials import held_within, least_squares, polynomial, scaled
+from lightflyer.numerics.polynomials import hold_within, least_squares, place_between, polynomial
 
 _REFERENCE_TAC = 0.9
 _TACS = (0.3, 1.0)  # little beyond those of the table, 0.4 and 0.9
@@ -68,7 +68,7 @@ class Heated(NamedTuple):
 
     def __call__(self, kind: str, ratio: Numeric, exponent: Numeric) -> Array:
         """Change for a kind of gas, a temperature ratio and a viscosity exponent [1]."""
-        held = held_within(heating_of(ratio), *np.log(HEATED_RANGE))
+        held = hold_within(heating_of(ratio), *np.log(HEATED_RANGE))
         return jnp.exp(self.slope * (self.neutral[kind] - exponent) * held)
 
 
@@ -112,8 +112,8 @@ class CollisionFit:
     def factors(self, knudsen: Numeric, exponent: Numeric, tac: Numeric) -> tuple[Array, Array]:
         """:math:`r_F` and :math:`r_Q` of small temperature differences [1]."""
         low, high = np.log(self.knudsen_range)
-        place = scaled(jnp.clip(jnp.log(knudsen), low, high), low, high)
-        stiff = held_within(exponent, *self.exponent_range) - _REFERENCE_EXPONENT
+        place = place_between(jnp.clip(jnp.log(knudsen), low, high), low, high)
+        stiff = hold_within(exponent, *self.exponent_range) - _REFERENCE_EXPONENT
         rough = jnp.clip(tac, *self.tac_range) - _REFERENCE_TAC
         return (
             jnp.exp(polynomial(self.force, stiff, rough, place)),
@@ -136,7 +136,7 @@ class HeatedGas:
         """Conductivity of the simulated molecules over viscosity and gas constant [1]."""
         low, high = collision_fit(self.kind).exponent_range
         value, slope = _SIMULATED_CONDUCTION
-        return value + slope * (held_within(self.exponent, low, high) - _REFERENCE_EXPONENT)
+        return value + slope * (hold_within(self.exponent, low, high) - _REFERENCE_EXPONENT)
 
     @property
     def _conduction(self) -> Numeric:
@@ -179,17 +179,17 @@ def collision_fit(gas: str = "diatomic") -> CollisionFit:
     """Factors of a kind of gas, fitted to the table."""
     table = shipped_table("kinetic_collisions.csv")
     kept = np.array(table.texts["gas"]) == gas
-    return fitted({name: column[kept] for name, column in table.numbers.items()}, _POWERS[gas])
+    return fit_columns({name: column[kept] for name, column in table.numbers.items()}, _POWERS[gas])
 
 
-def fitted(table: dict[str, np.ndarray], powers: list[tuple[int, int, int]]) -> CollisionFit:
+def fit_columns(table: dict[str, np.ndarray], powers: list[tuple[int, int, int]]) -> CollisionFit:
     """Smooth functions through a table's columns; ``table`` (n,)."""
     knudsen, exponent = table["knudsen"], table["viscosity_exponent"]
     low, high = float(knudsen.min()), float(knudsen.max())
     variables = (
         exponent - _REFERENCE_EXPONENT,
         table["tac"] - _REFERENCE_TAC,
-        np.asarray(scaled(np.log(knudsen), np.log(low), np.log(high))),
+        np.asarray(place_between(np.log(knudsen), np.log(low), np.log(high))),
     )
     force, heat = (
         least_squares(np.log(table[f"{name}_factor"]), variables, powers)

@@ -104,7 +104,7 @@ class KineticDisk(AbstractForceModel):
 
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
         del flyer
-        return (kinetic_walls.described(self.walls),)
+        return (kinetic_walls.describe_walls(self.walls),)
 
     def require_gas(self, gas: AbstractGas) -> None:
         if self.polyatomic == "refused" and gas.molecules not in self.molecules:
@@ -262,7 +262,7 @@ def _keep(
     if balance == "isothermal":
         return RemainingShares()
     fit = local_balance_fit()
-    return fit.kept(disk, state, excess, knudsen, heat_ratio)
+    return fit.kept_shares(disk, state, excess, knudsen, heat_ratio)
 
 
 def _with_scaling(error: Array, of_scaling: float, gas: AbstractGas) -> Array:

@@ -31,7 +31,7 @@ from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic.ratios import heating_of, thinness
-from lightflyer.numerics.polynomials import least_squares, polynomial, scaled
+from lightflyer.numerics.polynomials import least_squares, place_between, polynomial
 
 FilmBalance = Literal["isothermal", "local"]
 """One temperature of the whole film, or one that follows from each spot's balance of heat."""
@@ -74,7 +74,7 @@ class LocalBalanceFit:
             knudsen, pressure
         )
 
-    def kept(
+    def kept_shares(
         self,
         disk: Disk,
         state: EnvironmentState,
@@ -108,7 +108,7 @@ def local_balance_fit() -> LocalBalanceFit:
     kept = 1.0 - columns["heat_factor"] > _LEAST
     knudsen = columns["knudsen"][kept]
     ends = float(knudsen.min()), float(knudsen.max())
-    place = scaled(np.log(knudsen), *np.log(ends))
+    place = place_between(np.log(knudsen), *np.log(ends))
     lost = [1.0 - columns[f"{name}_factor"][kept] for name in ("force", "heat")]
     force, heat = (
         least_squares(np.log(share), (place,), _POWERS, share**-0.5)  # small shares hardly matter

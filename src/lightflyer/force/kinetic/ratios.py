@@ -22,7 +22,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.numerics.polynomials import held_within, polynomial, scaled
+from lightflyer.numerics.polynomials import hold_within, place_between, polynomial
 
 BOUNDARY_TAC = 0.85  # Mean TAC in the table of walls
 
@@ -205,7 +205,7 @@ class KineticFit:
             thinness(knudsen, self.knudsen_range),
             thinness(knudsen, self.hot_knudsen_range),
             jnp.minimum(knudsen / self.knudsen_range[0], 1.0),
-            held_within(heating_of(ratio), *np.log(self.ratio_range)),
+            hold_within(heating_of(ratio), *np.log(self.ratio_range)),
             inside,
             jnp.log(inside + TAC_OFFSET),
         )
@@ -235,7 +235,7 @@ def heating_of(ratio: Numeric) -> Array:
 def thinness(knudsen: Numeric, ends: tuple[float, float]) -> Array:
     """Where among the Knudsen numbers of a table one is, from −1 to 1."""
     low, high = np.log(ends)
-    return scaled(jnp.clip(jnp.log(knudsen), low, high), low, high)
+    return place_between(jnp.clip(jnp.log(knudsen), low, high), low, high)
 
 
 def width(tac_difference: Any, tac: Any) -> Any:

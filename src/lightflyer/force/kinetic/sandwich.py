@@ -196,14 +196,14 @@ def _ratios(
     exponent = viscosity_exponent(state.gas, state.temperature, mean)
     ratios = fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, mean, exponent)
     if collisions == "vhs":
-        ratios = _of_molecules(ratios, flyer, state, (mean, exponent), passed)
+        ratios = _ratios_with_collisions(ratios, flyer, state, (mean, exponent), passed)
     if state.wall_distance is None:
         return fit, ratios
     walls: Any = fit.wall_factors(delta, passed.open_fraction, state.wall_distance / flyer.radius)
     return fit, Ratios(*(ratio * wall for ratio, wall in zip(ratios, walls, strict=True)))
 
 
-def _of_molecules(
+def _ratios_with_collisions(
     ratios: Ratios,
     flyer: Sandwich,
     state: EnvironmentState,

@@ -44,8 +44,8 @@ from lightflyer.numerics.polynomials import (
     as_tuples,
     error_fit,
     least_squares,
+    place_between,
     polynomial,
-    scaled,
 )
 
 HIGHEST_OPEN_FRACTION = 0.99  # Where the table ends [1]
@@ -203,7 +203,7 @@ class SandwichFit:
         mean = jnp.clip(tac, *self.tac_range)
         heating = jnp.clip(1.0 - 1.0 / temperature_ratio, _COLDEST, self.heating_limit)
         hot = 1.0 / (1.0 - heating)
-        disk = self._of_disk(rarefaction, mean, hot, viscosity_exponent)
+        disk = self._disk_resistance(rarefaction, mean, hot, viscosity_exponent)
         by_force, by_tac, by_heat, by_difference = self._growths(
             rarefaction, open_fraction, heating
         )
@@ -237,7 +237,7 @@ class SandwichFit:
             for one, relative in zip(self.hot, _RELATIVE, strict=True)
         ]
 
-    def _of_disk(
+    def _disk_resistance(
         self,
         rarefaction: Numeric,
         tac: Numeric,
@@ -287,7 +287,9 @@ def _place_of(rarefaction: Numeric, ends: tuple[float, float]) -> tuple[Array, A
     """Where in a table a rarefaction is, from −1 to 1, and how far beyond its dense end."""
     low, high = np.log(ends)
     logarithm = jnp.log(rarefaction)
-    return scaled(jnp.clip(logarithm, low, high), low, high), jnp.maximum(logarithm - high, 0.0)
+    return place_between(jnp.clip(logarithm, low, high), low, high), jnp.maximum(
+        logarithm - high, 0.0
+    )
 
 
 def _flow(open_fraction: Any) -> Any:
@@ -297,7 +299,7 @@ def _flow(open_fraction: Any) -> Any:
 
 def _ends_and_places(rarefaction: np.ndarray) -> tuple[tuple[float, float], np.ndarray]:
     ends = float(rarefaction.min()), float(rarefaction.max())
-    return ends, np.asarray(scaled(np.log(rarefaction), *np.log(ends)))
+    return ends, np.asarray(place_between(np.log(rarefaction), *np.log(ends)))
 
 
 @lru_cache

@@ -19,9 +19,9 @@ from lightflyer.kinetic.model_gases import GasModel, gas_model
 from lightflyer.numerics.polynomials import (
     as_tuples,
     least_squares,
+    place_between,
     polynomial,
-    scaled,
-    trimmed,
+    trim_zeros,
 )
 
 SMALL = 0.1  # Differences of TACs up to this stand for the limit of small ones
@@ -63,7 +63,7 @@ def fit(gas: str, table: Table, walls: WallTable) -> KineticFit:
     hot_ends = _ends(table.knudsen[table.temperature_ratio != 1.0])
     where = _place(table.knudsen, ends)
     unlikeness = _fit_unlikeness(table, where, ends)
-    force, heat = _of_like_faces(table, unlikeness, where)
+    force, heat = _like_faces_ratios(table, unlikeness, where)
     variables = (
         np.log(table.temperature_ratio),
         table.viscosity_exponent - model.viscosity_exponent,
@@ -108,7 +108,7 @@ def _fit_resistance(
     shown = tuple(column[like] for column in variables)
     found = np.asarray(least_squares(values[like], shown, _POWERS, errors[like]))
     parts = found[0, 0, :, :, 0], found[1:, 0, :, 0, :], found[1:, 1, 0, 0, :]
-    return Resistance(*(trimmed(as_tuples(part)) for part in parts))
+    return Resistance(*(trim_zeros(as_tuples(part)) for part in parts))
 
 
 def _resistance_at(fitted: Resistance, variables: tuple[np.ndarray, ...]) -> np.ndarray:
@@ -124,7 +124,7 @@ def _ends(values: np.ndarray) -> tuple[float, float]:
 
 
 def _place(knudsen: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
-    return np.asarray(scaled(np.log(knudsen), *np.log(ends)))
+    return np.asarray(place_between(np.log(knudsen), *np.log(ends)))
 
 
 def _conduction(gas: GasModel) -> float:
@@ -213,7 +213,7 @@ def _fit_hot_unlikeness(
     return Unlikeness(linear.resistance, linear.force, of_resistance, of_k, ends)
 
 
-def _of_like_faces(
+def _like_faces_ratios(
     table: Table, unlikeness: Unlikeness, where: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Force and heat ratios without what the difference of the TACs adds."""

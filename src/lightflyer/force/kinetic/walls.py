@@ -30,7 +30,7 @@ from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.kinetic.ratios import heating_of
 from lightflyer.force.laws.faces import accommodated_force, maxwell_force, normal_accommodation
-from lightflyer.numerics.polynomials import held_within, least_squares, polynomial, scaled
+from lightflyer.numerics.polynomials import hold_within, least_squares, place_between, polynomial
 
 Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
 """What becomes of molecules at a face; unknown is the middle of the next two."""
@@ -85,7 +85,7 @@ def require_walls(walls: Walls) -> None:
         )
 
 
-def described(walls: Walls) -> str:
+def describe_walls(walls: Walls) -> str:
     """The walls in words."""
     return _IN_WORDS[walls.wall]
 
@@ -106,10 +106,10 @@ class WallFit:
     def _logarithm(self, coefficients: Any, knudsen: Numeric, ratio: Numeric, tac: Array) -> Array:
         low, high = np.log(self.knudsen_range)
         position, heated = (
-            scaled(jnp.clip(jnp.log(knudsen), *np.log(range_)), low, high)
+            place_between(jnp.clip(jnp.log(knudsen), *np.log(range_)), low, high)
             for range_ in (self.knudsen_range, self.heated_range)
         )
-        heating = held_within(heating_of(ratio), *self.heating_range)
+        heating = hold_within(heating_of(ratio), *self.heating_range)
         cold, hot = coefficients[0], coefficients[1:]
         found = polynomial(cold, tac, position) + heating * polynomial(hot, heating, tac, heated)
         return jnp.asarray(found * _denseness(knudsen))
@@ -134,15 +134,15 @@ def wall_fit(gas: str = "diatomic") -> WallFit:
     """Smooth functions through the table for a gas."""
     table = shipped_table("kinetic_walls.csv")
     kept = np.array(table.texts["gas"]) == gas
-    return fitted({name: column[kept] for name, column in table.numbers.items()})
+    return fit_columns({name: column[kept] for name, column in table.numbers.items()})
 
 
-def fitted(table: dict[str, np.ndarray]) -> WallFit:
+def fit_columns(table: dict[str, np.ndarray]) -> WallFit:
     """Smooth functions through a table's columns; ``table`` (n,)."""
     knudsen, tac = table["knudsen"], table["tac"]
     heating = np.log(table["temperature_ratio"])
     low, high = float(knudsen.min()), float(knudsen.max())
-    position = np.asarray(scaled(np.log(knudsen), np.log(low), np.log(high)))
+    position = np.asarray(place_between(np.log(knudsen), np.log(low), np.log(high)))
 
     def factor(name: str, share: np.ndarray, powers: list[tuple[int, int, int]]) -> Any:
         kept = share > 0.0

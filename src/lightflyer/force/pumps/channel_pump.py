@@ -98,7 +98,7 @@ class Exchange(NamedTuple):
     bottom: Array
     passing: Array  # Share that passes the plate as warm as it came [1]
 
-    def reflected(self, face: Array) -> Array:
+    def reflected_share(self, face: Array) -> Array:
         """Share that leaves a face as warm as it came [1]."""
         return 1.0 - face - self.passing
 
@@ -213,7 +213,7 @@ class ChannelPump(AbstractForceModel):
             _growth, (*unknowns, plate.gas_top, plate.gas_bottom)
         )
         leaving_top, leaving_bottom = (
-            face * own + exchange.reflected(face) * near + exchange.passing * far
+            face * own + exchange.reflected_share(face) * near + exchange.passing * far
             for face, own, near, far in (
                 (exchange.top, top, gas_top, gas_bottom),
                 (exchange.bottom, bottom, gas_bottom, gas_top),

@@ -210,7 +210,7 @@ def pump_flow(
     jet_density = density / (1.0 + inner) if corrections.jet_density else density
     resistance, held = _outlet(flyer, state, inner, jet_density, corrections)
     resistance = errors.outlet * resistance
-    lifted = _lifted_by_warmth(flyer, state, density, inner, corrections)
+    lifted = _thermal_overpressure(flyer, state, density, inner, corrections)
     ratio = areas.outlet / areas.wall
     slope = resistance + jet_density * ratio / channels.conductance
     kinetic = 0.5 * jet_density * (1.0 - ratio**2)
@@ -223,7 +223,7 @@ def pump_flow(
     return PumpFlow(velocity, wall_velocity, pressure, jet_density, exchange)
 
 
-def _lifted_by_warmth(
+def _thermal_overpressure(
     flyer: HollowBody,
     state: EnvironmentState,
     density: Array,

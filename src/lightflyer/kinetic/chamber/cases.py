@@ -85,7 +85,7 @@ class ChamberOutcome:
         )
 
 
-def assembled(case: ChamberCase, resolution: Resolution) -> tuple[HalfOperator, HalfOperator]:
+def assemble_case(case: ChamberCase, resolution: Resolution) -> tuple[HalfOperator, HalfOperator]:
     """Trace the rays of a case, which serve any gas, TAC and temperature."""
     return assemble_halves(case.meshes(resolution), case.rarefaction, resolution.quadrature)
 
@@ -99,7 +99,7 @@ def solve_chamber_case(
     start: np.ndarray | None = None,
 ) -> ChamberOutcome:
     """Solve a case on one mesh."""
-    halves = assembled(case, resolution) if halves is None else halves
+    halves = assemble_case(case, resolution) if halves is None else halves
     system = ChamberSystem(halves, case.gas, case.chamber, case.film)
     x, iterations = (system.solve() if start is None or case.linear else start), 1
     if case.linear:

@@ -16,7 +16,7 @@ from scipy.linalg import lu_factor, lu_solve
 
 from lightflyer.kinetic.chamber.enclosure import Chamber, Film, Surface
 from lightflyer.kinetic.chamber.half_mesh_operator import HalfOperator, OperatorRows
-from lightflyer.kinetic.disk.linear import corrected, source_matrices, turning_rows
+from lightflyer.kinetic.disk.linear import correct_uniform, source_matrices, turning_rows
 from lightflyer.kinetic.model_gases import GasModel
 
 _SQRT_PI = np.sqrt(np.pi)
@@ -49,7 +49,7 @@ class Layout:
         """σ of the disk's face."""
         return self._after_gas(half, 0, self.e)
 
-    def emitted(self, half: int) -> slice:
+    def face_temperature(self, half: int) -> slice:
         """Temperature at which the disk's face emits."""
         return self._after_gas(half, self.e, self.e)
 
@@ -57,7 +57,7 @@ class Layout:
         """σ of the walls."""
         return self._after_gas(half, 2 * self.e, self.w)
 
-    def wall_emitted(self, half: int) -> slice:
+    def wall_temperature(self, half: int) -> slice:
         """Temperature at which the walls emit."""
         return self._after_gas(half, 2 * self.e + self.w, self.w)
 
@@ -136,11 +136,13 @@ class ChamberSystem:
                 block[:, k:] = np.einsum("ijsm,sf->imjf", turning, rotation, optimize=True)
             matrix[:, :, layout.gas(side)] = block.reshape(m, outputs, layout.n * self.fields)
         faces = rows.sigma, rows.temperature
-        self._add_emission(matrix, rows, faces, diffuse, (layout.sigma(half), layout.emitted(half)))
+        self._add_emission(
+            matrix, rows, faces, diffuse, (layout.sigma(half), layout.face_temperature(half))
+        )
         direct, across, reflected = rows.rim
         mine = direct + (1.0 - diffuse) * reflected
         for side, part in ((half, mine), (1 - half, across)):
-            places = layout.wall_sigma(side), layout.wall_emitted(side)
+            places = layout.wall_sigma(side), layout.wall_temperature(side)
             self._add_emission(matrix, rows, (part[:, 0], part[:, 1]), 1.0, places, 1.0)
         return matrix
 
@@ -247,16 +249,16 @@ class ChamberSystem:
         # also what a moving face runs into
         right[layout.sigma(half)] = factor * moved[:, NUMBER] + _SQRT_PI * velocity
         kept = 0.0 if self.film.wall == "maxwell" else 1.0 - self.film.tac[half]
-        matrix[layout.emitted(half), layout.film(half)] -= (1.0 - kept) * np.eye(layout.e)
+        matrix[layout.face_temperature(half), layout.film(half)] -= (1.0 - kept) * np.eye(layout.e)
         if kept:
-            matrix[layout.emitted(half)] -= kept * self._warmth(arriving)
+            matrix[layout.face_temperature(half)] -= kept * self._warmth(arriving)
             run_into = 2.0 * _SQRT_PI / self.energy_modes * 0.25 * velocity
-            right[layout.emitted(half)] = kept * (self._warmth(moved) + run_into)
+            right[layout.face_temperature(half)] = kept * (self._warmth(moved) + run_into)
 
     def _wall_equations(self, matrix: np.ndarray, right: np.ndarray, half: int) -> None:
         layout = self.layout
         arriving, moved = self.wall_arrivals[half]
-        sigma, emitted = layout.wall_sigma(half), layout.wall_emitted(half)
+        sigma, emitted = layout.wall_sigma(half), layout.wall_temperature(half)
         for surface, mask in self.surface_masks(half):
             if not surface.solid:
                 continue
@@ -312,10 +314,10 @@ class ChamberSystem:
         added = -diffuse * moved[:, ENERGY]
         unit = np.eye(layout.e) * diffuse / _SQRT_PI
         heat[:, layout.sigma(half)] += unit * theta**1.5
-        heat[:, layout.emitted(half)] += unit
+        heat[:, layout.face_temperature(half)] += unit
         if self.gas.has_rotation:
             heat -= diffuse * arriving[:, TURNING]
-            heat[:, layout.emitted(half)] += 0.5 * unit
+            heat[:, layout.face_temperature(half)] += 0.5 * unit
         factor = 4.0 - 2.0 * diffuse
         return heat, added + (0.625 * factor - 2.5) * velocity
 
@@ -336,12 +338,12 @@ class ChamberSystem:
         added = 2.0 * (2.0 - diffuse) * moved[:, MOMENTUM]
         unit = np.eye(layout.e) * diffuse
         pressure[:, layout.sigma(half)] += 0.5 * unit
-        pressure[:, layout.emitted(half)] += 0.25 * unit
+        pressure[:, layout.face_temperature(half)] += 0.25 * unit
         return pressure, added + (4.0 - 2.0 * diffuse) * velocity / _SQRT_PI
 
-    def corrected(self, fields: np.ndarray, half: int) -> np.ndarray:
+    def uniform_correction(self, fields: np.ndarray, half: int) -> np.ndarray:
         """Correction of given fields of a half by which uniform ones are exact, (n, fields)."""
-        return corrected(self.halves[half].corrections, self.gas, fields)
+        return correct_uniform(self.halves[half].corrections, self.gas, fields)
 
     def solve(self) -> np.ndarray:
         """Unknowns, shape (size,)."""
@@ -353,7 +355,7 @@ class ChamberSystem:
         for half in (0, 1):
             if not self.film.local:
                 right[layout.film(half)] = faces[half]
-            emitted = right[layout.wall_emitted(half)]
+            emitted = right[layout.wall_temperature(half)]
             names = ("side", "lid" if half == 0 else "floor")
             for name, (surface, mask) in zip(names, self.surface_masks(half), strict=False):
                 if surface.solid:
@@ -387,7 +389,7 @@ class ChamberSystem:
         """Axial momentum that arrives at walls, recoil, heat and molecules that leave, (w,)."""
         matrix, moved = self.wall_arrivals[half]
         arriving = matrix @ x + moved
-        sigma, emitted = x[self.layout.wall_sigma(half)], x[self.layout.wall_emitted(half)]
+        sigma, emitted = x[self.layout.wall_sigma(half)], x[self.layout.wall_temperature(half)]
         heat = (sigma + emitted) / _SQRT_PI - arriving[:, ENERGY]
         sent = 0.5 * sigma / _SQRT_PI - arriving[:, NUMBER]
         if self.gas.has_rotation:

@@ -63,7 +63,7 @@ class HotChamber:
     def _rim(self, x: np.ndarray, half: int) -> np.ndarray:
         """Density and temperature of what leaves the walls of a half."""
         layout = self.system.layout
-        temperature = 1.0 + x[layout.wall_emitted(half)]
+        temperature = 1.0 + x[layout.wall_temperature(half)]
         density = (1.0 + x[layout.wall_sigma(half)]) / np.sqrt(temperature)
         return np.stack([density, temperature])
 
@@ -112,7 +112,7 @@ class HotChamber:
             leaves = diffuse_emission(arriving, film.tac[half], temperature, film.wall, rotates)
             sent = self._half(x, half, leaves)
             found = self._run(self.nodes[half], False, half, sent)
-            found += system.corrected(sent[0], half)
+            found += system.uniform_correction(sent[0], half)
             missing[layout.gas(half)] = (found - sent[0]).ravel()
             at_walls = self._run(system.halves[half].rim_points, True, half, sent)
             at_walls[:, :3] *= self._scales[half]
@@ -130,7 +130,7 @@ class HotChamber:
         self, missing: np.ndarray, x: np.ndarray, half: int, arriving: np.ndarray
     ) -> None:
         system, layout = self.system, self.system.layout
-        sigma, emitted = x[layout.wall_sigma(half)], x[layout.wall_emitted(half)]
+        sigma, emitted = x[layout.wall_sigma(half)], x[layout.wall_temperature(half)]
         new_sigma, new_emitted = np.zeros_like(sigma), np.zeros_like(emitted)
         for surface, mask in system.surface_masks(half):
             if not surface.solid:
@@ -145,7 +145,7 @@ class HotChamber:
             new_sigma[mask] = 2.0 * _SQRT_PI * arriving[mask, NUMBER] + x[layout.leak]
             new_emitted[mask] = warm - 1.0
         missing[layout.wall_sigma(half)] = new_sigma - sigma
-        missing[layout.wall_emitted(half)] = new_emitted - emitted
+        missing[layout.wall_temperature(half)] = new_emitted - emitted
 
     def _miss_film(self, missing: np.ndarray, x: np.ndarray, arrivals: Arrivals) -> None:
         system, layout, film = self.system, self.system.layout, self.system.film
@@ -210,12 +210,12 @@ class HotChamber:
             missing,
             lambda missing: lu_solve(self.factors, missing, check_finite=False),
             self.precondition_about,
-            self._damped,
+            self._damp,
         )
         x, _, iterations = iterate(problem, start, tolerance, self.rarefaction)
         return x, arrivals[0], iterations
 
-    def _damped(self, old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    def _damp(self, old: np.ndarray, new: np.ndarray) -> np.ndarray:
         """Unknowns on the way to new ones, where pressures and temperatures at most halve."""
         share = 1.0
         for value, change in zip(self._positive(old), self._positive(new), strict=True):
@@ -231,7 +231,7 @@ class HotChamber:
             values += [1.0 + fields[:, 0], 1.0 + fields[:, 3]]
             places: list[Callable[[int], slice]] = [
                 layout.wall_sigma,
-                layout.wall_emitted,
+                layout.wall_temperature,
                 layout.film,
             ]
             values += [1.0 + x[place(half)] for place in places]

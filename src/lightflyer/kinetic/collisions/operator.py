@@ -88,14 +88,14 @@ class CollisionOperator:
         change = self.orthonormal(degree)
         gain = change @ self._gain(degree) @ change.T
         gain = 0.5 * (gain + gain.T)
-        for invariant in self._conserved(degree):
+        for invariant in self._invariants(degree):
             part = invariant @ gain
             whole = part @ invariant
             gain += np.outer(invariant, invariant) * (1.0 + whole)
             gain -= np.outer(invariant, part) + np.outer(part, invariant)
         return np.asarray(gain)
 
-    def _conserved(self, degree: int) -> list[np.ndarray]:
+    def _invariants(self, degree: int) -> list[np.ndarray]:
         """Number, momentum or energy on the orthonormal functions of a degree."""
         if degree > 1:
             return []

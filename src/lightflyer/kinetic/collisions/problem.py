@@ -81,9 +81,9 @@ class MolecularProblem:
 
         def apply(vector: np.ndarray) -> np.ndarray:
             fields = vector.reshape(self.size)
-            return self._precondition(fields - self._evaluated(fields, cold)).ravel()
+            return self._precondition(fields - self._evaluate(fields, cold)).ravel()
 
-        start = self._precondition(self._evaluated(zero, walls)).ravel()
+        start = self._precondition(self._evaluate(zero, walls)).ravel()
         solution, iterations = solve_by_gmres(apply, start, _TOLERANCE)
         return solution.reshape(self.size), iterations
 
@@ -102,7 +102,7 @@ class MolecularProblem:
         components = self.components
         return np.ascontiguousarray(fields @ components.mixing.T @ components.orthonormal)
 
-    def _evaluated(self, fields: np.ndarray, walls: Walls) -> np.ndarray:
+    def _evaluate(self, fields: np.ndarray, walls: Walls) -> np.ndarray:
         """Moments that follow from given ones and the walls."""
         sources, result = self._sources(fields), np.empty(self.size)
         for face in (0, 1):

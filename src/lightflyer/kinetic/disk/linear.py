@@ -211,9 +211,9 @@ class LinearSystem:
         e, o = solution.reshape(2, self.n, self.fields)
         return np.stack([e + o, e - o]), iterations
 
-    def corrected(self, fields: np.ndarray) -> np.ndarray:
+    def uniform_correction(self, fields: np.ndarray) -> np.ndarray:
         """Correction of given fields by which uniform ones are exact, shape (n, fields)."""
-        return corrected(self.operators.corrections, self.gas, fields)
+        return correct_uniform(self.operators.corrections, self.gas, fields)
 
     def arriving(self, fields: np.ndarray) -> np.ndarray:
         """Fluxes that arrive at the nodes of a face, shape (e, 3 or 4)."""
@@ -256,7 +256,7 @@ def source_matrices(gas: GasModel, fields: int) -> tuple[np.ndarray, np.ndarray]
     return mix[:6], mix[6:]
 
 
-def corrected(corrections: np.ndarray, gas: GasModel, fields: np.ndarray) -> np.ndarray:
+def correct_uniform(corrections: np.ndarray, gas: GasModel, fields: np.ndarray) -> np.ndarray:
     """Correction of given fields by which uniform ones are exact, shape (n, fields)."""
     # ``corrections``, shape (n, 6, 6), are those of a gas of one temperature.
     translation, rotation = source_matrices(gas, fields.shape[1])

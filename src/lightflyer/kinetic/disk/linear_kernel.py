@@ -67,7 +67,7 @@ def _shape(j, first, kind, inverse):
 
 
 @kernel
-def _emitted(j, first, kind, inverse):
+def _emission_integral(j, first, kind, inverse):
     """Speed integral of an emission 1, (c²/θ−2)/θ² or c; ``inverse`` is 1/θ."""
     if kind == 0:
         return j[first]
@@ -294,12 +294,15 @@ def _emission(j, kind, inverse, seen, out):
     """Fill the moments or fluxes of one emission of a wall along a ray."""
     on_face, row, straight, theta, weight = seen
     w = weight * straight[1] if kind == 2 else weight
-    power_1, power_2 = _emitted(j, 2, kind, inverse), _emitted(j, 3, kind, inverse)
-    power_3 = _emitted(j, 4, kind, inverse)
+    power_1, power_2 = (
+        _emission_integral(j, 2, kind, inverse),
+        _emission_integral(j, 3, kind, inverse),
+    )
+    power_3 = _emission_integral(j, 4, kind, inverse)
     if on_face:
         _fluxes(power_1, power_2, power_3, row[1], row[2], w, out)
     else:
-        power_0 = _emitted(j, 1, kind, inverse)
+        power_0 = _emission_integral(j, 1, kind, inverse)
         _moments(power_0, power_1, power_2, power_3, row, theta, w, out)
 
 

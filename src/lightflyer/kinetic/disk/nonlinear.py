@@ -101,7 +101,7 @@ class NonlinearProblem:
         nonlinear_kernel.evaluate(self.faces, True, *self.arguments, self.gas, half, fluxes)
         return fluxes
 
-    def emitted(
+    def emission(
         self, arriving: np.ndarray, face: int, disk: HotDisk
     ) -> tuple[np.ndarray, np.ndarray]:
         """Density and temperature of the diffuse molecules: as many leave as arrive, shape (e,)."""
@@ -112,12 +112,12 @@ class NonlinearProblem:
         """Fields that follow from given fields, shape (2, n, fields)."""
         result = np.empty_like(fields)
         for face in (0, 1):
-            emitted = self.emitted(self.arriving(fields, face, disk), face, disk)
+            emitted = self.emission(self.arriving(fields, face, disk), face, disk)
             half = self._half(fields, face, disk, emitted)
             nonlinear_kernel.evaluate(
                 self.nodes, False, *self.arguments, self.gas, half, result[face]
             )
-            result[face] += self.system.corrected(fields[face])
+            result[face] += self.system.uniform_correction(fields[face])
         return result
 
     def precondition_about(self, fields: np.ndarray, disk: HotDisk) -> None:
@@ -146,7 +146,7 @@ class NonlinearProblem:
             lambda fields: self.evaluate(fields, disk) - fields,
             self._precondition,
             lambda fields: self.precondition_about(fields, disk),
-            damped,
+            damp,
         )
         fields, step, iterations = iterate(problem, start, tolerance, self.rarefaction)
         return fields + step, iterations
@@ -163,7 +163,7 @@ class NonlinearProblem:
         """Normal pressure on a face and heat flux out of it, less those of the gas at rest."""
         diffuse = disk.diffuse_share(face)
         arriving = self.arriving(fields, face, disk)
-        density, temperature = self.emitted(arriving, face, disk)
+        density, temperature = self.emission(arriving, face, disk)
         pressure = diffuse * (density * temperature - 1.0) / 4.0 + (2.0 - diffuse) * arriving[:, 1]
         emitted = (density * temperature**1.5 - 1.0) / _SQRT_PI
         heat = diffuse * (emitted - arriving[:, 2])
@@ -173,7 +173,7 @@ class NonlinearProblem:
         return FaceResult(2.0 * solid * pressure, solid * heat)
 
 
-def damped(old: np.ndarray, new: np.ndarray) -> np.ndarray:
+def damp(old: np.ndarray, new: np.ndarray) -> np.ndarray:
     """Fields on the way to new ones, where pressure and temperature at most halve."""
     share = 1.0
     for field in (0, 3):

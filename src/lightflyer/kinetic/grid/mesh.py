@@ -85,13 +85,13 @@ class Mesh:
     @cached_property
     def eta(self) -> np.ndarray:
         """Nodes in η, shape (e,)."""
-        return self._joined(self.eta_edges[:-1, None] + self._eta_widths * self.eta_nodes)
+        return self._join_panels(self.eta_edges[:-1, None] + self._eta_widths * self.eta_nodes)
 
     @property
     def _eta_widths(self) -> np.ndarray:
         return np.diff(self.eta_edges)[:, None]
 
-    def _joined(self, by_panel: np.ndarray) -> np.ndarray:
+    def _join_panels(self, by_panel: np.ndarray) -> np.ndarray:
         """Values at all nodes from those of each panel, shared nodes once."""
         return np.concatenate([by_panel[0], by_panel[1:, 1:].ravel()])
 

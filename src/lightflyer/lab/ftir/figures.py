@@ -46,7 +46,7 @@ def spectra(
         ax.plot(one.wavenumber[::step] / PER_CENTIMETRE, one.value[::step], ls=style, lw=1,
                 color=PALETTE[number % len(PALETTE)],
                 label=f"{one.quantity}, {one.source}")  # fmt: skip
-    wavenumber, value = _emitted(result)
+    wavenumber, value = _mean_emissivity(result)
     name = "emissivity" if result.reflectances else "1 − transmittance, bound of the emissivity"
     ax.plot(wavenumber / PER_CENTIMETRE, value, color=PALETTE[len(drawn) % len(PALETTE)], lw=1,
             label=name)  # fmt: skip
@@ -65,7 +65,7 @@ def spectra(
     return ax
 
 
-def _emitted(result: "Ftir") -> tuple[np.ndarray, np.ndarray]:
+def _mean_emissivity(result: "Ftir") -> tuple[np.ndarray, np.ndarray]:
     """One less the mean transmittance and reflectance, where all spectra have data."""
     every = [*result.spectra, *result.reflectances]
     low, high = max(s.wavenumber[0] for s in every), min(s.wavenumber[-1] for s in every)

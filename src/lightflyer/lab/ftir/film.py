@@ -23,8 +23,8 @@ def computed_spectra(
         raise ParameterError("its materials have no data in the range of the spectra")
     # by rounding, the ends themselves may lie outside the materials' range
     wavenumber = np.linspace(low, high, _WAVENUMBERS + 2)[1:-1]
-    optics = film.optics(1.0 / wavenumber).unpolarised()
+    optics = film.optics(1.0 / wavenumber).polarisation_mean()
     found = {"transmittance": (wavenumber, np.asarray(optics.transmittance))}
     if measured.reflectances:
         found["reflectance"] = (wavenumber, np.asarray(optics.reflectance))
-    return found, list(film.extrapolated(1.0 / wavenumber[-1], 1.0 / wavenumber[0]))
+    return found, list(film.extrapolations(1.0 / wavenumber[-1], 1.0 / wavenumber[0]))

@@ -104,7 +104,7 @@ def planck_mean(
     return _mean(planck_weights(wavenumber, temperature, nodes), value, density)
 
 
-def combined(means: Sequence[tuple[float, float]], accuracy: float) -> Share:
+def combine_repeats(means: Sequence[tuple[float, float]], accuracy: float) -> Share:
     """Mean of repeats, with the scatter of the means or the noise of the only one."""
     values = np.array([mean for mean, _ in means])
     if len(values) == 1:

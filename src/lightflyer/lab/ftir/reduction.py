@@ -30,7 +30,7 @@ from lightflyer.lab.ftir.diagnostics import (
 from lightflyer.lab.ftir.means import (
     Share,
     band_mean,
-    combined,
+    combine_repeats,
     planck_mean,
     remainder,
     uncovered_power,
@@ -295,11 +295,11 @@ def _averages(
     densities = [noise_density(one.value) for one in group]
     noisy = list(zip(group, densities, strict=True))
     found: dict[str | float, Share] = {
-        _BAND_MEAN: combined([band_mean(one, noise, band) for one, noise in noisy], accuracy)
+        _BAND_MEAN: combine_repeats([band_mean(one, noise, band) for one, noise in noisy], accuracy)
     }
     for temperature in temperatures:
         means = [planck_mean(one, noise, measured, temperature) for one, noise in noisy]
-        found[temperature] = combined(means, accuracy)
+        found[temperature] = combine_repeats(means, accuracy)
     return found
 
 

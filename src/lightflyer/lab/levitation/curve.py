@@ -153,7 +153,7 @@ def levitation_curve(
     x, y = np.log(points.pressure), np.log(points.irradiance - CENTRE * step)
     least = minimum(
         x, points.irradiance, span=span, draws=draws, seed=seed, step=step,
-        stated=_stated(points, x, y, span),
+        stated=_stated_uncertainty(points, x, y, span),
     )  # fmt: skip
     pressure, irradiance, band = _estimates(least, tuple(accuracies.values()), seed)
     return LevitationCurve(
@@ -193,7 +193,9 @@ def _estimates(
     return pressure, irradiance, band
 
 
-def _stated(points: LiftOffs, x: np.ndarray, y: np.ndarray, span: float) -> np.ndarray | None:
+def _stated_uncertainty(
+    points: LiftOffs, x: np.ndarray, y: np.ndarray, span: float
+) -> np.ndarray | None:
     """Uncertainty of each log-irradiance, that of pressure included; None where none is stated."""
     if not points.uncertainties.keys() & {"irradiance_uncertainty", "pressure_uncertainty"}:
         return None

@@ -25,12 +25,12 @@ def model_curve(points: LiftOffs, setup: Setup) -> tuple[np.ndarray, np.ndarray]
     """Irradiance at which the model levitates, a little beyond the pressures of a sample."""
     low, high = points.pressure.min() / _BEYOND, points.pressure.max() * _BEYOND
     pressure = np.geomspace(low, high, _PRESSURES)
-    sample = _of_sample(setup, points)
+    sample = _sample_setup(setup, points)
     found = levitate(sample.flyer, sample.environment.state(pressure), sample.model, throw=False)
     return pressure, np.where(found.levitates, found.irradiance, np.nan)
 
 
-def _of_sample(setup: Setup, points: LiftOffs) -> Setup:
+def _sample_setup(setup: Setup, points: LiftOffs) -> Setup:
     """The setup with the known properties of a sample."""
     design = as_design(setup)
     values: dict[str, float] = {}
@@ -91,4 +91,4 @@ def _points(curve: LevitationCurve, *, keep_ground_effect: bool) -> Points:
     gap = None if keep_ground_effect else lot.floor_gap
     numbers["floor_gap"] = np.full(len(lot.pressure), np.inf if gap is None else gap)
     points = Points(lot.place, [lot.name] * len(lot.pressure), numbers)
-    return points.stepped(curve.step)
+    return points.with_step(curve.step)

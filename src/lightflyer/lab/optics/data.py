@@ -226,7 +226,7 @@ def read_sample(path: str | Path) -> OpticsSample:
 
     def build(values: Mapping[str, Any]) -> Film:
         full = {alias: value for name, value in values.items() for alias in same[name]}
-        changed = section.replaced(full)
+        changed = section.with_values(full)
         assert isinstance(changed, SampleSection)
         return changed.film()
 

@@ -25,7 +25,7 @@ from lightflyer.film.optics.stack import Film
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
 from lightflyer.lab.optics.diagnostics import diagnose
-from lightflyer.lab.optics.model import OpticalModel, Problem, covered
+from lightflyer.lab.optics.model import OpticalModel, Problem, select_covered
 from lightflyer.lab.optics.search import STARTS, Fit, Scatter, intervals, search
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
 from lightflyer.lab.record import dataset
@@ -195,7 +195,7 @@ def fit_optics(
         raise ParameterError(f"starts = {starts} must be 1 or more")
     if not sample.free or not sample.spectra:
         raise ParameterError("a fit needs free numbers, and spectra")
-    sample, left_out = covered(sample)
+    sample, left_out = select_covered(sample)
     points = sum(len(one.spectrum.value) for one in sample.spectra)
     if points <= len(sample.free):
         raise ParameterError(f"{points} points are too few for {len(sample.free)} free numbers")

@@ -30,7 +30,7 @@ def update_layers(
     path = Path(path)
     names = list(fit.numbers)
     require_same_layers(path, fit.sample)
-    _require_told(path, fit, names)
+    _require_determined(path, fit, names)
     document: Any = extra("tomlkit", "updating a flyer file", "lab").parse(read_text(path))
     table, told, written = document["film"], [], []
     for name, estimate in fit.numbers.items():
@@ -74,7 +74,7 @@ def require_same_layers(path: str | Path, sample: OpticsSample) -> None:
             )
 
 
-def _require_told(path: Path, fit: OpticsFit, names: Sequence[str]) -> None:
+def _require_determined(path: Path, fit: OpticsFit, names: Sequence[str]) -> None:
     for name in names:
         one = fit.numbers[name]
         if all(fit.open_ends[name]) or not (one.uncertainty or 0.0) < abs(one.value):

@@ -252,7 +252,7 @@ class Problem:
         full, _ = self._inverse(solution)
         return np.asarray(full[: len(self.free), : len(self.free)])
 
-    def numbers_told(self, solution: Solution) -> float:
+    def determined_numbers(self, solution: Solution) -> float:
         """How many numbers the spectra tell, of which some are known beforehand in part."""
         full, jacobian = self._inverse(solution)
         points = jacobian[: sum(len(one.spectrum.value) for one in self.spectra)]
@@ -265,7 +265,7 @@ class Problem:
         return (vectors / np.maximum(values, _FLAT)) @ vectors.T, jacobian
 
 
-def covered(sample: OpticsSample) -> tuple[OpticsSample, tuple[str, ...]]:
+def select_covered(sample: OpticsSample) -> tuple[OpticsSample, tuple[str, ...]]:
     """The sample with the points of its spectra that the materials' data cover."""
     film = sample.build({one.name: one.start for one in sample.free})
     shortest, longest = film.covered_range

@@ -69,7 +69,7 @@ def scatter_of(problem: Problem, solution: Solution) -> tuple[Scatter, ...]:
         min(length, one.size / _FEWEST) for one, (length, _) in zip(residuals, alike, strict=True)
     ]
     independent = [one.size / length for one, length in zip(residuals, lengths, strict=True)]
-    lost = min(problem.numbers_told(solution) / sum(independent), _MOST_LOST)
+    lost = min(problem.determined_numbers(solution) / sum(independent), _MOST_LOST)
     return tuple(
         Scatter(float(np.sqrt(np.mean(one**2) / (1.0 - lost))), length, count, freedom)
         for one, length, count, (_, freedom) in zip(
@@ -92,7 +92,7 @@ def search(problem: Problem, *, starts: int = STARTS, seed: int = 0) -> Fit:
             "no film between the bounds has optical constants at all wavelengths of the spectra"
         )
     alone, minima = _settle(alone, _distinct(found))
-    scatter, told = scatter_of(alone, minima[0]), alone.numbers_told(minima[0])
+    scatter, told = scatter_of(alone, minima[0]), alone.determined_numbers(minima[0])
     problem = replace(alone, informed=True)
     if any(one.prior is not None for one in problem.free):
         minima = _refit(problem, [*minima, replace(minima[0], position=own)])
@@ -155,7 +155,7 @@ def intervals(fit: Fit) -> tuple[Fit, list[tuple[float, float]]]:
         if profile.better is None:
             break
         minima = [profile.better, fit.best, *(one for one, _ in fit.rivals)]
-        told = fit.problem.numbers_told(profile.better)
+        told = fit.problem.determined_numbers(profile.better)
         fit = _fit(fit.problem, _refit(fit.problem, minima), fit.scatter, told)
     return fit, ends
 

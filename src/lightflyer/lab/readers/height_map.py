@@ -9,7 +9,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length
 from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
 from lightflyer.lab.readers.height_maps import gwyddion, igor, instruments, text
-from lightflyer.lab.readers.height_maps.channel import Channel, chosen
+from lightflyer.lab.readers.height_maps.channel import Channel, choose_channel
 from lightflyer.program.arguments import reads_units
 
 NANOMETRE = 1e-9  # [m]
@@ -102,7 +102,7 @@ def read_height_map(
     else:
         _refuse_options(source, size, unit)
         channels = kind.read(source)
-    found, note = chosen(source.path, channels, channel)
+    found, note = choose_channel(source.path, channels, channel)
     if note:
         notes = (*notes, note)
     one = HeightMap(str(source.path), found.read(), found.width, found.length, found.name, notes)

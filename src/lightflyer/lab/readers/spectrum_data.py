@@ -14,7 +14,7 @@ from lightflyer.files.table_layout import Column
 from lightflyer.lab.readers.formats import Source, read_source
 from lightflyer.lab.readers.spectra.formats import format_of, read_raw
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
-from lightflyer.lab.readers.spectra.interpretation import ReadOptions, measured
+from lightflyer.lab.readers.spectra.interpretation import ReadOptions, interpret_spectrum
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE as PER_CENTIMETRE
 from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumMetadata
 
@@ -121,7 +121,7 @@ def read_spectrum(
         raw = read_raw(source, kind, options)
         if columns is not None:
             raw = replace(raw, notes=(*raw.notes, f"columns are not used: it is {kind.name}"))
-    return measured(source, raw, options)
+    return interpret_spectrum(source, raw, options)
 
 
 def _from_table(table: Table, as_written: Table, options: ReadOptions) -> RawSpectrum:

@@ -25,7 +25,7 @@ def warnings_of(
     flattened: bool,
 ) -> tuple[str, ...]:
     """Warnings of one map; ``raw`` (rows, columns); ``masked`` (rows, columns)."""
-    said = [*source.notes, *_of_pixels(source)]
+    said = [*source.notes, *_pixel_diagnostics(source)]
     share = float(masked.mean())
     if np.ptp(raw) == 0.0:
         said.append("all heights are equal: this is no map of a surface")
@@ -56,7 +56,7 @@ def warnings_of(
     return tuple(said)
 
 
-def _of_pixels(source: HeightMap) -> list[str]:
+def _pixel_diagnostics(source: HeightMap) -> list[str]:
     said = []
     if missing := int(source.missing.sum()):
         said.append(

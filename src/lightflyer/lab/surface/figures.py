@@ -17,7 +17,7 @@ from lightflyer.files.drawing import (
     VERMILION,
     figure_for,
     new_figure,
-    outlined,
+    outline_effects,
     shared_legend,
 )
 from lightflyer.lab.readers.height_map import NANOMETRE
@@ -115,7 +115,7 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
             ax.set_ylabel("y [µm]" if ax is row[0] else "")
             letter = ascii_lowercase[number % len(ascii_lowercase)]
             ax.text(0.02, 0.98, f"({letter})", transform=ax.transAxes, va="top", color="white",
-                    weight="bold", path_effects=outlined())  # fmt: skip
+                    weight="bold", path_effects=outline_effects())  # fmt: skip
         label = "height of the surface [nm]" if masked else "height [nm]"
         extend = "both" if masked else "neither"
         figure.colorbar(image, ax=row, label=label, shrink=0.8, pad=0.02, extend=extend)

@@ -29,7 +29,7 @@ def level(height: np.ndarray, mask: np.ndarray | None = None, order: int = 2) ->
     return residual
 
 
-def filled(height: np.ndarray) -> np.ndarray:
+def fill_missing(height: np.ndarray) -> np.ndarray:
     """Heights with each missing one replaced by the nearest that is there [m]."""
     missing = np.isnan(height)
     if not missing.any():

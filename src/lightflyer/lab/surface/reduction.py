@@ -23,7 +23,7 @@ from lightflyer.lab.readers.height_map import NANOMETRE, HeightMap
 from lightflyer.lab.record import dataset, joint_warnings
 from lightflyer.lab.surface.diagnostics import warnings_of
 from lightflyer.lab.surface.intervals import DRAWS, SPECTRUM, spread
-from lightflyer.lab.surface.levelling import Flatten, filled, flatten_rows, kept_power, level
+from lightflyer.lab.surface.levelling import Flatten, fill_missing, flatten_rows, kept_power, level
 from lightflyer.lab.surface.particles import THRESHOLD, Objects, count_objects, find_particles
 
 if TYPE_CHECKING:
@@ -175,7 +175,7 @@ def roughness(
     require_range("height_accuracy", height_accuracy, 0.0, 0.5)
     rows = None if flatten == "none" else flatten_order
     missing = source.missing
-    raw = filled(source.height)
+    raw = fill_missing(source.height)
     raw = raw if rows is None else flatten_rows(raw, rows)
     whole = level(raw, missing, order)
     if mask == "none":

@@ -49,17 +49,17 @@ def thermography_files(seed: int = 0) -> dict[str, str]:
     visible = f"truth: r {VISIBLE_REFLECTANCE}, t {VISIBLE_TRANSMITTANCE}, absorptivity {absorbed}"
     return {
         "thermal.csv": faulty_table(
-            label("thermography", said), [f"{name} (°C)" for name in names], _of_camera(rng), rng,
+            label("thermography", said), [f"{name} (°C)" for name in names], _camera_rows(rng), rng,
             delimiter=";", decimal_comma=True,
         ),
         "light-meter.csv": faulty_table(
             label("thermography", visible), ["incident", "reflected", "transmitted", "dark"],
-            _of_meter(rng), rng,
+            _meter_rows(rng), rng,
         ),
     }  # fmt: skip
 
 
-def _of_camera(rng: np.random.Generator) -> list[list[str]]:
+def _camera_rows(rng: np.random.Generator) -> list[list[str]]:
     """Rows of apparent temperatures [°C]."""
     source, background = camera_radiance(_HOTPLATE), camera_radiance(_AMBIENT)
     span = source - background
@@ -72,7 +72,7 @@ def _of_camera(rng: np.random.Generator) -> list[list[str]]:
     return [[f"{one + _NOISE * rng.normal():.2f}" for one in apparent] for _ in range(_ROWS)]
 
 
-def _of_meter(rng: np.random.Generator) -> list[list[str]]:
+def _meter_rows(rng: np.random.Generator) -> list[list[str]]:
     """Rows of a light meter's readings."""
     dark, incident = 12.0, 1800.0
     light = np.array([incident, VISIBLE_REFLECTANCE * incident, VISIBLE_TRANSMITTANCE * incident,

@@ -93,7 +93,7 @@ def _robust_fit(problem: Problem) -> np.ndarray:
     padded = np.pad(some.conductance, _WINDOW // 2, mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, _WINDOW)
     smooth = np.median(windows, axis=1)
-    guess = first_guess(some.measured(smooth))
+    guess = first_guess(some.with_conductance(smooth))
     start = np.array([guess[0], guess[1], max(guess[2], 0.0)])
     scale = max(float(np.median(np.abs(_log_deviations(some, start)))), _LEAST_DEVIATION / _SUSPECT)
     found = least_squares(
@@ -110,7 +110,7 @@ def _log_deviations(problem: Problem, values: np.ndarray) -> np.ndarray:
 
 def _significant(problem: Problem, suspects: np.ndarray, near: np.ndarray) -> np.ndarray:
     """Rows whose deviation from the fit of the unsuspected ones is significant, shape (m,)."""
-    problem = problem.weighted(1.0 / problem.model(*near))
+    problem = problem.with_weight(1.0 / problem.model(*near))
     good = problem.rows(~suspects)
     freedom = int((~suspects).sum()) - len(PARAMETERS)
     if freedom < 1:
@@ -256,7 +256,7 @@ def misfit_warnings(alike: float, rows: int, values: Mapping[str, float]) -> lis
     return texts
 
 
-def listed(lines: Sequence[int], source: str, most: int = 8) -> str:
+def list_lines(lines: Sequence[int], source: str, most: int = 8) -> str:
     """Lines of a file in words, such as ``run.csv:4, 9``; only the first of very many."""
     shown = ", ".join(map(str, lines[:most]))
     more = f" and {len(lines) - most} more" if len(lines) > most else ""

@@ -31,7 +31,7 @@ from lightflyer.lab.tac.accuracy import TacAccuracy
 from lightflyer.lab.tac.data import TacRun
 from lightflyer.lab.tac.diagnostics import (
     cut,
-    listed,
+    list_lines,
     misfit_warnings,
     model_warnings,
     require_possible,
@@ -309,11 +309,11 @@ def _problem(
 
 def _weigh(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
     """The problem with its residuals over the conductance of a first fit, and that fit."""
-    guess = first_guess(problem.grouped())
+    guess = first_guess(problem.group())
     for _ in range(_WEIGHTINGS):
-        problem = problem.weighted(1.0 / problem.model(*guess))
+        problem = problem.with_weight(1.0 / problem.model(*guess))
         require_distinct(problem, guess)
-        plain = problem.with_common_errors([0.0] * len(problem.errors.names)).grouped()
+        plain = problem.with_common_errors([0.0] * len(problem.errors.names)).group()
         found = minimise(plain, guess)[1].params
         guess = (float(found["tac"]), float(found["area_ratio"]), float(found["offset"]))
     return problem, guess
@@ -322,7 +322,7 @@ def _weigh(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
 def _coefficient(problem: Problem) -> float | None:
     """Coefficient by another law; None where the fit fails."""
     try:
-        return best_tac(*_weigh(problem.grouped()))
+        return best_tac(*_weigh(problem.group()))
     except LightflyerError:
         return None
 
@@ -364,7 +364,9 @@ def _result(
     fitted = problem.model(*solution.values.values())
     if off_curve.any():
         lines = [int(line) for line in run.table.lines[off_curve]]
-        texts.insert(0, f"{listed(lines, run.source)}: left out, off the curve of all other rows")
+        texts.insert(
+            0, f"{list_lines(lines, run.source)}: left out, off the curve of all other rows"
+        )
     texts += result_warnings(estimates, reading)
     texts += model_warnings(estimates["tac"].value, reading, others.get(KINETIC))
     texts += misfit_warnings(solution.alike, len(fitted), solution.values)

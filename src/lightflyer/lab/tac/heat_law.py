@@ -55,7 +55,7 @@ class Limits:
         derivative = (linear + 2.0 * square * inside) * (inside == tac)
         return constant + (linear + square * inside) * inside, derivative
 
-    def grouped(self, groups: list[np.ndarray]) -> "Limits":
+    def group(self, groups: list[np.ndarray]) -> "Limits":
         """Means over groups of rows."""
         polynomial = np.stack([mean_of_groups(row, groups) for row in self.log_continuum])
         return Limits(

@@ -56,7 +56,7 @@ def solve(problem: Problem, guess: tuple[float, float, float]) -> Solution:
     statistical = normal
     if scatter > _ROUNDING:  # rows without scatter have no profile
         # very many rows are grouped; what scatters within a group is in the scatter already
-        rows = held.grouped().scaled(1.0 / (scatter * math.sqrt(alike)))
+        rows = held.group().scale_weights(1.0 / (scatter * math.sqrt(alike)))
         values = _values(minimise(rows, _values(result, PARAMETERS))[1], PARAMETERS)
         statistical = _profiles(rows, values, normal, freedoms)
     if total is None:
@@ -66,7 +66,7 @@ def solve(problem: Problem, guess: tuple[float, float, float]) -> Solution:
         )  # fmt: skip
     freedoms = _freedoms(total[1], normal, freedom)
     total_normal = _normal(total[1], freedoms)
-    scaled = problem.grouped().scaled(1.0 / _row_error(problem, scatter, alike))
+    scaled = problem.group().scale_weights(1.0 / _row_error(problem, scatter, alike))
     return Solution(
         values=_by_name(total[1], problem.names),
         scatter=scatter,
@@ -101,7 +101,9 @@ def _minimise_both(
             alike = _alike(problem, start)
             break
         row_error = _row_error(problem, scatter, alike)
-        total = minimise(problem.grouped().scaled(1.0 / row_error), [*start, *common], scale=False)
+        total = minimise(
+            problem.group().scale_weights(1.0 / row_error), [*start, *common], scale=False
+        )
         before, common = common, _values(total[1], problem.errors.names)
         start = _values(total[1], PARAMETERS)
         known, alike = alike, max(alike, _alike(problem, [*start, *common]))

@@ -48,11 +48,11 @@ class Problem:
         """Names of the unknowns."""
         return (*PARAMETERS, *self.errors.names)
 
-    def weighted(self, weight: np.ndarray) -> "Problem":
+    def with_weight(self, weight: np.ndarray) -> "Problem":
         """The same problem with other weights."""
         return replace(self, weight=weight)
 
-    def measured(self, conductance: np.ndarray) -> "Problem":
+    def with_conductance(self, conductance: np.ndarray) -> "Problem":
         """The same problem with another measured conductance."""
         return replace(self, conductance=conductance, weight=1.0 / conductance)
 
@@ -122,7 +122,7 @@ class Problem:
     def _groups(self) -> list[np.ndarray]:
         return np.array_split(np.argsort(self.pressure, kind="stable"), _GROUPS)
 
-    def grouped(self) -> "Problem":
+    def group(self) -> "Problem":
         """Rows of neighbouring pressure averaged, each group weighted by its size."""
         # A profile of very many rows would take long. Within a group the model hardly changes, and
         # the scatter within it does not depend on the parameters.
@@ -140,11 +140,11 @@ class Problem:
             log_conductance=np.reshape(amplitudes, (len(amplitudes), len(groups))),
         )
         return Problem(
-            self.source, mean(self.conductance), mean(self.pressure), self.limits.grouped(groups),
+            self.source, mean(self.conductance), mean(self.pressure), self.limits.group(groups),
             mean(self.radiation), mean(self.weight) * np.sqrt(sizes), errors,
         )  # fmt: skip
 
-    def scaled(self, factor: float) -> "Problem":
+    def scale_weights(self, factor: float) -> "Problem":
         """The same problem with all weights multiplied by a factor."""
         return replace(self, weight=factor * self.weight)
 

@@ -46,7 +46,7 @@ def draw_property(result: "RadiativeProperties", name: str, ax: Axes) -> Axes:
     ax.set_xlim(-0.6, 2.7)
     ax.set_xticks([])
     ax.margins(y=0.25)
-    ax.set_xlabel(next(iter(result.named({name: None}))))
+    ax.set_xlabel(next(iter(result.name_properties({name: None}))))
     ax.grid(alpha=0.25, axis="y")
     return ax
 

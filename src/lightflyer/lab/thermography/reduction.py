@@ -83,7 +83,7 @@ class RadiativeProperties(PrintedResult):
         camera = self.readings.scene.camera
         return "as T⁴, all wavelengths" if camera is None else f"within {camera.name}, near normal"
 
-    def named(self, values: Mapping[str, Any]) -> dict[str, Any]:
+    def name_properties(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Values by the names of the properties of this method."""
         remainder = self.readings.method.remainder
         return {remainder if key == "emissivity" else key: one for key, one in values.items()}
@@ -107,7 +107,7 @@ class RadiativeProperties(PrintedResult):
         method, scene = readings.method, readings.scene
 
         def json(estimates: Mapping[str, Estimate]) -> dict[str, Any]:
-            return self.named({name: one.to_json() for name, one in estimates.items()})
+            return self.name_properties({name: one.to_json() for name, one in estimates.items()})
 
         document = json(self.first_order) | {
             "monte_carlo": json(self.monte_carlo),
@@ -223,7 +223,9 @@ def to_dataset(result: RadiativeProperties, files: Sequence[str]) -> "xr.Dataset
     }
     variables |= {
         name: ("row", values, {"units": "1", "long_name": f"{name} {result.meaning}"})
-        for name, values in result.named(dict(zip(PROPERTIES, result.rows, strict=True))).items()
+        for name, values in result.name_properties(
+            dict(zip(PROPERTIES, result.rows, strict=True))
+        ).items()
     }
     return dataset(
         f"reflectance, transmittance and {method.remainder}", variables, files,
@@ -320,7 +322,7 @@ def _judge(
     if not readings.uncertainties.any() and rows.shape[1] == 1:
         warnings.append("no reading states an uncertainty: the interval of one row has no width")
     if readings.method == THERMAL:
-        warnings += [*_of_the_band(readings, first), *_of_the_film(readings, first)]
+        warnings += [*_band_diagnostics(readings, first), *_film_diagnostics(readings, first)]
     return RadiativeProperties(
         readings, rows, {name: _cut(one) for name, one in first.items()},
         {name: _cut(one) for name, one in second.items()}, (*warnings, *readings.warnings),
@@ -362,7 +364,7 @@ def _outliers(readings: Readings, rows: np.ndarray, first: Mapping[str, Estimate
     return [f"{', '.join(names[:_NAMED])}{more}: far from the other rows; check the readings"]
 
 
-def _of_the_band(readings: Readings, first: Mapping[str, Estimate]) -> list[str]:
+def _band_diagnostics(readings: Readings, first: Mapping[str, Estimate]) -> list[str]:
     """What the choice of the camera's band does to the emissivity."""
     camera, found = readings.scene.camera, first["emissivity"].value
 
@@ -387,7 +389,7 @@ def _of_the_band(readings: Readings, first: Mapping[str, Estimate]) -> list[str]
     return []
 
 
-def _of_the_film(readings: Readings, first: Mapping[str, Estimate]) -> list[str]:
+def _film_diagnostics(readings: Readings, first: Mapping[str, Estimate]) -> list[str]:
     """What the film's own emission may do where its temperature is not known."""
     one, scene = first["emissivity"], readings.scene
     if scene.film_temperature is not None or not 0.0 < one.value < 1.0:

@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
 def properties_parts(result: "RadiativeProperties") -> Parts:
     """The properties with both intervals, and the uncertainties of the readings."""
-    second = result.named(result.monte_carlo)
+    second = result.name_properties(result.monte_carlo)
     rows = []
-    for name, estimate in result.named(result.first_order).items():
+    for name, estimate in result.name_properties(result.first_order).items():
         rows += [(name, estimate), ("  by Monte Carlo", second[name])]
     yield estimate_table(rows, result.meaning)
     method = result.readings.method

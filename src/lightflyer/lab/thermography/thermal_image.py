@@ -144,17 +144,17 @@ def is_thermal_image(path: Path) -> bool:
     return find_format(source, THERMAL_IMAGE_FORMATS) is not None
 
 
-def _of_matrix(source: Source, scale: Scale | None = None) -> ThermalImage:
+def _read_matrix(source: Source, scale: Scale | None = None) -> ThermalImage:
     kelvin, stated, notes = scaled.read_matrix(source.path, scale)
     return ThermalImage(str(source.path), kelvin, stated, notes=notes)
 
 
-def _of_tiff(source: Source, scale: Scale | None = None) -> ThermalImage:
+def _read_tiff(source: Source, scale: Scale | None = None) -> ThermalImage:
     kelvin, notes = scaled.read_tiff(*source, scale)
     return ThermalImage(str(source.path), kelvin, notes=notes)
 
 
-def _of_flir(
+def _read_flir(
     source: Source, emissivity: float | None = None, reflected_temperature: float | None = None
 ) -> ThermalImage:
     reflected = reflected_temperature
@@ -184,14 +184,14 @@ THERMAL_IMAGE_FORMATS = [
     Format(
         "FLIR",
         has_suffix(".jpg", ".jpeg", ".fff"),
-        _of_flir,
+        _read_flir,
         ("emissivity", "reflected_temperature"),
     ),
-    Format("TIFF", has_suffix(".tif", ".tiff"), _of_tiff, ("scale",)),
+    Format("TIFF", has_suffix(".tif", ".tiff"), _read_tiff, ("scale",)),
 ]
 """All formats but matrices in text files. A plug-in adds its own."""
 
-_MATRIX = Format("text", lambda _: True, _of_matrix, ("scale",))
+_MATRIX = Format("text", lambda _: True, _read_matrix, ("scale",))
 
 
 def _require_plausible(image: ThermalImage) -> None:

@@ -17,13 +17,13 @@ from lightflyer.mission.path.integration import (
     Limits,
     Start,
     Track,
+    altitude_and_place,
     controller,
     events,
     rate_of,
-    saved,
-    scaled,
+    save_at,
+    scale_state,
     track_of,
-    where,
 )
 from lightflyer.mission.path.motion import Craft, Surroundings, velocity
 
@@ -67,7 +67,7 @@ def track_with_inertia(
         )
 
     def rate(time: Any, flown: Array, _: Any) -> Array:
-        altitude, place = where(start, flown[:_PLACE], time)
+        altitude, place = altitude_and_place(start, flown[:_PLACE], time)
         around = craft.surroundings(limits.inside(altitude), place, time)
         axial, slope = flown[_PLACE : _PLACE + _SPEEDS] * _SPEED_SCALE
         temperatures = flown[_PLACE + _SPEEDS :] * _TEMPERATURE_SCALE
@@ -83,8 +83,8 @@ def track_with_inertia(
         t0=elapsed[0],
         t1=elapsed[-1],
         dt0=_FIRST_STEP,
-        y0=_at_rest(craft, start),
-        saveat=saved(elapsed),
+        y0=_state_at_rest(craft, start),
+        saveat=save_at(elapsed),
         stepsize_controller=controller(accuracy, _SHORTEST_STEP),
         event=events(limits),
         max_steps=accuracy.steps,
@@ -93,10 +93,10 @@ def track_with_inertia(
     return track_of(solution)
 
 
-def _at_rest(craft: Craft, start: Start) -> Array:
+def _state_at_rest(craft: Craft, start: Start) -> Array:
     gas = craft.setup.environment.state(start.altitude, start.place).temperature
     nodes = jnp.full(len(craft.setup.flyer.nodes), gas / _TEMPERATURE_SCALE)
-    return jnp.concatenate([scaled(start), jnp.zeros(_SPEEDS), nodes])
+    return jnp.concatenate([scale_state(start), jnp.zeros(_SPEEDS), nodes])
 
 
 def _acceleration(

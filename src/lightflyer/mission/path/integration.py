@@ -97,8 +97,8 @@ def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: 
         t0=elapsed[0],
         t1=elapsed[-1],
         dt0=min(_FIRST_STEP, accuracy.longest),
-        y0=scaled(start),
-        saveat=saved(elapsed),
+        y0=scale_state(start),
+        saveat=save_at(elapsed),
         stepsize_controller=controller(accuracy),
         event=events(limits),
         max_steps=accuracy.steps,
@@ -109,7 +109,7 @@ def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: 
 
 def steady_rate(craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array) -> Array:
     """Rate of a scaled state at which heat and forces are in balance [1/s], shape (4,)."""
-    altitude, place = where(start, flown, elapsed)
+    altitude, place = altitude_and_place(start, flown, elapsed)
     around = craft.surroundings(limits.inside(altitude), place, elapsed)
     unknowns = craft.heat(around).unknowns
     speeds = steady_speeds(around, craft.forces(around, unknowns), unknowns)
@@ -129,13 +129,13 @@ def controller(accuracy: Accuracy, shortest: float = _SHORTEST_STEP) -> diffrax.
     )
 
 
-def scaled(start: Start) -> Array:
+def scale_state(start: Start) -> Array:
     """State of a release: a unit vector, and the altitude in :data:`ALTITUDE_SCALE`."""
     position = unit_vector(start.place.latitude, start.place.longitude)
     return jnp.append(position, jnp.asarray(start.altitude) / ALTITUDE_SCALE)
 
 
-def where(start: Start, flown: Array, elapsed: Array) -> tuple[Array, Place]:
+def altitude_and_place(start: Start, flown: Array, elapsed: Array) -> tuple[Array, Place]:
     """Altitude and place of a scaled state; returns ``altitude`` [m], ``place``."""
     latitude, longitude = latitude_and_longitude(flown[:3])
     return flown[3] * ALTITUDE_SCALE, Place(latitude, longitude, start.place.time + elapsed)
@@ -149,7 +149,7 @@ def rate_of(moving: Wind, place: Place, altitude: Array, planet: Planet) -> Arra
     return jnp.append(across * to_east + along * to_north, moving.up / ALTITUDE_SCALE)
 
 
-def saved(elapsed: Array) -> diffrax.SaveAt:
+def save_at(elapsed: Array) -> diffrax.SaveAt:
     """What to keep: the state at some times and at the end."""
     return diffrax.SaveAt(subs=(diffrax.SubSaveAt(ts=elapsed), diffrax.SubSaveAt(t1=True)))
 
@@ -170,7 +170,7 @@ def events(limits: Limits) -> diffrax.Event:
 
 
 def track_of(solution: diffrax.Solution) -> Track:
-    """Trajectory of a solution that was kept as :func:`saved` has it."""
+    """Trajectory of a solution that was kept as :func:`save_at` has it."""
     results: Any = solution
     (kept, last), (fell, rose) = results.ys, results.event_mask
     over = solution.result == diffrax.RESULTS.successful

@@ -77,7 +77,7 @@ class Craft(eqx.Module):
         attitude = self.rule.attitude(state.radiation, flyer.attitude)
         wind = Wind(0.0, 0.0, 0.0) if state.wind is None else state.wind
         if self.wind_error is not None:
-            wind = self.wind_error.added(wind, place, elapsed)
+            wind = self.wind_error.add_to_wind(wind, place, elapsed)
         return Surroundings(_lying(flyer, attitude), state, wind)
 
     def heat(self, around: Surroundings) -> Equilibrium:

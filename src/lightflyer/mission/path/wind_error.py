@@ -26,7 +26,7 @@ class WindError(eqx.Module):
     cosines: Numeric
     sines: Numeric
 
-    def added(self, wind: Wind, place: Place, elapsed: Numeric) -> Wind:
+    def add_to_wind(self, wind: Wind, place: Place, elapsed: Numeric) -> Wind:
         """A wind with this error; ``elapsed``: time since the release."""
         phases = self.frequencies * elapsed
         waves = self.cosines * jnp.cos(phases) + self.sines * jnp.sin(phases)

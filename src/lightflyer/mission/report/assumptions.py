@@ -16,7 +16,7 @@ from lightflyer.mission.path.dynamics import Inertia
 _SECONDS_AN_HOUR = 3600.0
 
 
-def described(part: Any) -> str:
+def describe_object(part: Any) -> str:
     """Class of an object and its numbers, such as a force model's; tables are left out."""
     told = []
     for field in fields(part):
@@ -24,7 +24,7 @@ def described(part: Any) -> str:
         if isinstance(value, Reading):
             told.append(f"{field.name}={_reading(value)}")
         elif isinstance(value, eqx.Module):
-            told.append(f"{field.name}={described(value)}")
+            told.append(f"{field.name}={describe_object(value)}")
         elif isinstance(value, str | bool | int) or np.ndim(value) == 0:
             told.append(f"{field.name}={value}")
     return f"{type(part).__name__}({', '.join(told)})"
@@ -45,7 +45,7 @@ def assumptions_of(
     """What is assumed, in short texts with units."""
     environment = setup.environment
     wind = getattr(environment, "wind", None)
-    told = [f"force model: {described(setup.model)}", *_of_light(environment)]
+    told = [f"force model: {describe_object(setup.model)}", *_light_assumptions(environment)]
     told += ["wind: none"] if wind is None else list(wind.describe())
     told.append(f"attitude: {rule.describe()}")
     if inertia is None:
@@ -57,17 +57,17 @@ def assumptions_of(
     told.append("absorptance: the same at every incidence, for a film of layers as at the release")
     told.append("force and heat balance: those of a flyer at rest in the gas")
     told.append(f"drag: {setup.flyer.drag_law}")
-    return (*told, *_of_ensemble(ensemble))
+    return (*told, *_ensemble_assumptions(ensemble))
 
 
-def _of_light(environment: AbstractEnvironment) -> tuple[str, ...]:
+def _light_assumptions(environment: AbstractEnvironment) -> tuple[str, ...]:
     sky = getattr(environment, "sky", None)
     if sky is not None:
         return (*sky.assumptions(), *environment.assumptions_of_air())
     return ("light: the same at all times", *environment.assumptions())
 
 
-def _of_ensemble(ensemble: Ensemble | None) -> tuple[str, ...]:
+def _ensemble_assumptions(ensemble: Ensemble | None) -> tuple[str, ...]:
     if ensemble is None:
         return ()
     told = [f"ensemble: {ensemble.members} members, seed {ensemble.seed}, every ± of the design"]

@@ -27,11 +27,11 @@ def diagnose_flight(craft: Craft, place: Place, values: dict[str, Any]) -> tuple
     return (
         *diagnose(setup, state, temperature),
         *dict.fromkeys((*broadside, *edgewise)),
-        *_of_light(setup.environment, values["irradiance"]),
+        *_light_diagnostics(setup.environment, values["irradiance"]),
     )
 
 
-def _of_light(environment: AbstractEnvironment, irradiance: np.ndarray) -> tuple[str, ...]:
+def _light_diagnostics(environment: AbstractEnvironment, irradiance: np.ndarray) -> tuple[str, ...]:
     if getattr(environment, "sky", _OWN) is None:
         return (
             "there is no day and night: the light is the same at all times, as irradiance and "

@@ -21,7 +21,7 @@ from lightflyer.files.drawing import (
     VERMILION,
     legend_below,
     new_figure,
-    wrapped,
+    wrap_label,
 )
 from lightflyer.files.table import shipped_table
 from lightflyer.mission.report.dataset import ELAPSED
@@ -69,12 +69,12 @@ def plot_spread(dataset: "xr.Dataset") -> Figure:
     looks = zip(itertools.cycle(PALETTE), itertools.cycle(LINES), strict=False)
     for (name, values), (colour, line) in zip(shares.items(), looks, strict=False):
         share, low, high = 100.0 * np.array(values)
-        label = wrapped(name, _LABEL)
+        label = wrap_label(name, _LABEL)
         axes.plot(dataset.time.values, share, color=colour, ls=line, label=label)
         axes.fill_between(dataset.time.values, low, high, color=colour, alpha=0.2, lw=0.0)
     axes.set_ylim(0.0, 105.0)
     axes.set_ylabel(f"share of {int(dataset.members)} members [%]")
-    _over_time(axes, dataset)
+    _draw_over_time(axes, dataset)
     figure.legend(title=f"shaded: {INTERVAL}", fontsize="small", loc="outside right upper")
     return figure
 
@@ -93,7 +93,7 @@ def _altitude(dataset: "xr.Dataset") -> Figure:
     altitude = float(dataset.end_altitude) / _KILOMETRE
     axes.plot(end, altitude, "o", color=VERMILION, label=f"end: {dataset.attrs['end']}")
     axes.set_ylabel("altitude [km]")
-    _over_time(axes, dataset)
+    _draw_over_time(axes, dataset)
     legend_below(axes)
     return figure
 
@@ -113,7 +113,7 @@ def _flight(dataset: "xr.Dataset") -> Figure:
     heat.set_ylabel("temperature [K]")
     for axes in figure.axes:
         _shade(axes, dataset)
-        _over_time(axes, dataset)
+        _draw_over_time(axes, dataset)
     for axes in (lift, light):
         axes.set_xlabel("")
         axes.tick_params(labelbottom=False)
@@ -169,7 +169,7 @@ def _survival(dataset: "xr.Dataset") -> Figure:
     axes.step(dataset.time.values, 100.0 * flying, where="post", color=BLUE)
     axes.set_ylim(0.0, 105.0)
     axes.set_ylabel("share still flying [%]")
-    _over_time(axes, dataset)
+    _draw_over_time(axes, dataset)
     return figure
 
 
@@ -207,7 +207,7 @@ def _shade(axes: Axes, dataset: "xr.Dataset") -> None:
         named = True
 
 
-def _over_time(axes: Axes, dataset: "xr.Dataset") -> None:
+def _draw_over_time(axes: Axes, dataset: "xr.Dataset") -> None:
     locator = AutoDateLocator()  # type: ignore[no-untyped-call]
     axes.xaxis.set_major_locator(locator)
     written = ConciseDateFormatter(locator)  # type: ignore[no-untyped-call]

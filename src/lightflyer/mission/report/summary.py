@@ -59,9 +59,9 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         "nights": nights,
     }
     if "ensemble_flying" in dataset:
-        found["ensemble"] = _of_ensemble(dataset)
+        found["ensemble"] = _summarise_ensemble(dataset)
     if "launch_end_reason" in dataset:
-        found["launches"] = _of_launches(dataset)
+        found["launches"] = _summarise_launches(dataset)
     return found | {name: texts_of(dataset, name) for name in ("assumptions", "warnings")}
 
 
@@ -122,7 +122,7 @@ def _light(dataset: "xr.Dataset") -> tuple[float, list[dict[str, Any]]]:
     return hours, nights
 
 
-def _of_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
+def _summarise_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
     """An ensemble in numbers."""
     reasons = dataset.ensemble_end_reason.values
     return {
@@ -156,7 +156,7 @@ def _distances(dataset: "xr.Dataset") -> np.ndarray:
     return angle * float(dataset.attrs["planet_radius_km"])
 
 
-def _of_launches(dataset: "xr.Dataset") -> list[dict[str, Any]]:
+def _summarise_launches(dataset: "xr.Dataset") -> list[dict[str, Any]]:
     lowest = dataset.launch_altitude.min(ELAPSED).values
     return [
         {

@@ -11,13 +11,13 @@ import jax
 import numpy as np
 
 import lightflyer
-from lightflyer.compute.scheduler import connected, run_on_dask
+from lightflyer.compute.scheduler import connect_client, run_on_dask
 from lightflyer.compute.store import versions
 from lightflyer.config.designs import as_design
 from lightflyer.core.atomic_files import output_directory
 from lightflyer.core.clock import dates_of
 from lightflyer.core.errors import OutputError, ParameterError
-from lightflyer.core.progress import Counted, Step, reported_to
+from lightflyer.core.progress import Counted, Step, report_to
 from lightflyer.design.design import AbstractDesign, digest
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
@@ -92,14 +92,14 @@ class _Swarm:
         """Fly a batch of members and count them."""
         ensemble = replace(self.ensemble, members=self.size(batch), seed=self.seed(batch))
         flights = flights_of(self.design, self.rule, self.start, ensemble)
-        with reported_to(_silent):  # whole batches are reported
+        with report_to(_silent):  # whole batches are reported
             tracks = fly_all(flights, self.limits, self.elapsed, self.accuracy)
         # without the flyer as it is stated
         return batch, _counts_of(jax.tree.map(lambda leaf: leaf[1:], tracks), self)
 
     remotely = __call__
 
-    def received(self, answer: tuple[int, Counts]) -> tuple[int, Counts]:
+    def receive(self, answer: tuple[int, Counts]) -> tuple[int, Counts]:
         """What a worker sent."""
         return answer
 
@@ -256,7 +256,7 @@ def _fly(swarm: _Swarm, missing: list[int], scheduler: str | None) -> Iterator[t
     if scheduler is None:
         yield from map(swarm, missing)
     elif missing:
-        with connected(scheduler) as client:
+        with connect_client(scheduler) as client:
             yield from run_on_dask(swarm, missing, client, scheduler)
 
 

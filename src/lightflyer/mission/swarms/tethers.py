@@ -167,7 +167,7 @@ def tethered_swarm(
     thread = (Tether() if tether is None else tether).linear_density
     hung = _Hung(own, spare, float(thread) * float(state.gravity), between, wanted.depth)
     count = _fewest(hung, float(wanted.payload) * float(state.gravity))
-    _, lengths, tilts = hung.carried(count)
+    _, lengths, tilts = hung.carried_weight(count)
     return Swarm(
         count,
         altitude,
@@ -199,7 +199,7 @@ class _Hung:
         """Depth of the payload below so many."""
         return _STEEPNESS * self.radius(count) if self.depth is None else float(self.depth)
 
-    def carried(self, count: int) -> tuple[float, np.ndarray, np.ndarray]:
+    def carried_weight(self, count: int) -> tuple[float, np.ndarray, np.ndarray]:
         """Weight that so many carry [N], lengths of their tethers [m], their tilts [rad]."""
         # rings of equal area around the middle, one a flyer
         distance = self.radius(count) * np.sqrt((np.arange(count) + 0.5) / count)
@@ -217,7 +217,7 @@ def _fewest(hung: _Hung, weight: float) -> int:
     if weight <= 0.0:
         raise ParameterError("there is nothing to carry: the payload is zero")
     low, high = 0, 1
-    while hung.carried(high)[0] < weight:
+    while hung.carried_weight(high)[0] < weight:
         low, high = high, 2 * high
         if low > MOST:
             raise ParameterError(
@@ -225,7 +225,7 @@ def _fewest(hung: _Hung, weight: float) -> int:
             )
     while high - low > 1:
         middle = (low + high) // 2
-        low, high = (low, middle) if hung.carried(middle)[0] >= weight else (middle, high)
+        low, high = (low, middle) if hung.carried_weight(middle)[0] >= weight else (middle, high)
     return high
 
 

@@ -52,7 +52,9 @@ def metres(unit: str) -> float | None:
         return None
 
 
-def chosen(path: Path, channels: Sequence[Channel], wanted: str | None) -> tuple[Channel, str]:
+def choose_channel(
+    path: Path, channels: Sequence[Channel], wanted: str | None
+) -> tuple[Channel, str]:
     """The named channel, or the first with heights; returns ``channel``, ``note``."""
     named = _with_different_names(channels)
     listed = ", ".join(one.description for one in named)

@@ -24,7 +24,7 @@ from lightflyer.lab.readers.tiff_structure import require_sound_tiff
 _SURF_FIELDS = (164, 212)  # places of the name of the heights and of the unit of their step
 
 
-def _of_wsxm(content: bytes) -> tuple[str, str]:
+def _wsxm_channel(content: bytes) -> tuple[str, str]:
     """Name and unit of the one channel of a WSxM file."""
     found = [
         re.search(pattern, content)
@@ -34,7 +34,7 @@ def _of_wsxm(content: bytes) -> tuple[str, str]:
     return name, unit
 
 
-def _of_surf(content: bytes) -> tuple[str, str]:
+def _surf_channel(content: bytes) -> tuple[str, str]:
     """Name and unit of the one channel of a Digital Surf file, from fields of fixed width."""
     name, unit = (
         content[start : start + 16].split(b"\0")[0].decode("latin-1").strip()
@@ -58,9 +58,13 @@ INSTRUMENTS = (
     Instrument("Nanoscope", (".spm", ".di"), b"\\*", ("DI", "DIReader")),
     Instrument("Nanosurf", (".nid", ".ezd"), b"[DataSet]", ("EZD", "EZDReader")),
     Instrument("JPK", (".jpk",), b"", ("JPK", "JPKReader")),
-    Instrument("Digital Surf", (".sur",), b"DIGITAL SURF", ("SUR", "SURReader"), _of_surf),
+    Instrument("Digital Surf", (".sur",), b"DIGITAL SURF", ("SUR", "SURReader"), _surf_channel),
     Instrument(
-        "WSxM", (".stp", ".top", ".tom"), b"WSxM file copyright", ("WSXM", "WSXMReader"), _of_wsxm
+        "WSxM",
+        (".stp", ".top", ".tom"),
+        b"WSxM file copyright",
+        ("WSXM", "WSXMReader"),
+        _wsxm_channel,
     ),
     Instrument("Agilent", (".mi",), b"fileType", ("MI", "MIReader")),
 )

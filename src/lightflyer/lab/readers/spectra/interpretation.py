@@ -74,7 +74,7 @@ class ReadOptions(NamedTuple):
                 raise ParameterError(f'{name} "{value}" is not one of {", ".join(allowed)}')
 
 
-def measured(source: Source, raw: RawSpectrum, options: ReadOptions) -> MeasuredSpectrum:
+def interpret_spectrum(source: Source, raw: RawSpectrum, options: ReadOptions) -> MeasuredSpectrum:
     """The spectrum in SI units, with what was decided on the way."""
     notes = list(raw.notes)
     shown = _ordinate_of(source, raw, options)

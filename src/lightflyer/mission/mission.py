@@ -321,7 +321,9 @@ def _record(
 ) -> dict[str, Any]:
     """What decides the results, for the dataset's attributes."""
     setup = mission.setup
-    return {
+    highest = setup.flyer.highest_temperature
+    bears = {} if highest is None else {"highest_temperature_k": float(highest)}
+    return bears | {
         "title": "lightflyer mission",
         "lightflyer_version": lightflyer.__version__,
         "flyer": setup.flyer.describe(),

@@ -57,12 +57,38 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         "highest_at_h": when[highest] / SECONDS_AN_HOUR,
         "light_h": hours,
         "nights": nights,
+        "film": heat_of_film(dataset),
     }
     if "ensemble_flying" in dataset:
         found["ensemble"] = _summarise_ensemble(dataset)
     if "launch_end_reason" in dataset:
         found["launches"] = _summarise_launches(dataset)
     return found | {name: texts_of(dataset, name) for name in ("assumptions", "warnings")}
+
+
+def heat_of_film(dataset: "xr.Dataset") -> dict[str, Any] | None:
+    """When and for how long the film was hotter than it bears; None where that is not stated."""
+    highest = dataset.attrs.get("highest_temperature_k")
+    if highest is None:
+        return None
+    hot, elapsed = dataset.temperature.values, dataset[ELAPSED].values
+    known = np.isfinite(hot)
+    hot, elapsed, altitude = hot[known], elapsed[known], dataset.altitude.values[known]
+    # between two moments the temperature is taken as linear
+    changes = np.flatnonzero(np.diff(hot > highest))
+    share = (highest - hot[changes]) / (hot[changes + 1] - hot[changes])
+    passed = elapsed[changes] + share * np.diff(elapsed)[changes]
+    edges = [*elapsed[:1][hot[:1] > highest], *passed, *elapsed[-1:][hot[-1:] > highest]]
+    first = edges[0] if edges else None
+    return {
+        "bears_k": highest,
+        "hottest_k": float(hot.max(initial=0.0)),
+        "too_hot_h": float(np.sum(np.diff(edges)[::2])) / SECONDS_AN_HOUR,
+        "too_hot_from_h": None if first is None else float(first) / SECONDS_AN_HOUR,
+        "too_hot_from_altitude_km": None
+        if first is None
+        else float(np.interp(first, elapsed, altitude)) / 1e3,
+    }
 
 
 def texts_of(dataset: "xr.Dataset", name: str) -> list[str]:

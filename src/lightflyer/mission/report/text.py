@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
+from lightflyer.design.diagnostics import TOO_HOT
 from lightflyer.files.result_text import Parts, as_text, rows_of, warning_lines
 from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.mission.report.summary import SECONDS_AN_HOUR, summarise, texts_of
@@ -23,7 +24,17 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
     rows["flyer"] = dataset.attrs["flyer"]
     rows["released"] = f"{found['released']}, {_place_text(*begin)}"
     rows["ended"] = f"{found['ended']}, {_place_text(*end)}"
-    rows["because"] = f"it {found['end']}"
+    film, warnings = found["film"], found["warnings"]
+    survives = film is None or film["too_hot_from_h"] is None
+    rows["because"] = f"it {found['end']}{'' if survives else ', if its film survived'}"
+    if film is not None:
+        rows["film"] = f"at most {film['hottest_k']:.0f} K, and bears {film['bears_k']:.0f} K"
+        warnings = [text for text in warnings if not text.startswith(TOO_HOT)]  # as said there
+    if film is not None and not survives:
+        rows["too hot"] = (
+            f"from {film['too_hot_from_h']:.2f} h after the release, at "
+            f"{film['too_hot_from_altitude_km']:.2f} km; {film['too_hot_h']:.2f} h in all"
+        )
     rows["aloft"] = f"{found['duration_h']:.2f} h, {found['light_h']:.2f} h in light"
     for name in ("lowest", "highest"):
         altitude, when = found[f"{name}_altitude_km"], found[f"{name}_at_h"]
@@ -36,7 +47,7 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
     if "launches" in found:
         yield _launches(found["launches"])
     yield from found["assumptions"]
-    yield from warning_lines(found["warnings"])
+    yield from warning_lines(warnings)
 
 
 def spread_parts(dataset: "xr.Dataset") -> Parts:

@@ -117,6 +117,18 @@ def test_a_band_counts_samples_without_a_value_as_the_worst():
     assert float(carried["median"]) == 40.0
 
 
+def test_the_best_usable_design_is_the_best(dataset):
+    payload = dataset.payload
+    usable = xr.zeros_like(payload) + (payload < payload.quantile(0.5, skipna=True).item())
+    judged = dataset.assign(usable=usable)
+    best = explore.best_design(judged, "payload")
+    assert best.value == float(payload.where(usable > 0.0).max())
+    assert best.value < explore.best_design(dataset, "payload").value
+    np.testing.assert_array_equal(explore.margin(judged) > 0.0, usable > 0.0)
+    none = dataset.assign(usable=xr.zeros_like(payload))
+    assert explore.best_design(none, "payload").value == float(payload.max())
+
+
 def test_a_lucky_draw_is_no_best_design(dataset):
     """One sample of a poor design is better than all of a good one's."""
     payload = np.repeat(dataset.payload.isel(altitude=0).values[..., None], 9, axis=2)

@@ -26,6 +26,7 @@ JUDGED = ("relative_payload", "payload", "band_width", "lift_over_weight")
 
 _AT_ONCE = 2**22  # numbers read at a time
 _ROUNDING = 1e-9  # relative, of a value in other units
+_HALF = 0.5  # of what is one where a design is usable, and zero elsewhere
 
 
 def less_is_better(name: str) -> bool:
@@ -77,15 +78,30 @@ class BestDesign:
 
 
 def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
-    """Design at which an output is largest, or smallest where less is better."""
+    """Design at which an output is largest, or smallest where less is better.
+
+    Where the sweep has ``usable``, only designs count that are; unless none is.
+    """
+    usable = dataset.get("usable")
+    if usable is not None and not set(usable.dims) <= set(dataset[name].dims):
+        usable = None  # it says nothing of a design without its altitude
+    found = None if usable is None else _best(dataset[name], usable)
+    return _best(dataset[name], None) if found is None else found
+
+
+def _best(array: "xr.DataArray", usable: "xr.DataArray | None") -> BestDesign | None:
     # Of uncertain designs the median over the samples counts; a sample without a value is the
     # worst.
-    array = _samples_last(dataset[name])
+    name, array = str(array.name), _samples_last(array)
+    able = None if usable is None else _alike(usable, array)
     sign = -1.0 if less_is_better(name) else 1.0
     best = -np.inf
     place: tuple[int, ...] = ()
     for rows, values in parts(array) if array.ndim else [(slice(0, 1), np.asarray(array))]:
         score = _typical(worst_for_nan(sign * values), array)
+        if able is not None:
+            flies = np.asarray(able[rows] if array.ndim else able, float)
+            score = np.where(_typical(flies, array) >= _HALF, score, -np.inf)
         here = np.unravel_index(int(np.argmax(score)), score.shape)
         if score[here] > best:
             best = float(score[here])
@@ -94,7 +110,7 @@ def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
     if not np.isfinite(best):
         return None
     dimensions = [dimension for dimension in array.dims if dimension != SAMPLE]
-    index = {str(name): number for name, number in zip(dimensions, place, strict=True)}
+    index = {str(axis): number for axis, number in zip(dimensions, place, strict=True)}
     there = array.isel(index)
     order = [*dimensions, *(key for key in there.coords if key not in dimensions)]
     where = {
@@ -188,6 +204,8 @@ def margin(table: Mapping[Any, Any], where: Any = None) -> Any:
         import xarray as xr
 
         where = xr.where
+    if "usable" in table:
+        return table["usable"] - _HALF
     if "lift_over_weight" in table:
         return table["lift_over_weight"] - 1.0
     for name in ("relative_payload", "payload"):

@@ -90,7 +90,6 @@ TITAN = Planet(
     albedo=0.265,
     infrared=2.83,
     highest_searched=500e3,
-    reported_altitudes=(200e3, 300e3, 400e3),
 )
 
 

@@ -192,12 +192,7 @@ def test_terminal_says_what_is_needed_and_left():
 
 def test_comparison_has_a_row_for_each_flyer(read):
     setups = read(TEXT).build(), read(TEXT.partition("[payload]")[0]).build()
-    flyers = [
-        SimpleNamespace(
-            setup=setup, prediction=SimpleNamespace(best=SimpleNamespace(values=best()))
-        )
-        for setup in setups
-    ]
+    flyers = [SimpleNamespace(setup=setup, best=SimpleNamespace(values=best())) for setup in setups]
     table = needs_table(SimpleNamespace(flyers=flyers))
     columns = {column.header.split("\n")[0]: list(column.cells) for column in table.columns}
     assert columns["payload margin"] == ["0.3", "–"]

@@ -66,7 +66,9 @@ def test_helium_needs_no_light(run, flyer_file, tmp_path):
     changed = text.replace('"1.7 kg"', '"1.7 ± 0.1 kg"\ngas = "helium"')
     assert changed != text
     flyer_file.write_text(changed, encoding="utf-8")
-    code, text, errors = run("predict", flyer_file, "--out", tmp_path / "out", "--samples", "0")
+    code, text, errors = run(
+        "predict", flyer_file, "--out", tmp_path / "out", "--samples", "0", "--verbose"
+    )
     assert (code, errors) == (0, "")
     assert "least irradiance  0.0 W/m²" in text
     summary = json.loads((tmp_path / "out" / "prediction.json").read_text())

@@ -188,7 +188,7 @@ def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
             f"({easiest.values['levitation_temperature']:.1f} K)"
         )
     place = f"at {best.coordinate * factor:{digits}} {unit} ({best.values['temperature']:.1f} K)"
-    rows["at the peak of lift"] = _payload(best.values, place)
+    rows["peak of lift"] = _payload(best.values, place)
     if prediction.setup.budget is not None:
         rows["payload needs"] = payload_line(best.values)
     return rows_of(rows)

@@ -128,7 +128,7 @@ def test_scalars(lab):
         ([*GIVEN, "--hotplate-emissivity", "0.2 ± 0.3"], "is not known"),
         (["missing.csv"], "missing.csv: cannot be read"),
         (["missing.jpg", "--regions", "upper=1:2,3:4"], "missing.jpg: cannot be read"),
-        (["missing.jpg"], "an image needs --regions"),
+        (["image.jpg"], "an image needs --regions"),
         ([*GIVEN[:-1], "160 °C"], "ambient_temperature = 433.15 must be between 200 and 400 K"),
         (["--hotplate", "20 °C", *GIVEN[2:]], "hotplate_temperature is not above ambient_temp"),
         ([*GIVEN[:-1], "22"], "--ambient: "),
@@ -146,6 +146,8 @@ def test_scalars(lab):
     ],
 )
 def test_bad_input(folder, lab, arguments, says):
+    for name in ("image.jpg", "meter.csv"):
+        (folder / name).touch()
     code, out, err = lab("thermography", *arguments, "--out", "o")
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert says in err

@@ -205,6 +205,25 @@ class TacFit(PrintedResult):
         }  # fmt: skip
 
 
+def heater_power(
+    pressure: np.ndarray,
+    heater_temperature: np.ndarray,
+    ambient_temperature: np.ndarray,
+    tac: float,
+    area_ratio: float,
+    offset: float,
+    *,
+    diameter: float = LU2023_HEATER_DIAMETER,
+    law: AbstractHeatLaw = KINETIC_LAW,
+    gas: AbstractGas = AIR,
+) -> np.ndarray:
+    """Power that holds a heater at its temperature: the inverse of :func:`fit_tac` [W]."""
+    difference = heater_temperature - ambient_temperature
+    limits = law.limits(pressure, ambient_temperature, heater_temperature, diameter, gas)
+    conductance = area_ratio * (limits.conductance(tac) + offset)
+    return np.asarray(conductance * nominal_area(diameter) * difference)
+
+
 @reads_units
 def fit_tac(
     run: TacRun,

@@ -93,7 +93,8 @@ class Compared:
         if self.uncertainty is None:
             return None
         key, scale = outputs_of(self.setup)[output].json
-        held = self.prediction.verdict.highest_temperature is not None
+        verdict = self.prediction.verdict
+        held = verdict.highest_temperature is not None and verdict.best is not None
         band = self.uncertainty.bands.get(f"{'verdict.' if held else ''}best.{key}")
         return None if band is None else (band[0] / scale, band[1] / scale)
 

@@ -51,6 +51,7 @@ _IN_A_LINE = 3  # fixed fields in a line of the title
 _OPACITY = 0.25
 # legend of hatched designs, without and with samples
 _NOT_FLYING = ("cannot fly", "flies in less than half of the samples")
+_OR_TOO_HOT = ", or its film is too hot"
 
 
 def _is_logarithmic(values: np.ndarray) -> bool:
@@ -119,7 +120,8 @@ def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axe
         bar.set_label(wrap_label(label) + ("\nmedian of the samples" if sampled else ""))
         handles += _best_per_column(ax, horizontal, vertical, flying, value)
     if able is not None:
-        handles += _cannot_fly(ax, horizontal, vertical, able.values, sampled=sampled)
+        hatched = _not_flying(dataset, sampled=sampled)
+        handles += _cannot_fly(ax, horizontal, vertical, able.values, hatched, sampled=sampled)
     legend_below(ax, handles, most=2)
     return ax
 
@@ -154,8 +156,19 @@ def _peak(places: np.ndarray, score: np.ndarray) -> float:
     return float(places[best] - (slope / (2.0 * curvature) if curvature < 0.0 else 0.0))
 
 
+def _not_flying(dataset: "xr.Dataset", *, sampled: bool) -> str:
+    """What is said of hatched designs."""
+    return _NOT_FLYING[sampled] + (_OR_TOO_HOT if "usable" in dataset else "")
+
+
 def _cannot_fly(
-    ax: Axes, horizontal: np.ndarray, vertical: np.ndarray, able: np.ndarray, *, sampled: bool
+    ax: Axes,
+    horizontal: np.ndarray,
+    vertical: np.ndarray,
+    able: np.ndarray,
+    label: str,
+    *,
+    sampled: bool,
 ) -> list[Any]:
     """Hatch where no design flies; with samples, lines of the probability of flying."""
     handles: list[Any] = []
@@ -173,7 +186,7 @@ def _cannot_fly(
                 edgecolor=GREY,
                 hatch="///",
                 linewidth=0.0,
-                label=_NOT_FLYING[sampled],
+                label=label,
             )
         )
     if sampled and np.ptp(able) > 0.0:
@@ -238,7 +251,7 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
             edgecolor=GREY,
             hatch="///",
             lw=0,
-            label=_NOT_FLYING[SAMPLE in array.dims],
+            label=_not_flying(dataset, sampled=SAMPLE in array.dims),
         )
     legend_below(ax)
     ax.grid(alpha=_OPACITY)

@@ -1,8 +1,4 @@
-"""Outputs of a design: the name, unit and definition of every result, once.
-
-Predictions, sweeps, optimisations, sensitivities, figures, JSON and the paper's report all take
-theirs from this list.
-"""
+"""Outputs of a design: the name, unit and definition of every result, once, for all rooms."""
 
 import difflib
 import re
@@ -26,12 +22,9 @@ from lightflyer.force.base import AbstractForceModel, ModelResult
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import elementwise_entry_point, only
 
+# units for larger values, by the one that is shown otherwise
 _LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
-"""Units for larger values, by the one that is shown otherwise."""
-
 _MANY = 1e4  # digits before the point, as a number, from which a larger unit is shown
-
-
 _FEW = 10  # places without a solution that leave a result of use, at most,
 _SMALL_SHARE = 0.03  # or this share of them
 

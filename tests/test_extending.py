@@ -170,6 +170,25 @@ def test_a_broken_command_is_named(command):
     assert 'Unknown command "break"' in error
 
 
+def test_commands_of_one_broken_module_are_no_traceback(tmp_path):
+    about = tmp_path / "lf_twice-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: lf-twice\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text(
+        "[lightflyer]\none = lf_twice:one\nother = lf_twice:other\n"
+    )
+    (tmp_path / "lf_twice.py").write_text("raise TypeError('boom')\n")
+    paths = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run(
+        [sys.executable, "-m", "lightflyer", "one"],
+        env=os.environ | {"PYTHONPATH": paths}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    warning, error = done.stderr.splitlines()
+    assert "plug-in one (lf_twice:one) cannot be imported" in warning
+    assert 'Unknown command "one"' in error
+
+
 def test_other_commands_warn_of_it_too(command):
     done = command("materials", "--search", "soot", "--json")
     assert done.stderr == BROKEN

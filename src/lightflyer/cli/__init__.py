@@ -136,9 +136,14 @@ def _add_plugins(asked: str) -> None:
             continue
         if entry.name != asked:
             about = entry.dist and entry.dist.metadata["Summary"]
-            app.command(entry.value, name=entry.name, help=about or f"Plug-in {entry.value}")
+            # a stand-in, which is listed and never called: Cyclopts would import what is named
+            app.command(_listed, name=entry.name, help=about or f"Plug-in {entry.value}")
         elif (command := load_plugin(entry)) is not None:
             app.command(command, name=entry.name)
+
+
+def _listed() -> None:
+    pass
 
 
 class _Warnings:

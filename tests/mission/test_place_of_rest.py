@@ -17,9 +17,10 @@ def test_a_mission_ends_at_the_place_of_rest(seed):
     disk = lf.Disk(film, radius=rng.uniform(1e-3, 4e-3))
     earth, model = lf.Earth(), lf.Lu2023()
     rest = lf.predict(disk, earth, model).verdict.rest
-    flown = lf.fly(
-        disk, earth, model, duration="30 h", attitude=lf.mission.Level(),
-        release=lf.Release(rest.coordinate - 2e3, latitude=10.0, longitude=0.0, time="2026-06-21T12:00Z"),
-    )  # fmt: skip
+    below = lf.Release(
+        rest.coordinate - 2e3, latitude=10.0, longitude=0.0, time="2026-06-21T12:00Z"
+    )
+    level = lf.mission.Level()
+    flown = lf.fly(disk, earth, model, release=below, duration="30 h", attitude=level)
     assert float(flown.end_altitude) == pytest.approx(rest.coordinate, abs=10.0)
     assert float(flown.temperature[-1]) == pytest.approx(rest.values["temperature"], abs=0.1)

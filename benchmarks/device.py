@@ -23,7 +23,7 @@ import numpy as np
 import lightflyer as lf
 from lightflyer.compute.devices import OnDevices, find_devices
 from lightflyer.environment import EnvironmentState, Radiation
-from lightflyer.sweeps.reductions import Best, Front, Spread
+from lightflyer.parametric.reductions import Best, Front, Spread
 
 RESULT = Path(__file__).with_name("device.csv")
 COLUMNS = ("device", "devices", "model", "task", "designs", "per_second", "largest_difference")

@@ -21,7 +21,7 @@ from scipy.optimize import brentq, elementwise
 
 import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Radiation
-from lightflyer.flight.equations import FlightEquations
+from lightflyer.statics.equations import FlightEquations
 
 SCALAR_SAMPLE = 2000
 EMITTANCE_FLOOR, TAC = 0.01, 0.85

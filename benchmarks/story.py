@@ -84,8 +84,8 @@ def sweep_once(kind, count, folder):
     from sweep import study
 
     from lightflyer.compute.evaluation import Evaluator
-    from lightflyer.sweeps.reduced import reduce_into
-    from lightflyer.sweeps.run import sweep_into
+    from lightflyer.parametric.reduced import reduce_into
+    from lightflyer.parametric.run import sweep_into
 
     asked = study(count)
     evaluate = Evaluator(asked)
@@ -103,7 +103,7 @@ def on_a_cluster(count, folder):
     import distributed
     from sweep import study
 
-    from lightflyer.sweeps.reduced import reduce_into
+    from lightflyer.parametric.reduced import reduce_into
 
     cluster = distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=folder,

@@ -28,11 +28,11 @@ from lightflyer.compute.chunks import Chunks
 from lightflyer.compute.evaluation import BATCH, Evaluator
 from lightflyer.compute.scheduler import processors
 from lightflyer.core.progress import report_to
+from lightflyer.parametric.run import sweep_into
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem
 from lightflyer.study.study import make_study
-from lightflyer.sweeps.run import sweep_into
 
 VARIABLES = ["temperature", "lift", "relative_payload", "levitation_irradiance"]
 LARGE = 100_000_000

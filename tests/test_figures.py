@@ -23,7 +23,7 @@ from lightflyer.files import drawing
 from lightflyer.files.display_units import in_words
 from lightflyer.lab.readers.height_map import HeightMap
 from lightflyer.lab.thermography.camera import parse_band
-from lightflyer.sweeps.figures import pareto_figure
+from lightflyer.parametric.figures import pareto_figure
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 SETUP = lf.Setup(lf.Disk(FILM, 0.01), lf.Chamber(), lf.Lu2023())
@@ -247,7 +247,7 @@ def swept(sampled=False):
 @pytest.mark.parametrize("sampled", [False, True])
 def test_map_of_a_sweep(sampled, style):
     with drawing.use_style(style):
-        figure = lf.sweeps.plot_sweep(swept(sampled), "payload", "radius", "altitude")
+        figure = lf.parametric.plot_sweep(swept(sampled), "payload", "radius", "altitude")
     require_legible(figure)
     ax, bar = figure.axes
     assert ax.get_title() == "at film TAC, top = 0.7"
@@ -264,7 +264,7 @@ def test_map_of_a_sweep(sampled, style):
 @pytest.mark.parametrize("sampled", [False, True])
 def test_line_of_a_sweep(sampled):
     dataset = swept(sampled)
-    figure = lf.sweeps.plot_sweep(dataset, "payload", "altitude", at={"radius": "2 mm"})
+    figure = lf.parametric.plot_sweep(dataset, "payload", "altitude", at={"radius": "2 mm"})
     require_legible(figure)
     (ax,) = figure.axes
     assert ax.get_title() == "at flyer radius = 0.2 cm; film TAC, top = 0.7"
@@ -283,9 +283,9 @@ def test_line_of_a_sweep(sampled):
 
 def test_wrong_names_of_a_sweep():
     with pytest.raises(lf.ConfigurationError, match=r"flyer\.radius"):
-        lf.sweeps.plot_sweep(swept(), "payload", "radios")
+        lf.parametric.plot_sweep(swept(), "payload", "radios")
     with pytest.raises(lf.ConfigurationError, match="both altitude"):
-        lf.sweeps.plot_sweep(swept(), "payload", "altitude", "altitude")
+        lf.parametric.plot_sweep(swept(), "payload", "altitude", "altitude")
 
 
 def test_pareto_points_are_not_joined():

@@ -35,7 +35,7 @@ fig, ax = plt.subplots()
 ax.axvspan(10.0, 200.0, color="C2", alpha=0.2, label="seen to levitate")
 ax.plot(
     pressure,
-    lift / lf.flight.weight(plate, chamber.state(pressure)),
+    lift / lf.statics.weight(plate, chamber.state(pressure)),
     label="channel-pump, 10 kW/m²",
 )
 ax.axhline(1.0, color="grey", ls="--", label="weight")

@@ -5,16 +5,16 @@ from . import design as design
 from . import drag as drag
 from . import environment as environment
 from . import film as film
-from . import flight as flight
 from . import flyer as flyer
 from . import force as force
 from . import gas as gas
-from . import kinetic as kinetic
+from . import kinetic_theory as kinetic_theory
 from . import lab as lab
 from . import mission as mission
+from . import parametric as parametric
 from . import prediction as prediction
 from . import search as search
-from . import sweeps as sweeps
+from . import statics as statics
 from . import uncertainty as uncertainty
 from .calibration import calibrate as calibrate
 from .comparison import compare as compare
@@ -38,11 +38,6 @@ from .environment import Earth as Earth
 from .environment import Mars as Mars
 from .environment import lu2023_earth as lu2023_earth
 from .film.properties import FilmProperties as FilmProperties
-from .flight import equilibrium as equilibrium
-from .flight import levitate as levitate
-from .flight import levitation_band as levitation_band
-from .flight import lift as lift
-from .flight import payload as payload
 from .flyer import AbstractFlyer as AbstractFlyer
 from .flyer import Balloon as Balloon
 from .flyer import Disk as Disk
@@ -60,12 +55,17 @@ from .force import Lu2023 as Lu2023
 from .force import Schafer2025 as Schafer2025
 from .mission import Release as Release
 from .mission import fly as fly
+from .parametric import sweep as sweep
 from .prediction import predict as predict
 from .program.entry_point import entry_point as entry_point
 from .search import optimise as optimise
 from .search import pareto as pareto
 from .search import sensitivity as sensitivity
-from .sweeps import sweep as sweep
+from .statics import equilibrium as equilibrium
+from .statics import levitate as levitate
+from .statics import levitation_band as levitation_band
+from .statics import lift as lift
+from .statics import payload as payload
 from .uncertainty import propagate as propagate
 
 __version__: str

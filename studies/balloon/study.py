@@ -50,7 +50,7 @@ def shares(flyer, model):
     """Buoyancy, and force of the gas, over the weight at all altitudes."""
     state = lf.Earth(radiation=lf.environment.sunlight(**SUN)).state(ALTITUDES)
     unknowns = lf.equilibrium(flyer, state, model).unknowns
-    weight = lf.flight.weight(flyer, state)
+    weight = lf.statics.weight(flyer, state)
     with lf.float64():
         return (
             np.asarray(flyer.buoyancy(state, unknowns)) / weight,

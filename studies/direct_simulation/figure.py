@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from study import POINTS_TO_RUN, WARM_UP_TIME, label, simulation
 
-from lightflyer.kinetic import solve
+from lightflyer.kinetic_theory import solve
 
 FOLDER = Path(__file__).parent
 POINT = POINTS_TO_RUN[0]

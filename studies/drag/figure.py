@@ -33,7 +33,7 @@ def film():
 
 def speeds(diameter, altitudes):
     """Sinking speed in the dark of a disk of 1 g/m² [m/s]."""
-    return lf.flight.sinking_speed(
+    return lf.statics.sinking_speed(
         lf.Disk(film(), radius=0.5 * diameter), lf.Earth().state(altitudes)
     )
 

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.kinetic.disk.cases import FINE, MEDIUM
-from lightflyer.kinetic.model_gases import gas_model
-from lightflyer.kinetic.moving import MovedDisk, moving_outcomes
+from lightflyer.kinetic_theory.disk.cases import FINE, MEDIUM
+from lightflyer.kinetic_theory.model_gases import gas_model
+from lightflyer.kinetic_theory.moving import MovedDisk, moving_outcomes
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"
@@ -29,7 +29,7 @@ SMALLEST_ERROR = 1e-5  # relative, where two meshes happen to agree better
 
 HEADER = """\
 # Drag of a thin disk that moves slowly along its axis, from the linear kinetic equation
-# (lightflyer.kinetic.solve_moving), in open space; made by studies/drag/study.py.
+# (lightflyer.kinetic_theory.solve_moving), in open space; made by studies/drag/study.py.
 # rarefaction: p r/(mu sqrt(2 R T)); tac: accommodation coefficient of both faces;
 # drag: F/(p A s) with s = U/sqrt(2 R T) and the area of one face; drag_error: absolute, the change
 # with a coarser mesh. Licence: MIT, as this package.

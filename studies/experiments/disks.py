@@ -125,7 +125,7 @@ def levitation(found, diameter, terms, errors, temperature, pressures=PRESSURES,
 
     Returns
     -------
-    lightflyer.flight.Levitation
+    lightflyer.statics.Levitation
         Of shape (n, p).
     """
     column = {name: np.asarray(value)[:, None] for name, value in found.items()}

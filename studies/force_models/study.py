@@ -17,7 +17,7 @@ from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation
 from lightflyer.files import drawing as plot
 from lightflyer.force import PRINTED, REPORTED, fit_simple_form
 from lightflyer.gas import AIR, LU2023_AIR, mean_free_path
-from lightflyer.kinetic import solve
+from lightflyer.kinetic_theory import solve
 
 HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"
@@ -166,7 +166,7 @@ def flight(model, environment):
     disk = lf.Disk(FILM, RADIUS)
     state = environment.state(ALTITUDES)
     levitation = lf.levitate(disk, state, model, throw=False)
-    bands = lf.flight.levitation_bands(disk, environment, model)
+    bands = lf.statics.levitation_bands(disk, environment, model)
     return levitation, bands
 
 
@@ -267,7 +267,7 @@ def summary(model, surroundings, irradiance, payload, altitude):
 def best_lift_over_weight(model, environment):
     """Largest lift over weight of the 2-cm disk over altitude, and where [m]."""
     disk, state = lf.Disk(FILM, RADIUS), environment.state(ALTITUDES)
-    found = lf.lift(disk, state, model, throw=False) / lf.flight.weight(disk, state)
+    found = lf.lift(disk, state, model, throw=False) / lf.statics.weight(disk, state)
     return found.max(axis=-1), ALTITUDES[found.argmax(axis=-1)]
 
 

@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import lu_solve
 
-from lightflyer.kinetic.chamber.cases import MEDIUM, ChamberCase, assemble_case
-from lightflyer.kinetic.chamber.enclosure import Chamber, Film
-from lightflyer.kinetic.chamber.linear import ChamberSystem
-from lightflyer.kinetic.disk.linear import solve_by_gmres
-from lightflyer.kinetic.model_gases import DIATOMIC
+from lightflyer.kinetic_theory.chamber.cases import MEDIUM, ChamberCase, assemble_case
+from lightflyer.kinetic_theory.chamber.enclosure import Chamber, Film
+from lightflyer.kinetic_theory.chamber.linear import ChamberSystem
+from lightflyer.kinetic_theory.disk.linear import solve_by_gmres
+from lightflyer.kinetic_theory.model_gases import DIATOMIC
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"
@@ -165,8 +165,8 @@ MODES = 1.5  # energy of diatomic molecules over that of atoms
 OF_DISK = ("force", "heat")
 CHAMBERS = """\
 # What solid floor, lid and side wall do to a thin disk, distances in radii: small temperature
-# differences, diatomic gas, linear kinetic equation (lightflyer.kinetic), mean TAC 0.85; made by
-# studies/kinetic_chamber/study.py. Licence: MIT, as this package.
+# differences, diatomic gas, linear kinetic equation (lightflyer.kinetic_theory), mean TAC 0.85;
+# made by studies/kinetic_chamber/study.py. Licence: MIT, as this package.
 # knudsen: mean free path over the disk's diameter; force_factor, heat_factor: force by the
 # difference of the TACs, and heat, over open space; lift: force on a disk of like faces [p A per
 # unit of the disk's T/T_c - 1]; force: of TACs 0.8 above and 0.9 below [as lift]; open_heat_ratio:

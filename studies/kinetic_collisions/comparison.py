@@ -15,10 +15,10 @@ import numpy as np
 from scipy.optimize import brentq, least_squares
 from study import ratios
 
-from lightflyer.kinetic.collisions.brackets import Molecule
-from lightflyer.kinetic.collisions.cases import solve_molecules
-from lightflyer.kinetic.disk.cases import COARSE, MEDIUM, Case, solve_case
-from lightflyer.kinetic.model_gases import gas_model
+from lightflyer.kinetic_theory.collisions.brackets import Molecule
+from lightflyer.kinetic_theory.collisions.cases import solve_molecules
+from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, Case, solve_case
+from lightflyer.kinetic_theory.model_gases import gas_model
 
 FOLDER = Path(__file__).parent
 SIMULATED = FOLDER.parent / "direct_simulation" / "peer.csv"

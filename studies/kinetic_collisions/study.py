@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.kinetic.collisions.brackets import Molecule
-from lightflyer.kinetic.collisions.cases import solve_molecules
-from lightflyer.kinetic.collisions.operator import FEWER_MOMENTS, MOMENTS
-from lightflyer.kinetic.disk.cases import COARSE, Case, Outcome, solve_case
-from lightflyer.kinetic.disk.operators import assemble
-from lightflyer.kinetic.model_gases import gas_model
+from lightflyer.kinetic_theory.collisions.brackets import Molecule
+from lightflyer.kinetic_theory.collisions.cases import solve_molecules
+from lightflyer.kinetic_theory.collisions.operator import FEWER_MOMENTS, MOMENTS
+from lightflyer.kinetic_theory.disk.cases import COARSE, Case, Outcome, solve_case
+from lightflyer.kinetic_theory.disk.operators import assemble
+from lightflyer.kinetic_theory.model_gases import gas_model
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"

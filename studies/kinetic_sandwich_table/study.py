@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.kinetic.disk.cases import (
+from lightflyer.kinetic_theory.disk.cases import (
     COARSE,
     FINE,
     MEDIUM,
@@ -24,10 +24,10 @@ from lightflyer.kinetic.disk.cases import (
     Resolution,
     solve_case,
 )
-from lightflyer.kinetic.disk.linear import LinearSystem, Walls, face_result
-from lightflyer.kinetic.disk.operators import assemble
-from lightflyer.kinetic.model_gases import gas_model
-from lightflyer.kinetic.solver import FURTHEST_DEPTH
+from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic_theory.disk.operators import assemble
+from lightflyer.kinetic_theory.model_gases import gas_model
+from lightflyer.kinetic_theory.solver import FURTHEST_DEPTH
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"

@@ -17,11 +17,11 @@ from lightflyer.core.precision import float64
 from lightflyer.force.kinetic.ratios import KineticFit
 from lightflyer.force.kinetic.table import Table, WallTable, wall_table
 from lightflyer.force.kinetic.table_fit import fit
-from lightflyer.kinetic.disk.cases import COARSE, FINE, MEDIUM, Case, solve_case
-from lightflyer.kinetic.disk.linear import FaceResult, LinearSystem, Walls, face_result
-from lightflyer.kinetic.disk.operators import assemble
-from lightflyer.kinetic.model_gases import GasModel, gas_model
-from lightflyer.kinetic.solver import furthest_boundary
+from lightflyer.kinetic_theory.disk.cases import COARSE, FINE, MEDIUM, Case, solve_case
+from lightflyer.kinetic_theory.disk.linear import FaceResult, LinearSystem, Walls, face_result
+from lightflyer.kinetic_theory.disk.operators import assemble
+from lightflyer.kinetic_theory.model_gases import GasModel, gas_model
+from lightflyer.kinetic_theory.solver import furthest_boundary
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"
@@ -311,7 +311,8 @@ BOUNDARY_COLUMNS = "gas,knudsen,boundary,force_factor,heat_factor"
 BOUNDARY_COMMENTS = f"""\
 # What a cold cylindrical reservoir of half-width and half-height `boundary` (disk radii) does to
 # force and heat loss of a thin disk: factors over open space, from the linear kinetic equation
-# (lightflyer.kinetic) at a mean TAC of {BOUNDARY_TAC}; made by studies/kinetic_table/study.py.
+# (lightflyer.kinetic_theory) at a mean TAC of {BOUNDARY_TAC}; made by
+# studies/kinetic_table/study.py.
 # Further out than is resolved, the excess over 1 is taken to fall as 1/boundary.
 # knudsen: mean free path over the disk's diameter. Licence: MIT, as this package.
 """

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.kinetic.disk.cases import COARSE, MEDIUM, Case, Resolution, solve_case
-from lightflyer.kinetic.disk.linear import LinearSystem, Walls, face_result
-from lightflyer.kinetic.disk.operators import assemble
-from lightflyer.kinetic.model_gases import gas_model
-from lightflyer.kinetic.walls import WALLS, Wall
+from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, Case, Resolution, solve_case
+from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic_theory.disk.operators import assemble
+from lightflyer.kinetic_theory.model_gases import gas_model
+from lightflyer.kinetic_theory.walls import WALLS, Wall
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"

@@ -34,7 +34,7 @@ def row(name, environment, model):
     """Print a row of the table; lift over weight at ALTITUDES."""
     band = lf.levitation_band(DISK, environment, model)
     state = environment.state(ALTITUDES)
-    ratio = lf.lift(DISK, state, model) / lf.flight.weight(DISK, state)
+    ratio = lf.lift(DISK, state, model) / lf.statics.weight(DISK, state)
     best = int(np.argmax(ratio))
     print(f"| {name} | {band.lower / 1e3:.1f} to {band.upper / 1e3:.1f} | {ratio[best]:.2f} "
           f"at {ALTITUDES[best] / 1e3:.0f} |")  # fmt: skip
@@ -67,7 +67,7 @@ def sampled(model):
         temperature_offset=TEMPERATURE_SPREAD * random.standard_normal((SAMPLES, 1)),
     )
     state = lf.Mars(atmosphere=air).state(ALTITUDES)
-    ratio = lf.lift(DISK, state, model) / lf.flight.weight(DISK, state)
+    ratio = lf.lift(DISK, state, model) / lf.statics.weight(DISK, state)
     return np.percentile(ratio, (2.5, 97.5), axis=0)
 
 

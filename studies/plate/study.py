@@ -41,7 +41,7 @@ def over_pressure(flyer, pressure):
     """Lift over weight, the share of the pump in it, and the temperatures."""
     here = state(pressure)
     found = lf.equilibrium(flyer, here, MODEL)
-    weight = lf.flight.weight(flyer, here)
+    weight = lf.statics.weight(flyer, here)
     own = MODEL.own_results(flyer, here, found.unknowns)
     top, bottom = (np.asarray(found.temperature_of(node)) for node in flyer.nodes)
     return {

@@ -94,7 +94,7 @@ def kilogram(form="rocket", guesses=None):
 def ratio(flyer, state):
     """Lift over weight with payload."""
     lift = np.asarray(lf.lift(flyer, state, lf.HollowPump()))
-    return lift / np.asarray(lf.flight.weight(flyer, state))
+    return lift / np.asarray(lf.statics.weight(flyer, state))
 
 
 def designed_anew(form):

@@ -46,4 +46,4 @@ def levitation(guesses=None):
     state = lf.Chamber(temperature=LABORATORY, radiation=light).state(AROUND)
     flyer = plate(guesses)
     lift = np.asarray(lf.lift(flyer, state, lf.ChannelPump()))
-    return lift / np.asarray(lf.flight.weight(flyer, state))
+    return lift / np.asarray(lf.statics.weight(flyer, state))

@@ -67,7 +67,7 @@ def device(guesses=None, names=None):
 
 def ratio(flyer, state, model):
     """Lift over weight with payload."""
-    return np.asarray(lf.lift(flyer, state, model)) / np.asarray(lf.flight.weight(flyer, state))
+    return np.asarray(lf.lift(flyer, state, model)) / np.asarray(lf.statics.weight(flyer, state))
 
 
 def large():

@@ -8,8 +8,8 @@ import numpy as np
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.parametric.run import sweep_into
 from lightflyer.study.study import read_study
-from lightflyer.sweeps.run import sweep_into
 
 HERE = Path(__file__).parent
 MILLIGRAM, CENTIMETRE, KILOMETRE, GRAM = 1e-6, 1e-2, 1e3, 1e-3
@@ -76,7 +76,7 @@ def main(folder):
     """Sweep into a folder, which continues what is there; draw; write the numbers."""
     study = read_study(HERE / "study.toml")
     report = sweep_into(study, folder)
-    dataset = lf.sweeps.open_sweep(folder).load()
+    dataset = lf.parametric.open_sweep(folder).load()
     payload, altitude = best_over_altitude(dataset, "payload")
     relative, _ = best_over_altitude(dataset, "relative_payload")
     results = {"designs": report.designs, **nominal_numbers(payload, relative, altitude)}

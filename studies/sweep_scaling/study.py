@@ -23,8 +23,8 @@ import numpy as np
 from lightflyer.compute.evaluation import Evaluator
 from lightflyer.compute.scheduler import connect_client, run_on_dask
 from lightflyer.files.drawing import new_figure
-from lightflyer.sweeps.reduced import Blocks, Progress, pack, reduce_into
-from lightflyer.sweeps.reduction_plan import Designs, plan_reductions
+from lightflyer.parametric.reduced import Blocks, Progress, pack, reduce_into
+from lightflyer.parametric.reduction_plan import Designs, plan_reductions
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parents[1] / "benchmarks"))

@@ -1,9 +1,9 @@
 """The sweep's store on Icechunk's transactions, as short as it gets: what the trial compares.
 
-Offers what `lightflyer.sweeps.run` uses of `lightflyer.compute.store`: `open_store`, `write_chunk`,
-`Store`. A chunk is written in a fork of the session, which a commit merges; whether a chunk is done
-stands in an array beside the outputs. Chunks carry the same CRC-32C as the package's own store, as
-Icechunk itself has no checksum of them.
+Offers what `lightflyer.parametric.run` uses of `lightflyer.compute.store`: `open_store`,
+`write_chunk`, `Store`. A chunk is written in a fork of the session, which a commit merges; whether
+a chunk is done stands in an array beside the outputs. Chunks carry the same CRC-32C as the
+package's own store, as Icechunk itself has no checksum of them.
 """
 
 import json

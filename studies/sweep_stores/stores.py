@@ -31,8 +31,8 @@ import xarray as xr
 from lightflyer.compute import scheduler, store
 from lightflyer.config.flyer_file import FlyerFile
 from lightflyer.core.errors import LightflyerError
+from lightflyer.parametric import run
 from lightflyer.study.study import make_study
-from lightflyer.sweeps import run
 
 STORES = {"own": store, "icechunk": icechunk_store}
 VARIABLES = ["lift", "payload", "temperature", "relative_payload"]

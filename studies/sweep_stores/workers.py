@@ -48,7 +48,7 @@ def processor_time(mode, folder):
     """Print the processor time of a worker with one setting of its allocator."""
     from sweep import study
 
-    from lightflyer.sweeps.run import sweep_into
+    from lightflyer.parametric.run import sweep_into
 
     asked, times = study(DESIGNS), []
     with cluster(1, folder) as found, distributed.Client(found) as client:

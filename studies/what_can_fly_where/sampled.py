@@ -20,7 +20,7 @@ from scipy.stats import qmc
 
 import lightflyer as lf
 from lightflyer.design.diagnostics import diagnose_in_light
-from lightflyer.flight.equations import FlightEquations
+from lightflyer.statics.equations import FlightEquations
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 
 COUNT = study.SAMPLES + 12  # designs a place and round; of the last round, samples of the inputs

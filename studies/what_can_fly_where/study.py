@@ -15,10 +15,10 @@ from kinds import KINDS, SMALLEST
 import lightflyer as lf
 from lightflyer.core.atomic_files import output_directory
 from lightflyer.design.outputs import evaluate
-from lightflyer.flight.equations import FlightEquations
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem
+from lightflyer.statics.equations import FlightEquations
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 from lightflyer.uncertainty.monte_carlo import tabulate_samples
 

@@ -80,7 +80,7 @@ def test_many_balloons(run, flyer_file, tmp_path):
     study, out = tmp_path / "study.toml", tmp_path / "results.zarr"
     study.write_text(STUDY, encoding="utf-8")
     assert run("sweep", study, "--out", out)[0] == 0
-    dataset = lf.sweeps.open_sweep(out)
+    dataset = lf.parametric.open_sweep(out)
     # larger balloons of the same film are hotter by less convection, and carry more than their own
     assert bool((dataset.relative_payload.diff("flyer.diameter") > 0.0).all())
     code, text, errors = run("optimise", study, "--json")

@@ -116,7 +116,7 @@ def test_a_reduced_sweep_keeps_what_the_whole_one_has(run, study, tmp_path):
     assert code == 0, errors
     assert "best relative_payload (3 kept)" in text
     assert "front, relative payload against altitude:" in text
-    every, tree = lf.sweeps.open_sweep(whole), lf.sweeps.open_reduced(out)
+    every, tree = lf.parametric.open_sweep(whole), lf.parametric.open_reduced(out)
     ordered = every.relative_payload.stack(design=every.dims).to_pandas().nlargest(3)
     best = tree["best/relative_payload"]
     assert list(best.relative_payload.values) == list(ordered.values)
@@ -187,7 +187,7 @@ def test_a_sweep_that_is_killed_continues(run, study, tmp_path):
     ],
 )
 def test_bad_studies_write_nothing(run, study, tmp_path, old, new, message, monkeypatch):
-    monkeypatch.setattr("lightflyer.sweeps.run.LARGEST", 10**7)
+    monkeypatch.setattr("lightflyer.parametric.run.LARGEST", 10**7)
     code, text, errors = run("sweep", study(old, new), "--out", tmp_path / "results.zarr")
     assert code == 2
     assert text == ""

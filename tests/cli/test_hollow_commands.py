@@ -29,7 +29,7 @@ def test_many_hollow_bodies(run, flyer_file, tmp_path):
     study.write_text(STUDY, encoding="utf-8")
     code, _, errors = run("sweep", study, "--out", out)
     assert (code, errors) == (0, "")
-    dataset = lf.sweeps.open_sweep(out)
+    dataset = lf.parametric.open_sweep(out)
     assert dataset.jet_velocity.attrs["units"] == "m s-1"
     assert bool((dataset.temperature_inner > dataset.temperature_outer).all())
     setup = lf.read_flyer_file(flyer_file).build()

@@ -6,10 +6,10 @@ import sys
 
 import pytest
 
-from lightflyer.kinetic import solver
-from lightflyer.kinetic.chamber import cases as chamber_cases
-from lightflyer.kinetic.disk import cases
-from lightflyer.kinetic.disk.operators import Quadrature
+from lightflyer.kinetic_theory import solver
+from lightflyer.kinetic_theory.chamber import cases as chamber_cases
+from lightflyer.kinetic_theory.disk import cases
+from lightflyer.kinetic_theory.disk.operators import Quadrature
 
 CASE = ("kinetic", "--kn", "2", "--tac-top", "0.8", "--tac-bottom", "0.9")
 

@@ -42,7 +42,7 @@ def test_predict_a_plate(run, flyer_file, tmp_path):
     assert high > 200.0
     for pressure, flies in ((0.99 * low, False), (1.01 * low, True), (1.01 * high, False)):
         state = setup.environment.state(pressure)
-        lifted = lf.lift(setup.flyer, state, setup.model) > lf.flight.weight(setup.flyer, state)
+        lifted = lf.lift(setup.flyer, state, setup.model) > lf.statics.weight(setup.flyer, state)
         assert lifted == flies
     with xr.open_dataset(tmp_path / "out" / "prediction.nc") as dataset:
         assert dataset.flow_velocity.attrs["units"] == "m s-1"
@@ -54,10 +54,10 @@ def test_many_plates(run, flyer_file, tmp_path):
     study, out = tmp_path / "study.toml", tmp_path / "results.zarr"
     study.write_text(STUDY, encoding="utf-8")
     assert run("sweep", study, "--out", out)[0] == 0
-    dataset = lf.sweeps.open_sweep(out)
+    dataset = lf.parametric.open_sweep(out)
     setup = lf.read_flyer_file(flyer_file).build()
     state = setup.environment.state(100.0)
-    here = lf.lift(setup.flyer, state, setup.model) / lf.flight.weight(setup.flyer, state)
+    here = lf.lift(setup.flyer, state, setup.model) / lf.statics.weight(setup.flyer, state)
     swept = dataset.lift_over_weight.sel(
         {"flyer.height": 50e-6, "pressure": 100.0}, method="nearest"
     )

@@ -55,7 +55,7 @@ def test_predict_a_sandwich(run, flyer_file, tmp_path):
     low, high = summary["altitude_band_km"]
     for altitude, flies in ((low - 0.01, False), (low + 0.01, True), (high + 0.01, False)):
         state = setup.environment.state(altitude * 1e3)
-        lifted = lf.lift(setup.flyer, state, setup.model) > lf.flight.weight(setup.flyer, state)
+        lifted = lf.lift(setup.flyer, state, setup.model) > lf.statics.weight(setup.flyer, state)
         assert lifted == flies
     with xr.open_dataset(tmp_path / "out" / "prediction.nc") as dataset:
         assert dataset.temperature_top.attrs["units"] == "K"
@@ -85,7 +85,7 @@ def test_many_sandwiches(run, flyer_file, tmp_path):
     here = lf.payload(setup.flyer, setup.environment.state(75e3), setup.model)
 
     assert run("sweep", study, "--out", out)[0] == 0
-    dataset = lf.sweeps.open_sweep(out)
+    dataset = lf.parametric.open_sweep(out)
     swept = dataset.relative_payload.sel({"flyer.gap": 125e-6, "altitude": 75e3}, method="nearest")
     assert float(swept) == pytest.approx(here / setup.flyer.own_mass, rel=1e-9)
     assert bool((dataset.temperature_bottom > dataset.temperature_top).all())

@@ -69,7 +69,7 @@ import jax, numpy as np
 import lightflyer as lf
 from lightflyer.config.designs import as_design
 from lightflyer.compute.evaluation import Evaluator
-from lightflyer.sweeps.reducers import DeviceReducer, Reducer
+from lightflyer.parametric.reducers import DeviceReducer, Reducer
 from lightflyer.study.sections import ReduceSection, SamplingSection
 from lightflyer.study.study import make_study
 
@@ -144,10 +144,10 @@ def test_a_reduced_sweep_on_gpus_is_that_of_processors(tmp_path, monkeypatch):
     made = lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023()
     over = {"altitude": {"from": "60 km", "to": "90 km", "points": 31}}
     asked = {"over": over, "outputs": ("payload", "temperature"), "designs": 4}
-    here = lf.sweeps.sweep_reduced(*made, **asked, out=tmp_path / "here.nc")
+    here = lf.parametric.sweep_reduced(*made, **asked, out=tmp_path / "here.nc")
     processors = jax.local_devices(backend="cpu")
     monkeypatch.setattr(jax, "local_devices", lambda backend: processors)
-    there = lf.sweeps.sweep_reduced(*made, **asked, out=tmp_path / "there.nc", device="gpu")
+    there = lf.parametric.sweep_reduced(*made, **asked, out=tmp_path / "there.nc", device="gpu")
     assert int(there.attrs["not_converged"]) == 0
     assert set(there.groups) == set(here.groups)
     np.testing.assert_array_equal(there["best/payload"].design, here["best/payload"].design)

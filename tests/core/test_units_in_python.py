@@ -86,7 +86,7 @@ def test_what_is_of_the_wrong_class_is_one_clear_line():
         lf.Disk("germanium", 0.01)
     with pytest.raises(lf.ParameterError, match="attitude must be of class Attitude or None"):
         lf.Disk(FILM, 0.01, attitude=0.3)
-    for function in (lf.payload, lf.lift, lf.levitate, lf.equilibrium, lf.flight.force_vector):
+    for function in (lf.payload, lf.lift, lf.levitate, lf.equilibrium, lf.statics.force_vector):
         with pytest.raises(lf.ParameterError, match="state must be of class EnvironmentState"):
             function(disk, 72e3, lf.Lu2023())
         with pytest.raises(lf.ParameterError, match="model must be of class AbstractForceModel"):

@@ -12,11 +12,11 @@ import lightflyer as lf
 from lightflyer.core.errors import ParameterError
 from lightflyer.drag import free_molecular
 from lightflyer.drag.disk_table import dense_share
-from lightflyer.kinetic.disk import cases
-from lightflyer.kinetic.disk.cases import COARSE, Case, Resolution, solve_case
-from lightflyer.kinetic.disk.operators import Quadrature
-from lightflyer.kinetic.model_gases import DIATOMIC, MONATOMIC, GasModel
-from lightflyer.kinetic.moving import MovedDisk, moving_outcomes
+from lightflyer.kinetic_theory.disk import cases
+from lightflyer.kinetic_theory.disk.cases import COARSE, Case, Resolution, solve_case
+from lightflyer.kinetic_theory.disk.operators import Quadrature
+from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC, GasModel
+from lightflyer.kinetic_theory.moving import MovedDisk, moving_outcomes
 
 STUDY = Path(__file__).parents[2] / "studies" / "drag" / "study.py"
 FACES = (0.6, 0.9)
@@ -69,7 +69,7 @@ def test_heat_of_motion_is_the_force_of_a_hot_face(solved):
 def test_solution_of_one_disk(monkeypatch):
     sketch = Resolution(3, 0.7, Quadrature(3, 3, 3))
     monkeypatch.setattr(cases, "meshes", lambda knudsen, *, linear: (COARSE, sketch))
-    solution = lf.kinetic.solve_moving(2.0, 1.0, 1.0)
+    solution = lf.kinetic_theory.solve_moving(2.0, 1.0, 1.0)
     delta = math.sqrt(math.pi) / 8.0
     assert solution.drag == pytest.approx(table_says(delta, 1.0, "monatomic"), rel=1e-3)
     assert 0.0 < solution.error_estimate < 1e-2 * solution.drag
@@ -79,7 +79,7 @@ def test_solution_of_one_disk(monkeypatch):
     assert 0.5 < near < 1.0
     assert abs(far) < 0.03
     with pytest.raises(ParameterError, match="knudsen"):
-        lf.kinetic.solve_moving(1e-3, 1.0, 1.0)
+        lf.kinetic_theory.solve_moving(1e-3, 1.0, 1.0)
 
 
 def test_table_is_made_of_the_points():

@@ -135,7 +135,7 @@ def test_a_tilted_disk_is_pushed_along_its_axis(film):
         for zenith in (0.0, tilt)
     )
     force = lf.lift(level, straight, model)
-    found = lf.flight.force_vector(tilted, slanted, model)
+    found = lf.statics.force_vector(tilted, slanted, model)
     np.testing.assert_allclose(found, force * vector(tilt, towards), rtol=1e-12)
     assert lf.lift(tilted, slanted, model) == pytest.approx(force * np.cos(tilt), rel=1e-12)
     # it takes more light to carry the weight with the vertical part
@@ -201,7 +201,7 @@ def test_own_environment_depends_on_place_and_time(film):
     assert later_power == pytest.approx(noon_power * np.cos(np.pi / 3.0), rel=1e-12)
     found = lf.predict(disk, Carousel(), model)
     assert found.best.values["lift_over_weight"] == pytest.approx(
-        lf.lift(disk, noon, model) / lf.flight.weight(disk, noon), rel=1e-9
+        lf.lift(disk, noon, model) / lf.statics.weight(disk, noon), rel=1e-9
     )
 
 

@@ -52,7 +52,7 @@ def test_disk_geometry_and_mass(film):
     disk = lf.Disk(film, radius=0.02, payload=1e-7)
     assert disk.area == pytest.approx(np.pi * 4e-4)
     assert disk.mass == pytest.approx(np.pi * 4e-7 + 1e-7)
-    assert lf.flight.weight(disk, lf.Earth(gravity=10.0).state(0.0)) == pytest.approx(
+    assert lf.statics.weight(disk, lf.Earth(gravity=10.0).state(0.0)) == pytest.approx(
         10 * disk.mass, abs=0.0
     )
 

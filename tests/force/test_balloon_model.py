@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 import lightflyer as lf
-from lightflyer.flight.equations import FlightEquations
+from lightflyer.statics.equations import FlightEquations
 
 SIGMA = 5.670374419e-8
 MODEL = lf.BalloonConvection()
@@ -89,7 +89,7 @@ def test_levitation_of_open_and_closed_balloons():
         assert found.levitates
         lit = eqx.tree_at(lambda state: state.radiation.irradiance, state, found.irradiance)
         assert found.irradiance > 10.0
-        assert lf.lift(flyer, lit, MODEL) == pytest.approx(lf.flight.weight(flyer, lit), rel=1e-9)
+        assert lf.lift(flyer, lit, MODEL) == pytest.approx(lf.statics.weight(flyer, lit), rel=1e-9)
     helium = balloon_of(gas_mass=0.5, molar_mass=4.0026e-3)
     assert lf.levitate(helium, state, MODEL).irradiance == 0.0
     heavy = balloon_of(payload=1e4)

@@ -10,7 +10,6 @@ import pytest
 from scipy.optimize import brentq, fsolve
 
 import lightflyer as lf
-from lightflyer.flight.equations import FlightEquations
 from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.laws.channels import (
     SLOT,
@@ -21,6 +20,7 @@ from lightflyer.force.laws.channels import (
 from lightflyer.force.laws.disk_gas import disk_surroundings, recoil_ratio
 from lightflyer.force.membranes.schafer2025_table import perforated_disk_fit, perforated_disk_table
 from lightflyer.force.pumps.channel_pump import outer_resistance, through_flow
+from lightflyer.statics.equations import FlightEquations
 
 MODEL = lf.ChannelPump()
 GAS = lf.gas.AIR

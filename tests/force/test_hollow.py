@@ -12,12 +12,12 @@ from scipy.optimize import brentq, fsolve
 
 import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation
-from lightflyer.flight.equations import FlightEquations
 from lightflyer.force.convection import sphere_conductance
 from lightflyer.force.laws.channels import SLOT, channel_coefficients, direct_share
 from lightflyer.force.pumps import celenza2023_laws as published
 from lightflyer.force.pumps.hollow_flow import Corrections, Errors, PumpFlow, pump_flow
 from lightflyer.gas.transmission_probability import slot_transmission
+from lightflyer.statics.equations import FlightEquations
 
 MODEL = lf.HollowPump()
 SIGMA = 5.670374419e-8

@@ -213,8 +213,8 @@ def test_ground_below_in_a_flyer_file(flyer_file):
     assert found.at["lift"][0] > 1.1 * plain.at["lift"][0]
 
 
-# solved, non-linear (lightflyer.kinetic.solve_in_chamber): nitrogen, floor, lid = side wall, TACs,
-# T_h/T_c, force [p A]
+# solved, non-linear (lightflyer.kinetic_theory.solve_in_chamber): nitrogen, floor, lid = side wall,
+# TACs, T_h/T_c, force [p A]
 HOT = [
     (0.0982, 2.25, 4.0, (0.8, 0.9), 2.341463, 0.008789),
     (0.2945, 2.25, 4.0, (0.8, 0.9), 2.341463, 0.018146),

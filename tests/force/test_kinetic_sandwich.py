@@ -10,8 +10,8 @@ import lightflyer as lf
 from lightflyer.force.kinetic import sandwich_table as tables
 from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.membranes.sandwich import rarefaction
-from lightflyer.kinetic.disk.cases import COARSE, Case, solve_case
-from lightflyer.kinetic.model_gases import DIATOMIC
+from lightflyer.kinetic_theory.disk.cases import COARSE, Case, solve_case
+from lightflyer.kinetic_theory.model_gases import DIATOMIC
 
 COLD = 220.0
 # as the solver has it: with the model equation's collisions

@@ -9,10 +9,10 @@ import pytest
 from scipy.optimize import fsolve
 
 import lightflyer as lf
-from lightflyer.flight.equations import FlightEquations
 from lightflyer.force.laws.gap import accommodation_between, gap_conductance
 from lightflyer.force.membranes.sandwich import rarefaction
 from lightflyer.force.membranes.schafer2025_table import internal_factors, perforated_disk_fit
+from lightflyer.statics.equations import FlightEquations
 
 MODEL, WIDE = lf.Schafer2025(), lf.Schafer2025(transmission="wide")
 SIGMA = 5.670374419e-8
@@ -386,7 +386,7 @@ def test_levitation_and_its_derivatives(by_numpy):
     assert np.all(found.levitates)
     lit = eqx.tree_at(lambda state: state.radiation.irradiance, state, found.irradiance)
     np.testing.assert_allclose(
-        lf.lift(flyers, lit, MODEL), lf.flight.weight(flyers, lit), rtol=1e-9
+        lf.lift(flyers, lit, MODEL), lf.statics.weight(flyers, lit), rtol=1e-9
     )
     with lf.float64():
         slope = by_numpy(jax.grad(lambda x: lf.levitate(*build(x), MODEL).irradiance))(POINT)
@@ -426,7 +426,7 @@ def test_levitation_never_contradicts_lift():
         draw.uniform(20e3, 100e3, size)
     )
     found = lf.levitate(flyers, state, MODEL, throw=False)
-    flies = lf.lift(flyers, state, MODEL) >= lf.flight.weight(flyers, state)
+    flies = lf.lift(flyers, state, MODEL) >= lf.statics.weight(flyers, state)
     assert 100 < flies.sum() < size
     assert np.all(found.levitates[flies])
     assert np.all(found.irradiance[flies] <= 1360.0 * (1.0 + 1e-9))
@@ -434,7 +434,7 @@ def test_levitation_never_contradicts_lift():
     for share in (0.5, 0.1, 1e-2):  # no dimmer light would do
         dimmer = np.where(found.levitates, share * found.irradiance, 0.0)
         dim = eqx.tree_at(lambda state: state.radiation.irradiance, state, dimmer)
-        assert np.all(lf.lift(flyers, dim, MODEL) < lf.flight.weight(flyers, state))
+        assert np.all(lf.lift(flyers, dim, MODEL) < lf.statics.weight(flyers, state))
 
 
 def test_levitation_in_the_dark():
@@ -445,7 +445,7 @@ def test_levitation_in_the_dark():
         make(open_fraction=0.3),
         (0.8, 0.02),
     )
-    assert lf.lift(flyer, state, MODEL) > lf.flight.weight(flyer, state)
+    assert lf.lift(flyer, state, MODEL) > lf.statics.weight(flyer, state)
     found = lf.levitate(flyer, state, MODEL)
     assert found.levitates
     assert found.irradiance == 0.0
@@ -460,7 +460,7 @@ def test_bands_over_earth():
     for edge, inside in ((band.lower, 100.0), (band.upper, -100.0)):
         margins = [
             lf.lift(flyer, lf.Earth().state(edge + step), MODEL)
-            / lf.flight.weight(flyer, lf.Earth().state(edge + step))
+            / lf.statics.weight(flyer, lf.Earth().state(edge + step))
             for step in (0.0, inside, -inside)
         ]
         assert margins[0] == pytest.approx(1.0, rel=1e-8)
@@ -498,6 +498,6 @@ def test_published_device_levitates_as_far_as_its_supports_let_it():
         support_density=3100.0,
     )  # fmt: skip
     state = state_at(26.7, 295.0, irradiance=750.0)
-    found = lf.lift(flyer, state, MODEL) / lf.flight.weight(flyer, state)
+    found = lf.lift(flyer, state, MODEL) / lf.statics.weight(flyer, state)
     np.testing.assert_allclose(found / found[0], expected / expected[0], rtol=0.03)
     np.testing.assert_allclose(found, expected, rtol=0.08)

@@ -59,14 +59,14 @@ def sandwich(radius):
 
 # a function of a number near one for each public function or method
 CASES = {
-    "flight.equilibrium": lambda x: lf.equilibrium(disk(x), STATE, lf.Lu2023()).temperature,
-    "flight.lift": lambda x: lf.lift(disk(x), STATE, lf.Lu2023()),
-    "flight.force_vector": lambda x: lf.flight.force_vector(disk(x), STATE, lf.Lu2023())[2],
-    "flight.payload": lambda x: lf.payload(disk(x), STATE, lf.Lu2023()),
-    "flight.weight": lambda x: lf.flight.weight(disk(x), STATE),
-    "flight.levitate": lambda x: lf.levitate(disk(x), STATE, lf.Lu2023()).irradiance,
-    "flight.sinking_speed": lambda x: lf.flight.sinking_speed(disk(x), STATE),
-    "flight.levitation_band": lambda x: lf.levitation_band(disk(x), lf.Earth(), lf.Lu2023()).upper,
+    "statics.equilibrium": lambda x: lf.equilibrium(disk(x), STATE, lf.Lu2023()).temperature,
+    "statics.lift": lambda x: lf.lift(disk(x), STATE, lf.Lu2023()),
+    "statics.force_vector": lambda x: lf.statics.force_vector(disk(x), STATE, lf.Lu2023())[2],
+    "statics.payload": lambda x: lf.payload(disk(x), STATE, lf.Lu2023()),
+    "statics.weight": lambda x: lf.statics.weight(disk(x), STATE),
+    "statics.levitate": lambda x: lf.levitate(disk(x), STATE, lf.Lu2023()).irradiance,
+    "statics.sinking_speed": lambda x: lf.statics.sinking_speed(disk(x), STATE),
+    "statics.levitation_band": lambda x: lf.levitation_band(disk(x), lf.Earth(), lf.Lu2023()).upper,
     "environment.season_irradiance": lambda x: season_irradiance(1.2 * x),
     "environment.solar_longitude": lambda x: solar_longitude(2e8 * x),
     "environment.sun_from_mars": lambda x: sun_from_mars(1e4 * x).direction[0],
@@ -140,18 +140,18 @@ ELSEWHERE = {
     "environment.Daylight": "tests/environment/test_sky.py",
     "environment.GlobalNRLMSIS": "tests/environment/test_global_nrlmsis.py",
     "environment.NRLMSIS": "needs pymsis, is not traced; tests/environment",
-    "flight.outputs_of": "a list",
-    "flight.in_the_dark": "takes the light away; sinking_speed uses it",
-    "flight.settling_time": "a number, not traced; tests/flight/test_sinking.py",
-    "flight.steady_speed": "takes a function, in the caller's precision; sinking_speed uses it",
-    "flight.levitation_bands": "levitation_band is one of them",
+    "statics.outputs_of": "a list",
+    "statics.in_the_dark": "takes the light away; sinking_speed uses it",
+    "statics.settling_time": "a number, not traced; tests/statics/test_sinking.py",
+    "statics.steady_speed": "takes a function, in the caller's precision; sinking_speed uses it",
+    "statics.levitation_bands": "levitation_band is one of them",
     "environment.sphere_view_factor": "tests/environment",
     "force.BalloonConvection": "tests/force/test_balloon_model.py",
     "force.Celenza2023": "tests/force/test_hollow.py",
     "force.ChannelPump": "tests/force/test_channel_pump.py",
     "force.HollowPump": "tests/force/test_hollow.py",
 }
-ROOMS = ["environment", "film", "flight", "flyer", "force", "gas"]
+ROOMS = ["environment", "film", "statics", "flyer", "force", "gas"]
 
 
 def public_numeric_names():
@@ -164,7 +164,7 @@ def public_numeric_names():
                 for inner, method in vars(found).items():
                     if is_entry_point(method):
                         yield f"{room}.{name}.{inner}"
-            elif is_entry_point(found) or (room == "flight" and inspect.isfunction(found)):
+            elif is_entry_point(found) or (room == "statics" and inspect.isfunction(found)):
                 yield f"{room}.{name}"
 
 

@@ -8,13 +8,13 @@ import lightflyer as lf
 from lightflyer.design.setup import Setup
 from lightflyer.environment import Chamber
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flight.levitation import levitate
 from lightflyer.flyer import Disk
 from lightflyer.force import Lu2023
 from lightflyer.lab.levitation.curve import LEAST_POINTS, compare, levitation_curve, summary
 from lightflyer.lab.levitation.data import LiftOffs, read_lift_offs
 from lightflyer.lab.levitation.minimum import smoother
 from lightflyer.lab.levitation.model import calibrate_curves, model_curve
+from lightflyer.statics.levitation import levitate
 
 RANGE = (1.5, 40.0)
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from lightflyer.flight.grid_refinement import band_brackets, band_count, crossing, peak
 from lightflyer.prediction.edges_and_optima import find_edges_and_optima
+from lightflyer.statics.grid_refinement import band_brackets, band_count, crossing, peak
 
 
 def bell(places):

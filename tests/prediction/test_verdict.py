@@ -37,7 +37,7 @@ class Truth:
     def lift(self, place, light=None):
         state = self.state(place, light or self.light)
         force = lf.lift(self.setup.flyer, state, self.setup.model)
-        return float(force / lf.flight.weight(self.setup.flyer, state)) - 1.0
+        return float(force / lf.statics.weight(self.setup.flyer, state)) - 1.0
 
     def temperature(self, place, light=None):
         state = self.state(place, light or self.light)

@@ -52,7 +52,7 @@ def test_temperature_and_lift_in_sunlight(disk, state):
     model = lf.Lu2023()
     hot = lf.equilibrium(disk, state, model).temperature
     np.testing.assert_allclose(hot, REPORTED_HOT_IN_SUNLIGHT, rtol=TOLERANCE)
-    ratio = lf.lift(disk, state, model) / lf.flight.weight(disk, state)
+    ratio = lf.lift(disk, state, model) / lf.statics.weight(disk, state)
     np.testing.assert_allclose(ratio, REPORTED_LIFT, rtol=TOLERANCE)
 
 

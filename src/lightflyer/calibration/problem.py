@@ -18,8 +18,8 @@ from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import Fields, Target, target_of
 from lightflyer.core.errors import ParameterError
 from lightflyer.design.design import AbstractDesign
-from lightflyer.flight.levitation import levitate
 from lightflyer.program.entry_point import entry_point
+from lightflyer.statics.levitation import levitate
 from lightflyer.uncertainty.inputs import Change
 
 DEFAULT_FREE = ("c_fm", "c_cont")  # Parameters that are fitted by default

@@ -11,8 +11,8 @@ from lightflyer.cli.output import print_json, printer
 if TYPE_CHECKING:
     import xarray as xr
 
+    from lightflyer.parametric.run import SweepReport
     from lightflyer.study.study import Study
-    from lightflyer.sweeps.run import SweepReport
 
 _SHOWN_SHARES = (0.0, 0.05, 0.5, 0.95, 1.0)
 _SHOWN_DESIGNS = 5
@@ -22,7 +22,7 @@ def show_reduced(
     study: "Study", out: Path, report: "SweepReport", line: str, *, json_output: bool
 ) -> None:
     """Print what a reduced sweep kept; ``out``: its file; ``line``: the report in words."""
-    from lightflyer.sweeps.reduced import open_reduced
+    from lightflyer.parametric.reduced import open_reduced
 
     tree = open_reduced(out)
     warnings = _warnings(study, tree)

@@ -10,9 +10,9 @@ from lightflyer.core.types import Numeric
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState
-from lightflyer.flight.balance import equilibrium
-from lightflyer.flight.bands import levitation_band
 from lightflyer.program.entry_point import entry_point
+from lightflyer.statics.balance import equilibrium
+from lightflyer.statics.bands import levitation_band
 
 UNSTATED_LIMIT = 500.0
 """Temperature above which a film without a stated highest temperature is worth a diagnostic [K]:

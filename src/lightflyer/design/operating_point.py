@@ -13,10 +13,10 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import EnvironmentState
-from lightflyer.flight.balance import Equilibrium, equilibrium
-from lightflyer.flight.bands import Band, levitation_bands, scan, widest
-from lightflyer.flight.equations import FlightEquations
-from lightflyer.flight.levitation import Levitation, levitate
+from lightflyer.statics.balance import Equilibrium, equilibrium
+from lightflyer.statics.bands import Band, levitation_bands, scan, widest
+from lightflyer.statics.equations import FlightEquations
+from lightflyer.statics.levitation import Levitation, levitate
 
 _LOOKS = 101  # places of the first look for the largest payload
 

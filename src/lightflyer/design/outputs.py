@@ -16,11 +16,11 @@ from lightflyer.core.units import dataset_unit, scale_and_offset
 from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
-from lightflyer.flight.balance import require_converged
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel, ModelResult
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import elementwise_entry_point, only
+from lightflyer.statics.balance import require_converged
 
 # units for larger values, by the one that is shown otherwise
 _LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}

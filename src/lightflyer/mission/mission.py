@@ -15,7 +15,6 @@ from lightflyer.core.quantity import Duration, Quantity, quantity_of, require_re
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Place
-from lightflyer.flight.balance import ENERGY_TOLERANCE, require_converged
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.fleet import Ensemble, flights_of, fly_all
@@ -40,6 +39,7 @@ from lightflyer.mission.report.dataset import Several, add_several, add_survival
 from lightflyer.mission.report.diagnostics import diagnose_flight, termination_text
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
+from lightflyer.statics.balance import ENERGY_TOLERANCE, require_converged
 
 if TYPE_CHECKING:
     import xarray as xr

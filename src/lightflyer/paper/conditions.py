@@ -20,7 +20,6 @@ from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
 from lightflyer.environment.chamber import Chamber
 from lightflyer.environment.radiation import Radiation
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flight.balance import require_converged
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.kinetic.model import Kinetic
@@ -29,6 +28,7 @@ from lightflyer.gas.air import LU2023_AIR
 from lightflyer.numerics.batches import in_batches
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
+from lightflyer.statics.balance import require_converged
 
 REPORTED_MEAN = Reading(
     heat_weight=REPORTED.heat_weight,

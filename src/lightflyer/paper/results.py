@@ -13,7 +13,6 @@ from lightflyer.core import constants
 from lightflyer.core.types import Numeric
 from lightflyer.design.outputs import OUTPUTS, json_name
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flight.grid_refinement import Function, crossing, peak
 from lightflyer.paper.conditions import (
     KINETIC,
     POINTS,
@@ -25,6 +24,7 @@ from lightflyer.paper.conditions import (
     over_altitude,
 )
 from lightflyer.paper.tables import table_1, table_s2
+from lightflyer.statics.grid_refinement import Function, crossing, peak
 
 SEARCHED_ALTITUDES = (50e3, 95e3)  # Range in which bands and best payloads are searched [m]
 SEARCHED_PRESSURES = (1e-1, 1e2)  # Range in which the chamber's optimum is searched [Pa]

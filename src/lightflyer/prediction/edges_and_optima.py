@@ -5,7 +5,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from lightflyer.flight.grid_refinement import (
+from lightflyer.prediction.evaluator import Table
+from lightflyer.statics.grid_refinement import (
     at,
     band_brackets,
     band_count,
@@ -15,7 +16,6 @@ from lightflyer.flight.grid_refinement import (
     peak,
     with_point,
 )
-from lightflyer.prediction.evaluator import Table
 
 _LIFT, _LIGHT = _SEARCHED = "lift_over_weight", "levitation_irradiance"
 _HEAT = "temperature"

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from lightflyer.flight.grid_refinement import crossing
 from lightflyer.prediction.edges_and_optima import coolness, find_usable
 from lightflyer.prediction.evaluator import Evaluator, Place, Rows
+from lightflyer.statics.grid_refinement import crossing
 
 if TYPE_CHECKING:
     from lightflyer.prediction.prediction import Prediction

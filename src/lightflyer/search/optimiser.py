@@ -162,7 +162,7 @@ def optimise(
         where numbers are uncertain, by distributions in ``over`` or by those of the design.
     points, method : optional
         Number of samples of uncertain numbers, by default 1024, and how they are drawn; see
-        :func:`~lightflyer.sweeps.run.sweep`.
+        :func:`~lightflyer.parametric.run.sweep`.
     starts : int, optional
         Number of searches, by default 8.
     seed : int, optional

@@ -5,7 +5,7 @@ from typing import Any
 
 from numba import njit
 
-from lightflyer.kinetic.grid.kernels import forget_stale_kernels
+from lightflyer.kinetic_theory.grid.kernels import forget_stale_kernels
 
 forget_stale_kernels(Path(__file__).parent)
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from lightflyer.kinetic import Chamber, ChamberSolution, Solution
+    from lightflyer.kinetic_theory import Chamber, ChamberSolution, Solution
 
 SurfaceName = Literal["floor", "lid", "side"]
 
@@ -185,7 +185,7 @@ def _solve(
     film: dict[str, Any],
     chamber: "Chamber | None",
 ) -> "Solution | ChamberSolution":
-    from lightflyer.kinetic import solve, solve_in_chamber
+    from lightflyer.kinetic_theory import solve, solve_in_chamber
 
     kn, tac_top, tac_bottom = faces
     if chamber is None and film == {"film": "isothermal", "radiation": 0.0}:
@@ -209,7 +209,7 @@ def _chamber(
     """Chamber of given options, or none."""
     if None in distances.values():  # then all are: each option needs the next
         return None
-    from lightflyer.kinetic import Chamber, Surface
+    from lightflyer.kinetic_theory import Chamber, Surface
 
     return Chamber(
         **{
@@ -276,7 +276,7 @@ def _surfaces(described: dict[str, Any]) -> "Table":
 def _write(
     stage: Callable[[str], Path], solution: "Solution | ChamberSolution", figures: FigureOptions
 ) -> list[str]:
-    from lightflyer.kinetic.figures import flow_figure
+    from lightflyer.kinetic_theory.figures import flow_figure
 
     write_json(stage("kinetic.json"), solution.to_json() | {"inputs": solution.inputs})
     return ["kinetic.json", *figures.write(stage, lambda: {"flow": flow_figure(solution)})]

@@ -50,8 +50,8 @@ def map_command(
     """
     figures.folder(out)
     from lightflyer.files.display_units import amount
-    from lightflyer.sweeps.explore import choose_slice, find_name
-    from lightflyer.sweeps.run import open_sweep
+    from lightflyer.parametric.explore import choose_slice, find_name
+    from lightflyer.parametric.run import open_sweep
 
     dataset = open_sweep(results)
     output = find_name(dataset, value, among="outputs")
@@ -86,7 +86,7 @@ def _draw(
     dataset: "xr.Dataset", sliced: "xr.Dataset", names: list[str], *, pareto: bool
 ) -> "dict[str, Figure]":
     from lightflyer.files import drawing as plot
-    from lightflyer.sweeps import figures as sweep_figures
+    from lightflyer.parametric import figures as sweep_figures
 
     *fields, output = names
     figure = plot.new_figure()

@@ -15,9 +15,9 @@ from lightflyer.files.result_text import table_of
 if TYPE_CHECKING:
     import xarray as xr
 
+    from lightflyer.parametric.explore import BestDesign
+    from lightflyer.parametric.run import SweepReport
     from lightflyer.study.study import Study
-    from lightflyer.sweeps.explore import BestDesign
-    from lightflyer.sweeps.run import SweepReport
 
 
 def sweep_command(
@@ -60,8 +60,8 @@ def sweep_command(
         Print one JSON object instead of tables.
     """
     from lightflyer.compute.chunks import CHUNK
+    from lightflyer.parametric.run import open_sweep, sweep_into
     from lightflyer.study.study import read_study
-    from lightflyer.sweeps.run import open_sweep, sweep_into
 
     for name, value in (("--workers", workers), ("--chunk", chunk)):
         if value is not None and value < 1:
@@ -71,7 +71,7 @@ def sweep_command(
         _require_reasonable(study, out, reduce=reduce)
     if reduce:
         from lightflyer.cli.reduced_tables import show_reduced
-        from lightflyer.sweeps.reduced import reduce_into
+        from lightflyer.parametric.reduced import reduce_into
 
         report = reduce_into(
             study,
@@ -100,7 +100,7 @@ def sweep_command(
 
 
 def _require_reasonable(study: "Study", out: Path, *, reduce: bool) -> None:
-    from lightflyer.sweeps.run import LARGEST, estimate
+    from lightflyer.parametric.run import LARGEST, estimate
 
     if study.size <= LARGEST:
         return
@@ -183,7 +183,7 @@ def report_line(report: "SweepReport") -> str:
 
 def _best(dataset: "xr.Dataset") -> "tuple[str, BestDesign | None]":
     """The output by which designs are judged, and the best one."""
-    from lightflyer.sweeps.explore import JUDGED, best_design
+    from lightflyer.parametric.explore import JUDGED, best_design
 
     names = [name for name in JUDGED if name in dataset]
     return (names[0], best_design(dataset, names[0])) if names else ("", None)

@@ -48,7 +48,7 @@ class Kinetic(AbstractForceModel):
     at the wall's temperature and reflect the rest (Maxwell), or those of another ``wall``. The
     ratios
     :math:`\hat F, \hat Q(\mathrm{Kn}, T_h/T_c, \bar\alpha)` come from the package's own solver
-    of the kinetic equation (:mod:`lightflyer.kinetic`); the Knudsen number is that of the
+    of the kinetic equation (:mod:`lightflyer.kinetic_theory`); the Knudsen number is that of the
     diameter at the gas temperature.
 
     Attributes

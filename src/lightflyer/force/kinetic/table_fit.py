@@ -15,7 +15,7 @@ from lightflyer.force.kinetic.ratios import (
     width,
 )
 from lightflyer.force.kinetic.table import Table, WallTable, kinetic_table, wall_table
-from lightflyer.kinetic.model_gases import GasModel, gas_model
+from lightflyer.kinetic_theory.model_gases import GasModel, gas_model
 from lightflyer.numerics.polynomials import (
     as_tuples,
     least_squares,

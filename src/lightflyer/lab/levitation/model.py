@@ -12,10 +12,10 @@ from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import target_of
 from lightflyer.config.designs import as_design
 from lightflyer.design.setup import Setup
-from lightflyer.flight.levitation import levitate
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.levitation.curve import LevitationCurve
 from lightflyer.lab.levitation.data import LiftOffs
+from lightflyer.statics.levitation import levitate
 
 _BEYOND = 1.5  # factor by which a model's curve extends beyond the measured pressures
 _PRESSURES = 200

@@ -4,10 +4,10 @@ import numpy as np
 
 from lightflyer.environment.chamber import Chamber
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flight.levitation import levitate
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.lu2023 import Lu2023
 from lightflyer.lab.synthetic.faults import TORR, faulty_table, label
+from lightflyer.statics.levitation import levitate
 
 _EMITTANCES = {"Ge 2 cm": 0.08, "CNT 2 cm": 0.48}  # of the paper's samples
 _PRESSURES = (1.2, 40.0)  # [Pa]

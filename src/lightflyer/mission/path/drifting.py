@@ -31,13 +31,13 @@ from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, P
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.display_units import number_text
 from lightflyer.files.result_text import Parts, PrintedResult, rows_of, warning_lines
-from lightflyer.flight.balance import require_converged
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.path.attitude import Own
 from lightflyer.mission.path.motion import Craft, Surroundings, steady_speeds, velocity
 from lightflyer.program.arguments import unlabelled
 from lightflyer.program.entry_point import entry_point
+from lightflyer.statics.balance import require_converged
 
 
 class Drift(PrintedResult, eqx.Module):

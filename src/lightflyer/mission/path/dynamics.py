@@ -11,7 +11,6 @@ from jax import Array
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked, SpecificHeat
-from lightflyer.flight.equations import FlightEquations
 from lightflyer.mission.path.integration import (
     Accuracy,
     Limits,
@@ -26,6 +25,7 @@ from lightflyer.mission.path.integration import (
     track_of,
 )
 from lightflyer.mission.path.motion import Craft, Surroundings, velocity
+from lightflyer.statics.equations import FlightEquations
 
 SPECIFIC_HEAT = 1000.0
 """Specific heat of films where none is given [J/(kg K)]: between alumina and polymers."""

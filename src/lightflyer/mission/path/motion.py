@@ -26,12 +26,12 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
 from lightflyer.environment.planet import Planet
 from lightflyer.environment.radiation import Attitude
-from lightflyer.flight.balance import Equilibrium, equilibrium
-from lightflyer.flight.equations import weight
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.wind_error import WindError
 from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
+from lightflyer.statics.balance import Equilibrium, equilibrium
+from lightflyer.statics.equations import weight
 
 _SLOW = 1e-3  # Speed at which drag is taken to be proportional to it, for the first guess [m/s]
 

@@ -28,13 +28,13 @@ from lightflyer.drag.turning import TURNING_DIAGNOSTIC, turning_disk_torque
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.display_units import amount
 from lightflyer.files.result_text import Parts, PrintedResult, rows_of, warning_lines
-from lightflyer.flight.balance import equilibrium
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
 from lightflyer.flyer.plate import Plate
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.program.arguments import reads_units
+from lightflyer.statics.balance import equilibrium
 
 _SLOW = 1e-6  # metres a second; drag is proportional to the speed there
 _NEUTRAL = 1e-9  # of the fastest mode: below, a rate is zero but for rounding

@@ -27,9 +27,9 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
 from lightflyer.files.display_units import amount
 from lightflyer.files.result_text import Parts, PrintedResult, rows_of, warning_lines
-from lightflyer.flight.balance import equilibrium
-from lightflyer.flight.loads import payload as payload_of
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.statics.balance import equilibrium
+from lightflyer.statics.loads import payload as payload_of
 
 CLOSE = 3.0
 """Distance of neighbours, over their diameter, below which a warning says that they are close."""

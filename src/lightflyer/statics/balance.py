@@ -1,0 +1,302 @@
+r"""Heat balance: the temperatures at which a flyer loses what it absorbs.
+
+For every node :math:`i` of a flyer
+
+.. math::
+    L_i(\theta) \equiv Q_i(\theta) + R_i(\theta) = B_i I + G_i, \qquad
+    \theta_i = \frac{T_i-T_c}{T_c}
+
+with the heat :math:`Q_i` that the gas takes, the radiation and conduction :math:`R_i` net of what
+black surroundings at the gas temperature would exchange, the light :math:`B_i I` and the other
+gains :math:`G_i`. Both sides vanish together.
+
+With one unknown the loss is close to a power law, so Newton's method is applied in logarithms of
+both sides: it needs about four steps from 1e-4 Pa to 1e5 Pa. The root lies between gas temperature
+and radiative equilibrium, which is a rigorous bracket for every force model whose heat loss
+increases with the excess. With several unknowns the same search finds the temperature that the
+flyer would have if all its nodes were equally warm; Newton's method for systems goes on from there.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from functools import partial, reduce
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.checks import is_concrete, is_traced
+from lightflyer.core.errors import ConvergenceError
+from lightflyer.core.types import Numeric
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.files.display_units import number_text
+from lightflyer.files.result_text import Parts, PrintedResult, rows_of
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.numerics.rootfind import (
+    SMALLEST_SHARE,
+    RootOutcome,
+    SolverStatus,
+    bracketed_power_newton,
+    describe_status,
+    implicit_root,
+)
+from lightflyer.numerics.system import solve_system
+from lightflyer.program.entry_point import elementwise_entry_point
+from lightflyer.statics.equations import Balance, FlightEquations, energy_scale, imbalance, total
+
+ENERGY_TOLERANCE = 1e-10  # Largest imbalance of a converged equilibrium, over the absorbed power
+
+
+class Equilibrium(PrintedResult, eqx.Module):
+    r"""A flyer's thermal equilibrium. Fields have the broadcast shape of the inputs."""
+
+    nodes: tuple[str, ...] = eqx.field(static=True)  #: Names of the temperatures
+    temperatures: tuple[Numeric, ...]  #: Temperature of each node [K]
+    #: :math:`\theta_i = (T_i-T_c)/T_c` of each node [1], then the flyer's flows
+    unknowns: tuple[Numeric, ...]
+    #: Light absorbed, plus thermal radiation absorbed beyond that of black surroundings at the gas
+    #: temperature [W]
+    absorbed_power: Numeric
+    gas_power: Numeric  #: Net loss to the gas and by radiation, of all nodes [W]
+    radiated_power: Numeric  #: Net loss to the gas and by radiation, of all nodes [W]
+    residual: Numeric  #: Largest imbalance of a node, over the absorbed power [1]
+    status: Numeric  #: Why the search ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`
+
+    def text_parts(self) -> Parts:
+        """Lines and tables of the text."""
+        parts = zip(self.nodes, self.temperatures, strict=True)
+        yield rows_of(
+            {f"temperature of {node}": number_text(one, "K") for node, one in parts}
+            | {
+                "absorbed power": number_text(self.absorbed_power, "W"),
+                "heat to the gas": number_text(self.gas_power, "W"),
+                "radiated power": number_text(self.radiated_power, "W"),
+            }
+        )
+        yield from status_lines(self.status)
+
+    @property
+    def temperature(self) -> Numeric:
+        """Temperature of the hottest node [K]."""
+        return _largest(self.temperatures)
+
+    @property
+    def excess(self) -> Numeric:
+        """Relative temperature excess of the hottest node [1]."""
+        return _largest(self.unknowns[: len(self.nodes)])
+
+    @property
+    def converged(self) -> Numeric:
+        """True where the search ended at a root and every node's imbalance is within tolerance."""
+        return self.status == SolverStatus.CONVERGED
+
+    def temperature_of(self, node: str) -> Numeric:
+        """Temperature of a node by its name [K]."""
+        return self.temperatures[self.nodes.index(node)]
+
+
+def _largest(values: tuple[Numeric, ...]) -> Numeric:
+    maximum = jnp.maximum if is_traced(values) else np.maximum
+    return reduce(maximum, values)
+
+
+def equilibrium(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel,
+    *,
+    throw: bool = True,
+) -> Equilibrium:
+    """Temperatures and heat flows of a flyer in the given surroundings.
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+    state : EnvironmentState
+    model : AbstractForceModel
+    throw : bool
+        Raise where an element has not converged. Under JAX's transformations nothing can be
+        raised: read ``converged``.
+
+    Returns
+    -------
+    Equilibrium
+
+    Raises
+    ------
+    ConvergenceError
+        If an element has not converged and ``throw`` is true.
+    ParameterError
+        If the model is not for the flyer or the gas.
+
+    Notes
+    -----
+    Differentiable in every number of flyer, state and model.
+
+    References
+    ----------
+    [Lu2023]_ Eq. (17), with separate faces.
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    >>> state = lf.lu2023_earth().state(72e3)
+    >>> result = lf.equilibrium(lf.Disk(film, radius=0.01), state, lf.Lu2023())
+    >>> print(f"{result.temperature:.4f} K")
+    382.9028 K
+    """
+    result = solve_equilibrium(FlightEquations(flyer, state, model))
+    if throw:
+        require_converged("heat balance", result.status, result.residual)
+    return result
+
+
+def uniform_excess(
+    equations: FlightEquations,
+    losses: Callable[[tuple[Array, ...]], tuple[Array, ...]],
+    power: Array,
+) -> tuple[Array, RootOutcome]:
+    """Excess at which the flyer loses a power if all its nodes are equally warm."""
+
+    def loss(excess: Array) -> Array:
+        return total(losses(equations.unknowns_at(excess)))
+
+    flyer, state = equations.flyer, equations.state
+    dark = power == 0.0
+    # without light there is nothing to solve; a stand-in keeps the search finite
+    target = jnp.where(dark, _stand_in(flyer, state), power)
+    sign = jnp.sign(target)
+    highest = flyer.highest_excess(state, target)
+    # the secant from zero through the highest: close where gas dominates too
+    secant = highest * jnp.abs(target / loss(sign * highest))
+    size, outcome = bracketed_power_newton(
+        lambda size: sign * loss(sign * size),
+        target=jnp.abs(target),
+        lower=highest * SMALLEST_SHARE,
+        upper=highest,
+        guess=secant,
+    )
+    return jnp.where(dark, 0.0, sign * size), outcome
+
+
+def _stand_in(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
+    """Power that the flyer's outline, if black, would radiate at the gas temperature [W]."""
+    return flyer.area * state.radiation.stefan_boltzmann * state.temperature**4
+
+
+def balance_solver(
+    equations: FlightEquations, shape: tuple[int, ...], guess: tuple[Array, ...] | None = None
+) -> Callable[[tuple[Array, ...]], tuple[tuple[Array, ...], RootOutcome]]:
+    """Make the function that finds the unknowns at which each node loses what it absorbs [W]."""
+    balance = equations.trace_balance(shape)
+    if equations.has_one_unknown:
+        return partial(_solve_one, equations, balance, shape)
+    return partial(_solve_several, equations, balance, guess)
+
+
+def _solve_one(
+    equations: FlightEquations,
+    balance: Balance,
+    shape: tuple[int, ...],
+    powers: tuple[Array, ...],
+) -> tuple[tuple[Array, ...], RootOutcome]:
+    (power,) = powers
+
+    def losses(unknowns: tuple[Array, ...]) -> tuple[Array, ...]:
+        return balance(*unknowns)[0]
+
+    excess, outcome = implicit_root(
+        lambda excess: losses((excess,))[0] - power,
+        lambda: uniform_excess(equations, losses, power),
+        shape,
+    )
+    return (excess,), outcome
+
+
+def _solve_several(
+    equations: FlightEquations,
+    balance: Balance,
+    guess: tuple[Array, ...] | None,
+    powers: tuple[Array, ...],
+) -> tuple[tuple[Array, ...], RootOutcome]:
+    flyer = equations.flyer
+
+    def of_one_temperature() -> tuple[Array, ...]:
+        excess, _ = uniform_excess(equations, lambda unknowns: balance(*unknowns)[0], total(powers))
+        return flyer.first_guess(equations.state, excess)
+
+    # no temperature falls to absolute zero; flows have no such bound
+    lower = (-1.0,) * len(flyer.nodes) + (-math.inf,) * len(flyer.flows)
+    return solve_system(
+        lambda unknowns: imbalance(balance, unknowns, powers),
+        of_one_temperature if guess is None else guess,
+        lower=lower,
+    )
+
+
+@elementwise_entry_point
+def solve_equilibrium(equations: FlightEquations) -> Equilibrium:
+    """Temperatures and heat flows, converged or not."""
+    flyer, state = equations.flyer, equations.state
+    powers = equations.powers(state.radiation.irradiance)
+    nothing = equations.unknowns_at(jnp.zeros(()))
+    shape = jax.eval_shape(lambda: total(powers) + total(equations.losses(nothing)))
+    unknowns, outcome = balance_solver(equations, shape.shape)(powers)
+    gas, own = equations.heat_flows(unknowns)
+    imbalances = tuple(
+        power - taken - given for power, taken, given in zip(powers, gas, own, strict=True)
+    )
+    scale = energy_scale(powers)
+    flows = tuple(equations.model.flow_balance(flyer, state, unknowns))
+    worst = _furthest(tuple(imbalance / scale for imbalance in imbalances) + flows)
+    return Equilibrium(
+        nodes=flyer.nodes,
+        temperatures=tuple(
+            state.temperature * (1.0 + excess) for excess in unknowns[: len(flyer.nodes)]
+        ),
+        unknowns=unknowns,
+        absorbed_power=total(powers),
+        gas_power=total(gas),
+        radiated_power=total(own),
+        residual=worst,
+        status=status_within(outcome.status, worst, ENERGY_TOLERANCE),
+    )
+
+
+def _furthest(values: tuple[Array, ...]) -> Array:
+    """The value that is farthest from zero."""
+    return reduce(lambda a, b: jnp.where(jnp.abs(b) > jnp.abs(a), b, a), values)
+
+
+def status_within(status: Array, residual: Array, tolerance: float) -> Array:
+    """A status, corrected where the residual does not bear it out."""
+    kept = jnp.where(jnp.abs(residual) <= tolerance, status, int(SolverStatus.TOLERANCE_MISSED))
+    kept = jnp.where(status == int(SolverStatus.CONVERGED), kept, status)
+    return jnp.where(jnp.isnan(residual), int(SolverStatus.NOT_FINITE), kept)
+
+
+def status_lines(status: Numeric) -> Iterator[str]:
+    """A warning where concrete searches have not converged."""
+    if is_concrete(status) and np.any(np.asarray(status) != int(SolverStatus.CONVERGED)):
+        yield f"warning: not converged: {describe_status(status)}"
+
+
+def require_converged(what: str, status: Numeric, residual: Numeric) -> None:
+    """Raise unless every concrete element converged; ``status``: why each search ended."""
+    if is_traced(status):
+        return
+    failed = np.asarray(status) != int(SolverStatus.CONVERGED)
+    if not np.any(failed):
+        return
+    residuals = np.abs(np.broadcast_to(residual, failed.shape)[failed])
+    worst = np.nanmax(residuals) if np.any(np.isfinite(residuals)) else math.nan
+    why = describe_status(np.asarray(status)[failed])
+    raise ConvergenceError(
+        f"{what}: {failed.sum()} of {failed.size} not converged ({why}), largest relative residual "
+        f"{worst:.2g}; check that inputs are finite and that the force model's heat loss "
+        "increases with temperature, or pass throw=False and read `converged`"
+    )

@@ -1,0 +1,228 @@
+"""How fast a flyer sinks or climbs where drag balances its weight and lift."""
+
+from collections.abc import Callable
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.checks import is_concrete
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Altitude, require_record
+from lightflyer.core.types import Numeric
+from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.force.base import AbstractForceModel
+from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
+from lightflyer.program.arguments import reads_units
+from lightflyer.program.entry_point import elementwise_entry_point
+from lightflyer.statics.balance import require_converged, solve_equilibrium
+from lightflyer.statics.equations import FlightEquations, weight
+
+_SLOW = 1e-6  # Speed at which drag is proportional to it, far below those of flight [m/s]
+
+_BRACKET = (1e-6, 1.0 + 1e-6)
+"""Range of the speed, over that of a drag proportional to it: inertia only adds to drag."""
+
+_NODES = 64  # Points of Gauss's quadrature over the altitude, for the time of a descent
+
+
+def steady_speed(drag: Callable[[Array], Array], force: Array) -> tuple[Array, RootOutcome]:
+    """Speed at which a drag balances a force.
+
+    Parameters
+    ----------
+    drag : callable
+        Odd, increasing function of the speed [m/s], elementwise [N]; at least proportional to it.
+    force : array, shape (...)
+        Of either sign [N].
+
+    Returns
+    -------
+    speed : array, shape (...)
+        Of the sign of the force [m/s]. Differentiable in all that ``drag`` and ``force`` use.
+    outcome : RootOutcome
+    """
+    size = jnp.abs(force)
+    at_rest = size == 0.0
+    slope = drag(jnp.full_like(force, _SLOW)) / _SLOW
+    target = jnp.where(at_rest, slope * _SLOW, size)
+    fastest = target / slope
+
+    def search() -> tuple[Array, RootOutcome]:
+        lower, upper = (share * fastest for share in _BRACKET)
+        found, outcome = bracketed_power_newton(drag, target, lower, upper, guess=fastest)
+        return jnp.where(at_rest, 0.0, jnp.sign(force) * found), outcome
+
+    return implicit_root(lambda speed: drag(speed) - force, search, jnp.shape(force))
+
+
+def sinking_speed(
+    flyer: AbstractFlyer,
+    state: EnvironmentState,
+    model: AbstractForceModel | None = None,
+    *,
+    throw: bool = True,
+) -> Array:
+    """Speed at which a level flyer sinks steadily.
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+    state : EnvironmentState
+    model : AbstractForceModel, optional
+        For temperature and lift in the light of ``state``, of which :func:`in_the_dark` leaves heat
+        radiation alone. Without one the flyer is as warm as the gas and has no lift but its
+        buoyancy.
+    throw : bool
+        Raise where an element has not converged (not under JAX's transformations).
+
+    Returns
+    -------
+    array, broadcast shape
+        Downward positive, through the gas; negative where the flyer climbs [m/s].
+
+    Raises
+    ------
+    ConvergenceError
+        If an element has not converged and ``throw`` is true.
+    ParameterError
+        If the flyer is tilted, or the model is not for the flyer or the gas.
+    ConfigurationError
+        If the flyer has no law of drag.
+
+    Notes
+    -----
+    Force and heat balance are those of the flyer at rest. Differentiable in every number of flyer,
+    state and model. :meth:`AbstractFlyer.drag_diagnostics` says where
+    the drag is outside its range.
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    >>> disk, state = lf.Disk(film, radius=0.01), lf.Earth().state(70e3)
+    >>> print(f"{lf.statics.sinking_speed(disk, state):.2f} m/s")
+    1.38 m/s
+    """
+    _require_level(flyer)
+    if model is None:
+        require_record("flyer", (AbstractFlyer,), flyer)
+        require_record("state", (EnvironmentState,), state)
+        speed, status = _sinking_cold(flyer, state)
+        residual: Numeric = 0.0
+    else:
+        speed, status, residual = _sinking(FlightEquations(flyer, state, model))
+    if throw:
+        require_converged("sinking speed", status, residual)
+    return speed
+
+
+def _require_level(flyer: AbstractFlyer) -> None:
+    attitude = flyer.attitude
+    if attitude is not None and is_concrete(attitude.tilt) and np.any(attitude.tilt != 0.0):
+        raise ParameterError("sinking_speed is for a level flyer: a tilted one glides, see fly()")
+
+
+@elementwise_entry_point
+def _sinking_cold(flyer: AbstractFlyer, state: EnvironmentState) -> tuple[Array, Array]:
+    unknowns = (jnp.zeros(()),) * (len(flyer.nodes) + len(flyer.flows))
+    return _steady(flyer, state, unknowns, flyer.buoyancy(state, unknowns))
+
+
+@elementwise_entry_point
+def _sinking(equations: FlightEquations) -> tuple[Array, Array, Array]:
+    balance = solve_equilibrium(equations)
+    lift = equations.upward_force(balance.unknowns)
+    speed, status = _steady(equations.flyer, equations.state, balance.unknowns, lift)
+    return speed, jnp.maximum(status, balance.status), balance.residual
+
+
+def _steady(
+    flyer: AbstractFlyer, state: EnvironmentState, unknowns: tuple[Array, ...], lift: Numeric
+) -> tuple[Array, Array]:
+    slow = flyer.drag(state, unknowns, jnp.asarray(_SLOW))
+    force = weight(flyer, state) - lift + jnp.zeros_like(slow)
+    speed, outcome = steady_speed(lambda speed: flyer.drag(state, unknowns, speed), force)
+    return speed, outcome.status
+
+
+def in_the_dark(state: EnvironmentState) -> EnvironmentState:
+    """The same surroundings without light; heat radiation stays.
+
+    Parameters
+    ----------
+    state : EnvironmentState
+
+    Returns
+    -------
+    EnvironmentState
+    """
+    return eqx.tree_at(
+        lambda state: (state.radiation.irradiance, state.radiation.diffuse_above),
+        state,
+        (0.0 * state.radiation.irradiance, 0.0),
+    )
+
+
+@reads_units
+def settling_time(
+    flyer: AbstractFlyer,
+    environment: AbstractEnvironment,
+    model: AbstractForceModel | None = None,
+    *,
+    start: Altitude,
+    end: Altitude,
+    place: Place | None = None,
+) -> float:
+    """Time that a level flyer takes to sink from one altitude to another in the dark.
+
+    Parameters
+    ----------
+    flyer : AbstractFlyer
+    environment : AbstractEnvironment
+        With an altitude.
+    model : AbstractForceModel, optional
+        As for :func:`sinking_speed`.
+    start, end : array, shape ()
+        Altitudes, the first one above the other [m].
+    place : Place, optional
+        Held throughout.
+
+    Returns
+    -------
+    float
+        [s].
+
+    Raises
+    ------
+    ParameterError
+        If the environment has no altitude, ``start`` is not above ``end``, or the flyer climbs
+        somewhere between.
+
+    Notes
+    -----
+    The speed is steady at every altitude. Wind is left out.
+
+    Examples
+    --------
+    >>> import lightflyer as lf
+    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    >>> disk = lf.Disk(film, radius=0.01)
+    >>> time = lf.statics.settling_time(disk, lf.Earth(), start=75e3, end=50e3)
+    >>> print(f"{time / 3600:.2f} h")
+    5.80 h
+    """
+    if environment.coordinate.name != "altitude":
+        raise ParameterError("settling_time needs an environment with an altitude")
+    if np.ndim(start) or np.ndim(end) or not start > end:
+        raise ParameterError("start is not above end: settling_time takes one altitude each")
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    altitudes = 0.5 * (start - end) * nodes + 0.5 * (start + end)
+    state = environment.state(altitudes, place)
+    speed = sinking_speed(flyer, in_the_dark(state), model)
+    if np.any(speed <= 0.0):
+        where = altitudes[int(np.argmin(speed))]
+        raise ParameterError(f"the flyer does not sink in the dark at {where:.4g} m")
+    return float(0.5 * (start - end) * np.sum(weights / speed))

@@ -4,10 +4,24 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lightflyer.core.types import Numeric
 
 _MOST_DIGITS = 16
+
+
+class OutOfRange(str):
+    """A line on a number that is outside the range in which a model is known to hold."""
+
+    __slots__ = ("places",)
+    places: NDArray[np.bool_]  # Where it is, of the shape of number and pressure
+
+    def __new__(cls, text: str, places: NDArray[np.bool_]) -> "OutOfRange":
+        """The line with its places."""
+        line = super().__new__(cls, text)
+        line.places = places
+        return line
 
 
 class Validity(NamedTuple):
@@ -18,7 +32,7 @@ class Validity(NamedTuple):
     highest: float  # Ends of the range
     beyond: str  # What the model does outside, for the reader of a result
 
-    def diagnostics(self, values: Numeric, pressure: Numeric) -> Iterator[str]:
+    def diagnostics(self, values: Numeric, pressure: Numeric) -> Iterator[OutOfRange]:
         """One line for each end of the range that is passed, at the worst of some places."""
         found, where = np.broadcast_arrays(np.asarray(values, float), np.asarray(pressure, float))
         for word, limit, excess in (
@@ -28,9 +42,10 @@ class Validity(NamedTuple):
             worst = int(np.argmax(np.where(np.isnan(excess), -np.inf, excess)))
             if excess.ravel()[worst] > 0.0:
                 value = _apart(found.ravel()[worst], limit)
-                yield (
+                yield OutOfRange(
                     f"{self.name} is {value} at {where.ravel()[worst]:.3g} Pa, "
-                    f"{word} {limit:.3g}: {self.beyond}"
+                    f"{word} {limit:.3g}: {self.beyond}",
+                    excess > 0.0,
                 )
 
 

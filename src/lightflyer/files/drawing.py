@@ -37,6 +37,7 @@ BAND, INTERVAL = "95 % band", "95 % interval"
 """What shaded bands and error bars are, in legends."""
 
 TOO_HOT = "hotter than its film bears"  # What hatched ranges are
+EXTRAPOLATED = "faint: outside the model's range"  # What faint ranges are
 
 FORMATS = ("png", "svg", "pdf")  # Endings of the files that :func:`save` writes
 OWN_STYLES = ("column",)  # Style sheets of the package: a journal's column of 8.6 cm
@@ -235,3 +236,12 @@ def shared_legend(
         if number == 1 or legend.get_window_extent(renderer).width < figure.bbox.width:
             break
         legend.remove()
+
+
+def fade(ax: Axes, low: float, high: float, label: str = EXTRAPOLATED) -> None:
+    """Fade what is drawn in a range of the axis along which a model is outside its range."""
+    named = label in ax.get_legend_handles_labels()[1]
+    ax.axvspan(
+        low, high, facecolor="white", edgecolor=GREY, alpha=0.65, lw=0.5, zorder=2.5,
+        label=None if named else label,
+    )  # fmt: skip

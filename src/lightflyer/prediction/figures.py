@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.units import scale_and_offset
+from lightflyer.design.diagnostics import out_of_range
 from lightflyer.design.outputs import OUTPUTS, node_outputs
 from lightflyer.files.drawing import (
     BLUE,
@@ -19,6 +20,7 @@ from lightflyer.files.drawing import (
     PURPLE,
     SKY,
     VERMILION,
+    fade,
     figure_for,
     hatch,
     legend_below,
@@ -125,8 +127,19 @@ def _shade_bands(prediction: "Prediction", ax: Axes) -> None:
                 hatch(ax, factor * start, factor * end)
 
 
+def _fade_extrapolated(prediction: "Prediction", ax: Axes) -> None:
+    """Fade what is drawn where force model or gas are outside their ranges."""
+    places = prediction.coordinates
+    outside = out_of_range(prediction.setup, places, prediction.table["temperature"])
+    ends = np.flatnonzero(np.diff(np.r_[False, outside, False])).reshape(-1, 2)
+    middles = across(prediction) * np.r_[places[0], 0.5 * (places[1:] + places[:-1]), places[-1]]
+    for start, end in ends:
+        fade(ax, middles[start], middles[end])
+
+
 def _coordinate_axis(prediction: "Prediction", ax: Axes) -> None:
     where = prediction.coordinate
+    _fade_extrapolated(prediction, ax)
     low, high = _shown_range(prediction)
     if where.logarithmic:
         ax.set_xscale("log")

@@ -237,6 +237,10 @@ class Prediction(PrintedResult):
             "strongest_light_w_m2": None if light is None else _number(light),
             "ballast_mg": None if found.ballast is None else [1e6 * end for end in found.ballast],
             "carries_afloat": found.carries_afloat,
+            f"covered_bands{unit}": [[low * factor, high * factor] for low, high in found.covered],
+            "best_covered": None
+            if found.best_covered is None
+            else self.place_summary(found.best_covered, self.best_names),
         }
 
     def _easiest_summary(self) -> dict[str, Any] | None:

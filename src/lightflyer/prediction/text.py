@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from rich.table import Table
 
+from lightflyer.design.diagnostics import out_of_range
 from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, node_outputs, outputs_of
 from lightflyer.files.result_text import (
     NARROW,
@@ -45,6 +46,8 @@ def prediction_parts(
     too_hot = bool(np.any(_too_hot(prediction)))
     if too_hot:
         yield "* hotter in the light than its film bears"
+    if prediction.asked.size and np.any(_extrapolated(prediction)):
+        yield "~ outside the range of force model or gas"
     if prediction.setup.budget is not None and not verbose:
         best = prediction.verdict.best or prediction.best
         yield wrap(f"payload needs {payload_line(best.values)}")
@@ -71,6 +74,16 @@ def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[st
         held = "Afloat at" if found.carries_afloat else "Held at" if found.rest else "At"
         place = _place_text(prediction, found.best.coordinate)
         yield f"{held} {place} it carries up to {_most_payload(found.best, bands)}."
+    if found.covered != prediction.bands:
+        name = type(setup.model).__name__
+        covers = "covers nothing of that range: all is extrapolated"
+        if found.covered:
+            parts = _ranges(prediction, found.covered, _NONE, "covered")
+            covers = f"covers the part {parts}; the rest is extrapolated"
+        yield f"{name} {covers}."
+        if found.best_covered is not None:
+            place = _place_text(prediction, found.best_covered.coordinate)
+            yield f"In that part it carries up to {_most_payload(found.best_covered)} at {place}."
 
 
 def film_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
@@ -104,7 +117,7 @@ def film_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
         yield f"I{film[1:]}{' and survives' if known else ''}."
 
 
-def _most_payload(best: "Place", bands: Bands) -> str:
+def _most_payload(best: "Place", bands: Bands = _NONE) -> str:
     """The largest payload where the film survives, with its band."""
     output = OUTPUTS["payload"]
     (factor, unit), (key, json_factor) = (
@@ -297,6 +310,11 @@ def _too_hot(prediction: "Prediction") -> np.ndarray:
     return prediction.at["temperature"] > (math.inf if highest is None else highest)
 
 
+def _extrapolated(prediction: "Prediction") -> np.ndarray:
+    """Where, of the coordinates asked for, force model or gas are outside their ranges."""
+    return out_of_range(prediction.setup, prediction.asked, prediction.at["temperature"])
+
+
 def _own_heading(prediction: "Prediction", name: str) -> str:
     words, known = name.replace("_", " "), outputs_of(prediction.setup)[name]
     return f"{words}\n[{{}}]" if known.shown[1] else words
@@ -310,7 +328,8 @@ def _points_table(
     """Table of some results, each with its heading and format, and perhaps of bars."""
     where, (_, factor) = prediction.coordinate, prediction.coordinate_key
     known = outputs_of(prediction.setup)
-    marks = np.where(_too_hot(prediction), "*", "")
+    marks = np.where(_extrapolated(prediction), "~", "")
+    marks = np.char.add(marks, np.where(_too_hot(prediction), "*", ""))
     columns = {
         f"{where.name}\n[{where.shown_unit}]": [
             f"{mark}{x * factor:.6g}" for mark, x in zip(marks, prediction.asked, strict=True)

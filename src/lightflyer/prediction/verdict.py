@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from lightflyer.design.diagnostics import out_of_range
 from lightflyer.prediction.edges_and_optima import coolness, find_usable
 from lightflyer.prediction.evaluator import Evaluator, Place, Rows
 from lightflyer.statics.grid_refinement import crossing
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from lightflyer.prediction.prediction import Prediction
 
 Limit = Literal["light", "film", "lift"]
+
+_CLOSER = 200  # places between two rows of the table, where a range ends
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,10 @@ class Verdict:
     #: Payloads between which it comes to rest, let go, where its film survives [kg], though it does
     #: not with its own payload; None where there are none
     ballast: tuple[float, float] | None
+    #: Parts of the bands that the ranges of force model and gas cover; beyond, both are extrapolated
+    covered: list[tuple[float, float]]
+    #: Where it carries most in the usable parts that they cover, where ``best`` is not among them
+    best_covered: Place | None
     #: What decides: the light where it lifts the flyer nowhere, the film where it does not survive
     #: in the whole band, else the lift at both edges
     limit: Limit
@@ -52,7 +59,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     stated = found.setup.flyer.highest_temperature
     highest = None if stated is None else float(stated)
     if found.widest is None:
-        return Verdict(highest, [], None, False, None, None, None, None, None, "light")
+        return Verdict(highest, [], None, False, None, None, None, None, None, [], None, "light")
     lower, upper = found.bands[found.widest]
     drifts = found.coordinate.name == "altitude"
     rest = evaluate.place(upper) if drifts and upper < found.coordinates[-1] else None
@@ -68,6 +75,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     if survives is False and best is found.best:  # the peak of lift, below which nothing floats
         (top,) = (high for low, high in usable if low <= best.coordinate <= high)
         ballast = evaluate.place(top).values["payload"], best.values["payload"]
+    covered = _covered(evaluate, found)
     return Verdict(
         highest_temperature=highest,
         usable=usable,
@@ -78,6 +86,8 @@ def verdict_of(prediction: "Prediction") -> Verdict:
         survives=survives,
         strongest_light=strongest,
         ballast=ballast,
+        covered=covered,
+        best_covered=None if best is None else _best_covered(evaluate, found, usable, covered, best),
         limit="lift" if usable == found.bands else "film",
     )
 
@@ -103,6 +113,52 @@ def _usable(
     if place.coordinate == best.coordinate:
         place = best
     return usable, place if usable else None
+
+
+def _covered(evaluate: Evaluator, found: "Prediction") -> list[tuple[float, float]]:
+    """Parts of the bands within the ranges of force model and gas."""
+    parts, grid = [], found.coordinates
+    for low, high in found.bands:
+        places = np.array([low, *grid[(low < grid) & (grid < high)], high])
+        inside = _within_ranges(evaluate, places)
+        starts = np.flatnonzero(inside[1:] != inside[:-1])
+        if starts.size:  # a closer look where a range ends
+            closer = [
+                found.coordinate.evenly(*places[start : start + 2], _CLOSER) for start in starts
+            ]
+            places = np.unique(np.concatenate([places, *closer]))
+            inside = _within_ranges(evaluate, places)
+        ends = np.flatnonzero(np.diff(np.r_[False, inside, False])).reshape(-1, 2)
+        parts += [(float(places[first]), float(places[end - 1])) for first, end in ends]
+    return parts
+
+
+def _within_ranges(evaluate: Evaluator, places: np.ndarray) -> np.ndarray:
+    temperature = evaluate(places, names=("temperature",))["temperature"]
+    return ~out_of_range(evaluate.setup, places, temperature)
+
+
+def _best_covered(
+    evaluate: Evaluator,
+    found: "Prediction",
+    usable: list[tuple[float, float]],
+    covered: list[tuple[float, float]],
+    best: Place,
+) -> Place | None:
+    """Place of most payload where films survive within the ranges, where ``best`` is beyond."""
+    both = [
+        (max(low, start), min(high, end))
+        for low, high in usable
+        for start, end in covered
+        if max(low, start) <= min(high, end)
+    ]
+    if not both or any(low <= best.coordinate <= high for low, high in both):
+        return None
+    grid = found.coordinates
+    inside = [grid[(low < grid) & (grid < high)] for low, high in both]
+    places = np.unique(np.concatenate([*both, *inside]))
+    payloads = evaluate(places, names=("payload",))["payload"]
+    return evaluate.place(float(places[np.nanargmax(payloads)]))
 
 
 def _strongest_light(

@@ -139,7 +139,7 @@ def flyer():
         flyer={"diameter": "2 cm"},
         film=FILM,
         environment={"atmosphere": "lu2023"},
-        force={"model": "lu2023"},
+        force={"model": "lu2023", "force_error": 0},
     )
 
 

@@ -361,6 +361,17 @@ def test_points_in_thin_gas_do_not_determine_the_continuum(setup):
     assert "c_cont has no upper bound: the points do not determine it there" in fit.warnings
 
 
+def test_coefficients_that_are_fitted_have_no_scatter_of_the_papers(setup, exact):
+    design = lf.design.ObjectDesign(
+        lf.Setup(setup.flyer, setup.environment, lf.Lu2023(force_error=0.0)),
+        {"force.force_error": 1.0},
+    )
+    inputs = lf.calibrate(design, points=exact, free=["c_fm"]).problem.inputs.names
+    assert "force.force_error" not in inputs
+    film = lf.calibrate(design, points=exact, free=["absorptance"]).problem.inputs.names
+    assert "force.force_error" in film
+
+
 def test_two_points_with_nothing_to_spare(setup):
     """An end of an interval far away once overflowed."""
     numbers = {

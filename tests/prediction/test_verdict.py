@@ -251,3 +251,45 @@ def test_random_designs_have_a_possible_verdict(rng):
         assert len(lines) <= 6
         assert max(map(len, lines)) <= 80
     assert limits >= {(place, limit) for place in range(2) for limit in ("light", "film", "lift")}
+
+
+def test_a_flyer_of_two_films_survives_what_both_bear():
+    films = [
+        lf.FilmProperties(
+            3e-4, absorptance, 0.1, 0.1, tac_top=0.8, tac_bottom=0.8,
+            transmittance=0.9 - absorptance, highest_temperature=limit,
+        )
+        for absorptance, limit in ((0.02, 450.0), (0.6, 480.0))
+    ]  # fmt: skip
+    sandwich = lf.Sandwich(*films, 0.01, 1e-4, 0.5, 5e-5, 1e-4, 1.8)
+    assert sandwich.highest_temperature == 450.0
+    verdict = lf.predict(sandwich, lf.Earth(), lf.Schafer2025()).verdict
+    assert verdict.highest_temperature == 450.0
+    place = verdict.usable[-1][1]
+    state = lf.Earth().state(place)
+    hottest = lf.equilibrium(sandwich, state, lf.Schafer2025()).temperature
+    assert hottest == pytest.approx(450.0, abs=1e-3)
+
+
+def test_the_verdict_says_what_the_force_model_covers():
+    """Truth: the ratio of temperatures, which lu2023 was fitted up to, and SciPy's root."""
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.75, tac_bottom=0.95)
+    disk, earth, model = lf.Disk(film, 0.01), lf.Earth(), lf.Lu2023()
+
+    def beyond(altitude):
+        state = earth.state(altitude)
+        return float(lf.equilibrium(disk, state, model).temperature / state.temperature) - 1.8
+
+    prediction = lf.predict(disk, earth, model)
+    ((low, high),), (covered,) = prediction.bands, prediction.verdict.covered
+    assert covered[0] == low
+    assert covered[1] == pytest.approx(brentq(beyond, low, high), abs=5.0)
+    best = prediction.verdict.best_covered
+    assert low < covered[1] < prediction.best.coordinate
+    assert best.coordinate == covered[1]
+    assert best.values["payload"] < prediction.best.values["payload"]
+    assert "which covers it from" in str(prediction)
+    assert "~" in str(prediction)
+    known = lf.predict(disk, earth, lf.Lu2023(c_fm=0.41))  # of those who fitted them
+    assert known.verdict.covered == known.bands
+    assert known.verdict.best_covered is None

@@ -9,7 +9,7 @@ from lightflyer.uncertainty.inputs import uncertain_inputs
 
 FILM = {"areal_density": "1.0 g/m^2", "absorptance": 0.75, "emittance": 0.08}
 TACS = {"tac_top": 0.8, "tac_bottom": 0.9}
-PAPERS_FORCE = {"force": {"model": "lu2023"}}
+PAPERS_FORCE = {"force": {"model": "lu2023", "force_error": 0}}
 
 
 def flyer_file(film=None, diameter="2 cm", **sections):

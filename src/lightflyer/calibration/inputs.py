@@ -30,6 +30,8 @@ IRRADIANCE_ACCURACY = 0.05
 accuracy that makers state for thermal power sensors."""
 
 _PERCENT = 100.0
+_SCATTER, _COEFFICIENTS = "force.force_error", {"force.c_fm", "force.c_cont"}
+"""What the published coefficients of a force model scatter by, and those coefficients."""
 
 
 def instruments(
@@ -158,6 +160,8 @@ def _design_inputs(
         fields = (name,)
         if fields in replaced:
             continue  # the points say it
+        if name == _SCATTER and _COEFFICIENTS.intersection(grouped):
+            continue  # about the coefficients that are fitted anew
         low, high = (ends - value) / spread
         if name in inputs.open_names:
             found.append(_Input(name, (float(low), float(high))))

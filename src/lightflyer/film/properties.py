@@ -1,6 +1,7 @@
 """The optical, surface and mass properties of a film, however they were obtained."""
 
 import dataclasses
+import functools
 import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -240,11 +241,10 @@ def area_weighted_mean(
             return EmittanceCurve(sum(parts).T)  # curves that differ along leading axes too
         return sum(share * value for share, value in zip(shares, values, strict=True))
 
-    limits = [film.highest_temperature for film in films if film.highest_temperature is not None]
     return FilmProperties(
         absorptance_bottom=mean([film.absorptance_below for film in films]),
         transmittance_bottom=mean([film.transmittance_below for film in films]),
-        highest_temperature=min(limits, default=None),
+        highest_temperature=lowest_limit(films),
         **{name: mean([getattr(film, name) for film in films]) for name in _AVERAGED},
     )
 
@@ -274,3 +274,12 @@ def excess_of_growth(growth: Numeric) -> Array:
 
 def _exceeds_one(tac: Numeric) -> bool:
     return is_concrete(tac) and bool(np.any(np.asarray(tac) > 1.0))
+
+
+def lowest_limit(films: Sequence[FilmProperties]) -> Numeric | None:
+    """Temperature that all of some films bear [K]; None where none states one."""
+    limits = [film.highest_temperature for film in films if film.highest_temperature is not None]
+    if not limits:
+        return None
+    minimum: Any = np.minimum if is_concrete(*limits) else jnp.minimum
+    return functools.reduce(minimum, limits)

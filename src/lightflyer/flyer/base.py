@@ -13,7 +13,7 @@ from lightflyer.core.types import Numeric
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
-from lightflyer.film.properties import FilmProperties
+from lightflyer.film.properties import FilmProperties, lowest_limit
 
 HIGHEST_TEMPERATURE = 3000.0
 """Highest temperature of the search [K]: no film survives it, and the gas correlations end
@@ -96,8 +96,7 @@ class AbstractFlyer(Checked):
     @property
     def highest_temperature(self) -> Numeric | None:
         """Temperature that all its films bear [K]; None where it is not known."""
-        limits = [getattr(self, name).highest_temperature for name in self.film_names()]
-        return min((limit for limit in limits if limit is not None), default=None)
+        return lowest_limit([getattr(self, name) for name in self.film_names()])
 
     @classmethod
     def film_names(cls) -> tuple[str, ...]:

@@ -27,6 +27,7 @@ _NONE: Mapping[str, Any] = MappingProxyType({})
 _TWO_DIGITS = 4.0  # first digit of half a band below which two of its digits are told
 _LONGEST_BAR = 24  # characters
 _ROOM_OF_WEIGHT = 1.05
+_FAR_STRONGER = 3.0  # times the available light, from which on the strongest is not told
 
 
 Bands: TypeAlias = Mapping[str, tuple[float, float]]
@@ -34,9 +35,15 @@ Bands: TypeAlias = Mapping[str, tuple[float, float]]
 
 
 def prediction_parts(
-    prediction: "Prediction", width: int = NARROW, bands: Bands = _NONE, *, verbose: bool = False
+    prediction: "Prediction",
+    width: int = NARROW,
+    bands: Bands = _NONE,
+    *,
+    sources: str = "",
+    verbose: bool = False,
 ) -> Parts:
     """The verdict, a table around the bands, and what must be known; ``verbose``: all of it."""
+    # ``sources``: where the bands are from, told in short
     width = min(width, NARROW)
     yield from (wrap(line, width) for line in verdict_lines(prediction, bands))
     if prediction.asked.size:
@@ -54,6 +61,7 @@ def prediction_parts(
     if verbose:
         yield _results(prediction, prediction.summary())
     yield from (wrap(line, width) for line in warning_lines(prediction.other_warnings))
+    yield wrap(_force_line(prediction, sources), width)
     if verbose:
         yield wrap("; ".join(prediction.assumptions), width)
 
@@ -74,16 +82,22 @@ def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[st
         held = "Afloat at" if found.carries_afloat else "Held at" if found.rest else "At"
         place = _place_text(prediction, found.best.coordinate)
         yield f"{held} {place} it carries up to {_most_payload(found.best, bands)}."
+
+
+def _force_line(prediction: "Prediction", sources: str) -> str:
+    """What lifts it, by which force model, how far that reaches, and where bands are from."""
+    setup, found = prediction.setup, prediction.verdict
+    covers = ""
     if found.covered != prediction.bands:
-        name = type(setup.model).__name__
-        covers = "covers nothing of that range: all is extrapolated"
-        if found.covered:
-            parts = _ranges(prediction, found.covered, _NONE, "covered")
-            covers = f"covers the part {parts}; the rest is extrapolated"
-        yield f"{name} {covers}."
-        if found.best_covered is not None:
-            place = _place_text(prediction, found.best_covered.coordinate)
-            yield f"In that part it carries up to {_most_payload(found.best_covered)} at {place}."
+        covers = ", which covers nothing of that range: all is extrapolated"
+    if covers and found.covered:
+        covers = f", which covers it {_ranges(prediction, found.covered, _NONE, 'covered')}"
+    if found.best_covered is not None:
+        place = _place_text(prediction, found.best_covered.coordinate)
+        covers += f", where it carries up to {_most_payload(found.best_covered)} at {place}"
+    return (
+        f"lifted by {setup.flyer.lifted_by}; force: {type(setup.model).__name__}{covers}{sources}"
+    )
 
 
 def film_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
@@ -99,7 +113,7 @@ def film_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
         place = _place_text(prediction, rest.coordinate)
         yield f"Let go, it rests at {place} and {hot}; {film}{survives}."
     ways = []
-    if found.strongest_light and math.isfinite(found.strongest_light):
+    if found.strongest_light and found.strongest_light < _FAR_STRONGER * prediction.available:
         ways.append(f"in up to {found.strongest_light:.4g} W/m²")
     if found.ballast is not None:
         least = _mass(float(f"{found.ballast[0]:.3g}"))

@@ -44,7 +44,8 @@ class Verdict:
     #: Payloads between which it comes to rest, let go, where its film survives [kg], though it does
     #: not with its own payload; None where there are none
     ballast: tuple[float, float] | None
-    #: Parts of the bands that the ranges of force model and gas cover; beyond, both are extrapolated
+    #: Parts of the bands that the ranges of force model and gas cover; elsewhere they are
+    #: extrapolated
     covered: list[tuple[float, float]]
     #: Where it carries most in the usable parts that they cover, where ``best`` is not among them
     best_covered: Place | None
@@ -87,7 +88,9 @@ def verdict_of(prediction: "Prediction") -> Verdict:
         strongest_light=strongest,
         ballast=ballast,
         covered=covered,
-        best_covered=None if best is None else _best_covered(evaluate, found, usable, covered, best),
+        best_covered=None
+        if best is None
+        else _best_covered(evaluate, found, usable, covered, best),
         limit="lift" if usable == found.bands else "film",
     )
 

@@ -187,12 +187,11 @@ def _show(console: "Console", file: "FlyerFile", results: "_Results") -> None:
 
     prediction, _, uncertainty = results
     bands = {} if uncertainty is None else uncertainty.bands
-    show(console, prediction_parts(prediction, console.width, bands))
-    setup = prediction.setup
-    line = f"lifted by {setup.flyer.lifted_by}; force: {type(setup.model).__name__}"
+    sources = ""
     if uncertainty is not None:
-        line += f"; brackets: 95 % bands from {sources_line(uncertainty.summary(), short=True)}"
-    console.print(wrap(line), soft_wrap=True)
+        told = sources_line(uncertainty.summary(), short=True)
+        sources = f"; brackets: 95 % bands from {told}"
+    show(console, prediction_parts(prediction, console.width, bands, sources=sources))
     if uncertainty is not None:
         share = uncertainty.share_that_levitates
         if share is not None and share < 1.0:

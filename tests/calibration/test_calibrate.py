@@ -366,9 +366,9 @@ def test_coefficients_that_are_fitted_have_no_scatter_of_the_papers(setup, exact
         lf.Setup(setup.flyer, setup.environment, lf.Lu2023(force_error=0.0)),
         {"force.force_error": 1.0},
     )
-    inputs = lf.calibrate(design, points=exact, free=["c_fm"]).problem.inputs.names
+    inputs = lf.calibrate(design, points=points(exact), free=["c_fm"]).problem.inputs.names
     assert "force.force_error" not in inputs
-    film = lf.calibrate(design, points=exact, free=["absorptance"]).problem.inputs.names
+    film = lf.calibrate(design, points=points(exact), free=["absorptance"]).problem.inputs.names
     assert "force.force_error" in film
 
 

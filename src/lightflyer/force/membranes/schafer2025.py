@@ -50,8 +50,8 @@ _OPEN = Validity(
 )
 
 # Share by which the force in open space is below that of the simulations, whose gas ended near the
-# disk, by the kinetic equation, at most for open fractions from 0.2 to 0.9; and the largest deviation
-# of the fit from rows of the table that it has not seen. Over the rarefaction; see docs/sandwich.md.
+# disk, by the kinetic equation, at most for open fractions from 0.2 to 0.9; and the largest
+# deviation of the fit from rows of the table that it has not seen; both as in docs/sandwich.md.
 _RAREFACTIONS = np.array([0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0])
 _NEAR_END = np.array([0.01, 0.05, 0.12, 0.15, 0.24, 0.30, 0.34, 0.40, 0.55, 0.62])
 _UNSEEN = np.array([0.5, 0.5, 1.3, 0.3, 0.5, 1.0, 1.8, 2.7, 4.0, 2.8]) / 100.0

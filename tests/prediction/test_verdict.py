@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import lightflyer as lf
@@ -129,6 +130,7 @@ def test_sweeps_have_the_verdict(kind, tmp_path):
         "usable_lowest_altitude": verdict.usable[0][0],
         "usable_highest_altitude": verdict.usable[0][1],
         "usable_payload": verdict.best.values["payload"],
+        "longest_night": verdict.longest_night,
         "afloat_payload": best["payload"],
         "afloat_temperature": best["temperature"],
     }
@@ -142,6 +144,26 @@ def test_sweeps_have_the_verdict(kind, tmp_path):
         here, _ = evaluate(setup, ("usable",), places)
     inside = (places > verdict.usable[0][0]) & (places < verdict.usable[0][1])
     assert here["usable"].tolist() == inside.tolist()
+
+
+def test_the_longest_night_is_that_of_a_descent(tmp_path):
+    """Truth: SciPy's integration of the speed at which the flyer sinks without light."""
+    setup = setup_of("earth", tmp_path)
+    verdict = lf.predict(setup).verdict
+
+    def speed(_, altitude):
+        dark = lf.statics.in_the_dark(setup.environment.state(altitude[0]))
+        return [-lf.statics.sinking_speed(setup.flyer, dark, setup.model)]
+
+    def arrived(_, altitude):
+        return altitude[0] - verdict.lowest_release
+
+    arrived.terminal = True
+    start = [verdict.rest.coordinate]
+    descent = solve_ivp(speed, (0.0, 1e5), start, events=arrived, rtol=1e-8, max_step=600.0)
+    assert verdict.longest_night == pytest.approx(descent.t[-1], rel=1e-5)
+    balloon = lf.predict(setup_of("balloon", tmp_path))
+    assert balloon.verdict.longest_night is None  # its band begins below the search
 
 
 def test_the_verdict_of_sweeps_has_derivatives(tmp_path):

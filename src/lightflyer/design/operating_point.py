@@ -17,6 +17,7 @@ from lightflyer.statics.balance import Equilibrium, equilibrium
 from lightflyer.statics.bands import Band, levitation_bands, scan, widest
 from lightflyer.statics.equations import FlightEquations
 from lightflyer.statics.levitation import Levitation, levitate
+from lightflyer.statics.sinking import longest_night, sinks_level
 
 _LOOKS = 101  # places of the first look for the largest payload
 
@@ -179,6 +180,20 @@ class OperatingPoint:
         )
         found = self.at(self._place_of_most(low, high), parts.exists)
         return jnp.nanmax(jnp.where(parts.exists, found.payload, jnp.nan), axis=0)
+
+    @cached_property
+    def longest_night(self) -> Any:
+        """Time to sink in the dark from its place of rest to the lower edge of the band [s]."""
+        setup, band = self.setup, self.band
+        if setup.environment.coordinate.name != "altitude" or not sinks_level(self.flyer):
+            return jnp.nan
+        low, high = setup.searched
+        start, end = (
+            jnp.where(self.rest.exists, edge, other)
+            for edge, other in ((band.upper, high), (band.lower, low))
+        )
+        night = longest_night(self.flyer, setup.environment, setup.model, start, end)
+        return jnp.where(self.rest.exists, night, jnp.nan)
 
     def at(self, coordinate: Numeric, exists: Any) -> "OperatingPoint":
         """The same flyer at places, of which only those that exist must converge."""

@@ -210,6 +210,15 @@ _VERDICT = (
         over_band=True,
     ),
     Output(
+        "longest_night",
+        "s",
+        "time to sink in the dark from where it comes to rest to the lowest_altitude",
+        lambda case: case.longest_night,
+        shown_unit="h",
+        json_unit="h",
+        over_band=True,
+    ),
+    Output(
         "usable_lowest_altitude",
         "m",
         "lower edge of the widest part of the altitude bands that the film survives",

@@ -233,6 +233,9 @@ class Prediction(PrintedResult):
             "best": None if best is None else self.place_summary(best, self.best_names),
             f"lowest_release{unit}": None if release is None else release * factor,
             "rest": None if rest is None else self.place_summary(rest, names),
+            "longest_night_h": None
+            if found.longest_night is None
+            else _number(found.longest_night / 3600.0),
             "survives": found.survives,
             "strongest_light_w_m2": None if light is None else _number(light),
             "ballast_mg": None if found.ballast is None else [1e6 * end for end in found.ballast],

@@ -27,6 +27,7 @@ _NONE: Mapping[str, Any] = MappingProxyType({})
 _TWO_DIGITS = 4.0  # first digit of half a band below which two of its digits are told
 _LONGEST_BAR = 24  # characters
 _ROOM_OF_WEIGHT = 1.05
+_HOUR = 3600.0
 _FAR_STRONGER = 3.0  # times the available light, from which on the strongest is not told
 
 
@@ -76,7 +77,10 @@ def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[st
     if not prediction.bands:
         yield f"It does not fly: lift is at most {_most_lift(prediction, bands)}."
         return
-    yield f"It flies {_ranges(prediction, prediction.bands, bands, 'band')}."
+    night = ""
+    if found.longest_night is not None and math.isfinite(found.longest_night):
+        night = f"; after {found.longest_night / _HOUR:.2g} h in the dark it is below that"
+    yield f"It flies {_ranges(prediction, prediction.bands, bands, 'band')}{night}."
     yield from film_lines(prediction, bands)
     if found.best is not None:
         held = "Afloat at" if found.carries_afloat else "Held at" if found.rest else "At"

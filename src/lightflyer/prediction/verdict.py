@@ -9,6 +9,7 @@ from lightflyer.design.diagnostics import out_of_range
 from lightflyer.prediction.edges_and_optima import coolness, find_usable
 from lightflyer.prediction.evaluator import Evaluator, Place, Rows
 from lightflyer.statics.grid_refinement import crossing
+from lightflyer.statics.sinking import longest_night, sinks_level
 
 if TYPE_CHECKING:
     from lightflyer.prediction.prediction import Prediction
@@ -35,6 +36,9 @@ class Verdict:
     #: Its upper edge, at which lift falls with altitude: there a flyer comes to rest that nothing
     #: holds. None where the band reaches the end of the search, and in a chamber
     rest: Place | None
+    #: Time to sink in the dark from there to the lower edge of the band [s], infinite for a flyer
+    #: that stays up; None where either is unknown, and for a flyer without a law of drag or tilted
+    longest_night: float | None
     #: Whether the film survives at rest; None where rest or limit are unknown
     survives: bool | None
     #: Irradiance up to which it does [W/m²]: zero where no light that lifts the flyer is weak
@@ -60,7 +64,9 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     stated = found.setup.flyer.highest_temperature
     highest = None if stated is None else float(stated)
     if found.widest is None:
-        return Verdict(highest, [], None, False, None, None, None, None, None, [], None, "light")
+        unknown = dict.fromkeys(("best", "lowest_release", "rest", "longest_night", "survives"))
+        unknown |= dict.fromkeys(("strongest_light", "ballast", "best_covered"))
+        return Verdict(highest, [], carries_afloat=False, covered=[], limit="light", **unknown)
     lower, upper = found.bands[found.widest]
     drifts = found.coordinate.name == "altitude"
     rest = evaluate.place(upper) if drifts and upper < found.coordinates[-1] else None
@@ -84,6 +90,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
         carries_afloat=rest is not None and best is found.best,
         lowest_release=lower if drifts and lower > found.coordinates[0] else None,
         rest=rest,
+        longest_night=_longest_night(found, lower, rest),
         survives=survives,
         strongest_light=strongest,
         ballast=ballast,
@@ -116,6 +123,14 @@ def _usable(
     if place.coordinate == best.coordinate:
         place = best
     return usable, place if usable else None
+
+
+def _longest_night(found: "Prediction", lower: float, rest: Place | None) -> float | None:
+    setup = found.setup
+    if rest is None or lower <= found.coordinates[0] or not sinks_level(setup.flyer):
+        return None
+    night = longest_night(setup.flyer, setup.environment, setup.model, rest.coordinate, lower)
+    return float(night)
 
 
 def _covered(evaluate: Evaluator, found: "Prediction") -> list[tuple[float, float]]:

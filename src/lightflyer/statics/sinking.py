@@ -26,6 +26,7 @@ _BRACKET = (1e-6, 1.0 + 1e-6)
 """Range of the speed, over that of a drag proportional to it: inertia only adds to drag."""
 
 _NODES = 64  # Points of Gauss's quadrature over the altitude, for the time of a descent
+_NODES_OF_NIGHT = 24  # The same within a band of altitudes, good to 1e-4
 
 
 def steady_speed(drag: Callable[[Array], Array], force: Array) -> tuple[Array, RootOutcome]:
@@ -226,3 +227,30 @@ def settling_time(
         where = altitudes[int(np.argmin(speed))]
         raise ParameterError(f"the flyer does not sink in the dark at {where:.4g} m")
     return float(0.5 * (start - end) * np.sum(weights / speed))
+
+
+def sinks_level(flyer: AbstractFlyer) -> bool:
+    """Whether a flyer has a law of drag and is level, and so a steady speed."""
+    attitude = flyer.attitude
+    tilted = attitude is not None and is_concrete(attitude.tilt) and np.any(attitude.tilt != 0.0)
+    return not tilted and type(flyer).drag is not AbstractFlyer.drag
+
+
+def longest_night(
+    flyer: AbstractFlyer,
+    environment: AbstractEnvironment,
+    model: AbstractForceModel,
+    start: Numeric,
+    end: Numeric,
+) -> Array:
+    """Time to sink in the dark from one altitude to another, shape () [s].
+
+    Infinite for a flyer that stays up. Unlike :func:`settling_time` it can be traced.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES_OF_NIGHT)
+    altitudes = 0.5 * (start - end) * nodes + 0.5 * (start + end)
+    state = in_the_dark(environment.state(altitudes))
+    speed = sinking_speed(flyer, state, model, throw=False)
+    sinks = speed > 0.0
+    slowness = jnp.where(sinks, 1.0 / jnp.where(sinks, speed, 1.0), jnp.inf)
+    return 0.5 * (start - end) * jnp.sum(weights * slowness)

@@ -32,7 +32,7 @@ class Validity(NamedTuple):
     highest: float  # Ends of the range
     beyond: str  # What the model does outside, for the reader of a result
 
-    def diagnostics(self, values: Numeric, pressure: Numeric) -> Iterator[OutOfRange]:
+    def diagnostics(self, values: Numeric, pressure: Numeric) -> Iterator[str]:
         """One line for each end of the range that is passed, at the worst of some places."""
         found, where = np.broadcast_arrays(np.asarray(values, float), np.asarray(pressure, float))
         for word, limit, excess in (

@@ -142,7 +142,8 @@ def _covered(evaluate: Evaluator, found: "Prediction") -> list[tuple[float, floa
         starts = np.flatnonzero(inside[1:] != inside[:-1])
         if starts.size:  # a closer look where a range ends
             closer = [
-                found.coordinate.evenly(*places[start : start + 2], _CLOSER) for start in starts
+                found.coordinate.evenly(places[start], places[start + 1], _CLOSER)
+                for start in starts
             ]
             places = np.unique(np.concatenate([places, *closer]))
             inside = _within_ranges(evaluate, places)

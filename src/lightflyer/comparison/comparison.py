@@ -176,7 +176,6 @@ class Comparison(PrintedResult):
         return plot_comparison(self, output, ax)
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.comparison.text import comparison_parts
 
         return comparison_parts(self)

@@ -108,7 +108,7 @@ class Planetary(AbstractEnvironment):
         return told + describe_floor(self.floor)
 
     def assumptions_of_air(self) -> tuple[str, ...]:
-        """See :meth:`AbstractEnvironment.assumptions_of_air`: atmosphere, dust, gas."""
+        """Atmosphere, dust and gas that are assumed."""
         dust = "dust: none" if self.dust is None else self.dust.describe()
         return (self.atmosphere.describe(), dust, *self.gas.assumptions())
 
@@ -202,7 +202,6 @@ class PlanetSection(AltitudeSection, abc.ABC):
         super().__pydantic_init_subclass__(**kwargs)
 
     def idle(self) -> dict[str, str]:
-        """See :meth:`Section.idle`."""
         both = self.infrared_top is not None and self.infrared_bottom is not None
         why = "beside infrared_top and infrared_bottom; remove it, or both of them"
         return super().idle() | ({"surroundings": why} if both else {})

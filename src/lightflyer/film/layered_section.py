@@ -224,7 +224,7 @@ class LayeredFilmSection(FilmSection):
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
-        """See :attr:`FilmSection.correlations`; the same material has the same error."""
+        """Correlations; errors of one material are one error."""
         stated = {entry.of: float(entry.value.value) for entry in self.correlated}
         materials = {layer.label for layer in self._surfaces().values()}
         if len(self.implied) == len(FACES) and len(materials) == 1:
@@ -270,7 +270,7 @@ class LayeredFilmSection(FilmSection):
         return super().warnings(passing=passing) + computed
 
     def lacking(self) -> str | None:
-        """See :meth:`FilmSection.lacking`: TACs and densities that nobody knows."""
+        """TACs and densities that neither file nor materials give."""
         for name, layer in self._surfaces().items():
             if getattr(self, name) is None and layer.surface_tac is None:
                 return f"{name}: no measured accommodation coefficient of {layer.label} is known"

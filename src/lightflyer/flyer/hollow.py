@@ -205,7 +205,7 @@ class HollowBody(AbstractClosedFlyer):
         return self.surface * wall
 
     def buoyancy(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Numeric:
-        r"""See :meth:`AbstractFlyer.buoyancy`: that of the warm gas within."""
+        """Buoyancy of the warm gas within [N]."""
         # .. math:: \rho_c\,g\,V\left(1 - T_c/T_i\right)
         inner = unknowns[0]
         density = state.gas.density(state.pressure, state.temperature)
@@ -259,7 +259,7 @@ class HollowBody(AbstractClosedFlyer):
         return -black * inner + outward, -black * outer - outward
 
     def diagnostics(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.diagnostics`: channels too narrow for geometric optics."""
+        """Warns of channels that are too narrow for geometric optics."""
         coldest = np.minimum(np.min(state.temperature), np.min(temperature))
         length = self.channel_aspect * self.channel_width
         return tuple(narrow_channels(self.channel_width, length, coldest))

@@ -78,7 +78,7 @@ class MissionSection(Section, of=Release):
     ensemble: EnsembleSection | None = None
 
     def idle(self) -> dict[str, str]:
-        """See :meth:`Section.idle`: who follows the sun alone has a tilt."""
+        """Only a flyer that follows the sun has a tilt."""
         why = f'beside attitude = "{self.attitude}"; it belongs to attitude = "follow-sun"'
         follows = self.attitude == "follow-sun"
         return {} if follows else dict.fromkeys(("tilt_share", "largest_tilt"), why)

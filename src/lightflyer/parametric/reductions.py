@@ -160,7 +160,7 @@ class Front(AbstractReduction):
         }
 
     def is_whole(self, partial: Partial) -> bool:
-        """See :meth:`AbstractReduction.is_whole`: not where the front is above the capacity."""
+        """False where the front is above the capacity."""
         return int(partial.get("left_out", 0)) == 0
 
     def merge(self, one: Partial, other: Partial) -> Partial:

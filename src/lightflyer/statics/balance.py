@@ -66,7 +66,6 @@ class Equilibrium(PrintedResult, eqx.Module):
     status: Numeric  #: Why the search ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         parts = zip(self.nodes, self.temperatures, strict=True)
         yield rows_of(
             {f"temperature of {node}": number_text(one, "K") for node, one in parts}

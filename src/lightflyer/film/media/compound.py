@@ -49,7 +49,6 @@ class Compound(Medium):
         return eqx.tree_at(lambda one: getattr(one, name), self, value, is_leaf=_is_none)
 
     def with_extrapolation(self, policy: Extrapolation | str) -> Any:
-        """See :meth:`Medium.with_extrapolation`; it is that of all parts."""
         return self._with_field(
             "parts", tuple(part.with_extrapolation(policy) for part in self.parts)
         )

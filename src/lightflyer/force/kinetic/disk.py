@@ -114,7 +114,7 @@ class KineticDisk(AbstractForceModel):
             )
 
     def pushes_unheated(self, flyer: Disk, state: EnvironmentState) -> bool:
-        """See :meth:`AbstractForceModel.pushes_unheated`: a disk over a warm floor is."""
+        """A disk over a warm floor is pushed."""
         del flyer
         return state.floor_excess is not None
 

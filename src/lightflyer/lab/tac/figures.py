@@ -29,9 +29,9 @@ _HEIGHT = 4.8
 _PERCENT = 100.0
 
 
-def _order(fit: "TacFit", most: int = _MOST_POINTS) -> np.ndarray:
+def _order(fit: "TacFit") -> np.ndarray:
     """Rows in the order of pressure, thinned evenly if there are very many."""
-    return fit.order[:: max(1, len(fit.order) // most)]
+    return fit.order[:: max(1, len(fit.order) // _MOST_POINTS)]
 
 
 def effective_conductance(fits: "Sequence[TacFit]", ax: Axes) -> Axes:

@@ -358,13 +358,11 @@ def _add_shares(
         dataset[name + end] = (dimensions, values, {"units": "1", "long_name": text + ends[end]})
 
 
-def binomial_interval(
-    counts: np.ndarray, trials: int, confidence: float = CONFIDENCE
-) -> tuple[np.ndarray, np.ndarray]:
+def binomial_interval(counts: np.ndarray, trials: int) -> tuple[np.ndarray, np.ndarray]:
     """Interval of a share that was counted, by Clopper and Pearson; [ClopperPearson1934]_."""
     from scipy.special import betaincinv
 
-    tail = 0.5 * (1.0 - confidence)
+    tail = 0.5 * (1.0 - CONFIDENCE)
     counts = np.asarray(counts)
     some, missed = np.maximum(counts, 1), np.maximum(trials - counts, 1)
     low = betaincinv(some, trials - some + 1, tail)

@@ -29,6 +29,7 @@ from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 BATCH = 256
 """Flights that are integrated together: a step costs each of them what the slowest needs."""
 
+MEMBERS = 200  # of an ensemble, unless it says otherwise
 _A_DAY = 86_400.0
 _WIND, _RELEASE = 1, 2  # added to the seed, so that one does not follow the other
 _ANOTHER = 7  # any number of flights that no table of a flyer happens to have as its length
@@ -51,7 +52,7 @@ class Ensemble(Checked):
         eastward [m], and of its time [s].
     """
 
-    members: int = eqx.field(static=True, default=200)
+    members: int = eqx.field(static=True, default=MEMBERS)
     seed: int = eqx.field(static=True, default=0)
     wind: Speed = 0.0
     vertical_wind: Speed = 0.0

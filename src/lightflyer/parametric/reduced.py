@@ -42,6 +42,7 @@ from lightflyer.parametric.reducers import (
 )
 from lightflyer.parametric.reduction_plan import ReductionSpec, plan_reductions, samples_of
 from lightflyer.parametric.run import SweepReport
+from lightflyer.study.distributions import SAMPLES
 from lightflyer.study.sections import ReduceSection, SamplingSection, from_arguments
 from lightflyer.study.study import Study, make_study
 
@@ -266,7 +267,7 @@ def sweep_reduced(
     out: str | Path,
     outputs: str | Sequence[str] = ("relative_payload",),
     method: str = "sobol",
-    points: int = 1024,
+    points: int = SAMPLES,
     seed: int = 0,
     scheduler: str | None = None,
     device: str | None = None,

@@ -265,7 +265,6 @@ def calibrate(
 def _calibration(
     fit: LeastSquares, best: np.ndarray, spread: np.ndarray, *, scale_errors: bool
 ) -> Calibration:
-    """The result of a fit."""
     problem, points = fit.problem, fit.problem.points
     here = fit.at(best)
     freedom, cost = len(points) - best.size, fit.cost(best)

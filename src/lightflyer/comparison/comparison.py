@@ -319,7 +319,6 @@ def _name(one: Any, design: AbstractDesign) -> str:
 
 
 def _common_coordinate(designs: dict[str, AbstractDesign]) -> Coordinate:
-    """The coordinate that all share."""
     coordinates = {name: found.setup.environment.coordinate for name, found in designs.items()}
     first, *others = coordinates.items()
     for name, where in others:

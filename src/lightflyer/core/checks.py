@@ -14,7 +14,6 @@ class Choice(enum.StrEnum):
 
     @classmethod
     def of(cls, name: str) -> Self:
-        """The one of a name."""
         try:
             return cls(name)
         except ValueError:

@@ -144,7 +144,6 @@ def _is_chosen(kind: type[Section], content: Any) -> bool:
 
 
 def _content(kind: type[Section], tag: str, before: Mapping[str, Any]) -> dict[str, Any]:
-    """What a section begins with."""
     found = _from_template(kind)
     base = base_of(kind)
     chosen: dict[str, Any] = {}

@@ -92,7 +92,6 @@ class Workplace:
         return found
 
     def mission(self, document: Document) -> MissionFile:
-        """The mission that a document describes."""
         return self._missions(self._confined_toml(document))
 
     @cached_property

@@ -193,7 +193,6 @@ class LayerSection(_Named, of=Layer):
 
     @property
     def _formula_name(self) -> str:
-        """Name of a layer whose n and k are a formula's."""
         return self.name or "layer by a formula"
 
     @property

@@ -111,7 +111,6 @@ class LayeredFilmSection(FilmSection):
         return path
 
     def film(self) -> Film:
-        """The layers with their materials."""
         layers = tuple(layer.build(self.extrapolation) for layer in self.layers)
         bottom = None if self.roughness_bottom is None else self.roughness_bottom.value
         return Film(layers, roughness_below=bottom)
@@ -203,7 +202,6 @@ class LayeredFilmSection(FilmSection):
         return changed.film()
 
     def light(self) -> Spectrum:
-        """The light's spectrum."""
         known = _LAMPS.get(self.spectrum)
         return known() if known else spectrum_from_csv(self.spectrum)
 

@@ -73,7 +73,6 @@ class Flights(eqx.Module):
 
     @property
     def count(self) -> int:
-        """Number of flights."""
         return len(self.starts.altitude)
 
 

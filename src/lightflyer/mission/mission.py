@@ -267,7 +267,6 @@ def _launch(tracks: Track, launches: Sequence[float]) -> Several:
 
 
 def _rows(tracks: Track, rows: Any) -> Track:
-    """Some of several flights, or one."""
     return jax.tree.map(lambda leaf: leaf[rows], tracks)
 
 

@@ -70,7 +70,6 @@ class Claim:
         return Verdict.REPRODUCED if agree else Verdict.DIFFERS
 
     def reproducing(self, columns: dict[str, dict[str, float]]) -> list[str]:
-        """Columns that reproduce the claim."""
         return [
             name for name, values in columns.items() if self.verdict(values) is Verdict.REPRODUCED
         ]

@@ -82,7 +82,6 @@ class Blocks:
         return math.ceil(self.size / self.length)
 
     def count(self, block: int) -> int:
-        """Designs of a block."""
         return min(self.size - block * self.length, self.length)
 
     def chunks(self, block: int) -> Iterator[tuple[int, int]]:
@@ -359,7 +358,6 @@ def _unfinished_report(path: Path) -> Iterator[Path]:
 
 
 def _finished_report(study: Study, path: Path, description: dict[str, str]) -> SweepReport:
-    """A finished result of the same study."""
     attributes = open_reduced(path).attrs
     require_same(path, json.loads(attributes[_DESCRIPTION]), description)
     return SweepReport(study.size, study.size, 0, 0, int(attributes["not_converged"]), 0.0)

@@ -26,7 +26,6 @@ class Template(NamedTuple):
         return self.source.startswith(_PREFIX)
 
     def read(self) -> str:
-        """The text."""
         folder = resources.files("lightflyer") / "data"
         text = (folder / self.source).read_text(encoding="utf-8")
         for before, after in self.changes:

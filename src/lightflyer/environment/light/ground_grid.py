@@ -34,8 +34,6 @@ _NAMES = {
 
 
 class _Field(eqx.Module):
-    """A quantity on a grid."""
-
     values: Any  # shape (t, y, x)
     time: Axis  # [s], [rad], [rad]
     latitude: Axis  # [s], [rad], [rad]

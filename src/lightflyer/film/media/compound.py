@@ -21,9 +21,7 @@ class Compound(Medium):
     if TYPE_CHECKING:
 
         @property
-        def parts(self) -> tuple[Medium, ...]:
-            """The media."""
-            ...
+        def parts(self) -> tuple[Medium, ...]: ...
 
     else:
         parts: eqx.AbstractVar[tuple[Medium, ...]]

@@ -72,7 +72,6 @@ class ThicknessSurrogate(eqx.Module):
     def of(
         cls, film: Film, spectrum: Spectrum | None = None, *, layers: int = 0
     ) -> "ThicknessSurrogate":
-        """The family of a film."""
         film = film.homogeneous()
         light = light_grid(film, am0() if spectrum is None else spectrum, 0.0, diffuse=False)
         heat = thermal_grid(

@@ -30,7 +30,6 @@ class Resolution:
     quadrature: Quadrature
 
     def mesh(self, rarefaction: float, boundary: float) -> Mesh:
-        """Mesh at a rarefaction."""
         return build_mesh(
             rarefaction, boundary=boundary, order=self.order, refinement=self.refinement
         )

@@ -81,7 +81,6 @@ class Craft(eqx.Module):
         return Surroundings(_lying(flyer, attitude), state, wind)
 
     def heat(self, around: Surroundings) -> Equilibrium:
-        """Heat balance in some surroundings."""
         return equilibrium(around.flyer, around.state, self.setup.model, throw=False)
 
     def forces(self, around: Surroundings, unknowns: tuple[Array, ...]) -> Forces:

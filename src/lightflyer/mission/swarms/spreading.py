@@ -80,7 +80,6 @@ class _Swarm:
         return -(-self.ensemble.members // MEMBERS)
 
     def size(self, batch: int) -> int:
-        """Members in a batch."""
         return min(MEMBERS, self.ensemble.members - batch * MEMBERS)
 
     def seed(self, batch: int) -> int:

@@ -172,8 +172,8 @@ def _dim(
         dust.depth_above(pressure(height, place) / ground) for height in (altitude, lowest)
     )
     light = dusty_light(dust, depth, lowest_depth, cosine, distance)
-    seen = 1.0 if radiation.visible is None else radiation.visible
-    return replace(radiation, visible=seen * light.beam, scattered=seen * light.scattered)
+    beam, scattered = map(radiation.visible_part, (light.beam, light.scattered))
+    return replace(radiation, visible=beam, scattered=scattered)
 
 
 class PlanetSection(AltitudeSection, abc.ABC):

@@ -64,13 +64,7 @@ _LADEN = (
 
 
 def templates() -> dict[str, Template]:
-    """Commented files that come with the package.
-
-    Returns
-    -------
-    dict of str to Template
-        By kind: flyer files, such as ``"earth"`` for ``data/flyer-earth.toml``, and others.
-    """
+    """Commented files that come with the package, by kind, such as ``"earth"``."""
     names = (entry.name for entry in (resources.files("lightflyer") / "data").iterdir())
     flyers = {
         name.removeprefix(_PREFIX).removesuffix(_SUFFIX): Template(

@@ -181,7 +181,7 @@ def disperse_ensemble(
     with lightflyer.float64():  # raises where the data of winds or ground do not reach
         start = release.start()
         setup.environment.state(float(release.altitude), start.place)
-    accuracy = Accuracy.lasting(float(elapsed[-1]), tolerance)
+    accuracy = Accuracy.for_duration(float(elapsed[-1]), tolerance)
     swarm = _Swarm(design, rule, start, ensemble, tuple(areas), limits, elapsed, accuracy)
     counts = _count(swarm, None if folder is None else Path(folder), scheduler)
     dataset = _dataset(swarm, counts)

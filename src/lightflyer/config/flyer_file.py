@@ -331,7 +331,8 @@ class FileDesign(AbstractDesign):
 
     def surrogate(self, names: Sequence[str]) -> SurrogateFilms:
         """Interpolation for films whose thicknesses change."""
-        return SurrogateFilms(self.file, self._parts_with, names)
+        keys, passing = self.file.environment.incidence_keys, self.file.flyer.needs_transmittance
+        return SurrogateFilms(self.file.films(), keys, self._parts_with, names, passing=passing)
 
     def stacks(self, asked: Any, folder: Path | None = None) -> AbstractStacks:
         from lightflyer.config.stacks import Stacks

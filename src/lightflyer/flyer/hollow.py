@@ -1,14 +1,13 @@
 """Hollow bodies with a wall full of channels, which pumps gas in, and an outlet for the jet."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.core.errors import ParameterError
 from lightflyer.core.precision import float64
 from lightflyer.core.quantity import (
     Coefficient,
@@ -145,18 +144,11 @@ class HollowBody(AbstractClosedFlyer):
     wall_thickness: Length
     sheet_thickness: Length
     sheet_conductivity: Conductivity
-    form: str = eqx.field(static=True, default="sphere")
+    form: Form = eqx.field(static=True, default="sphere")
     channel_aspect: Coefficient = 10.0
     sheet_density: Density | None = None
     payload: Mass = 0.0
     attitude: Attitude | None = None
-
-    def __check_init__(self) -> None:
-        super().__check_init__()  # first the numbers
-        if self.form not in FORMS:
-            raise ParameterError(
-                f'form = "{self.form}" is unknown; choose from {", ".join(get_args(Form))}'
-            )
 
     @property
     def geometry(self) -> HollowForm:

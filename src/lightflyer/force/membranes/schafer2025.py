@@ -16,7 +16,6 @@ from lightflyer.force.laws.membrane_transmission import (
     MembraneTransmission,
     Transmission,
     passage,
-    require_transmission,
 )
 from lightflyer.force.membranes.sandwich import (
     between_membranes,
@@ -110,10 +109,6 @@ class Schafer2025(AbstractForceModel):
     feels_walls: ClassVar[bool] = False
 
     transmission: Transmission = eqx.field(static=True, default="aligned")
-
-    def __check_init__(self) -> None:
-        super().__check_init__()
-        require_transmission(self.transmission)
 
     @entry_point
     def heat_loss(

@@ -31,7 +31,7 @@ def timed(count):
     flights = flights_of(design(), Level(), start, Ensemble(count - 1, wind=10.0))
     wall, processor = time.perf_counter(), time.process_time()
     times = np.linspace(0.0, DAY, 289)
-    tracks = fly_all(flights, Limits(0.0, 1000e3), times, Accuracy.lasting(DAY))
+    tracks = fly_all(flights, Limits(0.0, 1000e3), times, Accuracy.for_duration(DAY))
     return time.perf_counter() - wall, time.process_time() - processor, tracks
 
 

@@ -52,6 +52,15 @@ def test_contributing_names_every_room():
     assert [room for room in rooms if f"`{room}`" not in text] == []
 
 
+def test_no_folder_has_more_than_fifteen_modules():
+    folders = {path.parent for path in (ROOT / "src").rglob("*.py")}
+    counts = {
+        folder.name: sum(path.name != "__init__.py" for path in folder.glob("*.py"))
+        for folder in folders
+    }
+    assert {name: count for name, count in counts.items() if count > 15} == {}
+
+
 def test_only_figures_draw():
     drawing = {"files/drawing.py"}
     for path in (ROOT / "src").rglob("*.py"):

@@ -113,7 +113,7 @@ def _fly(environment, model, rule, film, batch, times):
         flyer = lf.Disk(thin, radius=0.5 * disk.diameter, payload=disk.payload)
         craft = Craft(lf.Setup(flyer, environment, model), rule)
         place = Place(jnp.radians(disk.latitude), 0.0 * disk.latitude, disk.date)
-        start, accuracy = Start(disk.altitude, place), Accuracy.lasting(length, TOLERANCE)
+        start, accuracy = Start(disk.altitude, place), Accuracy.for_duration(length, TOLERANCE)
         found = track(craft, start, LIMITS, elapsed, accuracy)
         return jnp.append(found.altitude[:-1], found.end_altitude)
 

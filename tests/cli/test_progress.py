@@ -38,7 +38,7 @@ def wait_for(text, stream):
 
 def test_a_pipe_gets_a_line_now_and_then(shown):
     stream = shown(io.StringIO())
-    with progress.working("optimise"):
+    with progress.show_progress("optimise"):
         wait_for("lightflyer: optimise, 0 s\n", stream)
         report("computing designs", 3, 1200, "designs")
         wait_for("lightflyer: computing designs 3 of 1,200 designs, ", stream)
@@ -50,7 +50,7 @@ def test_a_pipe_gets_a_line_now_and_then(shown):
 def test_a_terminal_gets_a_line_that_moves_and_goes(shown, monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     stream = shown(Terminal())
-    with progress.working("sweep"):
+    with progress.show_progress("sweep"):
         counted = Counted("computing designs", 1200, "designs")
         counted.add(600)
         wait_for("600/1200", stream)
@@ -65,7 +65,7 @@ def test_a_terminal_gets_a_line_that_moves_and_goes(shown, monkeypatch):
 def test_it_can_be_switched_off(shown, monkeypatch):
     monkeypatch.setenv("LIGHTFLYER_PROGRESS", "off")
     stream = shown(Terminal())
-    with progress.working("sweep"):
+    with progress.show_progress("sweep"):
         report("computing designs")
         time.sleep(0.05)
     assert stream.getvalue() == ""

@@ -209,6 +209,12 @@ def test_ends_of_sliders_are_allowed(name):
             )
 
 
+def test_sliders_of_lengths_and_shares():
+    length = slider("2 ± 0.1 cm", Measured(0.02), Quantity("m", 0.0, open_below=True))
+    assert length[:4] == (2.0, 0.2, 20.0, True)
+    assert slider("0.75", Measured(0.75), Quantity("", 0.0, 1.0))[:4] == (0.75, 0.0, 1.0, False)
+
+
 def test_sliders_of_offset_units_reach_what_is_possible():
     kelvin = Quantity("K", 0.0, open_below=True, sizes=(1.0, 5e3))
     warm = slider("20 °C", Measured(293.15), kelvin)

@@ -219,7 +219,7 @@ def test_shipped_table():
     assert table.numbers["heat_factor"].dtype == float
     # lines of the file itself, its comments counted
     assert (table.texts["gas"][0], table.numbers["boundary"][0], table.lines[0]) == (
-        "monatomic", 2.0, 7
+        "monatomic", 2.0, 8
     )  # fmt: skip
     assert "gas" not in table.numbers
 

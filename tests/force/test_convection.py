@@ -7,7 +7,6 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.force.convection import (
-    inner_sphere_nusselt,
     joined_conductance,
     jump_share,
     sphere_conductance,
@@ -109,13 +108,6 @@ def test_nusselt_number_beside_published_laws():
     np.testing.assert_allclose(sphere_nusselt(turbulent, 0.71), balloons, rtol=0.13)
     assert sphere_nusselt(0.0, 0.71) == 2.0
     assert np.all(np.diff(sphere_nusselt(np.geomspace(1e-3, 1e13, 60), 0.71)) > 0.0)
-
-
-def test_nusselt_number_inside():
-    assert inner_sphere_nusselt(0.0) == 5.0
-    below, above = inner_sphere_nusselt(1.34e8), inner_sphere_nusselt(1.36e8)
-    assert below == pytest.approx(2.5 * (2.0 + 0.6 * 1.34e8**0.25), rel=1e-12)
-    assert above == pytest.approx(0.325 * 1.36e8 ** (1.0 / 3.0), rel=1e-12)
 
 
 def test_heat_grows_with_the_excess_and_vanishes_with_it():

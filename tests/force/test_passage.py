@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+import lightflyer as lf
 from lightflyer.core.errors import ParameterError
-from lightflyer.force.laws.membrane_transmission import passage, require_transmission
+from lightflyer.force.laws.membrane_transmission import passage
 
 OUTER, INNER = (0.7, 0.9), (0.8, 0.6)  # of the top, the bottom membrane
 NOBODY, TOP, BOTTOM = 0, 1, 2
@@ -83,5 +84,5 @@ def test_gas_as_warm_as_the_membranes_takes_nothing(way):
 
 
 def test_other_ways_are_refused():
-    with pytest.raises(ParameterError, match='transmission = "broad" is not aligned or wide'):
-        require_transmission("broad")
+    with pytest.raises(ParameterError, match='transmission = "broad" is unknown; choose from'):
+        lf.Schafer2025(transmission="broad")

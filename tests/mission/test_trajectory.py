@@ -71,7 +71,7 @@ def flown(sky, closed_form_disk):
     times = np.linspace(0.0, HALF_DAY, 25)
 
     def one(craft, start):
-        return track(craft, start, Limits(0.0, 200e3), times, Accuracy.lasting(HALF_DAY))
+        return track(craft, start, Limits(0.0, 200e3), times, Accuracy.for_duration(HALF_DAY))
 
     with lf.float64():
         tracks = jax.jit(jax.vmap(one))(*stacked(crafts))
@@ -220,7 +220,7 @@ def test_velocity_and_temperature_follow_at_once(afternoon):
             start,
             Limits(0.0, 200e3),
             times,
-            Accuracy.lasting(afternoon.duration),
+            Accuracy.for_duration(afternoon.duration),
             Inertia(),
         )
     assert int(found.termination) == TerminationReason.STILL_FLYING

@@ -121,7 +121,7 @@ def test_a_verdict_turns_where_the_tolerance_ends():
     assert claim.verdict({"edge": float("nan")}) is Verdict.DIFFERS
     columns = {"printed": {"edge": 68.0}, "reported": {"edge": 70.0}}
     assert claim.overall(columns) is Verdict.DIFFERS  # no picking of columns
-    assert claim.reproducing(columns) == ["printed"]
+    assert claim.reproducers(columns) == ["printed"]
     within = Quantity("density", "density", "g/m²", 1.0, 1.3, 0.0)
     assert within.agrees(1.1)
     assert within.difference(1.5) == pytest.approx(0.2)

@@ -1,6 +1,7 @@
 """What reductions keep, against all designs at once, and merged in any order."""
 
 import itertools
+from functools import reduce
 
 import jax
 import numpy as np
@@ -50,9 +51,9 @@ def require_same(one, other):
 def test_chunks_merge_to_the_whole_in_any_order_and_on_the_device(reduction):
     whole = reduction.of_chunk(COLUMNS, 0)
     divided = parts(reduction, [0, 0, 1, 100, 350, 600])
-    require_same(whole, reduction.merge_all(divided[::-1]))
+    require_same(whole, reduce(reduction.merge, divided[::-1], reduction.empty()))
     a, b, *rest = divided
-    require_same(whole, reduction.merge(reduction.merge_all([b, *rest]), a))
+    require_same(whole, reduction.merge(reduce(reduction.merge, rest, b), a))
     with lf.float64():
         found = jax.jit(reduction.on_device)(COLUMNS, 0)
     assert reduction.is_whole(found)

@@ -1,13 +1,13 @@
 """Budget of a payload: what its parts weigh and take, and the solar cells that feed them."""
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import ClassVar, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.budget.link import RadioLink
-from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import ArealDensity, Checked, Efficiency, Fraction, Mass, Power
 from lightflyer.core.types import Numeric
 from lightflyer.environment.radiation import Attitude, Radiation
@@ -66,6 +66,15 @@ class Needs(NamedTuple):
     transmit_power: Array  #: [W]; zero without a link
 
 
+def _contradiction(items: tuple[Item, ...], link: RadioLink | None) -> str | None:
+    """What a payload lacks, or has twice, or None."""
+    names = [item.name for item in items]
+    if not names and link is None:
+        return "a payload needs items or a link"
+    twice = next((name for name in names if names.count(name) > 1), None)
+    return None if twice is None else f'two items have the name "{twice}"'
+
+
 class Budget(Checked):
     """What a payload consists of.
 
@@ -98,19 +107,12 @@ class Budget(Checked):
     62.4 µg, 10 µW
     """
 
+    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
+
     items: tuple[Item, ...] = eqx.field(default=())
     cells: SolarCells | None = None
     link: RadioLink | None = None
     reserve: Fraction = 0.0
-
-    def __check_init__(self) -> None:
-        super().__check_init__()
-        names = [item.name for item in self.items]
-        if not names and self.link is None:
-            raise ParameterError("a payload's budget needs items or a link")
-        for name in names:
-            if names.count(name) > 1:
-                raise ParameterError(f'two items of the payload have the name "{name}"')
 
     def needs(self, light: Numeric) -> Needs:
         """What the payload needs; of the broadcast shape."""

@@ -7,7 +7,6 @@ import pydantic
 
 from lightflyer.budget.link import RadioLink
 from lightflyer.budget.payload import Budget, Item, SolarCells
-from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.section import Section, Spelling
 
 
@@ -35,16 +34,6 @@ class PayloadSection(Section, of=Budget):
     items: tuple[ItemSection, ...] = ()
     cells: CellsSection | None = None
     link: LinkSection | None = None
-
-    @pydantic.model_validator(mode="after")
-    def _is_something(self) -> "PayloadSection":
-        if not self.items and self.link is None:
-            raise ConfigurationError("a payload needs items or a link")
-        names = [item.name for item in self.items]
-        twice = next((name for name in names if names.count(name) > 1), None)
-        if twice is not None:
-            raise ConfigurationError(f'two items have the name "{twice}"')
-        return self
 
     def build(self) -> Budget:
         """The budget."""

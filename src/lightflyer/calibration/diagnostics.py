@@ -1,16 +1,11 @@
 """What a reader of a calibration must know, in words."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lightflyer.calibration.calibration import Calibration
 from lightflyer.calibration.steps import found_step
-
-if TYPE_CHECKING:
-    from lightflyer.calibration.calibration import Calibration
 
 LEAST_PROBABILITY = 0.01
 """Probability of chi-squared below which, or above one minus which, a warning says so."""

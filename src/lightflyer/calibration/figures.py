@@ -12,12 +12,12 @@ from lightflyer.files.drawing import (
     GREY,
     INTERVAL,
     LINES,
-    MARKERS,
     PALETTE,
     figure_for,
     legend_below,
     new_figure,
     plain_decades,
+    series_style,
     shared_legend,
 )
 
@@ -29,10 +29,6 @@ _PERCENT = 100.0
 _PARAMETER_WIDTH = 3.4  # of the histogram of a parameter [inch]
 _CURVE_POINTS = 80  # of the fit of each sample
 _TITLE = "points: measured; lines: fit"
-
-
-def _style(number: int) -> dict[str, Any]:
-    return {"color": PALETTE[number % len(PALETTE)], "marker": MARKERS[number % len(MARKERS)]}
 
 
 def fitted_curve(fit: "Calibration", sample: str) -> tuple[np.ndarray, np.ndarray]:
@@ -77,7 +73,7 @@ def fitted_points(fit: "Calibration", ax: Axes) -> Axes:
     """Draw the points and the fitted irradiance, against pressure."""
     points = fit.points
     for number, sample in enumerate(dict.fromkeys(points.samples)):
-        here, style = points.of(sample), _style(number)
+        here, style = points.of(sample), series_style(number)
         line: dict[str, Any] = {"ls": LINES[number % len(LINES)], "lw": 1.2}
         ax.plot(points.pressure[here], points.irradiance[here], ls="", mfc="none", **style)
         ax.plot(*fitted_curve(fit, sample), color=style["color"], **line)
@@ -101,7 +97,7 @@ def residuals(fit: "Calibration", ax: Axes) -> Axes:
             yerr=_PERCENT * fit.uncertainty[here],
             ls="",
             mfc="none",
-            **_style(number),
+            **series_style(number),
         )
     ax.axhline(0.0, color=GREY, lw=1)
     ax.set_xscale("log")

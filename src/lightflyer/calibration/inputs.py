@@ -181,7 +181,6 @@ def _design_inputs(
 def _sample_inputs(
     points: Points, columns: Mapping[str, Target], index: Mapping[Fields, np.ndarray]
 ) -> list[_Input]:
-    """Inputs with a column of uncertainties, one for each sample."""
     found = []
     for name, target in columns.items():
         spread = points.numbers.get(f"{name}_uncertainty")

@@ -33,7 +33,6 @@ from lightflyer.files.table_layout import Column
 from lightflyer.files.table_rows import Rejected
 
 _SCALED = Quantity("Pa*m", likely=(0.01, 0.5), known="the paper's disks in air have 0.09")
-REQUIRED = ("pressure", "irradiance")  # Columns that every file has
 
 
 def _positive(kind: object) -> Quantity:

@@ -17,8 +17,8 @@ from typing import Any
 import cyclopts
 
 import lightflyer
-from lightflyer.cli.progress import Display, working
-from lightflyer.cli.report import note_warning, reporting
+from lightflyer.cli.progress import Display, show_progress
+from lightflyer.cli.report import note_warning, write_report
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
 
 EXIT_FAILURE = 2
@@ -164,14 +164,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; mistakes of the user's become one line each and exit code 2."""
     given = _with_negatives(sys.argv[1:] if arguments is None else list(arguments))
     try:
-        with working(next(iter(given), app.name[0])) as display, warnings.catch_warnings():
+        with show_progress(next(iter(given), app.name[0])) as display, warnings.catch_warnings():
             warnings.simplefilter("always", ParameterWarning)
             warnings.showwarning = _Warnings(display)
             asked = next(iter(given), "-")
             if asked.startswith("-") or asked not in app:
                 _add_plugins(asked)
             _require_files(given)
-            with reporting(given):
+            with write_report(given):
                 app(given, exit_on_error=False, print_error=False)
             sys.stdout.flush()  # a full device says so here, not while Python ends
     except cyclopts.CycloptsError as error:

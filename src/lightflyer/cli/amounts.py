@@ -1,47 +1,30 @@
 """Large numbers as people say them."""
 
 _SCALE = 1000.0
-_PREFIXES = ("", "thousand", "million", "billion", "trillion")
-_SYMBOLS = ("", "k", "M", "G", "T", "P")
+_WORDS = ("", "thousand", "million", "billion", "trillion")
+_PREFIXES = ("", "k", "M", "G", "T", "P")
 _SECONDS = (("years", 31557600.0), ("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0))
 
 
-def in_words(number: float) -> str:
-    """A large number in words, to three digits.
-
-    Examples
-    --------
-    >>> in_words(2.5e6)
-    '2.5 million'
-    """
+def _in_steps(number: float, names: tuple[str, ...]) -> str:
     power = 0
-    while number >= _SCALE and power < len(_PREFIXES) - 1:
+    while number >= _SCALE and power < len(names) - 1:
         number, power = number / _SCALE, power + 1
-    return f"{number:.3g} {_PREFIXES[power]}".rstrip()
+    return f"{number:.3g} {names[power]}"
+
+
+def in_words(number: float) -> str:
+    """A large number in words, to three digits, such as "2.5 million"."""
+    return _in_steps(number, _WORDS).rstrip()
 
 
 def with_prefix(number: float, unit: str) -> str:
-    """A large amount with a decimal prefix before its unit, to three digits.
-
-    Examples
-    --------
-    >>> with_prefix(5.2e9, "B")
-    '5.2 GB'
-    """
-    power = 0
-    while number >= _SCALE and power < len(_SYMBOLS) - 1:
-        number, power = number / _SCALE, power + 1
-    return f"{number:.3g} {_SYMBOLS[power]}{unit}"
+    """A large amount to three digits with a decimal prefix before its unit, such as "5.2 GB"."""
+    return _in_steps(number, _PREFIXES) + unit
 
 
 def duration(seconds: float) -> str:
-    """A time in the largest unit of which there are two.
-
-    Examples
-    --------
-    >>> duration(7500.0)
-    '2 hours'
-    """
+    """A time in the largest unit of which there are two, such as "2 hours"."""
     for name, length in _SECONDS:
         if seconds >= 2.0 * length:
             return f"{seconds / length:.0f} {name}"

@@ -41,13 +41,13 @@ class _Results(Console):
                 call(part)
 
 
-def printer(*, stderr: bool = False, width: int | None = None) -> Console:
+def printer(*, stderr: bool = False) -> Console:
     """Console that shows texts as they are; ``stderr``: print to the standard error stream."""
     # Names of files and of quantities may contain brackets, which Rich would take for markup, and
     # colons, which it would take for emoji.
     kind = Console if stderr else _Results
-    console = kind(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
-    if width is None and not console.is_terminal and "COLUMNS" not in os.environ:
+    console = kind(stderr=stderr, markup=False, emoji=False, highlight=False)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
         console.width = UNBOUNDED
     return console
 

@@ -105,7 +105,7 @@ class Display:
 
 
 @contextmanager
-def working(command: str) -> Iterator[Display]:
+def show_progress(command: str) -> Iterator[Display]:
     """Show the progress of what is done within the block; ``command``: its name."""
     display = Display(command)
     BEFORE_RESULTS.append(display.stop)

@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.table import Table
 
 from lightflyer.cli.output import print_json, printer
+from lightflyer.files.result_text import table_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,13 +58,9 @@ def _show_best(console: Console, name: str, group: "xr.Dataset") -> None:
     if not count:
         console.print(f"no design has a {name}")
         return
-    table = Table(
-        box=None, padding=(0, 1), title=f"best {name} ({count} kept)", title_justify="left"
-    )
-    table.add_column("")
-    for rank in range(min(count, _SHOWN_DESIGNS)):
-        table.add_column(str(rank + 1), justify="right")
-    table.add_column("unit")
+    ranks = [str(rank + 1) for rank in range(min(count, _SHOWN_DESIGNS))]
+    title, unit_column = f"best {name} ({count} kept)", len(ranks) + 1
+    table = table_of(["", *ranks, "unit"], left=(0, unit_column), title=title)
     for key in [*group.data_vars, *group.coords]:
         if key == "design" or group[key].dims != ("rank",):
             continue
@@ -77,15 +73,9 @@ def _show_best(console: Console, name: str, group: "xr.Dataset") -> None:
 def _show_distributions(console: Console, tree: "xr.DataTree") -> None:
     from lightflyer.files.display_units import suitable, unit_of
 
-    table = Table(box=None, padding=(0, 1), title="all designs", title_justify="left")
-    table.add_column("")
-    for share in _SHOWN_SHARES:
-        table.add_column(
-            {0.0: "least", 1.0: "most"}.get(share, f"{100 * share:g} %"), justify="right"
-        )
-    table.add_column("unit")
-    table.add_column("designs", justify="right")
-    table.add_column("without", justify="right")
+    shares = (f"{100 * share:g} %" for share in _SHOWN_SHARES[1:-1])
+    headings = ("", "least", *shares, "most", "unit", "designs", "without")
+    table = table_of(headings, left=(0, headings.index("unit")), title="all designs")
     for name, group in _groups(tree, "distributions"):
         values = group["quantile"].sel(share=list(_SHOWN_SHARES))
         factor, unit = suitable(unit_of(values), values.values)

@@ -114,7 +114,7 @@ _arguments: list[str] = []
 
 
 @contextmanager
-def reporting(arguments: Sequence[str]) -> Iterator[None]:
+def write_report(arguments: Sequence[str]) -> Iterator[None]:
     """Write the report that the command within the block begins, once it has ended well."""
     global current
     _arguments[:] = arguments

@@ -176,7 +176,6 @@ class Comparison(PrintedResult):
         return plot_comparison(self, output, ax)
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.comparison.text import comparison_parts
 
         return comparison_parts(self)
@@ -320,7 +319,6 @@ def _name(one: Any, design: AbstractDesign) -> str:
 
 
 def _common_coordinate(designs: dict[str, AbstractDesign]) -> Coordinate:
-    """The coordinate that all share."""
     coordinates = {name: found.setup.environment.coordinate for name, found in designs.items()}
     first, *others = coordinates.items()
     for name, where in others:

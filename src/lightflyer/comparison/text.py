@@ -1,13 +1,14 @@
 """A comparison in words: lines and tables."""
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.table import Table
 
 from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, budget_outputs
-from lightflyer.files.result_text import Parts, warning_lines, wrap
+from lightflyer.files.result_text import Parts, table_of, warning_lines, wrap
 from lightflyer.prediction.text import film_lines
 
 if TYPE_CHECKING:
@@ -36,17 +37,18 @@ def comparison_parts(comparison: "Comparison") -> Parts:
 def _best_table(comparison: "Comparison") -> Table:
     """Largest payload that each film survives; the best of all is marked."""
     unit, (scale, mass) = comparison.coordinate.shown_unit, comparison.display_unit("payload")
-    table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
-    table.add_column("")
-    headings = (f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
+    headings = ("", f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
                 "per area\n[g/m²]", "of own\nmass", "hot\n[K]",
                 f"levitates\n[{unit}]")  # fmt: skip
-    for heading in headings:
-        table.add_column(heading, justify="right", no_wrap=True)
+    table = _table(headings)
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         mark = "*" if found is comparison.best and found.prediction.bands else " "
         table.add_row(f"{letter}{mark}", *_best_cells(found, scale))
     return table
+
+
+def _table(headings: Iterable[str], left: tuple[int, ...] = (0,)) -> Table:
+    return table_of(headings, left=left, collapse_padding=True, pad_edge=False)
 
 
 def _best_cells(found: "Compared", scale: float) -> tuple[str, ...]:
@@ -76,15 +78,13 @@ def _best_cells(found: "Compared", scale: float) -> tuple[str, ...]:
 
 def needs_table(comparison: "Comparison") -> Table:
     """What each flyer's payload needs where it carries most, and what is left."""
-    table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
-    table.add_column("")
     having = [found for found in comparison.flyers if found.setup.budget is not None]
-    scales = {}
+    scales, headings = {}, [""]
     for name, output in BUDGET_OUTPUTS.items():
         values = [found.best.values.get(name, math.nan) for found in having]
         scales[name], unit = output.display_unit_for(values)
-        heading = f"{name.replace('_', ' ')}\n[{unit.replace('^2', '²')}]"
-        table.add_column(heading, justify="right", no_wrap=True)
+        headings.append(f"{name.replace('_', ' ')}\n[{unit.replace('^2', '²')}]")
+    table = _table(headings)
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         known, best = budget_outputs(found.setup), found.best.values
         cells = [
@@ -109,11 +109,8 @@ def _payloads_table(comparison: "Comparison") -> Table:
     """Payload of each flyer at round coordinates; the largest that its film survives is marked."""
     where, (scale, mass) = comparison.coordinate, comparison.display_unit("payload")
     _, factor = comparison.flyers[0].prediction.coordinate_key
-    table = Table(box=None, padding=(0, 1), collapse_padding=True, pad_edge=False)
     heading = f"{where.name} [{where.shown_unit}]; payload [{mass}]"
-    table.add_column(heading, justify="right", no_wrap=True)
-    for letter, _ in zip(_LETTERS, comparison.flyers, strict=False):
-        table.add_column(letter, justify="right")
+    table = _table([heading, *_LETTERS[: len(comparison.flyers)]], left=())
     hot = np.array([_too_hot(found) for found in comparison.flyers])
     payloads = scale * np.array([found.listed["payload"] for found in comparison.flyers])
     best = np.max(np.where(hot, 0.0, payloads), axis=0)

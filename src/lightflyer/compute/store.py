@@ -132,7 +132,6 @@ class Store:
             write_atomically(path, json.dumps(metadata).encode())
 
     def close(self) -> None:
-        """Close the journal."""
         self._journal.close()
 
     def _check(self) -> tuple[dict[int, Any], list[int]]:

@@ -219,7 +219,6 @@ class FileDesign(AbstractDesign):
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """See :attr:`AbstractDesign.quantities`."""
         return {
             name: quantity
             for name, (section, inner, quantity, _) in self._all.items()
@@ -227,19 +226,17 @@ class FileDesign(AbstractDesign):
         }
 
     def number(self, name: str) -> float | None:
-        """See :meth:`AbstractDesign.number`: the materials' where the file gives none."""
+        """Number of a field; that of the materials where the file gives none."""
         value = self._all[name][3] if name in self._all else None
         value = self.file.implied_numbers().get(name) if value is None else value
         return None if value is None else float(value.value)
 
     @property
     def uncertainties(self) -> dict[str, float]:
-        """See :attr:`AbstractDesign.uncertainties`."""
         return self.file.uncertainties()
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
-        """See :attr:`AbstractDesign.correlations`."""
         found: dict[tuple[str, str], float] = {}
         materials: dict[str, str] = {}
         for name, film in self.file.films().items():
@@ -252,19 +249,18 @@ class FileDesign(AbstractDesign):
         return found
 
     def why_not_varied(self, name: str) -> str | None:
-        """See :meth:`AbstractDesign.why_not_varied`."""
         if name not in self._all:
             return None
         section, inner, _, _ = self._all[name]
         return section.reason_not_varied(inner)
 
     def label(self, name: str) -> str:
-        """See :meth:`AbstractDesign.label`: what a layer is made of."""
+        """Material of a layer, for its thickness."""
         section = part_at(self.file.parts(), name.rpartition(".")[0])
         return str(getattr(section, "label", ""))
 
     def conflict(self, names: list[str]) -> tuple[str, str] | None:
-        """See :meth:`AbstractDesign.conflict`: an emittance for both faces and one for a face."""
+        """An emittance for both faces beside one for a face."""
         for name in names:
             part, _, last = name.rpartition(".")
             if last == "emittance":
@@ -274,7 +270,7 @@ class FileDesign(AbstractDesign):
         return None
 
     def data_bounds(self) -> dict[str, tuple[Any, Any]]:
-        """See :meth:`AbstractDesign.data_bounds`: films where optical data are missing."""
+        """Bounds of films whose optical data are incomplete."""
         found = {}
         for name, film in self.file.films().items():
             for what, (lower, upper) in film.bounds(self._incidence, passing=self._passing).items():
@@ -284,11 +280,10 @@ class FileDesign(AbstractDesign):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """See :attr:`AbstractDesign.warnings`: those of films within the flyer name the film."""
+        """Warnings; those of a film within the flyer name it."""
         return self.warnings_for({})
 
     def warnings_for(self, values: Mapping[str, float]) -> tuple[str, ...]:
-        """See :meth:`AbstractDesign.warnings_for`."""
         costly = self.needs_recompute(
             list(values)
         )  # others leave the optics, and their warnings, alone
@@ -309,7 +304,7 @@ class FileDesign(AbstractDesign):
         return float(self.file.environment.light_incidence)
 
     def needs_recompute(self, names: list[str]) -> list[str]:
-        """See :meth:`AbstractDesign.needs_recompute`: what changes the optics of layers."""
+        """Whether a field changes the optics of layers."""
         films = self.file.films()
         directions = [f"environment.{key}" for key in self.file.environment.incidence_keys]
         return [
@@ -325,7 +320,7 @@ class FileDesign(AbstractDesign):
         ]
 
     def precompute(self, values: Mapping[str, float]) -> Any:
-        """See :meth:`AbstractDesign.precompute`: properties of the films of layers, by name."""
+        """Properties of the films of layers, by name."""
         parts = self._parts_with(values)
         incidence = parts["environment"].light_incidence
         return {
@@ -335,17 +330,16 @@ class FileDesign(AbstractDesign):
         }
 
     def surrogate(self, names: Sequence[str]) -> SurrogateFilms:
-        """See :meth:`AbstractDesign.surrogate`: films whose thicknesses change."""
-        return SurrogateFilms(self.file, self._parts_with, names)
+        """Interpolation for films whose thicknesses change."""
+        keys, passing = self.file.environment.incidence_keys, self.file.flyer.needs_transmittance
+        return SurrogateFilms(self.file.films(), keys, self._parts_with, names, passing=passing)
 
     def stacks(self, asked: Any, folder: Path | None = None) -> AbstractStacks:
-        """See :meth:`AbstractDesign.stacks`."""
         from lightflyer.config.stacks import Stacks
 
         return Stacks(self, asked, folder)
 
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
-        """See :meth:`AbstractDesign.build`."""
         values = values or {}
         if prepared is None and not self.needs_recompute(list(values)):
             prepared = self._own_films  # measured numbers may be traced, layers stay as they are
@@ -374,7 +368,6 @@ class FileDesign(AbstractDesign):
         return parts
 
     def description(self) -> dict[str, str]:
-        """See :meth:`AbstractDesign.description`."""
         described = {}
         for part, content in self.file.model_dump(mode="json").items():
             for key, entry in _flatten(content or {}):

@@ -177,16 +177,13 @@ class Stacks(AbstractStacks):
             yield f"no TAC is known of {', '.join(inside)}: inside of stacks only"
 
     def labels(self, sequence: Sequence[int]) -> tuple[str, ...]:
-        """See :meth:`AbstractStacks.labels`."""
         return tuple(self.candidates[number].layer.label for number in sequence)
 
     def limit(self, sequence: Sequence[int]) -> float:
-        """See :meth:`AbstractStacks.limit`."""
         found = self._section(sequence).limit()
         return _NO_LIMIT if found is None else float(found)
 
     def tables(self, sequence: Sequence[int]) -> StackTables:
-        """See :meth:`AbstractStacks.tables`."""
         layers = [self.candidates[number] for number in sequence]
         section = self._section(sequence)
         film = section.film()
@@ -205,14 +202,12 @@ class Stacks(AbstractStacks):
         )
 
     def thicknesses(self, sequence: Sequence[int], shares: np.ndarray) -> np.ndarray:
-        """See :meth:`AbstractStacks.thicknesses`."""
         low, high = np.array(
             [(self.candidates[n].low, self.candidates[n].high) for n in sequence]
         ).T
         return np.asarray(low * (high / low) ** np.asarray(shares)[: len(sequence)])
 
     def exact(self, sequence: Sequence[int], values: Mapping[str, float]) -> dict[str, WholeFilm]:
-        """See :meth:`AbstractStacks.exact`."""
         shares = np.array([values[name] for name in self.shares])
         section = self._section(sequence, self.thicknesses(sequence, shares))
         found = section.build(self.incidence, passing=self.passing)
@@ -240,7 +235,6 @@ class Stacks(AbstractStacks):
         return self.section.model_copy(update={"layers": layers})
 
     def choose(self, sequence: Sequence[int]) -> tuple[AbstractDesign, dict[str, Any]]:
-        """See :meth:`AbstractStacks.choose`."""
         first, _, inner = self.film.partition(".")
         film = self._section(sequence)
         if inner:
@@ -286,7 +280,7 @@ class AnyStack(AbstractDesign):
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """See :attr:`AbstractDesign.quantities`: those that leave the film alone, and shares."""
+        """Fields that leave the film alone, and shares."""
         own, costly = (
             f"{self._stacks.film}.",
             self._base.needs_recompute(list(self._base.quantities)),
@@ -299,29 +293,24 @@ class AnyStack(AbstractDesign):
         return others | dict.fromkeys(self._stacks.shares, Quantity("", 0.0, 1.0))
 
     def number(self, name: str) -> float | None:
-        """See :meth:`AbstractDesign.number`."""
         return None if name in self._stacks.shares else self._base.number(name)
 
     @property
     def uncertainties(self) -> dict[str, float]:
-        """See :attr:`AbstractDesign.uncertainties`: none, as stacks are ranked without."""
+        """None: stacks are ranked without."""
         return {}
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
-        """See :attr:`AbstractDesign.correlations`."""
         return {}
 
     def description(self) -> dict[str, str]:
-        """See :meth:`AbstractDesign.description`."""
         return self._base.description()
 
     def needs_recompute(self, names: list[str]) -> list[str]:
-        """See :meth:`AbstractDesign.needs_recompute`."""
         return [name for name in names if name in self._stacks.shares]
 
     def surrogate(self, names: Sequence[str]) -> "AnyStack":
-        """See :meth:`AbstractDesign.surrogate`."""
         del names
         return self
 
@@ -351,7 +340,6 @@ class AnyStack(AbstractDesign):
         return self._base.setup
 
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:
-        """See :meth:`AbstractDesign.build`."""
         others = {
             name: value for name, value in (values or {}).items() if name not in self._stacks.shares
         }

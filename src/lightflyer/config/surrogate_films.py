@@ -1,16 +1,13 @@
 """Films of a flyer file whose thicknesses a search changes."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.types import Numeric
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate
 from lightflyer.film.properties import FilmProperties
-
-if TYPE_CHECKING:
-    from lightflyer.config.flyer_file import FlyerFile
 
 _SAME_INDEX = ("thickness", "density", "tac")  # numbers of a layer that leave its index alone
 _MEASURED = 1.0  # in place of a number that the section always replaces
@@ -23,12 +20,15 @@ class SurrogateFilms:
 
     def __init__(
         self,
-        file: "FlyerFile",
+        films: Mapping[str, Any],
+        incidence_keys: Sequence[str],
         replaced: Callable[[Mapping[str, Numeric]], Mapping[str, Any]],
         names: Sequence[str] = (),
+        *,
+        passing: bool,
     ):
-        self._directions = [f"environment.{key}" for key in file.environment.incidence_keys]
-        self._passing = file.flyer.needs_transmittance
+        self._directions = [f"environment.{key}" for key in incidence_keys]
+        self._passing = passing
         self._parts_with = replaced
         for name in names:
             if not self.knows(name):
@@ -36,9 +36,7 @@ class SurrogateFilms:
                     f"{name} changes the index of a layer; a search frees thicknesses only: fix "
                     "it or sweep it"
                 )
-        layered: dict[str, Any] = {
-            name: film for name, film in file.films().items() if film.layered
-        }
+        layered = {name: film for name, film in films.items() if film.layered}
         for name, section in layered.items():
             require_simple(name, section.film())
         self.tables = {

@@ -28,14 +28,7 @@ _FACES = {"top": ("top",), "bottom": ("bottom",), "both": ("top", "bottom")}
 
 
 def measured_text(estimate: "Estimate", digits: int = _DIGITS) -> str:
-    """Text of an estimate for a flyer file; ``estimate``: with a standard uncertainty.
-
-    Examples
-    --------
-    >>> from lightflyer.lab import Estimate
-    >>> measured_text(Estimate.normal(0.90312, 0.0313))
-    '0.903 ± 0.031'
-    """
+    """Text of an estimate for a flyer file; ``estimate``: with a standard uncertainty."""
     spread = estimate.uncertainty or 0.0
     if not spread > 0.0:
         return f"{estimate.value:.10g} {estimate.unit}".rstrip()

@@ -1,11 +1,26 @@
 """Checks of concrete values. Traced values have none yet and pass."""
 
-from typing import Any
+import enum
+from typing import Any, Self
 
 import jax
 import numpy as np
 
 from lightflyer.core.errors import ParameterError
+
+
+class Choice(enum.StrEnum):
+    """One of a few names."""
+
+    @classmethod
+    def of(cls, name: str) -> Self:
+        try:
+            return cls(name)
+        except ValueError:
+            kind = cls.__name__.lower()
+            raise ParameterError(
+                f'{kind} "{name}" is unknown; choose from {", ".join(cls)}'
+            ) from None
 
 
 def is_traced(*trees: Any) -> bool:

@@ -20,7 +20,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from types import NoneType
-from typing import Annotated, Any, ClassVar, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, get_args, get_origin
 
 import equinox as eqx
 import jax
@@ -372,6 +372,13 @@ def quantities_of(owner: type) -> dict[str, Quantity]:
     return found
 
 
+@cache
+def _choices_of(owner: type) -> dict[str, tuple[Any, ...]]:
+    """Values that each field of a record may have that is a choice; by the field's name."""
+    kinds = {field.name: field.type for field in dataclasses.fields(owner)}
+    return {name: get_args(kind) for name, kind in kinds.items() if get_origin(kind) is Literal}
+
+
 _MISSING = object()
 
 
@@ -432,7 +439,7 @@ def shapes_in(part: Any, prefix: str = "", *, labelled: bool = False) -> dict[st
 
 
 class Checked(eqx.Module):
-    """An immutable record whose concrete numbers are checked against their quantities."""
+    """An immutable record whose numbers are checked against their quantities, texts by choices."""
 
     # A field annotated with a quantity takes what :meth:`Quantity.number` reads.
 
@@ -456,6 +463,10 @@ class Checked(eqx.Module):
     def __check_init__(self) -> None:
         for name, quantity in quantities_of(type(self)).items():
             quantity.check(name, getattr(self, name))
+        for name, choices in _choices_of(type(self)).items():
+            if (value := getattr(self, name)) not in choices:
+                known = ", ".join(choices)
+                raise ParameterError(f'{name} = "{value}" is unknown; choose from {known}')
         require_fit(shapes_in(self))
         problem = contradiction_in(type(self), partial(getattr, self))
         if problem:

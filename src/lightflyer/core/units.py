@@ -230,3 +230,11 @@ def _finite(measured: Measured, text: str) -> Measured:
     if not math.isfinite(measured.value):
         raise ConfigurationError(f'"{text}" is not a finite number')
     return measured
+
+
+def number_or_text(text: str) -> float | str:
+    """A number without a unit as such; :func:`parse` takes both."""
+    try:
+        return float(text)
+    except ValueError:
+        return text

@@ -111,7 +111,6 @@ def _cells_diagnostics(setup: Setup, state: EnvironmentState) -> Iterator[str]:
 
 
 def _gas_diagnostics(state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-    """Diagnostics of the gas, from its own temperature to that of the flyer."""
     ends = np.stack(np.broadcast_arrays(state.temperature, temperature))
     return state.gas.diagnostics(ends, state.pressure)
 

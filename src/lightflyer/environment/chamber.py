@@ -38,6 +38,7 @@ from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.registry import GASES
 
+PRESSURES = 1e-2, 1e3  # of interest, unless stated otherwise [Pa]
 _PRESSURE = quantity_of(Pressure) or Quantity()
 
 
@@ -102,7 +103,7 @@ class Chamber(AbstractEnvironment):
     gas: AbstractGas = AIR
     gravity: Acceleration = constants.STANDARD_GRAVITY
     radiation: Radiation = Radiation()
-    pressure_range: tuple[Numeric, Numeric] = (1e-2, 1e3)
+    pressure_range: tuple[Numeric, Numeric] = PRESSURES
     radius: Length | None = None
     floor: Length | None = None
     lid: Length | None = None
@@ -178,8 +179,8 @@ class ChamberSection(EnvironmentSection, of=Chamber):
     kind: Literal["chamber"]
     irradiance: Irradiance = Measured(constants.TOTAL_SOLAR_IRRADIANCE)
     temperature: Temperature
-    pressure_min: Pressure = Measured(1e-2)
-    pressure_max: Pressure = Measured(1e3)
+    pressure_min: Pressure = Measured(PRESSURES[0])
+    pressure_max: Pressure = Measured(PRESSURES[1])
 
     @pydantic.model_validator(mode="after")
     def _require_order(self) -> "ChamberSection":

@@ -65,11 +65,11 @@ class Earth(Planetary):
     planet: Planet = eqx.field(static=True, kw_only=True, default=EARTH_PLANET)  # type: ignore[misc]
 
     def assumptions(self) -> tuple[str, ...]:
-        """See :meth:`AbstractEnvironment.assumptions`: without the air."""
+        """Assumptions but those on the air."""
         return self.assumptions_of_light()
 
     def assumptions_of_air(self) -> tuple[str, ...]:
-        """See :meth:`AbstractEnvironment.assumptions_of_air`: which atmosphere."""
+        """Which atmosphere is assumed."""
         return (self.atmosphere.describe(),)
 
 

@@ -99,7 +99,7 @@ class MarsSection(PlanetSection):
             raise ConfigurationError("local_time has no effect without latitude")
 
     def reason_not_varied(self, name: str) -> str | None:
-        """See :meth:`Section.reason_not_varied`: the light, where season and hour decide it."""
+        """Season and hour decide the light where they are given."""
         if self.sun is not None and name in _GIVEN_LIGHT:
             return "follows from date and place"
         if name == "irradiance" and self.solar_longitude is not None:
@@ -119,7 +119,7 @@ class MarsSection(PlanetSection):
 
     @property
     def light_incidence(self) -> Numeric:
-        """See :attr:`EnvironmentSection.light_incidence`: of the sun above or below."""
+        """Incidence of the light: the sun stands above or below."""
         angle = self._zenith_angle
         return abs(angle - math.pi * (angle > 0.5 * math.pi))
 
@@ -153,7 +153,7 @@ class MarsSection(PlanetSection):
         return Dust(self.dust_optical_depth.value)
 
     def build_radiation(self) -> Radiation:
-        """See :meth:`EnvironmentSection.build_radiation`: by season and hour where given."""
+        """Light by season and hour where they are given."""
         radiation = super().build_radiation()
         if self.solar_longitude is None:
             return radiation

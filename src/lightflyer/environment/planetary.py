@@ -108,7 +108,7 @@ class Planetary(AbstractEnvironment):
         return told + describe_floor(self.floor)
 
     def assumptions_of_air(self) -> tuple[str, ...]:
-        """See :meth:`AbstractEnvironment.assumptions_of_air`: atmosphere, dust, gas."""
+        """Atmosphere, dust and gas that are assumed."""
         dust = "dust: none" if self.dust is None else self.dust.describe()
         return (self.atmosphere.describe(), dust, *self.gas.assumptions())
 
@@ -172,8 +172,8 @@ def _dim(
         dust.depth_above(pressure(height, place) / ground) for height in (altitude, lowest)
     )
     light = dusty_light(dust, depth, lowest_depth, cosine, distance)
-    seen = 1.0 if radiation.visible is None else radiation.visible
-    return replace(radiation, visible=seen * light.beam, scattered=seen * light.scattered)
+    beam, scattered = map(radiation.visible_part, (light.beam, light.scattered))
+    return replace(radiation, visible=beam, scattered=scattered)
 
 
 class PlanetSection(AltitudeSection, abc.ABC):
@@ -202,7 +202,6 @@ class PlanetSection(AltitudeSection, abc.ABC):
         super().__pydantic_init_subclass__(**kwargs)
 
     def idle(self) -> dict[str, str]:
-        """See :meth:`Section.idle`."""
         both = self.infrared_top is not None and self.infrared_bottom is not None
         why = "beside infrared_top and infrared_bottom; remove it, or both of them"
         return super().idle() | ({"surroundings": why} if both else {})

@@ -59,7 +59,7 @@ class SkySection(PlanetSection, abc.ABC):
         return self
 
     def idle(self) -> dict[str, str]:
-        """See :meth:`Section.idle`: light as given and that of the ephemeris leave each other."""
+        """Keys of light as given, or those of the ephemeris."""
         if self.sun is None:
             place = () if self.place_matters else _PLACE
             unread = dict.fromkeys((*place, "limb_height", "ground"), f"without {_EPHEMERIS}")
@@ -71,7 +71,7 @@ class SkySection(PlanetSection, abc.ABC):
         return super().idle() | unread
 
     def reason_not_varied(self, name: str) -> str | None:
-        """See :meth:`Section.reason_not_varied`: what the ephemeris decides, or does not read."""
+        """The ephemeris decides some keys and does not read others."""
         by_sun = self.sun is not None
         if name in _GIVEN_LIGHT and by_sun:
             return "follows from date and place"
@@ -89,7 +89,7 @@ class SkySection(PlanetSection, abc.ABC):
 
     @property
     def light_incidence(self) -> Numeric:
-        """See :attr:`AltitudeSection.light_incidence`: of the sun above or below."""
+        """Incidence of the light: the sun stands above or below."""
         place = self.build_place()
         if place is None:
             return super().light_incidence

@@ -52,15 +52,7 @@ def sliders(
 
 
 def slider(text: str, value: Measured, quantity: Quantity) -> Slider:
-    """Slider of one number; ``text``: as it is written; ``value``: what that means.
-
-    Examples
-    --------
-    >>> slider("2 ± 0.1 cm", Measured(0.02), Quantity("m", 0.0, open_below=True))[:4]
-    (2.0, 0.2, 20.0, True)
-    >>> slider("0.75", Measured(0.75), Quantity("", 0.0, 1.0))[:4]
-    (0.75, 0.0, 1.0, False)
-    """
+    """Slider of one number; ``text``: as it is written; ``value``: what that means."""
     found = _UNIT.search(_EXPONENT.sub(r"\1", text.strip()))
     scale, offset = scale_and_offset(found[0], quantity.unit) if found else (1.0, 0.0)
     own = _round((value.value - offset) / scale)
@@ -144,7 +136,6 @@ def _is_chosen(kind: type[Section], content: Any) -> bool:
 
 
 def _content(kind: type[Section], tag: str, before: Mapping[str, Any]) -> dict[str, Any]:
-    """What a section begins with."""
     found = _from_template(kind)
     base = base_of(kind)
     chosen: dict[str, Any] = {}

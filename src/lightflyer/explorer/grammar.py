@@ -62,13 +62,7 @@ def grammar() -> dict[str, Any]:
 
 
 def quantity_text(value: Measured, quantity: Quantity) -> str:
-    """A number as a flyer file writes it, in SI units; with all digits.
-
-    Examples
-    --------
-    >>> quantity_text(Measured(0.02), Quantity("m"))
-    '0.02 m'
-    """
+    """A number as a flyer file writes it, in SI units; with all digits."""
     spread = "" if value.uncertainty is None else f" ± {_shortest(value.uncertainty)}"
     return f"{_shortest(value.value)}{spread} {quantity.unit}".rstrip()
 

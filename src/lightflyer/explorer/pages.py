@@ -57,13 +57,7 @@ def mistake(text: str, key: str = "") -> dict[str, str]:
 
 
 def mistakes(message: str) -> list[dict[str, str]]:
-    """Mistakes of a design, from the lines of an error.
-
-    Examples
-    --------
-    >>> mistakes("[flyer] needs gap and diameter")[1]["key"]
-    'flyer.diameter'
-    """
+    """Mistakes of a design, from the lines of an error."""
     found = []
     for line in message.splitlines() or [""]:
         needs, named = _NEEDS.match(line), _KEY.match(line)

@@ -92,7 +92,6 @@ class Workplace:
         return found
 
     def mission(self, document: Document) -> MissionFile:
-        """The mission that a document describes."""
         return self._missions(self._confined_toml(document))
 
     @cached_property
@@ -182,15 +181,7 @@ def _require_keys(content: Any, depth: int) -> None:
 
 
 def to_toml(document: Document) -> str:
-    """A document as the text of a flyer file, which the command line reads to the last digit.
-
-    Examples
-    --------
-    >>> print(to_toml({"film": {"absorptance": "0.75", "emittance": ""}}))
-    [film]
-    absorptance = 0.75
-    <BLANKLINE>
-    """
+    """A document as the text of a flyer file, which the command line reads to the last digit."""
     writer = extra("tomli_w", "the explorer", "explorer")
     names = [name for name in (*PARTS, MISSION) if name in document]
     written: str = writer.dumps({name: _type_text(document[name]) for name in names})
@@ -219,13 +210,7 @@ def _value(text: str) -> Any:
 
 
 def to_url(view: View) -> str:
-    """What follows the ``#`` of the page's address.
-
-    Examples
-    --------
-    >>> to_url(View({"flyer": {"shape": "disk", "diameter": "2 cm"}}, at="75 km"))
-    'flyer.shape=disk&flyer.diameter=2+cm&at=75+km'
-    """
+    """What follows the ``#`` of the page's address."""
     entries = list(_entries(view.document))
     if view.at:
         entries.append((_AT, view.at))
@@ -245,13 +230,7 @@ def _entries(content: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str
 
 
 def from_url(text: str) -> View:
-    """What the part of an address after ``#`` holds; inverse of :func:`to_url`.
-
-    Examples
-    --------
-    >>> from_url("flyer.diameter=2+cm&film.absorptance=0.75").document
-    {'flyer': {'diameter': '2 cm'}, 'film': {'absorptance': 0.75}}
-    """
+    """What the part of an address after ``#`` holds; inverse of :func:`to_url`."""
     if len(text) > _MOST_TEXT:
         raise ConfigurationError(f"the address has more than {_MOST_TEXT} characters")
     try:

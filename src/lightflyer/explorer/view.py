@@ -38,7 +38,6 @@ class Line(NamedTuple):
     dash: str = "solid"
 
     def page_entry(self) -> dict[str, str]:
-        """The entry for the page."""
         return self._asdict()
 
 

@@ -52,6 +52,11 @@ _FEW_TICKS = 0.45  # decades below which ticks are no longer at whole multiples 
 _PLAIN = (1e-4, 1e5)  # numbers that are not written as powers of ten
 
 
+def series_style(number: int) -> dict[str, Any]:
+    """Colour and marker of one of several series."""
+    return {"color": PALETTE[number % len(PALETTE)], "marker": MARKERS[number % len(MARKERS)]}
+
+
 def require_style(style: str, prefix: str = "") -> None:
     """Raise unless Matplotlib knows a style sheet; ``style``: name or path."""
     try:

@@ -4,7 +4,7 @@ import io
 import math
 import textwrap
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     from rich.measure import Measurement
@@ -56,12 +56,15 @@ def rows_of(texts: dict[str, str]) -> "Table":
 
 
 def table_of(
-    headings: Iterable[str], rows: Iterable[Iterable[str]], left: Iterable[int] = (0,)
+    headings: Iterable[str],
+    rows: Iterable[Iterable[str]] = (),
+    left: Iterable[int] = (0,),
+    **settings: Any,
 ) -> "Table":
-    """Table without lines, flush right but for the columns whose numbers are in ``left``."""
+    """Table without lines, flush right but for ``left``; ``settings``: of :class:`rich.Table`."""
     from rich.table import Table
 
-    table = Table(box=None, padding=(0, 1))
+    table = Table(**{"box": None, "padding": (0, 1), "title_justify": "left"} | settings)
     for place, heading in enumerate(headings):
         table.add_column(heading, justify="left" if place in left else "right")
     for row in rows:

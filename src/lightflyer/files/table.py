@@ -92,7 +92,7 @@ def read_table(
     return replace(table, notes=[*notes, *table.notes])
 
 
-def table_of(file: Lines, columns: Sequence[Column]) -> Table:
+def read_columns(file: Lines, columns: Sequence[Column]) -> Table:
     """Read the known columns of a part of a file, strictly."""
     found = find_layout(file.name, file.lines, columns, strict=True, delimiter=file.delimiter)
     return _read(file, found, strict=True)

@@ -80,7 +80,6 @@ class Column:
         return f"{self.name} [{unit}]" if unit else self.name
 
     def uncertainty(self) -> "Column":
-        """Column of the standard uncertainties of this one."""
         kind = Quantity(self.quantity.unit, 0.0)
         names = [f"{name}_{word}" for name in (self.name, *self.aliases) for word in _STANDARD]
         return Column(f"{self.name}_uncertainty", kind, tuple(names), difference=True)
@@ -206,7 +205,6 @@ def _from_first_line(
     *,
     closed: bool,
 ) -> Layout:
-    """Layout by the first line that is not a comment."""
     first = next(
         (number for number, line in enumerate(lines) if line.strip() and not is_comment(line)), None
     )

@@ -12,7 +12,6 @@ from lightflyer.core.quantity import (
     AccommodationCoefficient,
     Density,
     Fraction,
-    Roughness,
     Temperature,
     Thickness,
 )
@@ -32,7 +31,7 @@ from lightflyer.film.media.mixture import Mixture
 from lightflyer.film.media.temperature_dependent import TemperatureDependentMedium
 from lightflyer.film.optics.stack import Layer
 
-Policy = Literal["error", "hold", "lossless"]
+Policy: Any = Literal[tuple(map(str, Extrapolation))]
 
 _MOST_SHEETS = 200
 _KINDS = ("material", "parts", "tables", "dispersion")
@@ -104,16 +103,14 @@ class LayerSection(_Named, of=Layer):
     thickness: Thickness
     porosity: Fraction | None = None
     porosity_bottom: Fraction | None = None
-    rule: Literal["bruggeman", "maxwell-garnett", "parallel", "series"] = "bruggeman"
-    shape: Literal["spheres", "columns", "needles", "mat"] = "spheres"
+    rule: Literal[tuple(map(str, Rule))] = str(Rule.BRUGGEMAN)  # type: ignore[valid-type]
+    shape: Literal[tuple(map(str, Shape))] = str(Shape.SPHERES)  # type: ignore[valid-type]
     grain: Thickness | None = None
     sheets: Annotated[int, Field(ge=1, le=_MOST_SHEETS)] = SHEETS
     temperature: Temperature | None = None
     density: Density | None = None
     tac: AccommodationCoefficient | None = None
     extrapolation: Policy | None = None
-    coherent: bool = True
-    roughness: Roughness | None = None
 
     @pydantic.field_validator("thickness")
     @classmethod
@@ -196,7 +193,6 @@ class LayerSection(_Named, of=Layer):
 
     @property
     def _formula_name(self) -> str:
-        """Name of a layer whose n and k are a formula's."""
         return self.name or "layer by a formula"
 
     @property

@@ -111,7 +111,6 @@ class LayeredFilmSection(FilmSection):
         return path
 
     def film(self) -> Film:
-        """The layers with their materials."""
         layers = tuple(layer.build(self.extrapolation) for layer in self.layers)
         bottom = None if self.roughness_bottom is None else self.roughness_bottom.value
         return Film(layers, roughness_below=bottom)
@@ -203,7 +202,6 @@ class LayeredFilmSection(FilmSection):
         return changed.film()
 
     def light(self) -> Spectrum:
-        """The light's spectrum."""
         known = _LAMPS.get(self.spectrum)
         return known() if known else spectrum_from_csv(self.spectrum)
 
@@ -224,7 +222,7 @@ class LayeredFilmSection(FilmSection):
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
-        """See :attr:`FilmSection.correlations`; the same material has the same error."""
+        """Correlations; errors of one material are one error."""
         stated = {entry.of: float(entry.value.value) for entry in self.correlated}
         materials = {layer.label for layer in self._surfaces().values()}
         if len(self.implied) == len(FACES) and len(materials) == 1:
@@ -270,7 +268,7 @@ class LayeredFilmSection(FilmSection):
         return super().warnings(passing=passing) + computed
 
     def lacking(self) -> str | None:
-        """See :meth:`FilmSection.lacking`: TACs and densities that nobody knows."""
+        """TACs and densities that neither file nor materials give."""
         for name, layer in self._surfaces().items():
             if getattr(self, name) is None and layer.surface_tac is None:
                 return f"{name}: no measured accommodation coefficient of {layer.label} is known"

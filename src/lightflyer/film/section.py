@@ -55,7 +55,7 @@ class FilmSection(Alternative, abc.ABC):
     highest_temperature: Temperature | None = None
 
     def idle(self) -> dict[str, str]:
-        """See :meth:`Section.idle`: a correlation is that of two errors."""
+        """A correlation without two errors has no effect."""
         faces = [getattr(self, name, None) or self.implied.get(name) for name in FACES]
         exact = [name for name, face in zip(FACES, faces, strict=True) if not (face and face[1])]
         shared = exact and self.tac_correlation.value
@@ -82,7 +82,7 @@ class FilmSection(Alternative, abc.ABC):
         return "layered" if layered else "measured"
 
     def with_values(self, values: Mapping[str, Any]) -> "FilmSection":
-        """See :meth:`Section.with_values`; one emittance stands for both faces."""
+        """The same section with other numbers; one emittance stands for both faces."""
         cleared: dict[str, Measured | None] = {}
         if "emittance" in values:
             cleared = {"emittance_top": None, "emittance_bottom": None}

@@ -141,7 +141,6 @@ class Balloon(AbstractClosedFlyer):
         return self.film, 0
 
     def outline(self, direction: Direction) -> Outline:
-        """See :meth:`AbstractClosedFlyer.outline`: whichever way it moves."""
         del direction
         return sphere_outline(self.radius)
 
@@ -191,7 +190,7 @@ class Balloon(AbstractClosedFlyer):
         return (-black * self._absorbed_infrared(state, 0.0, 0.0, out, within),)
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
-        """See :meth:`AbstractFlyer.highest_excess`: the excess in vacuum by the outer face."""
+        """Excess in vacuum, by the outer face alone [1]."""
         outer = eqx.tree_at(lambda film: film.emittance_bottom, self.film, 0.0)
         black = self.film_area * state.radiation.stefan_boltzmann * state.temperature**4
         return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, power / black)))
@@ -270,7 +269,7 @@ class BalloonSection(FlyerSection, of=Balloon):
     gas: Literal["ambient", "helium", "hydrogen"] = "ambient"
 
     def idle(self) -> dict[str, str]:
-        """See :meth:`Section.idle`: a sphere has no attitude."""
+        """A sphere has no attitude."""
         opening = self.opening_diameter  # type: ignore[attr-defined] # a generated field
         round_ = opening.value == 0.0 and self.tilt.value != 0.0
         return super().idle() | ({"tilt": "without opening_diameter"} if round_ else {})

@@ -65,7 +65,7 @@ class AbstractThinFlyer(AbstractFlyer):
         speed: Numeric,
         direction: Direction = "broadside",
     ) -> Array:
-        """See :meth:`AbstractFlyer.drag`: that of a disk which lets a share of the gas pass."""
+        """Drag of a disk that lets a share of the gas pass [N]."""
         law = edgewise_disk_drag if direction == "edgewise" else disk_drag
         gas = (state.pressure, state.temperature, state.gas)
         excesses = (unknowns[0], unknowns[len(self.nodes) - 1])
@@ -109,7 +109,7 @@ class AbstractClosedFlyer(AbstractFlyer):
         speed: Numeric,
         direction: Direction = "broadside",
     ) -> Array:
-        """See :meth:`AbstractFlyer.drag`: that of a closed body of this shape."""
+        """Drag of a closed body of this shape [N]."""
         film, node = self.outer_film
         gas = (state.pressure, state.temperature, state.gas)
         return convex_drag(speed, self.outline(direction), *gas, film.tac_top, unknowns[node])

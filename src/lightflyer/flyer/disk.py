@@ -82,7 +82,7 @@ class Disk(AbstractThinFlyer):
         return (self._black_power(state) * self.film.emission_growth(state.temperature, excess),)
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
-        """See :meth:`AbstractFlyer.highest_excess`: the excess in vacuum."""
+        """Excess in vacuum [1]."""
         bound = self.film.emission_bound(state.temperature, power / self._black_power(state))
         root = jnp.sqrt(jnp.sqrt(jnp.maximum(1.0 + bound, 0.0)))
         # solves (1 + θ)⁴ = 1 + bound without cancellation

@@ -1,14 +1,13 @@
 """Hollow bodies with a wall full of channels, which pumps gas in, and an outlet for the jet."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.core.errors import ParameterError
 from lightflyer.core.precision import float64
 from lightflyer.core.quantity import (
     Coefficient,
@@ -145,18 +144,11 @@ class HollowBody(AbstractClosedFlyer):
     wall_thickness: Length
     sheet_thickness: Length
     sheet_conductivity: Conductivity
-    form: str = eqx.field(static=True, default="sphere")
+    form: Form = eqx.field(static=True, default="sphere")
     channel_aspect: Coefficient = 10.0
     sheet_density: Density | None = None
     payload: Mass = 0.0
     attitude: Attitude | None = None
-
-    def __check_init__(self) -> None:
-        super().__check_init__()  # first the numbers
-        if self.form not in FORMS:
-            raise ParameterError(
-                f'form = "{self.form}" is unknown; choose from {", ".join(get_args(Form))}'
-            )
 
     @property
     def geometry(self) -> HollowForm:
@@ -205,7 +197,7 @@ class HollowBody(AbstractClosedFlyer):
         return self.surface * wall
 
     def buoyancy(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Numeric:
-        r"""See :meth:`AbstractFlyer.buoyancy`: that of the warm gas within."""
+        """Buoyancy of the warm gas within [N]."""
         # .. math:: \rho_c\,g\,V\left(1 - T_c/T_i\right)
         inner = unknowns[0]
         density = state.gas.density(state.pressure, state.temperature)
@@ -259,7 +251,7 @@ class HollowBody(AbstractClosedFlyer):
         return -black * inner + outward, -black * outer - outward
 
     def diagnostics(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.diagnostics`: channels too narrow for geometric optics."""
+        """Warns of channels that are too narrow for geometric optics."""
         coldest = np.minimum(np.min(state.temperature), np.min(temperature))
         length = self.channel_aspect * self.channel_width
         return tuple(narrow_channels(self.channel_width, length, coldest))

@@ -179,16 +179,15 @@ class Plate(AbstractThinFlyer):
         return self.sheets.heat_gains(state)
 
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
-        """See :meth:`AbstractFlyer.heat_losses`, and :meth:`Sandwich.heat_losses`."""
         # Radiation, and conduction through the walls of the channels.
         return self.sheets.heat_losses(state, unknowns)
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
-        """See :meth:`AbstractFlyer.highest_excess`: the excess in vacuum by the outer faces."""
+        """Excess in vacuum, by the outer faces alone [1]."""
         return self.sheets.highest_excess(state, power)
 
     def diagnostics(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.diagnostics`: channels too narrow for geometric optics."""
+        """Warns of channels that are too narrow for geometric optics."""
         coldest = np.minimum(np.min(state.temperature), np.min(temperature))
         return tuple(narrow_channels(self.channel_width, self.channel_length, coldest))
 

@@ -166,7 +166,7 @@ class Sandwich(AbstractThinFlyer):
         return self.area * (-black * top - upward), self.area * (-black * bottom + upward)
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
-        """See :meth:`AbstractFlyer.highest_excess`: the excess in vacuum by the outer faces."""
+        """Excess in vacuum, by the outer faces alone [1]."""
         outer = eqx.tree_at(
             lambda film: film.emittance_bottom, self.top, self.bottom.emittance_bottom
         )
@@ -175,7 +175,7 @@ class Sandwich(AbstractThinFlyer):
         return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, emitted)))
 
     def diagnostics(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-        """See :meth:`AbstractFlyer.diagnostics`: holes that are too narrow for geometric optics."""
+        """Warns of holes that are too narrow for geometric optics."""
         coldest = np.minimum(np.min(state.temperature), np.min(temperature))
         return tuple(narrow_holes(self.hole_radius, coldest))
 

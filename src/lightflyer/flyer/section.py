@@ -44,7 +44,6 @@ class FlyerSection(Alternative):
         super().__init_subclass__(of=of, **options)
 
     def idle(self) -> dict[str, str]:
-        """See :meth:`Section.idle`."""
         level = self.tilt == Measured(0.0) and self.azimuth != self.tilt
         return {"azimuth": "without tilt"} if level else {}
 

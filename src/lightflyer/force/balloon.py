@@ -85,7 +85,7 @@ class BalloonConvection(AbstractForceModel):
 
     @entry_point
     def force(self, flyer: Balloon, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-        """See :meth:`AbstractForceModel.force`: none on a sphere of one temperature."""
+        """None on a sphere of one temperature."""
         del flyer
         return 0.0 * (unknowns[0] + state.pressure)
 

@@ -1,6 +1,6 @@
-r"""Heat between a sphere and the gas around it or within it, as plain functions of plain numbers.
+r"""Heat between a sphere and the gas around it, as plain functions of plain numbers.
 
-Outside, the heat loss goes from free molecules to conduction and natural convection. The three
+The heat loss goes from free molecules to conduction and natural convection. The three
 limits are joined as resistances in series:
 
 .. math::
@@ -22,7 +22,7 @@ from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
-from lightflyer.force.laws.faces import free_molecular_conductance, in_series
+from lightflyer.force.laws.faces import free_molecular_conductance
 from lightflyer.force.lu2023 import rayleigh_number
 from lightflyer.gas.base import AbstractGas
 from lightflyer.program.entry_point import entry_point
@@ -31,8 +31,6 @@ _CONDUCTION = 2.0  # Nusselt number of a sphere in endless gas at rest, by the d
 _LAMINAR, _TURBULENT = 0.589, 0.150  # [Churchill1983]; [ChurchillChu1975], 0.387²
 _PRANDTL, _PRANDTL_POWER, _RAYLEIGH_POWER = 0.469, 9.0 / 16.0, -16.0 / 9.0  # [Churchill1983]
 _SHARPNESS = 6.0  # of the change from laminar to turbulent, as for plates in [Raithby1998]
-
-_INNER_SCALE, _INNER_LAMINAR, _INNER_TURBULENT = 2.5, 0.6, 0.325  # [CarlsonHorn1983]
 
 _JUMP = 1.95  # temperature jump over μ√(2RT)/p at complete accommodation [Sharipov2011]
 _JUMP_SHARE = 8.0 / 15.0 * _JUMP / math.sqrt(math.pi)
@@ -54,12 +52,6 @@ OUTER_RAYLEIGH = Validity(
 """Range of :func:`sphere_nusselt`: spheres to 1e11 [Churchill1983]_, cylinders to 1e12."""
 
 
-def _root_of(rayleigh: Numeric) -> tuple[Array, Array]:
-    """Fourth root, and whether there is nothing to take it of: it has no derivative at zero."""
-    still = rayleigh == 0.0
-    return jnp.sqrt(jnp.sqrt(jnp.where(still, 1.0, rayleigh))), still
-
-
 @entry_point
 def sphere_nusselt(rayleigh: Numeric, prandtl: Numeric, at_rest: Numeric = _CONDUCTION) -> Array:
     """Nusselt number of natural convection around a sphere [1]; by the diameter."""
@@ -76,28 +68,12 @@ def sphere_nusselt(rayleigh: Numeric, prandtl: Numeric, at_rest: Numeric = _COND
     #
     # Source: [Churchill1983]_, [ChurchillChu1975]_; [CarlsonHorn1983]_ for balloons.
     reduced = rayleigh * (1.0 + (_PRANDTL / prandtl) ** _PRANDTL_POWER) ** _RAYLEIGH_POWER
-    root, still = _root_of(reduced)
+    still = reduced == 0.0  # where the fourth root has no derivative
+    root = jnp.sqrt(jnp.sqrt(jnp.where(still, 1.0, reduced)))
     # of (turbulent/laminar)⁶, that is Ψ^(1/2)
     ratio = (_TURBULENT / _LAMINAR) ** _SHARPNESS * root**2
     moved = _LAMINAR * root * (1.0 + ratio) ** (1.0 / _SHARPNESS)
     return at_rest + jnp.where(still, 0.0, moved)
-
-
-@entry_point
-def inner_sphere_nusselt(rayleigh: Numeric) -> Array:
-    """Nusselt number of natural convection within a spherical envelope [1]; by the diameter."""
-    # .. math:: \mathrm{Nu} = \max\left[2.5\,(2 + 0.6\,\mathrm{Ra}^{1/4}),\
-    #     0.325\,\mathrm{Ra}^{1/3}\right]
-    #
-    # The factor of 2.5 was fitted to flights of helium balloons. Other models of balloons use 0.13
-    # Ra^(1/3) [Farley2005]_, 2.5 times less: the law is known to no better than that. Not
-    # differentiable at Ra = 1.35e8, where the branches meet.
-    #
-    # Source: [CarlsonHorn1983]_.
-    root, still = _root_of(rayleigh)
-    laminar = _CONDUCTION + _INNER_LAMINAR * jnp.where(still, 0.0, root)
-    turbulent = _INNER_TURBULENT * jnp.where(still, 0.0, root ** (4.0 / 3.0))
-    return jnp.maximum(_INNER_SCALE * laminar, turbulent)
 
 
 def jump_share(density: Numeric) -> Array:
@@ -151,38 +127,3 @@ def sphere_conductance(
         gas.heat_capacity_ratio_at(mean),
     )
     return joined_conductance(free_molecular, dense, tac)
-
-
-@entry_point
-def inner_sphere_conductance(
-    gas_excess: Numeric,
-    wall_excess: Numeric,
-    *,
-    radius: Numeric,
-    tac: Numeric,
-    pressure: Numeric,
-    temperature: Numeric,
-    gravity: Numeric,
-    gas: AbstractGas,
-    convection: Numeric = 1.0,
-) -> Array:
-    r"""Heat from the gas within a sphere to its wall, per difference of their excesses [W]."""
-    # Molecules that fly from wall to wall make the gas as warm as the wall: in thin gas this is the
-    # heat of gas that is kept mixed.
-    wall = temperature * (1.0 + wall_excess)
-    difference = (gas_excess - wall_excess) / (1.0 + wall_excess)
-    rayleigh = rayleigh_number(
-        difference, radius=radius, pressure=pressure, temperature=wall, gravity=gravity, gas=gas
-    )
-    mean = temperature * (1.0 + 0.5 * (gas_excess + wall_excess))
-    nusselt = convection * inner_sphere_nusselt(rayleigh)
-    dense = 2.0 * jnp.pi * radius * nusselt * gas.conductivity(mean) * temperature
-    free_molecular = free_molecular_conductance(
-        4.0 * jnp.pi * radius**2,
-        tac,
-        pressure,
-        gas.mean_speed(mean),
-        gas.heat_capacity_ratio_at(mean),
-    )
-    # that is per excess over the mean temperature
-    return in_series(dense, free_molecular * temperature / mean)

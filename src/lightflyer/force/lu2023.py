@@ -243,7 +243,7 @@ class Lu2023(AbstractForceModel):
     def diagnostics(
         self, flyer: Disk, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`: the paper's coefficients beyond its tests."""
+        """Warns where the paper's coefficients are beyond its tests."""
         # Other coefficients hold where those who fitted them say.
         if (float(self.c_fm), float(self.c_cont)) != (_FITTED_C_FM, _FITTED_C_CONT):
             return ()

@@ -1,6 +1,5 @@
 """Many flights at once: flyers within their uncertainties, other winds, other releases."""
 
-import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -11,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.compute.scheduler import processors
 from lightflyer.core.precision import float64
 from lightflyer.core.progress import report
 from lightflyer.core.quantity import Checked, Distance, Duration, Speed
@@ -29,6 +29,7 @@ from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 BATCH = 256
 """Flights that are integrated together: a step costs each of them what the slowest needs."""
 
+MEMBERS = 200  # of an ensemble, unless it says otherwise
 _A_DAY = 86_400.0
 _WIND, _RELEASE = 1, 2  # added to the seed, so that one does not follow the other
 _ANOTHER = 7  # any number of flights that no table of a flyer happens to have as its length
@@ -51,7 +52,7 @@ class Ensemble(Checked):
         eastward [m], and of its time [s].
     """
 
-    members: int = eqx.field(static=True, default=200)
+    members: int = eqx.field(static=True, default=MEMBERS)
     seed: int = eqx.field(static=True, default=0)
     wind: Speed = 0.0
     vertical_wind: Speed = 0.0
@@ -72,7 +73,6 @@ class Flights(eqx.Module):
 
     @property
     def count(self) -> int:
-        """Number of flights."""
         return len(self.starts.altitude)
 
 
@@ -187,7 +187,7 @@ def fly_all(flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Acc
 
     report("flying", 0, flights.count, "flights")
     found.append(compute(0))  # and is compiled once
-    with ThreadPoolExecutor(_processors()) as pool:
+    with ThreadPoolExecutor(processors()) as pool:
         for start, tracks in zip(starts[1:], pool.map(compute, starts[1:]), strict=True):
             report("flying", start, flights.count, "flights")
             found.append(tracks)
@@ -201,10 +201,3 @@ def _take(flights: Flights, start: int, size: int) -> Flights:
     parts = (flights.varied, flights.starts, flights.wind_errors)
     varied, starts, errors = jax.tree.map(lambda leaf: np.asarray(leaf)[rows], parts)
     return Flights(flights.setup, varied, starts, errors, flights.rule)
-
-
-def _processors() -> int:
-    """Processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

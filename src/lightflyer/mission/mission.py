@@ -130,7 +130,7 @@ def fly(
         mission.setup.environment.state(float(release.altitude), mission.start.place)
     several = ensemble is not None or len(launches) > 0
     elapsed = times_of(duration, every, several=several)
-    plan = _Plan(limits, elapsed, Accuracy.lasting(float(elapsed[-1]), tolerance))
+    plan = _Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), tolerance))
     flights = flights_of(mission.design, mission.rule, mission.start, ensemble, launches)
     tracks = fly_all(flights, plan.limits, plan.elapsed, plan.accuracy)
     first = _rows(tracks, 0)
@@ -194,7 +194,7 @@ def trajectory(
     """
     limits = limits_of(environment, None, None)
     times = np.asarray(elapsed, float)
-    accuracy = Accuracy.lasting(float(times[-1]), tolerance, longest_step)
+    accuracy = Accuracy.for_duration(float(times[-1]), tolerance, longest_step)
     craft = Craft(Setup(flyer, environment, model), attitude or Own())
     return _trajectory(craft, release, limits, times, accuracy)
 
@@ -267,7 +267,6 @@ def _launch(tracks: Track, launches: Sequence[float]) -> Several:
 
 
 def _rows(tracks: Track, rows: Any) -> Track:
-    """Some of several flights, or one."""
     return jax.tree.map(lambda leaf: leaf[rows], tracks)
 
 

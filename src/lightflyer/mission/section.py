@@ -17,7 +17,7 @@ from lightflyer.core.quantity import (
     Tilt,
 )
 from lightflyer.files.section import Section, Spelling
-from lightflyer.mission.fleet import Ensemble
+from lightflyer.mission.fleet import MEMBERS, Ensemble
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, FollowSun, Level, Own
 from lightflyer.mission.path.release import Release
 
@@ -43,7 +43,7 @@ class EnsembleSection(Section, of=Ensemble):
     }
     left_out: ClassVar[tuple[str, ...]] = ("altitude", "time")
 
-    members: _Members = 200
+    members: _Members = MEMBERS
     seed: _Seed = 0
     time_uncertainty: Duration | None = None
 
@@ -78,7 +78,7 @@ class MissionSection(Section, of=Release):
     ensemble: EnsembleSection | None = None
 
     def idle(self) -> dict[str, str]:
-        """See :meth:`Section.idle`: who follows the sun alone has a tilt."""
+        """Only a flyer that follows the sun has a tilt."""
         why = f'beside attitude = "{self.attitude}"; it belongs to attitude = "follow-sun"'
         follows = self.attitude == "follow-sun"
         return {} if follows else dict.fromkeys(("tilt_share", "largest_tilt"), why)

@@ -52,7 +52,6 @@ class Reason(enum.IntEnum):
         return member
 
     def describe(self) -> str:
-        """The phrase."""
         return self.phrase
 
 

@@ -69,8 +69,7 @@ class Claim:
         agree = all(quantity.agrees(values[quantity.key]) for quantity in self.quantities)
         return Verdict.REPRODUCED if agree else Verdict.DIFFERS
 
-    def reproducing(self, columns: dict[str, dict[str, float]]) -> list[str]:
-        """Columns that reproduce the claim."""
+    def reproducers(self, columns: dict[str, dict[str, float]]) -> list[str]:
         return [
             name for name, values in columns.items() if self.verdict(values) is Verdict.REPRODUCED
         ]

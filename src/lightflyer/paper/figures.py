@@ -150,7 +150,6 @@ def _panel_points(points: Points | None, size_cm: float) -> Any:
 
 
 def _draw_points(ax: Axes, points: Points | None, chosen: Any) -> None:
-    """Draw the user's own points."""
     if points is None or chosen is None:
         return
     spread = points.numbers.get("irradiance_uncertainty")

@@ -65,7 +65,7 @@ def _claim_json(claim: Claim, columns: dict[str, dict[str, float]]) -> dict[str,
         "place": claim.place,
         "verdict": str(claim.overall(columns)),
         "why": claim.reason(columns),
-        "reproduced_by": claim.reproducing(columns),
+        "reproduced_by": claim.reproducers(columns),
         "verdicts": {name: str(claim.verdict(values)) for name, values in columns.items()},
         "quantities": [_quantity_json(quantity, columns) for quantity in claim.quantities],
     }
@@ -102,7 +102,7 @@ def _blocks(results: Results) -> list[_Block]:
         counts[verdict] = counts.get(verdict, 0) + 1
     tally = ", ".join(f"{verdict}: {count}" for verdict, count in counts.items())
     by_column = "; ".join(
-        f"{column.title}: {sum(column.key in c.reproducing(results.columns) for c in claims())}"
+        f"{column.title}: {sum(column.key in c.reproducers(results.columns) for c in claims())}"
         for column in COLUMNS
     )
     blocks = [
@@ -185,7 +185,7 @@ def _claims_overview(results: Results) -> _Block:
             claim.text,
             claim.place,
             str(claim.overall(results.columns)),
-            "; ".join(titles[key] for key in claim.reproducing(results.columns)),
+            "; ".join(titles[key] for key in claim.reproducers(results.columns)),
             claim.reason(results.columns),
         )
         for claim in claims()

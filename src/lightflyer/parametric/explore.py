@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.units import file_unit, parse
+from lightflyer.core.units import file_unit, number_or_text, parse
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.files.display_units import amount, suitable, unit_of
 from lightflyer.study.distributions import SAMPLE
@@ -168,7 +168,7 @@ def choose_slice(
             raise ConfigurationError(f"--at {short}: {name} is an axis of the map")
         unit = file_unit(unit_of(dataset[name]))
         try:
-            wanted = parse(_bare(text) if not unit else text, unit).value
+            wanted = parse(number_or_text(text) if not unit else text, unit).value
         except ConfigurationError as error:
             raise ConfigurationError(f"--at {short}: {error}") from None
         there = dataset[name].values
@@ -189,13 +189,6 @@ def choose_slice(
             chosen[name] = (float(dataset[name][number]), unit_of(dataset[name]))
             dataset = dataset.isel({name: number})
     return dataset, chosen
-
-
-def _bare(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def margin(table: Mapping[Any, Any], where: Any = None) -> Any:

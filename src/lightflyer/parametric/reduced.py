@@ -42,6 +42,7 @@ from lightflyer.parametric.reducers import (
 )
 from lightflyer.parametric.reduction_plan import ReductionSpec, plan_reductions, samples_of
 from lightflyer.parametric.run import SweepReport
+from lightflyer.study.distributions import SAMPLES
 from lightflyer.study.sections import ReduceSection, SamplingSection, from_arguments
 from lightflyer.study.study import Study, make_study
 
@@ -81,7 +82,6 @@ class Blocks:
         return math.ceil(self.size / self.length)
 
     def count(self, block: int) -> int:
-        """Designs of a block."""
         return min(self.size - block * self.length, self.length)
 
     def chunks(self, block: int) -> Iterator[tuple[int, int]]:
@@ -266,7 +266,7 @@ def sweep_reduced(
     out: str | Path,
     outputs: str | Sequence[str] = ("relative_payload",),
     method: str = "sobol",
-    points: int = 1024,
+    points: int = SAMPLES,
     seed: int = 0,
     scheduler: str | None = None,
     device: str | None = None,
@@ -358,7 +358,6 @@ def _unfinished_report(path: Path) -> Iterator[Path]:
 
 
 def _finished_report(study: Study, path: Path, description: dict[str, str]) -> SweepReport:
-    """A finished result of the same study."""
     attributes = open_reduced(path).attrs
     require_same(path, json.loads(attributes[_DESCRIPTION]), description)
     return SweepReport(study.size, study.size, 0, 0, int(attributes["not_converged"]), 0.0)

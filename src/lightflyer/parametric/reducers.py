@@ -76,7 +76,7 @@ class DeviceReducer:
         self._forget()
 
     def __call__(self, start: int, stop: int) -> tuple[Partials, int]:
-        """As of :class:`Reducer`."""
+        """What is kept of the designs from ``start`` up to ``stop``."""
         program = self._compile()
         firsts = range(start, stop, program.designs)
         spans = [(first, min(first + program.designs, stop)) for first in firsts]

@@ -9,7 +9,6 @@ padded, which merging removes.
 import abc
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import reduce
 from typing import Any
 
 import jax
@@ -50,10 +49,6 @@ class AbstractReduction(abc.ABC):
         # Where it does not, :meth:`of_chunk` must be used.
         del partial
         return True
-
-    def merge_all(self, partials: list[Partial]) -> Partial:
-        """The partial of any number of them."""
-        return reduce(self.merge, partials, self.empty())
 
 
 @dataclass(frozen=True)
@@ -160,7 +155,7 @@ class Front(AbstractReduction):
         }
 
     def is_whole(self, partial: Partial) -> bool:
-        """See :meth:`AbstractReduction.is_whole`: not where the front is above the capacity."""
+        """False where the front is above the capacity."""
         return int(partial.get("left_out", 0)) == 0
 
     def merge(self, one: Partial, other: Partial) -> Partial:

@@ -18,6 +18,7 @@ from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.core.progress import Counted
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.study.distributions import SAMPLES
 from lightflyer.study.sections import SamplingSection, from_arguments
 from lightflyer.study.study import Study, assemble_study, read_entries
 
@@ -109,7 +110,7 @@ def sweep(
     over: Mapping[str, Any],
     outputs: str | Sequence[str] = ("relative_payload",),
     method: str = "sobol",
-    points: int = 1024,
+    points: int = SAMPLES,
     seed: int = 0,
     out: str | Path | None = None,
     scheduler: str | None = None,

@@ -167,7 +167,6 @@ class Prediction(PrintedResult):
         return verdict_of(self)
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.prediction.text import prediction_parts
 
         return prediction_parts(self)

@@ -75,12 +75,12 @@ def _is_numeric(value: Any) -> bool:
     return not isinstance(value, np.ndarray) or value.dtype.kind in "biufc"
 
 
-def unlabelled(tree: Any) -> Any:
+def strip_labels(tree: Any) -> Any:
     """The same without names of dimensions."""
     return jax.tree.map(lambda leaf: leaf.to_numpy() if is_labelled(leaf) else leaf, tree)
 
 
-def aligned(arguments: Any) -> tuple[Any, Callable[[Any], Any]]:
+def align(arguments: Any) -> tuple[Any, Callable[[Any], Any]]:
     """Arguments without names of dimensions, and what gives results of their shape these names."""
     labelled = [leaf for leaf in jax.tree.leaves(arguments) if is_labelled(leaf)]
     if not labelled:

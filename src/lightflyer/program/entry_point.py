@@ -35,7 +35,7 @@ import numpy as np
 from lightflyer.core.checks import is_traced
 from lightflyer.core.errors import ParameterError
 from lightflyer.program import kept
-from lightflyer.program.arguments import Reader, aligned
+from lightflyer.program.arguments import Reader, align
 from lightflyer.program.numpy_backend import (
     CALL,
     ELEMENT,
@@ -136,7 +136,7 @@ def _public(function: Callable[P, R], runner: "_Runner") -> Callable[P, R]:
 
     @wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
-        (plain, named), labels = aligned(read(args, kwargs))
+        (plain, named), labels = align(read(args, kwargs))
         with jax.enable_x64(True):
             result: Any = runner(plain, named)
         return labels(result)

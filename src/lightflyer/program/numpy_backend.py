@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.program.indexing import fill_axes
 from lightflyer.program.operations import (
     ELEMENTWISE,
     RULES,
     SINGLE,
     UnsupportedError,
-    fill_axes,
     function_of,
 )
 from lightflyer.program.program import ROWS, Block, Operation, Program, length_of

@@ -5,16 +5,22 @@ at all. What must see the whole of an array is given its shape and fills it.
 """
 
 import itertools
-import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 
+from lightflyer.program.indexing import (
+    Lengths,
+    dynamic_slice,
+    dynamic_update_slice,
+    fill_axes,
+    gather,
+    scatter,
+    shape_of,
+)
 from lightflyer.program.program import Length, Operation, length_of
-
-Lengths = dict[str, int]
 
 
 class UnsupportedError(NotImplementedError):
@@ -156,15 +162,6 @@ def _rule(*names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     return keep
 
 
-def _shape(shape: Iterable[Length], lengths: Lengths) -> tuple[int, ...]:
-    return tuple(length_of(length, lengths) for length in shape)
-
-
-def fill_axes(value: Any, shape: Iterable[Length], lengths: Lengths) -> np.ndarray:
-    """A view of a value that fills all of its axes."""
-    return np.broadcast_to(value, _shape(shape, lengths))
-
-
 @_rule("integer_pow")
 def _integer_pow(_: Lengths, base: Any, *, y: int) -> Any:
     result, square, left = None, base, abs(y)
@@ -201,7 +198,7 @@ def _squeeze(_: Lengths, value: Any, *, dimensions: list[int]) -> Any:
 def _reshape(lengths: Lengths, value: Any, *, shape: list[Length], new: list[Length]) -> Any:
     if np.size(value) == 1:
         return np.reshape(value, (1,) * len(new))
-    return np.reshape(fill_axes(value, shape, lengths), _shape(new, lengths))
+    return np.reshape(fill_axes(value, shape, lengths), shape_of(new, lengths))
 
 
 @_rule("transpose")
@@ -225,7 +222,7 @@ def _slice(
 ) -> Any:
     if np.ndim(value) == 0:
         return value
-    parts = zip(_shape(start, lengths), _shape(stop, lengths), steps or [1] * len(start),
+    parts = zip(shape_of(start, lengths), shape_of(stop, lengths), steps or [1] * len(start),
                 strict=True)  # fmt: skip
     return value[
         tuple(
@@ -258,7 +255,7 @@ def _unstack(lengths: Lengths, value: Any, *, shape: list[Length], axis: int) ->
 def _split(
     lengths: Lengths, value: Any, *, sizes: list[Length], axis: int, shape: list[Length]
 ) -> Any:
-    ends = list(itertools.accumulate(_shape(sizes, lengths)))[:-1]
+    ends = list(itertools.accumulate(shape_of(sizes, lengths)))[:-1]
     parts = np.split(fill_axes(value, shape, lengths), ends, axis)
     return parts if len(parts) > 1 else parts[0]
 
@@ -299,145 +296,13 @@ def _dim_as_value(lengths: Lengths, *, dim: Length, dtype: str) -> Any:
     return np.dtype(dtype).type(length_of(dim, lengths))
 
 
-@_rule("dynamic_slice")
-def _dynamic_slice(
-    lengths: Lengths, value: Any, *start: Any, sizes: list[Length], shape: list[Length]
-) -> Any:
-    full = fill_axes(value, shape, lengths)
-    wanted = _shape(sizes, lengths)
-    return full[_window(full.shape, start, wanted)]
-
-
-@_rule("dynamic_update_slice")
-def _dynamic_update_slice(
-    lengths: Lengths,
-    value: Any,
-    update: Any,
-    *start: Any,
-    shape: list[Length],
-    sizes: list[Length],
-) -> Any:
-    full = fill_axes(value, shape, lengths).copy()
-    full[_window(full.shape, start, _shape(sizes, lengths))] = update
-    return full
-
-
-def _window(shape: Sequence[int], start: Sequence[Any], sizes: Sequence[int]) -> tuple[slice, ...]:
-    """A part of an array, moved so that it lies within."""
-    begins = (
-        min(max(int(begin), 0), length - size)
-        for begin, length, size in zip(start, shape, sizes, strict=True)
-    )
-    return tuple(slice(begin, begin + size) for begin, size in zip(begins, sizes, strict=True))
-
-
-@_rule("gather")
-def _gather(
-    lengths: Lengths,
-    value: Any,
-    indices: Any,
-    *,
-    shape: list[Length],
-    index_shape: list[Length],
-    offset_dims: list[int],
-    start_index_map: list[int],
-    collapsed: list[int],
-    operand_batching: list[int],
-    index_batching: list[int],
-    sizes: list[Length],
-    mode: str,
-    fill: Any,
-) -> Any:
-    """A window for each index vector; a place beyond the ends is moved in, or filled."""
-    full, widths = fill_axes(value, shape, lengths), _shape(sizes, lengths)
-    if np.ndim(indices) == 0 or indices.shape[-1] != len(start_index_map):
-        indices = fill_axes(indices, index_shape, lengths)
-    batch = indices.ndim - 1
-    kept = [axis for axis in range(full.ndim) if axis not in {*collapsed, *operand_batching}]
-    rank = batch + len(kept)
-    inside: Any = True
-    places: list[Any] = []
-    for axis in range(full.ndim):
-        place: Any = np.zeros((1,) * rank, int)
-        if axis in kept:
-            place = np.arange(widths[axis]).reshape(
-                [-1 if batch + kept.index(axis) == at else 1 for at in range(rank)]
-            )
-        if axis in start_index_map:
-            begin = indices[..., start_index_map.index(axis)]
-            last = full.shape[axis] - widths[axis]
-            if mode == "fill":
-                inside = inside & (begin >= 0) & (begin <= last)
-            begin = np.minimum(np.maximum(begin, 0), last)
-            place = place + begin.reshape(begin.shape + (1,) * len(kept))
-        if axis in operand_batching:
-            along = index_batching[operand_batching.index(axis)]
-            count = full.shape[axis]
-            place = np.arange(count).reshape([-1 if at == along else 1 for at in range(rank)])
-        places.append(place)
-    found = full[tuple(places)] if places else full
-    if mode == "fill" and not np.all(inside):
-        outside = ~np.reshape(inside, np.shape(inside) + (1,) * len(kept))
-        found = np.where(outside, _filling(fill, found.dtype), found)
-    found = np.reshape(found, (1,) * (rank - found.ndim) + found.shape)
-    return np.moveaxis(found, range(batch, rank), offset_dims) if kept else found
-
-
-def _filling(stated: Any, dtype: np.dtype) -> Any:
-    if stated is not None:
-        return stated
-    if dtype.kind == "f":
-        return math.nan
-    return True if dtype.kind == "b" else np.iinfo(dtype).min
-
-
-@_rule("scatter", "scatter_add")
-def _scatter(
-    lengths: Lengths,
-    value: Any,
-    indices: Any,
-    updates: Any,
-    *,
-    shape: list[Length],
-    index_shape: list[Length],
-    update_shape: list[Length],
-    window_dims: list[int],
-    inserted: list[int],
-    start_index_map: list[int],
-    operand_batching: list[int],
-    index_batching: list[int],
-    add: bool,
-    mode: str,
-) -> Any:
-    """An array with windows replaced or added to; windows that do not fit are left out."""
-    full = fill_axes(value, shape, lengths).copy()
-    places = fill_axes(indices, index_shape, lengths)
-    new = fill_axes(updates, update_shape, lengths)
-    batch = [axis for axis in range(new.ndim) if axis not in window_dims]
-    new = np.transpose(new, [*batch, *window_dims])
-    single = {*inserted, *operand_batching}
-    kept = [axis for axis in range(full.ndim) if axis not in single]
-    for where in np.ndindex(*places.shape[:-1]):
-        begins, part = [0] * full.ndim, new[where]
-        widths = [1] * full.ndim
-        for axis, width in zip(kept, part.shape, strict=True):
-            widths[axis] = width
-        for axis, begin in zip(start_index_map, places[where], strict=True):
-            last = full.shape[axis] - widths[axis]
-            begins[axis] = int(begin) if mode != "clip" else min(max(int(begin), 0), last)
-        for axis, along in zip(operand_batching, index_batching, strict=True):
-            begins[axis] = where[along]
-        if any(
-            begin < 0 or begin + width > length
-            for begin, width, length in zip(begins, widths, full.shape, strict=True)
-        ):
-            continue
-        into = tuple(
-            begin if axis in single else slice(begin, begin + widths[axis])
-            for axis, begin in enumerate(begins)
-        )
-        full[into] = full[into] + part if add else part
-    return full
+RULES |= {
+    "dynamic_slice": dynamic_slice,
+    "dynamic_update_slice": dynamic_update_slice,
+    "gather": gather,
+    "scatter": scatter,
+    "scatter_add": scatter,
+}
 
 
 # --- many elements to one ---

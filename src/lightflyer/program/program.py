@@ -75,7 +75,6 @@ class Program:
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """Names of all operations."""
         return frozenset(_names(self.body))
 
     @property

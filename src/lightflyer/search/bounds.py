@@ -91,7 +91,6 @@ class _Errors(Normal):
     """Normal errors, whatever values the number itself may have."""
 
     def quantile(self, share: np.ndarray) -> np.ndarray:
-        """See :meth:`Distribution.quantile`."""
         from scipy.special import ndtri  # slow to import
 
         return np.asarray(ndtri(share))

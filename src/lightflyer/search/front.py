@@ -63,7 +63,6 @@ class Front(PrintedResult):
         return front_figure(self)
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.search.text import front_parts
 
         return front_parts(self)

@@ -97,7 +97,6 @@ class Optimum(PrintedResult):
         return elasticity_figure(self)
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.search.text import optimum_parts
 
         return optimum_parts(self)

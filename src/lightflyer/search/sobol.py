@@ -169,7 +169,6 @@ class Indices(PrintedResult):
         )
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.search.text import indices_parts
 
         return indices_parts(self)

@@ -18,8 +18,8 @@ flyer would have if all its nodes were equally warm; Newton's method for systems
 """
 
 import math
-from collections.abc import Callable, Iterator
-from functools import partial, reduce
+from collections.abc import Iterator
+from functools import reduce
 
 import equinox as eqx
 import jax
@@ -45,7 +45,7 @@ from lightflyer.numerics.rootfind import (
 )
 from lightflyer.numerics.system import solve_system
 from lightflyer.program.entry_point import elementwise_entry_point
-from lightflyer.statics.equations import Balance, FlightEquations, energy_scale, imbalance, total
+from lightflyer.statics.equations import Balance, FlightEquations, total
 
 ENERGY_TOLERANCE = 1e-10  # Largest imbalance of a converged equilibrium, over the absorbed power
 
@@ -66,7 +66,6 @@ class Equilibrium(PrintedResult, eqx.Module):
     status: Numeric  #: Why the search ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         parts = zip(self.nodes, self.temperatures, strict=True)
         yield rows_of(
             {f"temperature of {node}": number_text(one, "K") for node, one in parts}
@@ -156,14 +155,13 @@ def equilibrium(
 
 
 def uniform_excess(
-    equations: FlightEquations,
-    losses: Callable[[tuple[Array, ...]], tuple[Array, ...]],
-    power: Array,
+    equations: FlightEquations, balance: Balance, power: Array
 ) -> tuple[Array, RootOutcome]:
     """Excess at which the flyer loses a power if all its nodes are equally warm."""
 
     def loss(excess: Array) -> Array:
-        return total(losses(equations.unknowns_at(excess)))
+        gas, own, _ = balance(*equations.unknowns_at(excess))
+        return total(gas + own)
 
     flyer, state = equations.flyer, equations.state
     dark = power == 0.0
@@ -188,52 +186,41 @@ def _stand_in(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
     return flyer.area * state.radiation.stefan_boltzmann * state.temperature**4
 
 
-def balance_solver(
-    equations: FlightEquations, shape: tuple[int, ...], guess: tuple[Array, ...] | None = None
-) -> Callable[[tuple[Array, ...]], tuple[tuple[Array, ...], RootOutcome]]:
-    """Make the function that finds the unknowns at which each node loses what it absorbs [W]."""
-    balance = equations.trace_balance(shape)
-    if equations.has_one_unknown:
-        return partial(_solve_one, equations, balance, shape)
-    return partial(_solve_several, equations, balance, guess)
+def imbalances(
+    balance: Balance, unknowns: tuple[Array, ...], powers: tuple[Array, ...]
+) -> tuple[Array, ...]:
+    """What vanishes where each node loses what it absorbs: heat over all powers, then flows [1]."""
+    size = total(tuple(jnp.abs(power) for power in powers))
+    scale = jnp.where(size == 0.0, 1.0, size)
+    gas, own, flows = balance(*unknowns)
+    parts = zip(gas, own, powers, strict=True)
+    return *((taken + given - power) / scale for taken, given, power in parts), *flows
 
 
-def _solve_one(
+def solve_balance(
     equations: FlightEquations,
     balance: Balance,
+    powers: tuple[Array, ...],
     shape: tuple[int, ...],
-    powers: tuple[Array, ...],
+    guess: tuple[Array, ...] | None = None,
 ) -> tuple[tuple[Array, ...], RootOutcome]:
-    (power,) = powers
+    """Unknowns at which each node loses what it absorbs; ``powers``: that [W]."""
 
-    def losses(unknowns: tuple[Array, ...]) -> tuple[Array, ...]:
-        return balance(*unknowns)[0]
+    def equation(unknowns: tuple[Array, ...]) -> tuple[Array, ...]:
+        return imbalances(balance, unknowns, powers)
 
-    excess, outcome = implicit_root(
-        lambda excess: losses((excess,))[0] - power,
-        lambda: uniform_excess(equations, losses, power),
-        shape,
-    )
-    return (excess,), outcome
+    def equally_warm() -> tuple[Array, RootOutcome]:
+        return uniform_excess(equations, balance, total(powers))
 
-
-def _solve_several(
-    equations: FlightEquations,
-    balance: Balance,
-    guess: tuple[Array, ...] | None,
-    powers: tuple[Array, ...],
-) -> tuple[tuple[Array, ...], RootOutcome]:
+    if equations.has_one_unknown:
+        excess, outcome = implicit_root(lambda one: equation((one,))[0], equally_warm, shape)
+        return (excess,), outcome
     flyer = equations.flyer
-
-    def of_one_temperature() -> tuple[Array, ...]:
-        excess, _ = uniform_excess(equations, lambda unknowns: balance(*unknowns)[0], total(powers))
-        return flyer.first_guess(equations.state, excess)
-
     # no temperature falls to absolute zero; flows have no such bound
     lower = (-1.0,) * len(flyer.nodes) + (-math.inf,) * len(flyer.flows)
     return solve_system(
-        lambda unknowns: imbalance(balance, unknowns, powers),
-        of_one_temperature if guess is None else guess,
+        equation,
+        guess or (lambda: flyer.first_guess(equations.state, equally_warm()[0])),
         lower=lower,
     )
 
@@ -244,15 +231,11 @@ def solve_equilibrium(equations: FlightEquations) -> Equilibrium:
     flyer, state = equations.flyer, equations.state
     powers = equations.powers(state.radiation.irradiance)
     nothing = equations.unknowns_at(jnp.zeros(()))
-    shape = jax.eval_shape(lambda: total(powers) + total(equations.losses(nothing)))
-    unknowns, outcome = balance_solver(equations, shape.shape)(powers)
-    gas, own = equations.heat_flows(unknowns)
-    imbalances = tuple(
-        power - taken - given for power, taken, given in zip(powers, gas, own, strict=True)
-    )
-    scale = energy_scale(powers)
-    flows = tuple(equations.model.flow_balance(flyer, state, unknowns))
-    worst = _furthest(tuple(imbalance / scale for imbalance in imbalances) + flows)
+    shape = jax.eval_shape(lambda: total(powers) + total(equations.losses(nothing))).shape
+    balance = equations.trace_balance(shape)
+    unknowns, outcome = solve_balance(equations, balance, powers, shape)
+    gas, own, _ = balance(*unknowns)
+    worst = _furthest(imbalances(balance, unknowns, powers))
     return Equilibrium(
         nodes=flyer.nodes,
         temperatures=tuple(

@@ -64,7 +64,6 @@ class Band(PrintedResult, eqx.Module):
     unit: str = eqx.field(static=True)  #: SI unit of the edges
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         traced = is_traced(self)
         if not (traced or np.any(self.exists)):
             yield "levitates nowhere in the searched range"

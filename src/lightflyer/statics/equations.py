@@ -33,8 +33,8 @@ def weight(flyer: AbstractFlyer, state: EnvironmentState) -> Numeric:
     return flyer.mass * state.gravity
 
 
-Balance: TypeAlias = Callable[..., tuple[tuple[Array, ...], tuple[Array, ...]]]
-"""Power that each node loses [W] and the equations of the flows [1], by the unknowns."""
+Balance: TypeAlias = Callable[..., tuple[tuple[Array, ...], ...]]
+"""By the unknowns: what each node loses to the gas and else [W], and the equations of flows [1]."""
 
 
 class FlightEquations(eqx.Module):
@@ -100,9 +100,9 @@ class FlightEquations(eqx.Module):
     def trace_balance(self, shape: tuple[int, ...]) -> Balance:
         """All but the powers of the equations, traced once for all who call it."""
 
-        def balance(*unknowns: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+        def balance(*unknowns: Array) -> tuple[tuple[Array, ...], ...]:
             flows = self.model.flow_balance(self.flyer, self.state, unknowns)
-            return self.losses(unknowns), tuple(flows)
+            return *self.heat_flows(unknowns), tuple(flows)
 
         traced = jax.jit(balance)
         return lambda *unknowns: traced(*(jnp.broadcast_to(one, shape) for one in unknowns))
@@ -128,19 +128,3 @@ class FlightEquations(eqx.Module):
 def total(parts: tuple[Numeric, ...]) -> Any:
     """Sum over the nodes."""
     return reduce(lambda one, other: one + other, parts)
-
-
-def energy_scale(powers: tuple[Array, ...]) -> Array:
-    """Size of the powers that an imbalance is measured by [W]; one where all are zero."""
-    size = total(tuple(jnp.abs(power) for power in powers))
-    return jnp.where(size == 0.0, 1.0, size)
-
-
-def imbalance(
-    balance: Balance, unknowns: tuple[Array, ...], powers: tuple[Array, ...]
-) -> tuple[Array, ...]:
-    """What vanishes where each node loses what it absorbs [1]."""
-    scale = energy_scale(powers)
-    losses, flows = balance(*unknowns)
-    heat = tuple((loss - power) / scale for loss, power in zip(losses, powers, strict=True))
-    return heat + flows

@@ -47,7 +47,6 @@ class Levitation(PrintedResult, eqx.Module):
     status: Numeric
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         yield rows_of(
             {
                 "irradiance to levitate": number_text(self.irradiance, "W/m²"),

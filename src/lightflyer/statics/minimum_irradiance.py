@@ -26,8 +26,8 @@ from lightflyer.numerics.rootfind import (
     power_step,
 )
 from lightflyer.numerics.system import implicit_system
-from lightflyer.statics.balance import balance_solver
-from lightflyer.statics.equations import FlightEquations, imbalance, total
+from lightflyer.statics.balance import imbalances, solve_balance
+from lightflyer.statics.equations import FlightEquations, total
 
 _DIMMEST = 1e-5  # light looked at after darkness, over the brightest
 _STEPS = 15  # in equal ratios from there to the brightest
@@ -109,7 +109,7 @@ def find_by_irradiance(equations: FlightEquations) -> LiftOff:
         *unknowns, way = point
         powers = equations.powers(way * top)
         push = equations.upward_force(tuple(unknowns)) / load - 1.0
-        return *imbalance(balance, tuple(unknowns), powers), jnp.where(held, way - share, push)
+        return *imbalances(balance, tuple(unknowns), powers), jnp.where(held, way - share, push)
 
     *rest, share = implicit_system(residual, (*found.unknowns, share))
     unknowns = tuple(rest)
@@ -135,10 +135,10 @@ def _force_in(
     guess: tuple[Array, ...],
 ) -> tuple[Array, Array, tuple[Array, ...]]:
     """Force in a light [N], its slope [N m²/W] and the unknowns; ``guess``: of those."""
-    solve = balance_solver(equations, shape, guess)
+    balance = equations.trace_balance(shape)
 
     def force(light: Array) -> tuple[Array, tuple[Array, ...]]:
-        unknowns, _ = solve(equations.powers(light))
+        unknowns, _ = solve_balance(equations, balance, equations.powers(light), shape, guess)
         return jnp.broadcast_to(equations.upward_force(unknowns), shape), unknowns
 
     found: tuple[Array, Array, tuple[Array, ...]] = jax.jvp(

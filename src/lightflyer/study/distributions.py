@@ -13,6 +13,7 @@ from lightflyer.uncertainty.correlation import Correlations, correlate
 
 SAMPLE = "sample"  # Dimension along which all distributions are drawn together
 
+SAMPLES = 1024  # of distributions, unless stated otherwise
 MOST_SAMPLES = 10_000_000
 """Most numbers along one dimension of a study: unlike its results they are kept in memory."""
 

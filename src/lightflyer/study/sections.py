@@ -9,7 +9,7 @@ from lightflyer.core.quantity import Duration
 from lightflyer.files.section import Section
 from lightflyer.files.toml_file import FileKind
 from lightflyer.files.validation_messages import format_error
-from lightflyer.study.distributions import METHODS, MOST_SAMPLES
+from lightflyer.study.distributions import METHODS, MOST_SAMPLES, SAMPLES
 
 _Count = Annotated[int, pydantic.Field(strict=True, ge=1, le=MOST_SAMPLES)]
 _Base = Annotated[int, pydantic.Field(strict=True, ge=1, le=2**18)]  # times the inputs, in memory
@@ -41,7 +41,7 @@ class SamplingSection(Section):
     """``[sampling]``: how the distributions of a study are drawn."""
 
     method: _Method = "sobol"  # type: ignore[valid-type]
-    points: _Count = 1024
+    points: _Count = SAMPLES
     seed: _Seed = 0
 
 
@@ -90,7 +90,7 @@ class SensitivitySection(Section):
     outputs: _Names = ("payload",)
     at: _Entries
     inputs: _Entries
-    points: _Base = 1024
+    points: _Base = SAMPLES
     seed: _Seed = 0
 
 

@@ -88,7 +88,6 @@ class PredictionUncertainty(PrintedResult):
         return plot_uncertainty(self, what, ax)
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.prediction.text import prediction_parts
         from lightflyer.uncertainty.text import band_parts
 

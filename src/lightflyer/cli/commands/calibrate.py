@@ -90,7 +90,7 @@ def calibrate_command(
         How figures are written.
     """
     out = figures.folder(out)
-    from lightflyer.calibration.calibration import calibrate
+    from lightflyer.calibration.fitting import calibrate
     from lightflyer.calibration.points import read_points
     from lightflyer.calibration.text import fit_parts
     from lightflyer.config.reader import read_flyer_file

@@ -14,7 +14,7 @@ from lightflyer.cli.lab.shared import quantities
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.files.result_text import warning_lines
+from lightflyer.files.result_text import table_of, warning_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -200,15 +200,15 @@ def _angles_json(by_angle: "AngularSummary") -> dict[str, Any]:
     """Averages by angle, as lists over the angles."""
     import numpy as np
 
-    from lightflyer.film.optics.angles import POLARISATIONS, table_of
+    from lightflyer.film.optics.angles import POLARISATIONS, shares_by_name
 
     def listed(values: Any) -> dict[str, Any]:
         return {name: values[row].tolist() for row, name in enumerate(POLARISATIONS)}
 
-    emittance = table_of(by_angle.thermal)["absorptance"]
+    emittance = shares_by_name(by_angle.thermal)["absorptance"]
     return {
         "angle_deg": np.degrees(by_angle.incidence).tolist(),
-        "light": {name: listed(values) for name, values in table_of(by_angle.lit).items()},
+        "light": {name: listed(values) for name, values in shares_by_name(by_angle.lit).items()},
         "emittance_top": {
             f"{temperature:g}": listed(emittance[..., number])
             for number, temperature in enumerate(by_angle.temperatures)
@@ -220,11 +220,12 @@ def _show_angles(console: Console, by_angle: "AngularSummary") -> None:
     """Print shares of the light, and the emittance at one temperature, by angle."""
     import numpy as np
 
-    from lightflyer.film.optics.angles import table_of
+    from lightflyer.film.optics.angles import shares_by_name
 
     number = int(np.argmin(abs(by_angle.temperatures - _SHOWN_TEMPERATURE)))
     shown = f"{by_angle.temperatures[number]:g} K"
-    light, heat = table_of(by_angle.lit), table_of(by_angle.thermal)["absorptance"][..., number]
+    light = shares_by_name(by_angle.lit)
+    heat = shares_by_name(by_angle.thermal)["absorptance"][..., number]
     columns = [light["reflectance"], light["transmittance"], light["absorptance"], heat]
     heads = ("angle\n[deg]", *(f"{name}\ns / p / mean" for name in
              ("reflectance", "transmittance", "absorptance", f"emittance, {shown}")))  # fmt: skip
@@ -313,10 +314,7 @@ def _bound_text(mean: Any) -> str:
 
 
 def _table(title: str, headings: Sequence[str]) -> Table:
-    table = Table(box=None, padding=(0, 1), title=title, title_justify="left", title_style="")
-    for heading in headings:
-        table.add_column(heading, justify="right")
-    return table
+    return table_of(headings, left=(), title=title, title_style="")
 
 
 def _emittances(summary: "FilmSummary") -> Table:

@@ -26,7 +26,6 @@ class Template(NamedTuple):
         return self.source.startswith(_PREFIX)
 
     def read(self) -> str:
-        """The text."""
         folder = resources.files("lightflyer") / "data"
         text = (folder / self.source).read_text(encoding="utf-8")
         for before, after in self.changes:
@@ -65,13 +64,7 @@ _LADEN = (
 
 
 def templates() -> dict[str, Template]:
-    """Commented files that come with the package.
-
-    Returns
-    -------
-    dict of str to Template
-        By kind: flyer files, such as ``"earth"`` for ``data/flyer-earth.toml``, and others.
-    """
+    """Commented files that come with the package, by kind, such as ``"earth"``."""
     names = (entry.name for entry in (resources.files("lightflyer") / "data").iterdir())
     flyers = {
         name.removeprefix(_PREFIX).removesuffix(_SUFFIX): Template(

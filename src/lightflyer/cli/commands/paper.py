@@ -34,7 +34,7 @@ def paper_command(
     results = reproduce(out, points, formats=figures.endings, dpi=figures.dpi, style=figures.style)
     rows = [
         (str(claim.number), claim.text, str(claim.overall(results.columns)),
-         ", ".join(claim.reproducing(results.columns)))
+         ", ".join(claim.reproducers(results.columns)))
         for claim in claims()
     ]  # fmt: skip
     console.print(table_of(("#", "claim", "verdict", "by"), rows, left=(1, 2, 3)))

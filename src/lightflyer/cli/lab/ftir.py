@@ -15,7 +15,7 @@ from lightflyer.cli.lab.shared import (
     quantities,
     quantity,
     rejected_parts,
-    updating,
+    updater,
 )
 from lightflyer.cli.options import Json, only_with
 from lightflyer.core.errors import ConfigurationError
@@ -143,7 +143,7 @@ def ftir_command(
         "ftir", document, to_dataset(result), draw,
         [*_read_parts([*spectra, *mirrors]), *ftir_parts(result), *warning_lines(warnings)],
         out=out, figures=figures, json_output=json_output,
-        update=updating(update, values, "ftir", sources, insist=insist),
+        update=updater(update, values, "ftir", sources, insist=insist),
     )  # fmt: skip
 
 

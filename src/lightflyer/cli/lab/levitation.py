@@ -15,7 +15,7 @@ from lightflyer.cli.lab.shared import (
     quantity,
     read_parts,
     read_summary,
-    updating,
+    updater,
 )
 from lightflyer.cli.options import Json, Seed, only_with
 from lightflyer.core.errors import ConfigurationError
@@ -138,7 +138,7 @@ def levitation_command(
             *(() if fit is None else fit_parts(fit)), *warning_lines(document["warnings"]),
         ],
         out=out, figures=figures, json_output=json_output,
-        update=updating(update, values, "levitation", files, insist=insist),
+        update=updater(update, values, "levitation", files, insist=insist),
     )  # fmt: skip
 
 

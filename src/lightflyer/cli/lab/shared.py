@@ -36,10 +36,10 @@ _SHOWN_REJECTED = 10
 
 def quantity(option: str, text: str, unit: str) -> "Measured":
     """Value of an option such as ``--diameter "24 mm"``; ``unit``: SI unit of the value."""
-    from lightflyer.core.units import parse
+    from lightflyer.core.units import number_or_text, parse
 
     try:
-        return parse(text if unit else _number_or_text(text), unit, _USUAL.get(option, ""))
+        return parse(text if unit else number_or_text(text), unit, _USUAL.get(option, ""))
     except ConfigurationError as error:
         raise ConfigurationError(f"{option}: {error}") from None
 
@@ -79,13 +79,6 @@ def share(option: str, text: str) -> float:
 def optional_share(option: str, text: str | None) -> float | None:
     """The same of an option without a default, None where it is not given [1]."""
     return None if text is None else share(option, text)
-
-
-def _number_or_text(text: str) -> str | float:
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def read_summary(tables: Sequence["LabTable"]) -> list[dict[str, Any]]:
@@ -156,7 +149,7 @@ def deliver(
     show(console, updated)
 
 
-def updating(
+def updater(
     flyer: Path | None,
     values: "Mapping[tuple[str, str], Estimate]",
     name: str,

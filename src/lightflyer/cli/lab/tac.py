@@ -15,7 +15,7 @@ from lightflyer.cli.lab.shared import (
     read_parts,
     read_summary,
     share,
-    updating,
+    updater,
 )
 from lightflyer.cli.options import Json, only_with
 from lightflyer.core.errors import ConfigurationError
@@ -164,7 +164,7 @@ def tac_command(
         "tac", document, tac_record.to_dataset(fits, warnings), draw,
         [*read_parts(run.table for run in runs), *parts, *warning_lines(warnings)],
         out=out, figures=figures, json_output=json_output,
-        update=updating(update, values, f"tac, {reading} reading, in {gas}", files, insist=insist),
+        update=updater(update, values, f"tac, {reading} reading, in {gas}", files, insist=insist),
     )  # fmt: skip
 
 

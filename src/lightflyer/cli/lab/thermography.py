@@ -14,7 +14,7 @@ from lightflyer.cli.lab.shared import (
     read_parts,
     read_summary,
     share,
-    updating,
+    updater,
 )
 from lightflyer.cli.options import Json, Seed, only_with
 from lightflyer.core.errors import ConfigurationError
@@ -164,7 +164,7 @@ def thermography_command(
         "thermography", document, thermography.to_dataset(result, [str(f) for f in files]), draw,
         [*read_parts(tables), *about, *result.text_parts()],
         out=out, figures=figures, json_output=json_output,
-        update=updating(update, values, f"thermography, {result.meaning}", files, insist=insist),
+        update=updater(update, values, f"thermography, {result.meaning}", files, insist=insist),
     )  # fmt: skip
 
 

@@ -34,8 +34,6 @@ _NAMES = {
 
 
 class _Field(eqx.Module):
-    """A quantity on a grid."""
-
     values: Any  # shape (t, y, x)
     time: Axis  # [s], [rad], [rad]
     latitude: Axis  # [s], [rad], [rad]
@@ -116,7 +114,7 @@ class GriddedGround(AbstractGround):
         return _field_at(field, place)
 
     def margins(self, place: Place) -> dict[str, Numeric]:
-        """See :meth:`AbstractGround.margins`: seconds to the first and to the last date."""
+        """Seconds to the first and to the last date."""
         found: dict[str, Numeric] = {}
         for name, field in (("albedo", self.albedo), ("infrared", self.infrared)):
             if field is not None and field.ends is not None:

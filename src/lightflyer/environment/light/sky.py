@@ -105,7 +105,6 @@ class Daylight(AbstractSky, Checked):
         return replace(self, sun=TabulatedSun(self.sun, self.planet.rotation_rate, start, stop))
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
-        """See :meth:`AbstractSky.margins`: those of the ground."""
         return self.ground.margins(place)
 
     def depression(self, altitude: Altitude, place: Place, sun: SunInSky) -> Array:

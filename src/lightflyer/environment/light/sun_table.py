@@ -65,7 +65,7 @@ class TabulatedSun(AbstractSun):
         self.coefficients = np.moveaxis(spline.c, 0, 1)  # of each piece, highest power first
 
     def position(self, time: Numeric) -> SunPosition:
-        """See :meth:`AbstractSun.position`; NaN outside the table."""
+        """Position of the sun; NaN outside the table."""
         return _position(self, time)
 
 

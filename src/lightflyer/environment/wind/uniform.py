@@ -72,7 +72,6 @@ class SumOfWinds(AbstractWind):
         return _sum(tuple(wind.velocity(altitude, place) for wind in self.winds))
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
-        """See :meth:`AbstractWind.margins`: those of all."""
         return {
             name: margin
             for wind in self.winds
@@ -80,7 +79,6 @@ class SumOfWinds(AbstractWind):
         }
 
     def describe(self) -> tuple[str, ...]:
-        """See :meth:`AbstractWind.describe`: one after another."""
         return tuple(text for wind in self.winds for text in wind.describe())
 
 

@@ -21,9 +21,7 @@ class Compound(Medium):
     if TYPE_CHECKING:
 
         @property
-        def parts(self) -> tuple[Medium, ...]:
-            """The media."""
-            ...
+        def parts(self) -> tuple[Medium, ...]: ...
 
     else:
         parts: eqx.AbstractVar[tuple[Medium, ...]]
@@ -49,7 +47,6 @@ class Compound(Medium):
         return eqx.tree_at(lambda one: getattr(one, name), self, value, is_leaf=_is_none)
 
     def with_extrapolation(self, policy: Extrapolation | str) -> Any:
-        """See :meth:`Medium.with_extrapolation`; it is that of all parts."""
         return self._with_field(
             "parts", tuple(part.with_extrapolation(policy) for part in self.parts)
         )

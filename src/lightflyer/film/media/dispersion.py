@@ -257,7 +257,7 @@ class Formula(Medium):
 
     @property
     def diagnostics(self) -> tuple[str, ...]:
-        """See :attr:`Medium.diagnostics`: a formula without a range or without absorption."""
+        """Warns of a formula without a range or without absorption."""
         found = []
         if self.wavelength_range == (0.0, np.inf):
             found.append(

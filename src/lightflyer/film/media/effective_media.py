@@ -5,14 +5,13 @@ A mixture of parts with permittivities :math:`\varepsilon_i=(n_i+ik_i)^2` and vo
 :math:`\varepsilon`. Which one depends on the arrangement of the parts.
 """
 
-import enum
 from collections.abc import Callable
 from typing import TypeAlias
 
 import jax.numpy as jnp
 from jax import Array, lax
 
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.checks import Choice
 from lightflyer.core.types import Numeric
 from lightflyer.film.media.pairs import Pair, multiply_real, over, plus, root, sum_first_axis, times
 from lightflyer.program.entry_point import entry_point
@@ -174,7 +173,7 @@ def series(
     return _index(over((jnp.ones_like(inverse[0]), jnp.zeros_like(inverse[0])), inverse))
 
 
-class Rule(enum.StrEnum):
+class Rule(Choice):
     """Law of a mixture by its name in a flyer file."""
 
     BRUGGEMAN = "bruggeman"
@@ -182,23 +181,13 @@ class Rule(enum.StrEnum):
     PARALLEL = "parallel"
     SERIES = "series"
 
-    @classmethod
-    def of(cls, name: "Rule | str") -> "Rule":
-        """The rule of a name."""
-        try:
-            return cls(name)
-        except ValueError:
-            raise ParameterError(
-                f'rule "{name}" is unknown; choose from {", ".join(cls)}'
-            ) from None
-
     @property
     def law(self) -> Law:
         """Its function."""
         return _LAWS[self]
 
 
-class Shape(enum.StrEnum):
+class Shape(Choice):
     """Shape and orientation of grains, by its name in a flyer file."""
 
     SPHERES = "spheres"
@@ -218,16 +207,6 @@ class Shape(enum.StrEnum):
     def is_isotropic(self) -> bool:
         """Whether a mixture of such grains is the same in all directions."""
         return self in (Shape.SPHERES, Shape.NEEDLES)
-
-    @classmethod
-    def of(cls, name: "Shape | str") -> "Shape":
-        """The shape of a name."""
-        try:
-            return cls(name)
-        except ValueError:
-            raise ParameterError(
-                f'shape "{name}" is unknown; choose from {", ".join(cls)}'
-            ) from None
 
 
 _FACTORS: dict[Shape, tuple[float, ...]] = {

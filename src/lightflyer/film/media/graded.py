@@ -94,7 +94,7 @@ class Graded(Compound):
 
     @property
     def diagnostics(self) -> tuple[str, ...]:
-        """See :attr:`Medium.diagnostics`: those of the mixtures at both ends."""
+        """Warnings of the mixtures at both ends."""
         return tuple(dict.fromkeys((*self._at(0.0).diagnostics, *self._at(1.0).diagnostics)))
 
 

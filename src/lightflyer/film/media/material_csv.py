@@ -11,7 +11,7 @@ from lightflyer.core.constants import PLANCK, SPEED_OF_LIGHT
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.files.encoding import plain_text, read_bytes
-from lightflyer.files.table import Table, read_table, table_of
+from lightflyer.files.table import Table, read_columns, read_table
 from lightflyer.files.table_file import Lines, read_lines
 from lightflyer.files.table_layout import Column
 
@@ -172,7 +172,7 @@ def _blocks(path: Path) -> list[Lines]:
 def _join(path: Path, *blocks: Lines) -> Indices:
     """Values of two blocks over the wavelengths that both cover."""
     tables = [
-        table_of(block, (_BLOCK_WAVELENGTH, column))
+        read_columns(block, (_BLOCK_WAVELENGTH, column))
         for block, column in zip(blocks, (_N, _K), strict=True)
     ]
     curves = [

@@ -88,7 +88,7 @@ class Material(Medium):
 
     @property
     def diagnostics(self) -> tuple[str, ...]:
-        """See :attr:`Medium.diagnostics`: gaps between sources, an unusual temperature, remarks."""
+        """Warns of gaps between sources and an unusual temperature, and repeats remarks."""
         gaps = (
             f"{self.name} has no optical data from {gap[0] / MICROMETRE:.4g} µm to "
             f"{gap[1] / MICROMETRE:.4g} µm; n and k are linear between these"
@@ -115,7 +115,7 @@ class Material(Medium):
         return (f"{self.name}: {self.extrapolation} beyond {self.describe_range(named=False)}",)
 
     def index(self, wavelength: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """See :meth:`Medium.index`; always NumPy arrays."""
+        """Index and extinction as NumPy arrays."""
         wavelength = np.asarray(wavelength, float)
         if self.extrapolation is Extrapolation.ERROR:
             require_covered(self, wavelength)

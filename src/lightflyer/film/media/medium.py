@@ -6,13 +6,13 @@ parameters are its leaves: films are then differentiable in them and fits can fr
 """
 
 import abc
-import enum
 from typing import TYPE_CHECKING
 
 import equinox as eqx
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lightflyer.core.checks import Choice
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
 
@@ -21,7 +21,7 @@ MICROMETRE = 1e-6
 _RANGE_TOLERANCE = 1e-9  # relative: rounding of a unit conversion is not an extrapolation
 
 
-class Extrapolation(enum.StrEnum):
+class Extrapolation(Choice):
     """Policy of a medium outside the wavelengths of its data.
 
     Comparing results of HOLD and LOSSLESS shows how much they depend on the extrapolation.
@@ -33,17 +33,6 @@ class Extrapolation(enum.StrEnum):
     """Keep n and k of the nearest wavelength with data."""
     LOSSLESS = "lossless"
     """Keep n of the nearest wavelength with data and set k to zero."""
-
-    @classmethod
-    def of(cls, policy: "Extrapolation | str") -> "Extrapolation":
-        """The policy of a name."""
-        try:
-            return cls(policy)
-        except ValueError:
-            names = ", ".join(cls)
-            raise ParameterError(
-                f'extrapolation "{policy}" is unknown; choose from {names}'
-            ) from None
 
 
 class Medium(eqx.Module):

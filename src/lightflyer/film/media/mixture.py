@@ -156,7 +156,7 @@ class Mixture(Compound):
 
     @property
     def diagnostics(self) -> tuple[str, ...]:
-        """See :attr:`Medium.diagnostics`: those of the parts, and where the rule does not hold."""
+        """Warnings of the parts, and where the rule does not hold."""
         found = [text for part in self.parts for text in part.diagnostics]
         if self.rule is Rule.MAXWELL_GARNETT and is_concrete(self.fractions):
             share = float(np.sum(self.fractions))

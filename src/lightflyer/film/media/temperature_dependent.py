@@ -85,7 +85,7 @@ class TemperatureDependentMedium(Compound):
 
     @property
     def diagnostics(self) -> tuple[str, ...]:
-        """See :attr:`Medium.diagnostics`: the temperature, and those of the parts."""
+        """Warns of the temperature, and repeats what the parts warn of."""
         at = f"{float(self.temperature):g} K" if is_concrete(self.temperature) else "a temperature"
         tables = ", ".join(f"{one:g}" for one in self.temperatures)
         own = f"{self.name} has n and k at {at}, linear between tables at {tables} K"

@@ -157,6 +157,6 @@ def with_mean(share: Numeric) -> np.ndarray:
     return np.concatenate([values, values.mean(axis=0, keepdims=True)])
 
 
-def table_of(shares: DirectionalShares) -> dict[str, Any]:
+def shares_by_name(shares: DirectionalShares) -> dict[str, Any]:
     """Shares by name with the mean of the polarisations."""
     return {name: with_mean(value) for name, value in shares._asdict().items()}

@@ -70,7 +70,6 @@ class Sheets(NamedTuple):
         return self.decay * cosine, self.decay * sine
 
     def cut(self, start: int, stop: int) -> "Sheets":
-        """Some of the layers."""
         found: Sheets = jax.tree.map(lambda one: one[start:stop], self)
         return found
 

@@ -67,7 +67,7 @@ def light_grid(film: Film, spectrum: Spectrum, incidence: Numeric, diffuse: bool
     """Grid of an absorptance: the wavelengths of the light's table; with one spectrum."""
     wavelength, weight = spectrum.between(*film.covered_range)
     beam = jnp.cos(incidence) if is_traced(incidence) else np.cos(incidence)
-    cosine, share = _hemisphere() if diffuse else (beam, 1.0)
+    cosine, share = hemisphere() if diffuse else (beam, 1.0)
     return Grid(wavelength, weight[None], cosine, share)
 
 
@@ -89,13 +89,13 @@ def thermal_grid(
             f"{shortest / MICROMETRE:.4g} µm and {longest / MICROMETRE:.4g} µm, where the film's "
             "materials have data"
         )
-    cosine, share = (1.0, 1.0) if normal else _hemisphere()
+    cosine, share = (1.0, 1.0) if normal else hemisphere()
     return Grid(wavelength, weight, cosine, share)
 
 
-def _hemisphere() -> tuple[np.ndarray, np.ndarray]:
+def hemisphere(directions: int = DIRECTIONS) -> tuple[np.ndarray, np.ndarray]:
     """Cosines and weights of the mean over a half-space, ``2 μ dμ``."""
-    nodes, weights = np.polynomial.legendre.leggauss(DIRECTIONS)
+    nodes, weights = np.polynomial.legendre.leggauss(directions)
     cosine = 0.5 * (nodes + 1.0)
     return cosine, weights * cosine
 

@@ -13,7 +13,13 @@ from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
-from lightflyer.film.optics.integration import POINTS_PER_E_FOLD, Grid, light_grid, thermal_grid
+from lightflyer.film.optics.integration import (
+    POINTS_PER_E_FOLD,
+    Grid,
+    hemisphere,
+    light_grid,
+    thermal_grid,
+)
 from lightflyer.film.optics.spectra import Spectrum, am0
 from lightflyer.film.optics.stack import GRAZING, Film
 from lightflyer.film.optics.transfer_matrix import transfer
@@ -72,7 +78,6 @@ class ThicknessSurrogate(eqx.Module):
     def of(
         cls, film: Film, spectrum: Spectrum | None = None, *, layers: int = 0
     ) -> "ThicknessSurrogate":
-        """The family of a film."""
         film = film.homogeneous()
         light = light_grid(film, am0() if spectrum is None else spectrum, 0.0, diffuse=False)
         heat = thermal_grid(
@@ -94,7 +99,7 @@ class ThicknessSurrogate(eqx.Module):
             jnp.concatenate([one, other], axis=-1)
             for one, other in zip(light.optics, heat.optics, strict=True)
         )
-        cosine, share = _hemisphere()
+        cosine, share = hemisphere(DIRECTIONS)
         # both faces at once: the second half of each array is the film upside down
         n, k, depth = (jnp.stack([part, part[::-1]], axis=1) for part in (n, k, thickness[:, None]))
         absorbed, through = _shares(n, k, depth, wavelength, cosine, share)
@@ -147,13 +152,6 @@ def _pad(sampled: Sampled, missing: int) -> Sampled:
 
 def _curve(values: Array) -> EmittanceCurve:
     return EmittanceCurve.through(jnp.maximum(values, _LEAST_EMITTANCE))
-
-
-def _hemisphere() -> tuple[np.ndarray, np.ndarray]:
-    """Cosines and weights of the mean over a half-space, ``2 μ dμ``."""
-    nodes, weights = np.polynomial.legendre.leggauss(DIRECTIONS)
-    cosine = 0.5 * (nodes + 1.0)
-    return cosine, weights * cosine
 
 
 def _choose(n: np.ndarray, k: np.ndarray, grid: Grid, points: int) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 import lightflyer
 from lightflyer.film.media.medium import MICROMETRE
-from lightflyer.film.optics.angles import POLARISATIONS, DirectionalShares, table_of
+from lightflyer.film.optics.angles import POLARISATIONS, DirectionalShares, shares_by_name
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +33,7 @@ def to_dataset(summary: "AngularSummary") -> "xr.Dataset":
     variables = {
         f"{prefix}{name}": (dims, values, {"units": "1", "long_name": f"{name}{about}"})
         for prefix, about, dims, shares in groups
-        for name, values in table_of(shares).items()
+        for name, values in shares_by_name(shares).items()
     }
     angle = {"units": "degree", "long_name": "angle between the rays and the film's normal"}
     return xr.Dataset(
@@ -60,10 +60,10 @@ def to_dataset(summary: "AngularSummary") -> "xr.Dataset":
 
 def write_csv(summary: "AngularSummary", path: Path) -> None:
     """Write the averages, one row an angle, polarisation and spectrum."""
-    spectra = [(summary.light.name, table_of(summary.lit))]
+    spectra = [(summary.light.name, shares_by_name(summary.lit))]
     for number, temperature in enumerate(summary.temperatures):
         shares = DirectionalShares(*(part[..., number] for part in summary.thermal))
-        spectra.append((f"black body {temperature:g} K", table_of(shares)))
+        spectra.append((f"black body {temperature:g} K", shares_by_name(shares)))
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["spectrum", "angle [deg]", "polarisation",
@@ -77,7 +77,7 @@ def write_csv(summary: "AngularSummary", path: Path) -> None:
 
 def write_spectral_csv(summary: "AngularSummary", path: Path) -> None:
     """Write the spectra, one row a wavelength, angle and polarisation."""
-    table = table_of(summary.spectral_shares)
+    table = shares_by_name(summary.spectral_shares)
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["wavelength [um]", "angle [deg]", "polarisation",

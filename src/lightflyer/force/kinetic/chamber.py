@@ -111,11 +111,11 @@ class SolidWalls(NamedTuple):
     lift: Numeric  # Push on a disk of like faces [p A per unit of the disk's T/T_c − 1]
 
     def force_ratio(self, opened: Numeric) -> Numeric:
-        """As of :class:`Reservoir`."""
+        """Force over that of free molecules [1]; ``opened``: in open space."""
         return resistance_ratio(opened, self.force_kept)
 
     def heat_ratio(self, opened: Numeric) -> Numeric:
-        """As of :class:`Reservoir`."""
+        """Heat over that of free molecules [1]; ``opened``: in open space."""
         return resistance_ratio(opened, self.heat_kept)
 
     def push(self, disk: Disk, state: EnvironmentState, excess: Numeric) -> Numeric:
@@ -127,7 +127,7 @@ class SolidWalls(NamedTuple):
 
     @property
     def force_error(self) -> float:
-        """As of :class:`Reservoir`."""
+        """Relative standard error of the force, besides that in open space [1]."""
         return FORCE_ERROR
 
 

@@ -15,13 +15,12 @@ hold at finite temperature differences is shown by direct simulation: see
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic.ratios import heating_of
@@ -52,12 +51,6 @@ MODEL_HEAT_ERROR = 0.0035
 
 HEATED_RANGE = (0.5, 3.5)
 """:math:`T_h/T_c` between which factors change with it [1]: that of the model equation's table."""
-
-
-def require_collisions(collisions: str) -> None:
-    """Raise :class:`ParameterError` unless a choice is one."""
-    if collisions not in get_args(Collisions):
-        raise ParameterError(f"collisions must be one of {', '.join(get_args(Collisions))}")
 
 
 class Heated(NamedTuple):

@@ -1,7 +1,7 @@
 """The kinetic model of a thin disk: what it makes of its table."""
 
 import math
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -30,14 +30,12 @@ from lightflyer.force.kinetic.collisions import (
     HeatedGas,
     force_error,
     heat_error,
-    require_collisions,
     with_collisions,
 )
 from lightflyer.force.kinetic.local_balance import (
     FilmBalance,
     RemainingShares,
     local_balance_fit,
-    require_film_balance,
 )
 from lightflyer.force.kinetic.ratios import KineticFit, heating_of
 from lightflyer.force.kinetic.table import GASES
@@ -92,10 +90,6 @@ class KineticDisk(AbstractForceModel):
     def __check_init__(self) -> None:
         super().__check_init__()
         require_walls(self.walls)
-        require_film_balance(self.film_balance)
-        require_collisions(self.collisions)
-        if self.polyatomic not in get_args(Polyatomic):
-            raise ParameterError(f"polyatomic must be one of {', '.join(get_args(Polyatomic))}")
 
     @property
     def walls(self) -> Walls:
@@ -114,7 +108,7 @@ class KineticDisk(AbstractForceModel):
             )
 
     def pushes_unheated(self, flyer: Disk, state: EnvironmentState) -> bool:
-        """See :meth:`AbstractForceModel.pushes_unheated`: a disk over a warm floor is."""
+        """A disk over a warm floor is pushed."""
         del flyer
         return state.floor_excess is not None
 

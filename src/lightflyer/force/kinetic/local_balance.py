@@ -17,13 +17,12 @@ large differences and with radiation.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
 from lightflyer.environment.base import EnvironmentState
@@ -41,13 +40,6 @@ _KNUDSEN_0 = 0.062
 _POWERS = [(0,), (1,), (2,), (3,)]
 _HELD = "the table of films that balance their heat locally ends there, and what it says is held"
 _LEAST = 1e-5  # shares that meshes resolve [1]
-
-
-def require_film_balance(balance: str) -> None:
-    """Raise :class:`ParameterError` unless a choice is one."""
-    known = get_args(FilmBalance)
-    if balance not in known:
-        raise ParameterError(f'film_balance = "{balance}" is not one of {", ".join(known)}')
 
 
 class RemainingShares(NamedTuple):

@@ -160,13 +160,13 @@ class Kinetic(AbstractForceModel):
         return self.model_of(flyer).force(flyer, state, unknowns)
 
     def pushes_unheated(self, flyer: Any, state: EnvironmentState) -> bool:
-        """See :meth:`AbstractForceModel.pushes_unheated`: a disk over a warm floor is."""
+        """A disk over a warm floor is pushed."""
         return self.model_of(flyer).pushes_unheated(flyer, state)
 
     def diagnostics(
         self, flyer: Any, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
-        """See :meth:`AbstractForceModel.diagnostics`; options of the other model have no effect."""
+        """Warns of options that have no effect."""
         model = self.model_of(flyer)
         found = model.diagnostics(flyer, state, temperature)
         idle = {"polyatomic": self.polyatomic != "refused" and state.gas.molecules != "polyatomic"}

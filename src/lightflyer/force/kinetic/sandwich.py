@@ -18,7 +18,6 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.kinetic.collisions import (
     Collisions,
     HeatedGas,
-    require_collisions,
     with_collisions,
 )
 from lightflyer.force.kinetic.disk import HELD, WALL, viscosity_exponent
@@ -34,7 +33,6 @@ from lightflyer.force.laws.membrane_transmission import (
     MembraneTransmission,
     Transmission,
     passage,
-    require_transmission,
 )
 from lightflyer.force.membranes.sandwich import (
     between_membranes,
@@ -66,11 +64,6 @@ class KineticSandwich(AbstractForceModel):
     heat_error: StandardErrors | None
     transmission: Transmission = eqx.field(static=True)
     collisions: Collisions = eqx.field(static=True)
-
-    def __check_init__(self) -> None:
-        super().__check_init__()
-        require_transmission(self.transmission)
-        require_collisions(self.collisions)
 
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
         del flyer

@@ -78,11 +78,11 @@ class ChannelShape(abc.ABC):
 
     @abc.abstractmethod
     def coefficients(self, rarefaction: Numeric, length: Numeric | None) -> Coefficients:
-        """See :func:`channel_coefficients`."""
+        """Poiseuille and thermal-creep coefficients [1]; ``length``: over the :attr:`size`."""
 
     @abc.abstractmethod
     def direct_share(self, length: Numeric) -> Array:
-        """See :func:`direct_share`."""
+        """Share of straight paths through the mouth that do not meet the wall [1]."""
 
 
 class _Slot(ChannelShape):

@@ -15,24 +15,16 @@ energy on a membrane. Two limits are known:
   those arriving, :math:`\beta/(2-\beta)` pass, most of them after meeting an inner face.
 """
 
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.force.laws.gap import accommodation_between
 
 Transmission = Literal["aligned", "wide"]
 """How the holes and the gap of a sandwich let molecules pass."""
-
-
-def require_transmission(value: str) -> None:
-    """Raise unless a value is a way of transmission."""
-    allowed = get_args(Transmission)
-    if value not in allowed:
-        raise ParameterError(f'transmission = "{value}" is not {" or ".join(allowed)}')
 
 
 class MembraneTransmission(NamedTuple):

@@ -20,7 +20,6 @@ from lightflyer.force.laws.membrane_transmission import (
     MembraneTransmission,
     Transmission,
     passage,
-    require_transmission,
 )
 from lightflyer.force.membranes.sandwich import (
     between_membranes,
@@ -128,10 +127,6 @@ class Schafer2025(AbstractForceModel):
 
     transmission: Transmission = eqx.field(static=True, default="aligned")
     force_error: StandardErrors | None = None
-
-    def __check_init__(self) -> None:
-        super().__check_init__()
-        require_transmission(self.transmission)
 
     @entry_point
     def heat_loss(

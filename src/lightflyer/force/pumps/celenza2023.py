@@ -41,11 +41,10 @@ class Celenza2023(AbstractHollowModel):
 
     @property
     def corrections(self) -> Corrections:
-        """See :attr:`AbstractHollowModel.corrections`: none."""
         return AS_PUBLISHED
 
     def require_gas(self, gas: AbstractGas) -> None:
-        """See :meth:`AbstractForceModel.require_gas`: air of whatever correlations."""
+        """Refuses all but air."""
         super().require_gas(gas)
         require_air("Celenza2023", gas)
 

@@ -90,7 +90,7 @@ class HollowPump(AbstractHollowModel):
     heat_error: StandardErrors | None = None
 
     def require_gas(self, gas: AbstractGas) -> None:
-        """See :meth:`AbstractForceModel.require_gas`: air alone without ``gas_properties``."""
+        """Refuses all but air without ``gas_properties``."""
         super().require_gas(gas)
         if not self.gas_properties:
             require_air("HollowPump with gas_properties off", gas)

@@ -24,6 +24,8 @@ FINE = Resolution(5, 1.0, Quadrature(6, 6, 4))
 MEDIUM = Resolution(4, 1.0, Quadrature(6, 4, 3))
 COARSE = Resolution(3, 1.0, Quadrature(4, 4, 3))
 
+_TOLERANCE = 3e-7  # of the non-linear equation, relative
+
 
 def meshes(*, linear: bool) -> tuple[Resolution, Resolution]:
     """The mesh of a result, and the coarser one for its error."""
@@ -95,18 +97,16 @@ def solve_chamber_case(
     resolution: Resolution,
     *,
     halves: tuple[HalfOperator, HalfOperator] | None = None,
-    tolerance: float = 3e-7,
-    start: np.ndarray | None = None,
 ) -> ChamberOutcome:
     """Solve a case on one mesh."""
     halves = assemble_case(case, resolution) if halves is None else halves
     system = ChamberSystem(halves, case.gas, case.chamber, case.film)
-    x, iterations = (system.solve() if start is None or case.linear else start), 1
+    x, iterations = system.solve(), 1
     if case.linear:
         totals, loss = system.totals(x), system.film_loss[0] @ x + system.film_loss[1]
     else:
         problem = HotChamber(system, case.rarefaction, resolution.quadrature)
-        x, arrivals, iterations = problem.solve(x, tolerance)
+        x, arrivals, iterations = problem.solve(x, _TOLERANCE)
         totals, loss = problem.totals(x, arrivals), problem.film_loss(x, arrivals)
     if not np.isfinite(totals.force):
         raise ConvergenceError("the kinetic equation gave no finite force")

@@ -54,7 +54,6 @@ class Layout:
         return self._after_gas(half, self.e, self.e)
 
     def wall_sigma(self, half: int) -> slice:
-        """σ of the walls."""
         return self._after_gas(half, 2 * self.e, self.w)
 
     def wall_temperature(self, half: int) -> slice:

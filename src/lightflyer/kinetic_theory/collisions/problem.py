@@ -106,11 +106,11 @@ class MolecularProblem:
         """Moments that follow from given ones and the walls."""
         sources, result = self._sources(fields), np.empty(self.size)
         for face in (0, 1):
-            half = self._half(sources, walls, face, self.arriving(sources, face))
+            half = self._half(sources, walls, face, self.arriving_fluxes(sources, face))
             arrival.evaluate(self.nodes, False, *self.arguments, half, result[face])
         return result @ self.components.orthonormal.T
 
-    def arriving(self, sources: np.ndarray, face: int) -> np.ndarray:
+    def arriving_fluxes(self, sources: np.ndarray, face: int) -> np.ndarray:
         """Fluxes that arrive at a face, shape (e, 4)."""
         e = self.faces.shape[0]
         fluxes, unused = np.empty((e, arrival.FLUXES)), np.zeros(e)
@@ -122,7 +122,7 @@ class MolecularProblem:
         """Pressure on the top and bottom face and heat flux out of them."""
         sources = self._sources(fields)
         return [
-            result_of_arriving(self.model, walls, self.arriving(sources, face), face)
+            result_of_arriving(self.model, walls, self.arriving_fluxes(sources, face), face)
             for face in (0, 1)
         ]
 

@@ -30,7 +30,6 @@ class Resolution:
     quadrature: Quadrature
 
     def mesh(self, rarefaction: float, boundary: float) -> Mesh:
-        """Mesh at a rarefaction."""
         return build_mesh(
             rarefaction, boundary=boundary, order=self.order, refinement=self.refinement
         )
@@ -42,6 +41,7 @@ FINE = Resolution(5, 1.0, Quadrature(6, 6, 5))
 MEDIUM = Resolution(5, 0.7, Quadrature(4, 4, 4))
 COARSE = Resolution(4, 0.7, Quadrature(3, 3, 3))
 
+_TOLERANCE = 1e-6  # of the non-linear equation, relative
 _THIN = 0.3
 """Knudsen number above which the medium mesh is accurate to 2·10⁻⁴: the fine one is not needed."""
 
@@ -101,7 +101,6 @@ def solve_case(
     case: Case,
     resolution: Resolution,
     *,
-    tolerance: float = 1e-6,
     start: np.ndarray | None = None,
 ) -> Outcome:
     """Solve a case on one mesh."""
@@ -118,7 +117,7 @@ def solve_case(
         disk = HotDisk(case.tac, case.temperature, case.open_fraction, case.wall)
         if start is None:
             start = system.solve(walls)[0]
-        fields, iterations = problem.solve(disk, start, tolerance)
+        fields, iterations = problem.solve(disk, start, _TOLERANCE)
         faces = [problem.face_result(fields, face, disk) for face in (0, 1)]
     force, heat = totals(mesh, faces)
     if not np.isfinite(force):

@@ -215,7 +215,7 @@ class LinearSystem:
         """Correction of given fields by which uniform ones are exact, shape (n, fields)."""
         return correct_uniform(self.operators.corrections, self.gas, fields)
 
-    def arriving(self, fields: np.ndarray) -> np.ndarray:
+    def arriving_fluxes(self, fields: np.ndarray) -> np.ndarray:
         """Fluxes that arrive at the nodes of a face, shape (e, 3 or 4)."""
         # They are number, momentum, energy and, with rotation, rotational energy.
         translation, rotation = self._sources()
@@ -304,7 +304,7 @@ class FaceResult:
 
 def face_result(system: LinearSystem, walls: Walls, fields: np.ndarray, face: int) -> FaceResult:
     """Normal pressure on a face and heat flux out of it; ``fields`` (n, fields)."""
-    return result_of_arriving(system, walls, system.arriving(fields), face)
+    return result_of_arriving(system, walls, system.arriving_fluxes(fields), face)
 
 
 def result_of_arriving(

@@ -94,7 +94,7 @@ class NonlinearProblem:
         nothing = np.zeros((2, 0))
         return fields[face], fields[1 - face], density, shares, temperature, nothing, nothing
 
-    def arriving(self, fields: np.ndarray, face: int, disk: HotDisk) -> np.ndarray:
+    def arriving_fluxes(self, fields: np.ndarray, face: int, disk: HotDisk) -> np.ndarray:
         """Fluxes that arrive at a face, less those of the gas at rest, shape (e, 5)."""
         fluxes, unused = np.empty((self.faces.shape[0], 5)), np.ones(self.faces.shape[0])
         half = self._half(fields, face, disk, (unused, unused))
@@ -112,7 +112,7 @@ class NonlinearProblem:
         """Fields that follow from given fields, shape (2, n, fields)."""
         result = np.empty_like(fields)
         for face in (0, 1):
-            emitted = self.emission(self.arriving(fields, face, disk), face, disk)
+            emitted = self.emission(self.arriving_fluxes(fields, face, disk), face, disk)
             half = self._half(fields, face, disk, emitted)
             nonlinear_kernel.evaluate(
                 self.nodes, False, *self.arguments, self.gas, half, result[face]
@@ -162,7 +162,7 @@ class NonlinearProblem:
     def face_result(self, fields: np.ndarray, face: int, disk: HotDisk) -> FaceResult:
         """Normal pressure on a face and heat flux out of it, less those of the gas at rest."""
         diffuse = disk.diffuse_share(face)
-        arriving = self.arriving(fields, face, disk)
+        arriving = self.arriving_fluxes(fields, face, disk)
         density, temperature = self.emission(arriving, face, disk)
         pressure = diffuse * (density * temperature - 1.0) / 4.0 + (2.0 - diffuse) * arriving[:, 1]
         emitted = (density * temperature**1.5 - 1.0) / _SQRT_PI

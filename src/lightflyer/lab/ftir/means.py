@@ -23,7 +23,6 @@ class Share(NamedTuple):
     accuracy: float
 
     def estimate(self) -> Estimate:
-        """The share with its 95 % interval."""
         half = np.hypot(student_factor(self.freedom) * self.random, NORMAL_FACTOR * self.accuracy)
         return Estimate.covering(self.value, float(half))
 

@@ -110,7 +110,6 @@ class Ftir(PrintedResult):
         return found
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.lab.ftir.text import ftir_parts
 
         yield from ftir_parts(self)

@@ -66,7 +66,6 @@ class LevitationCurve(PrintedResult):
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.lab.levitation.text import curves_parts
 
         yield from curves_parts([self])
@@ -90,7 +89,6 @@ class Comparison(PrintedResult):
     reduction: Estimate
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         low, high = (_PERCENT * end for end in self.reduction.interval)
         yield (
             f"{self.first} needs {_PERCENT * self.reduction.value:.1f} % less light than "

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.calibration.calibration import Calibration, calibrate
+from lightflyer.calibration.calibration import Calibration
+from lightflyer.calibration.fitting import calibrate
 from lightflyer.calibration.inputs import INSTRUMENTS
 from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import target_of

@@ -103,7 +103,6 @@ class OpticsFit(PrintedResult):
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.lab.optics.text import fit_parts
 
         yield from fit_parts(self)

@@ -86,7 +86,6 @@ def _reads(cell: str) -> bool:
 
 
 def _first_row(path: Path, rows: list[_Row]) -> int:
-    """Index of the first row of the matrix."""
     width = len(rows[-1].cells)
     start = next(
         (

@@ -77,7 +77,6 @@ class Roughness(PrintedResult):
         return float(self.mask.mean())
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.lab.surface.text import roughness_parts
 
         yield from roughness_parts(self)

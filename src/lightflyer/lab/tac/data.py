@@ -58,7 +58,6 @@ class ResistanceThermometer:
 
     slope: float  #: [K/ohm]
     intercept: float  #: [K]
-    resistance_range: tuple[float, float]  #: Calibrated range [ohm]
 
     def temperature(self, resistance: np.ndarray) -> np.ndarray:
         """Temperature [K] at a resistance [ohm], shape (n,)."""
@@ -193,6 +192,4 @@ def read_resistance_calibration(path: str | Path) -> ResistanceThermometer:
     if np.unique(resistance).size < 2:
         raise ConfigurationError(f"{path}: has one resistance; two or more are needed")
     slope, intercept = np.polyfit(resistance, temperature, 1)
-    return ResistanceThermometer(
-        float(slope), float(intercept), (float(resistance.min()), float(resistance.max()))
-    )
+    return ResistanceThermometer(float(slope), float(intercept))

@@ -20,6 +20,7 @@ MOST_TAC = 2.0
 """Largest coefficient that a measurement may give by its systematic errors; [Lu2023]_ has 1.14."""
 
 FAR = 2.0  # Standard uncertainties of an error, from which a fit is in doubt
+_MOST_LINES = 8  # of a file, that a message lists
 _TAC = quantity_of(AccommodationCoefficient) or Quantity()
 
 MOST_RELATIVE_UNCERTAINTY = 0.25
@@ -256,8 +257,8 @@ def misfit_warnings(alike: float, rows: int, values: Mapping[str, float]) -> lis
     return texts
 
 
-def list_lines(lines: Sequence[int], source: str, most: int = 8) -> str:
+def list_lines(lines: Sequence[int], source: str) -> str:
     """Lines of a file in words, such as ``run.csv:4, 9``; only the first of very many."""
-    shown = ", ".join(map(str, lines[:most]))
-    more = f" and {len(lines) - most} more" if len(lines) > most else ""
+    shown = ", ".join(map(str, lines[:_MOST_LINES]))
+    more = f" and {len(lines) - _MOST_LINES} more" if len(lines) > _MOST_LINES else ""
     return f"{source}:{shown}{more}"

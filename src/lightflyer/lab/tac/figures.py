@@ -1,7 +1,7 @@
 """Figure of accommodation coefficients: conductance of a heater against pressure."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,12 +10,11 @@ from matplotlib.figure import Figure
 from lightflyer.files.drawing import (
     BLUE,
     GREY,
-    MARKERS,
-    PALETTE,
     figure_for,
     legend_below,
     new_figure,
     plain_decades,
+    series_style,
 )
 from lightflyer.lab.estimate import NORMAL_FACTOR
 
@@ -29,16 +28,16 @@ _HEIGHT = 4.8
 _PERCENT = 100.0
 
 
-def _order(fit: "TacFit", most: int = _MOST_POINTS) -> np.ndarray:
+def _order(fit: "TacFit") -> np.ndarray:
     """Rows in the order of pressure, thinned evenly if there are very many."""
-    return fit.order[:: max(1, len(fit.order) // most)]
+    return fit.order[:: max(1, len(fit.order) // _MOST_POINTS)]
 
 
 def effective_conductance(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
     """Draw the conductance per effective area against pressure, with the fit."""
     _shade(fits[0], ax)
     for number, fit in enumerate(fits):
-        rows, style = _order(fit), _style(number)
+        rows, style = _order(fit), series_style(number)
         ratio = fit.area_ratio.value
         ax.plot(fit.pressure[rows], fit.conductance[rows] / ratio, ls="", mfc="none", ms=4,
                 rasterized=len(rows) > 1000, **style)  # fmt: skip
@@ -62,10 +61,6 @@ def effective_conductance(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
     return ax
 
 
-def _style(number: int) -> dict[str, Any]:
-    return {"color": PALETTE[number % len(PALETTE)], "marker": MARKERS[number % len(MARKERS)]}
-
-
 def _label(fit: "TacFit", count: int) -> str:
     low, high = fit.tac.interval
     found = f"α = {fit.tac.value:.3g} (95 %: {low:.3g} to {high:.3g})"
@@ -85,7 +80,7 @@ def _shade(fit: "TacFit", ax: Axes) -> None:
 def residuals(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
     """Draw measured over fitted conductance against pressure, with the scatter of the first run."""
     for number, fit in enumerate(fits):
-        rows, style = _order(fit), _style(number)
+        rows, style = _order(fit), series_style(number)
         off = _PERCENT * (fit.conductance[rows] / fit.fitted[rows] - 1.0)
         ax.plot(fit.pressure[rows], off, ls="", mfc="none", ms=4, rasterized=len(rows) > 1000,
                 **style)  # fmt: skip

@@ -161,7 +161,6 @@ class TacFit(PrintedResult):
         return {name: getattr(self, name) for name in PARAMETERS}
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.lab.tac.text import fit_parts
 
         yield from fit_parts(self)

@@ -262,7 +262,6 @@ def _complete(
     method: Method, values: np.ndarray, stated: list[float | None], accuracy: float | None,
     scene: Scene | None,
 ) -> Readings:  # fmt: skip
-    """Readings with an uncertainty for each that states none."""
     assumed = standard_uncertainties(method, values.mean(axis=1), accuracy)
     known = [one if one is not None else other for one, other in zip(stated, assumed, strict=True)]
     said = accuracy_warnings(method, accuracy) if None in stated else ()

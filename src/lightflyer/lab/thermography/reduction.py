@@ -89,7 +89,6 @@ class RadiativeProperties(PrintedResult):
         return {remainder if key == "emissivity" else key: one for key, one in values.items()}
 
     def text_parts(self) -> Parts:
-        """Lines and tables of the text."""
         from lightflyer.lab.thermography.text import properties_parts
 
         yield from properties_parts(self)

@@ -7,7 +7,6 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from lightflyer.core.quantity import Checked, Fraction, PolarAngle
-from lightflyer.core.types import Numeric
 from lightflyer.environment.radiation import Attitude, Radiation
 
 
@@ -69,7 +68,7 @@ class FollowSun(AbstractAttitudeRule):
 
     def attitude(self, radiation: Radiation, own: Attitude | None) -> Attitude | None:
         del own
-        lit = _visible(radiation)
+        lit = radiation.visible_part(1.0)
         tilt = jnp.minimum(self.share * radiation.zenith_angle, self.largest) * lit
         return _attitude(tilt, radiation.azimuth)
 
@@ -86,8 +85,3 @@ def _attitude(tilt: Any, azimuth: Any) -> Attitude:
     return eqx.tree_at(
         lambda attitude: (attitude.tilt, attitude.azimuth), Attitude(), (tilt, azimuth)
     )
-
-
-def _visible(radiation: Radiation) -> Numeric:
-    """Share of the sun that the horizon does not hide [1]."""
-    return 1.0 if radiation.visible is None else radiation.visible

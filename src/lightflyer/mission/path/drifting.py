@@ -31,11 +31,16 @@ from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, P
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.display_units import number_text
 from lightflyer.files.result_text import Parts, PrintedResult, rows_of, warning_lines
-from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.path.attitude import Own
-from lightflyer.mission.path.motion import Craft, Surroundings, steady_speeds, velocity
-from lightflyer.program.arguments import unlabelled
+from lightflyer.mission.path.motion import (
+    Craft,
+    Surroundings,
+    steady_speeds,
+    velocity,
+    with_attitude,
+)
+from lightflyer.program.arguments import strip_labels
 from lightflyer.program.entry_point import entry_point
 from lightflyer.statics.balance import require_converged
 
@@ -121,7 +126,7 @@ def steady_drift(
     if not is_concrete(found.speed):
         return found
     require_converged("heat balance of the tilted flyer", moving.status, moving.residual)
-    return replace(found, warnings=_warnings(setup, unlabelled(moving)))
+    return replace(found, warnings=_warnings(setup, strip_labels(moving)))
 
 
 class _Moving(NamedTuple):
@@ -141,7 +146,7 @@ def _drift(
 ) -> tuple[Drift, _Moving]:
     shape = jnp.broadcast_shapes(*map(jnp.shape, (altitude, attitude.tilt, attitude.azimuth)))
     state = replace(setup.environment.state(jnp.broadcast_to(altitude, shape), place), wind=None)
-    around = Surroundings(_lying(setup.flyer, attitude), state, Wind(0.0, 0.0, 0.0))
+    around = Surroundings(with_attitude(setup.flyer, attitude), state, Wind(0.0, 0.0, 0.0))
     craft = Craft(setup, Own())
     heat = craft.heat(around)
     forces = craft.forces(around, heat.unknowns)
@@ -159,10 +164,3 @@ def _warnings(setup: Setup, moving: _Moving) -> tuple[str, ...]:
     if np.any(moving.slope != 0.0):
         drags += flyer.drag_diagnostics(state, moving.slope, "edgewise", temperature)
     return (*diagnose(setup, state, temperature), *dict.fromkeys(drags))
-
-
-def _lying(flyer: AbstractFlyer, attitude: Attitude) -> AbstractFlyer:
-    """A flyer with another attitude."""
-    return eqx.tree_at(
-        lambda flyer: flyer.attitude, flyer, attitude, is_leaf=lambda leaf: leaf is None
-    )

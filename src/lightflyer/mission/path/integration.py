@@ -75,7 +75,7 @@ class Accuracy(eqx.Module):
     longest: float = eqx.field(static=True, default=LONGEST_STEP)
 
     @classmethod
-    def lasting(
+    def for_duration(
         cls, duration: float, tolerance: float = TOLERANCE, longest: float = LONGEST_STEP
     ) -> "Accuracy":
         """For a mission of some duration."""

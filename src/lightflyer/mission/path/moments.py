@@ -10,7 +10,6 @@ from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
-from lightflyer.environment.radiation import Radiation
 from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.program.entry_point import entry_point
@@ -104,7 +103,7 @@ def _moment(
         "lift_over_weight": forces.lift / forces.weight,
         "lift": forces.lift,
         "weight": forces.weight,
-        "irradiance": state.radiation.irradiance * _visible(state.radiation),
+        "irradiance": state.radiation.visible_part(state.radiation.irradiance),
         "sun_elevation": 90.0 - state.radiation.zenith_angle * _DEGREES,
         "tilt": tilt * _DEGREES,
         "absorbed_power": heat.absorbed_power,
@@ -126,8 +125,3 @@ def _moment(
         for node, temperature in zip(heat.nodes, heat.temperatures, strict=True):
             found[NODE.format(node)] = temperature
     return {name: jnp.asarray(value, float) for name, value in found.items()}
-
-
-def _visible(radiation: Radiation) -> Numeric:
-    """Share of the light's source that nothing hides [1]."""
-    return 1.0 if radiation.visible is None else radiation.visible

@@ -78,10 +78,9 @@ class Craft(eqx.Module):
         wind = Wind(0.0, 0.0, 0.0) if state.wind is None else state.wind
         if self.wind_error is not None:
             wind = self.wind_error.add_to_wind(wind, place, elapsed)
-        return Surroundings(_lying(flyer, attitude), state, wind)
+        return Surroundings(with_attitude(flyer, attitude), state, wind)
 
     def heat(self, around: Surroundings) -> Equilibrium:
-        """Heat balance in some surroundings."""
         return equilibrium(around.flyer, around.state, self.setup.model, throw=False)
 
     def forces(self, around: Surroundings, unknowns: tuple[Array, ...]) -> Forces:
@@ -97,7 +96,7 @@ class Craft(eqx.Module):
         return Forces(force - sunk * cosine, sunk * sine, force * cosine + buoyancy, heaviness)
 
 
-def _lying(flyer: AbstractFlyer, attitude: Attitude | None) -> AbstractFlyer:
+def with_attitude(flyer: AbstractFlyer, attitude: Attitude | None) -> AbstractFlyer:
     """A flyer with another attitude."""
     return eqx.tree_at(
         lambda flyer: flyer.attitude, flyer, attitude, is_leaf=lambda leaf: leaf is None

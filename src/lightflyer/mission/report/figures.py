@@ -196,7 +196,6 @@ def _colours(count: int) -> list[Any]:
 
 
 def _shade(axes: Axes, dataset: "xr.Dataset") -> None:
-    """Shade the nights."""
     start, named = dataset.time.values[0], False
     for begin, end, is_day in day_and_night(dataset):
         if is_day:

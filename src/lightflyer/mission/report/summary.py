@@ -149,7 +149,6 @@ def _light(dataset: "xr.Dataset") -> tuple[float, list[dict[str, Any]]]:
 
 
 def _summarise_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
-    """An ensemble in numbers."""
     reasons = dataset.ensemble_end_reason.values
     return {
         "members": int(dataset.sizes["member"]),

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from rich.table import Table
 
 from lightflyer.design.diagnostics import TOO_HOT
-from lightflyer.files.result_text import Parts, as_text, rows_of, warning_lines
+from lightflyer.files.result_text import Parts, as_text, rows_of, table_of, warning_lines
 from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.mission.report.summary import SECONDS_AN_HOUR, summarise, texts_of
 
@@ -106,10 +106,7 @@ def _place_text(latitude: Any, longitude: Any, altitude: Any) -> str:
 
 
 def _table(title: str, *headings: str) -> Table:
-    table = Table(title=title, title_justify="left", box=None, padding=(0, 1), pad_edge=False)
-    for number, heading in enumerate(headings):
-        table.add_column(heading, justify="right" if number else "left")
-    return table
+    return table_of(headings, title=title, pad_edge=False)
 
 
 def _nights(nights: list[dict[str, Any]]) -> Table:

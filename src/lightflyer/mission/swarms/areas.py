@@ -92,7 +92,7 @@ class Polygon(AbstractArea):
             raise ParameterError("the corners of a polygon must lie within one half of the planet")
 
     def contains(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
-        """See :meth:`AbstractArea.contains`: by how often the edges wind around a position."""
+        """Counts how often the edges wind around a position."""
         del planet_radius
         units = _units(self.latitudes, self.longitudes)
         winding = np.zeros(position.shape[:-1])

@@ -80,7 +80,6 @@ class _Swarm:
         return -(-self.ensemble.members // MEMBERS)
 
     def size(self, batch: int) -> int:
-        """Members in a batch."""
         return min(MEMBERS, self.ensemble.members - batch * MEMBERS)
 
     def seed(self, batch: int) -> int:
@@ -182,7 +181,7 @@ def disperse_ensemble(
     with lightflyer.float64():  # raises where the data of winds or ground do not reach
         start = release.start()
         setup.environment.state(float(release.altitude), start.place)
-    accuracy = Accuracy.lasting(float(elapsed[-1]), tolerance)
+    accuracy = Accuracy.for_duration(float(elapsed[-1]), tolerance)
     swarm = _Swarm(design, rule, start, ensemble, tuple(areas), limits, elapsed, accuracy)
     counts = _count(swarm, None if folder is None else Path(folder), scheduler)
     dataset = _dataset(swarm, counts)
@@ -358,13 +357,11 @@ def _add_shares(
         dataset[name + end] = (dimensions, values, {"units": "1", "long_name": text + ends[end]})
 
 
-def binomial_interval(
-    counts: np.ndarray, trials: int, confidence: float = CONFIDENCE
-) -> tuple[np.ndarray, np.ndarray]:
+def binomial_interval(counts: np.ndarray, trials: int) -> tuple[np.ndarray, np.ndarray]:
     """Interval of a share that was counted, by Clopper and Pearson; [ClopperPearson1934]_."""
     from scipy.special import betaincinv
 
-    tail = 0.5 * (1.0 - confidence)
+    tail = 0.5 * (1.0 - CONFIDENCE)
     counts = np.asarray(counts)
     some, missed = np.maximum(counts, 1), np.maximum(trials - counts, 1)
     low = betaincinv(some, trials - some + 1, tail)

@@ -29,7 +29,6 @@ _TEXT = b"#u"  # before a text in the history: tag, size, 0; then the text's len
 _FIRST_TAG = 29839  # of the history, less than zero in the file
 _METADATA = {5: "sample", 140: "instrument", 218: "accessory", 210: "resolution"}
 
-_ASC_START = "PE "
 _ASC_LINES = {"sample": 8, "instrument": 11, "measured": 3}
 _ASC_FIRST, _ASC_COUNT = 5, 7  # lines behind #GR
 

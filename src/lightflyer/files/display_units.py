@@ -22,6 +22,7 @@ _SCALES = {
     "N": ((0.0, 1e6, "µN"), (1e-2, 1e3, "mN"), (1.0, 1.0, "N")),
     "kg m-2": ((0.0, 1e3, "g/m²"), (1.0, 1.0, "kg/m²")),
     "W m-2": ((0.0, 1.0, "W/m²"),),
+    "s": ((0.0, 1.0, "s"), (3600.0, 1.0 / 3600.0, "h")),
     "degree": ((0.0, 1.0, "°"),),
 }
 """By the unit of a dataset: from which largest value on, which factor leads to which unit."""

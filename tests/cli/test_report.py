@@ -8,6 +8,7 @@ from html.parser import HTMLParser
 import pytest
 
 from lightflyer.files import page
+from lightflyer.files.result_text import unwrap, wrap
 
 HEADER = "sample,pressure [Pa],irradiance [W/m^2]\n"
 CURVE = ((1.5, 2500), (2, 2000), (3, 1600), (4, 1500), (5, 1550), (6, 1700), (8, 2100), (12, 2900))
@@ -144,3 +145,10 @@ def test_a_page_that_cannot_be_written_is_refused_before_the_work(
     assert printed == ""
     assert message in errors
     assert errors.count("\n") == 1
+
+
+def test_lines_that_a_terminal_breaks_are_whole_again(rng):
+    for _ in range(200):
+        words = ["x" * length for length in rng.integers(1, 14, rng.integers(1, 60))]
+        assert unwrap(wrap(" ".join(words))) == [" ".join(words)]
+    assert unwrap("It flies.\nIts film survives.") == ["It flies.", "Its film survives."]

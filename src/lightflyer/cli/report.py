@@ -23,6 +23,7 @@ import lightflyer
 from lightflyer.cli import output
 from lightflyer.core.errors import OutputError, ParameterError
 from lightflyer.files import page
+from lightflyer.files.result_text import unwrap
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -91,18 +92,15 @@ class Report:
         inputs = list(dict.fromkeys([*self._named, *self._files_read]))
         command = takewhile(lambda part: part.isalpha() and not _is_file(part), self._arguments)
         title = " ".join(["lightflyer", *command, *(path.name for path in inputs[:1])])
-        parts = [
-            page.heading(title, 1),
-            page.paragraph(f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"),
-            *_results(self._results),
-        ]
-        if self._figures:
-            parts += [page.heading("Figures"), *self._figures]
+        words = list(takewhile(lambda thing: isinstance(thing, str), self._results))
+        parts = [page.heading(title, 1), *_results(words), *self._figures]
+        parts += _results(self._results[len(words) :])
         if inputs:
             parts += [page.heading("Files"), *(part for path in inputs for part in _file(path))]
         parts += [
             page.heading("Made with"),
             page.code("lightflyer " + shlex.join(self._arguments)),
+            page.paragraph(f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"),
             page.table(_versions()),
         ]
         return page.page(title, parts)
@@ -170,7 +168,7 @@ def _results(things: Sequence[Table | str]) -> Iterator[str]:
         if isinstance(thing, str) and thing.startswith("{"):  # of --json
             yield page.code(thing)
             continue
-        lines = thing.splitlines() if isinstance(thing, str) else []
+        lines = unwrap(thing) if isinstance(thing, str) else []
         for line in lines:
             found = _LABELLED.fullmatch(line.strip())
             if found:

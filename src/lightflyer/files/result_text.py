@@ -86,6 +86,18 @@ def wrap(line: str, width: int = NARROW) -> str:
     return textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False)
 
 
+def unwrap(text: str, width: int = NARROW) -> list[str]:
+    """Lines of a text, with those whole again that :func:`wrap` broke."""
+    lines: list[str] = []
+    for line in text.splitlines():
+        word = line.partition(" ")[0]
+        if word and lines and len(lines[-1].rpartition("\n")[2]) + len(word) >= width:
+            lines[-1] += f"\n{line}"
+        else:
+            lines.append(line)
+    return [line.replace("\n", " ") for line in lines]
+
+
 def warning_lines(warnings: Iterable[str]) -> Iterator[str]:
     """A line for each warning."""
     return (f"warning: {text}" for text in warnings)

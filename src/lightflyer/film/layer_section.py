@@ -12,6 +12,7 @@ from lightflyer.core.quantity import (
     AccommodationCoefficient,
     Density,
     Fraction,
+    Roughness,
     Temperature,
     Thickness,
 )
@@ -111,6 +112,7 @@ class LayerSection(_Named, of=Layer):
     density: Density | None = None
     tac: AccommodationCoefficient | None = None
     extrapolation: Policy | None = None
+    roughness: Roughness | None = None
 
     @pydantic.field_validator("thickness")
     @classmethod

@@ -1,6 +1,6 @@
 """``[film]`` of a sample: layers as in a flyer file, which may lie on a substrate."""
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import pydantic
 
@@ -50,8 +50,7 @@ class SampleSection(LayeredFilmSection):
     def film(self) -> Film:
         """The layers with their materials, between what is above and below."""
         endless = self.substrate is not None and self.substrate.thickness is None
-        lowest: Any = self.substrate if endless else None  # with fields of its class
-        bottom = self.roughness_bottom if lowest is None else lowest.roughness
+        bottom = self.substrate.roughness if endless and self.substrate else self.roughness_bottom
         return Film(
             tuple(layer.build(self.extrapolation) for layer in self.written_layers),
             above=self._medium(self.ambient),

@@ -3,6 +3,7 @@
 import asyncio
 import ctypes
 import itertools
+import logging
 import os
 import pickle
 from collections.abc import Iterator, Sequence
@@ -168,6 +169,8 @@ def run_on_dask(
         first = [submit(chunk) for chunk in itertools.islice(waiting, _AHEAD * threads)]
         queue = distributed.as_completed(first, loop=client.loop, with_results=True)
         for _, answer in queue:
+            if isinstance(answer, Exception):  # not raised where the scheduler is lost
+                raise answer
             for more in itertools.islice(waiting, 1):
                 queue.add(submit(more))
             yield task.receive(answer)
@@ -209,12 +212,16 @@ def connect_client(address: str) -> Iterator[Any]:
             f"--scheduler {address}: no answer within {ANSWER_WITHIN:g} s ({reason}); start one "
             "with 'dask scheduler', or leave the option out to compute here"
         ) from None
+    log = logging.getLogger("distributed.client")
+    level = log.level
+    log.setLevel(logging.CRITICAL)  # what is lost is said in one line
     try:
         _check_workers(client, address)
         yield client
     finally:
         with suppress(Exception):  # a cluster that was lost needs no farewell
             client.close(timeout=ANSWER_WITHIN)
+        log.setLevel(level)
 
 
 def _check_workers(client: Any, address: str) -> None:

@@ -46,7 +46,7 @@ LARGEST_UPLOAD = 1 << 20  # Bytes of a file that the page takes
 LARGEST_BODY = LARGEST_UPLOAD + (1 << 18)  # Bytes of a request: a file in JSON, with a design
 
 QUICK_THREADS, SLOW_THREADS = 4, 3
-MOST_PENDING = 16  # Answers or jobs that wait for threads of one kind or run there
+MOST_PENDING = 40  # Answers or jobs that wait for threads of one kind or run there
 MOST_LIGHT_ENTRIES = 6  # Layers of a design beside which others run: each takes 0.2 s and 4 MB
 
 _STATIC = Path(__file__).parent / "static"

@@ -157,8 +157,8 @@ def run_on_dask(
     # The parts of a worker that is lost go to another.
     import distributed
 
-    threads = max(sum(client.nthreads().values()), 1)
-    try:
+    with _naming_loss(address):
+        threads = max(sum(client.nthreads().values()), 1)
         # made by a task and not scattered: it can be made again when its worker is lost
         shared = client.submit(pickle.loads, dumps(task), pure=False)
         waiting = iter(missing)
@@ -174,6 +174,15 @@ def run_on_dask(
             for more in itertools.islice(waiting, 1):
                 queue.add(submit(more))
             yield task.receive(answer)
+
+
+@contextmanager
+def _naming_loss(address: str) -> Iterator[None]:
+    """Say in one line that a cluster was lost."""
+    import distributed
+
+    try:
+        yield
     except (distributed.KilledWorker, distributed.CancelledError, OSError) as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise  # of the disk
@@ -216,7 +225,8 @@ def connect_client(address: str) -> Iterator[Any]:
     level = log.level
     log.setLevel(logging.CRITICAL)  # what is lost is said in one line
     try:
-        _check_workers(client, address)
+        with _naming_loss(address):
+            _check_workers(client, address)
         yield client
     finally:
         with suppress(Exception):  # a cluster that was lost needs no farewell

@@ -3,9 +3,13 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+import lightflyer as lf
+from lightflyer.cli import code_cache
 from lightflyer.core.cache import SETTING
 
 
@@ -34,7 +38,7 @@ def test_what_was_traced_is_kept_and_used_again(predict, tmp_path):
     first = predict(folder)
     kept = entries(folder)
     assert kept
-    assert folder.stat().st_mode & 0o077 == 0 or (folder / "programs").stat().st_mode & 0o077 == 0
+    assert all(place.stat().st_mode & 0o077 == 0 for place in (folder, folder / "programs"))
     second = predict(folder)
     assert second.stdout == first.stdout
     assert entries(folder) == kept
@@ -54,3 +58,31 @@ def test_a_damaged_entry_is_traced_again(predict, tmp_path):
     second = predict(tmp_path / "cache")
     assert second.stdout == first.stdout
     assert "Traceback" not in second.stderr
+
+
+def test_code_that_is_not_as_it_was_left_is_removed(tmp_path):
+    kept, flipped, planted = (tmp_path / name for name in ("a/f.nbc", "x-cache", "a/g.nbi"))
+    kept.parent.mkdir()
+    kept.write_bytes(bytes(100))
+    flipped.write_bytes(bytes(100))
+    code_cache.note_hashes(tmp_path)
+    flipped.write_bytes(bytes(50) + b"\x01" + bytes(49))
+    planted.write_bytes(b"code")
+    (tmp_path / "x-atime").write_bytes(b"1")  # JAX's, not code
+    code_cache.remove_strange(tmp_path)
+    assert kept.exists()
+    assert not flipped.exists()
+    assert not planted.exists()
+    (tmp_path / "hashes.json").write_text("[")
+    code_cache.remove_strange(tmp_path)
+    assert not kept.exists()
+
+
+def test_kernels_of_another_source_have_another_folder(tmp_path, monkeypatch):
+    before = code_cache._for_kernels(tmp_path)
+    source = Path(lf.__file__).parent / "kinetic_theory" / "solver.py"
+    known, later = type(source).stat, SimpleNamespace(st_mtime_ns=1)
+    monkeypatch.setattr(
+        type(source), "stat", lambda path, **more: later if path == source else known(path, **more)
+    )
+    assert code_cache._for_kernels(tmp_path) != before

@@ -34,15 +34,17 @@ def workplace():
 class Site:
     """A server in a thread, and questions to it."""
 
-    def __init__(self, listeners, port):
-        self.listeners, self.port = listeners, port
-        self.address = f"http://{server.ADDRESS}:{port}/"
+    def __init__(self, listeners, port, token):
+        self.listeners, self.port, self.token = listeners, port, token
+        self.origin = f"http://{server.ADDRESS}:{port}"
+        self.address = f"{self.origin}/{token}/"
 
-    def request(self, method, path, body=None, headers=None):
+    def request(self, method, path, body=None, headers=None, token=None):
         """Status, headers and content of an answer."""
         connection = http.client.HTTPConnection(server.ADDRESS, self.port, timeout=60)
+        begin = f"/{self.token}" if token is None else token
         try:
-            connection.request(method, path, body, headers or {})
+            connection.request(method, begin + path, body, headers or {})
             answer = connection.getresponse()
             return answer.status, answer.headers, answer.read()
         finally:
@@ -67,7 +69,8 @@ def site(workplace):
         service = server.Service(workplace)
         listening, port = server.listen(service, 0)
         found.update(
-            site=Site(list(listening._sockets.values()), port), loop=asyncio.get_running_loop()
+            site=Site(list(listening._sockets.values()), port, service.token),
+            loop=asyncio.get_running_loop(),
         )
         ready.set()
         await stop.wait()
@@ -75,6 +78,7 @@ def site(workplace):
         await listening.close_all_connections()
         service.quick.shutdown()
         service.slow.shutdown()
+        service.heavy.shutdown()
 
     with jobs.listening(), keeping_warnings():
         thread = threading.Thread(target=lambda: asyncio.run(run()))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from lightflyer.explorer import jobs, server
+from lightflyer.explorer import jobs, pages, server
 
 JSON = {"Content-Type": "application/json"}
 
@@ -45,8 +45,44 @@ def test_strangers_get_403(site, headers):
         assert status == 403
 
 
+@pytest.mark.parametrize("token", ["", "/", "/none", f"/{'x' * 32}"])
+@pytest.mark.parametrize("path", ["/", "/static/main.js", "/api/grammar", "/nothing"])
+def test_no_page_without_the_token(site, token, path):
+    status, _, content = site.request("GET", path, token=token)
+    assert status == 403
+    assert site.token not in content.decode()
+
+
+def test_so_many_questions_wait_and_no_more(site, workplace, monkeypatch):
+    begun, go_on = threading.Event(), threading.Event()
+
+    def patient(*_):
+        begun.set()
+        assert go_on.wait(30)
+        return {}
+
+    monkeypatch.setitem(pages.ANSWERS, "move", patient)
+    body = json.dumps({"document": workplace.initial}).encode()
+    statuses = []
+    threads = [
+        threading.Thread(
+            target=lambda: statuses.append(site.request("POST", "/api/move", body, JSON)[0])
+        )
+        for _ in range(server.MOST_PENDING + 3)
+    ]
+    for thread in threads:
+        thread.start()
+    assert begun.wait(10)
+    while len(statuses) < 3:
+        time.sleep(0.01)
+    go_on.set()
+    for thread in threads:
+        thread.join()
+    assert sorted(statuses) == [200] * server.MOST_PENDING + [429] * 3
+
+
 def test_own_page_is_answered_and_may_be_linked_to(site):
-    own = {"Origin": site.address.rstrip("/"), "Sec-Fetch-Site": "same-origin", **JSON}
+    own = {"Origin": site.origin, "Sec-Fetch-Site": "same-origin", **JSON}
     assert site.request("POST", "/api/open", b"{}", own)[0] == 200
     linked = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}
     assert site.request("GET", "/", None, linked)[0] == 200
@@ -169,7 +205,7 @@ def test_job_ends_where_its_page_has_gone(site, workplace, monkeypatch):
     monkeypatch.setitem(jobs.JOBS, "map", patient)
     body = json.dumps({"document": workplace.initial}).encode()
     with socket.create_connection((server.ADDRESS, site.port)) as connection:
-        head = f"POST /api/job/map HTTP/1.1\r\nHost: 127.0.0.1:{site.port}\r\n"
+        head = f"POST /{site.token}/api/job/map HTTP/1.1\r\nHost: 127.0.0.1:{site.port}\r\n"
         head += f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
         connection.sendall(head.encode() + body)
         assert begun.wait(10)

@@ -13,7 +13,15 @@ from lightflyer.explorer import server
 from lightflyer.explorer.editing import slider, sliders, switch_alternative
 from lightflyer.explorer.grammar import BASES, grammar, quantity_text
 from lightflyer.explorer.hints import templates
-from lightflyer.explorer.state import View, Workplace, from_url, plain, to_toml, to_url
+from lightflyer.explorer.state import (
+    View,
+    Workplace,
+    from_url,
+    plain,
+    require_document,
+    to_toml,
+    to_url,
+)
 
 DOCUMENTS = {name: plain(template.document) for name, template in templates().items()}
 
@@ -79,12 +87,33 @@ def test_wrong_address_is_one_line(address, words):
     assert len(str(caught.value)) < 200
 
 
+@pytest.mark.parametrize("before", ["", " ", "\t", "\u00a0", " \n\u3000"])
 @pytest.mark.parametrize("name", ["/etc/hostname.csv", "../secret.csv", "~/x.csv", "C:\\x.csv"])
-def test_page_names_no_files_elsewhere(name, workplace, tmp_path):
+def test_page_names_no_files_elsewhere(name, before, workplace):
     document = copy.deepcopy(DOCUMENTS["layers"])
-    document["film"]["spectrum"] = name
+    document["film"]["spectrum"] = before + name
     with pytest.raises(lf.ConfigurationError, match="outside the folder"):
         workplace.design(document)
+
+
+def test_links_within_the_folder_lead_nowhere_else(tmp_path):
+    secret, folder = tmp_path / "secret", tmp_path / "folder"
+    secret.mkdir()
+    folder.mkdir()
+    (secret / "x.csv").write_text("user,password\n", encoding="utf-8")
+    (folder / "within").symlink_to(secret)
+    place = Workplace(folder, "flyer.toml", DOCUMENTS["layers"])
+    document = copy.deepcopy(DOCUMENTS["layers"])
+    document["film"]["spectrum"] = "within/x.csv"
+    with pytest.raises(lf.ConfigurationError, match="outside the folder"):
+        place.design(document)
+
+
+def test_number_of_layers_is_limited():
+    document = copy.deepcopy(DOCUMENTS["layers"])
+    document["film"]["layers"] *= 100
+    with pytest.raises(lf.ConfigurationError, match="at most 40 layers here"):
+        require_document(document)
 
 
 def test_files_that_the_opened_file_names_may_be_anywhere(tmp_path):

@@ -422,3 +422,41 @@ def test_results_come_back_where_workers_do_not_see_the_folder(cluster, study, t
                 opened.commit(*done)
     sweep_into(study, here, chunk=100, evaluator=StandIn())
     assert contents(folder) == contents(here)
+
+
+class Patient:
+    """Parts of work that take a while; sweeps, reductions and spreads are run as it is."""
+
+    def remotely(self, number):
+        time.sleep(0.1)
+        return number
+
+    __call__ = receive = remotely
+
+
+@pytest.fixture
+def far_scheduler():
+    """A scheduler in a process of its own, with a worker; the process and its address."""
+    dask = [sys.executable, "-m", "dask"]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True}
+    start = [*dask, "scheduler", "--port", "0", "--host", "127.0.0.1", "--no-dashboard"]
+    with subprocess.Popen(start, **quiet) as process:
+        lines = iter(process.stderr.readline, "")
+        address = next(line for line in lines if "Scheduler at:" in line).split()[-1]
+        start = [*dask, "worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny"]
+        with subprocess.Popen(start, **quiet) as worker:
+            yield process, address
+            worker.kill()
+        process.kill()
+
+
+def test_scheduler_that_dies_is_one_line(far_scheduler, capfd):
+    process, address = far_scheduler
+    task = Patient()
+    with scheduler.connect_client(address) as client:
+        done = scheduler.run_on_dask(task, range(1000), client, address)
+        assert next(done) in range(1000)
+        process.kill()
+        with pytest.raises(lf.LightflyerError, match="was lost .*the same command continues"):
+            list(done)
+    assert "Traceback" not in capfd.readouterr().err

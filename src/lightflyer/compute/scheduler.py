@@ -3,6 +3,7 @@
 import asyncio
 import ctypes
 import itertools
+import logging
 import os
 import pickle
 from collections.abc import Iterator, Sequence
@@ -156,8 +157,8 @@ def run_on_dask(
     # The parts of a worker that is lost go to another.
     import distributed
 
-    threads = max(sum(client.nthreads().values()), 1)
-    try:
+    with _naming_loss(address):
+        threads = max(sum(client.nthreads().values()), 1)
         # made by a task and not scattered: it can be made again when its worker is lost
         shared = client.submit(pickle.loads, dumps(task), pure=False)
         waiting = iter(missing)
@@ -168,9 +169,20 @@ def run_on_dask(
         first = [submit(chunk) for chunk in itertools.islice(waiting, _AHEAD * threads)]
         queue = distributed.as_completed(first, loop=client.loop, with_results=True)
         for _, answer in queue:
+            if isinstance(answer, Exception):  # not raised where the scheduler is lost
+                raise answer
             for more in itertools.islice(waiting, 1):
                 queue.add(submit(more))
             yield task.receive(answer)
+
+
+@contextmanager
+def _naming_loss(address: str) -> Iterator[None]:
+    """Say in one line that a cluster was lost."""
+    import distributed
+
+    try:
+        yield
     except (distributed.KilledWorker, distributed.CancelledError, OSError) as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise  # of the disk
@@ -209,12 +221,17 @@ def connect_client(address: str) -> Iterator[Any]:
             f"--scheduler {address}: no answer within {ANSWER_WITHIN:g} s ({reason}); start one "
             "with 'dask scheduler', or leave the option out to compute here"
         ) from None
+    log = logging.getLogger("distributed.client")
+    level = log.level
+    log.setLevel(logging.CRITICAL)  # what is lost is said in one line
     try:
-        _check_workers(client, address)
+        with _naming_loss(address):
+            _check_workers(client, address)
         yield client
     finally:
         with suppress(Exception):  # a cluster that was lost needs no farewell
             client.close(timeout=ANSWER_WITHIN)
+        log.setLevel(level)
 
 
 def _check_workers(client: Any, address: str) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache, reduce
 from itertools import combinations
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import jax
 import pydantic
@@ -350,10 +350,13 @@ class FileDesign(AbstractDesign):
             parts[first] = parts[first].model_copy(update={inner: film}) if inner else film
         return build(parts)
 
-    @cached_property
+    @property
     def _own_films(self) -> dict[str, Any]:
-        with jax.ensure_compile_time_eval():  # it stays, so it must not belong to a trace
-            return dict(self.precompute({}))
+        kept = vars(self)  # see setup
+        if "_films" not in kept:
+            with jax.ensure_compile_time_eval():  # it stays, so it must not belong to a trace
+                kept["_films"] = dict(self.precompute({}))
+        return cast(dict[str, Any], kept["_films"])
 
     def _parts_with(self, values: Mapping[str, Numeric]) -> dict[str, Any]:
         parts: dict[str, Section] = self.file.parts()

@@ -19,6 +19,13 @@ def cache_folder() -> Path | None:
     return Path(platformdirs.user_cache_dir("lightflyer"))
 
 
+def make_private(folder: Path) -> bool:
+    """Make a folder of the cache for this user alone; whether it is that."""
+    for path in (folder.parent, folder):
+        path.mkdir(parents=True, exist_ok=True, mode=PRIVATE)
+    return is_private(folder)
+
+
 def is_private(path: Path) -> bool:
     """Whether nobody but this user can have written here."""
     facts = path.stat()

@@ -7,6 +7,7 @@ takes to compute.
 
 import math
 import re
+import sys
 import unicodedata
 from collections.abc import Callable
 from functools import cache
@@ -35,6 +36,7 @@ class Measured(NamedTuple):
 DIGITS = 12  # Of a number that is written into a file: a prediction from it repeats the search's
 
 _COLD = 100.0  # kelvin, below which a temperature without a unit is meant in °C
+_LONGEST, _SHOWN = 200, 40  # characters of a number with its unit; of a longer one in a message
 _FAR = 1e6  # a value beside which offsets of temperature scales are small
 
 _SEPARATOR = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
@@ -102,8 +104,8 @@ def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
         milli = "mbar" if "b" in unit.casefold() else "mTorr"
         raise ConfigurationError(f'"{text}": unit "{written}" may be milli or mega; write {milli}')
     # checked here because Pint's parser meets malformed text with errors of many kinds
-    if not _UNIT.match(unit):
-        raise ConfigurationError(f'"{text}": "{written}" is not a unit')
+    if len(unit) > _LONGEST or not _UNIT.match(unit):
+        raise ConfigurationError(f'"{text[:_LONGEST]}": "{written[:_LONGEST]}" is not a unit')
     try:
         parsed = units.parse_units(_EXPONENT.sub(r"**\1", unit))
     except pint.UndefinedUnitError:
@@ -173,6 +175,11 @@ def parse(text: str | float, unit: str, usual: str = "") -> Measured:
     """Read a number with unit and uncertainty; in ``unit``. ``usual``: what messages propose."""
     if isinstance(text, bool) or not isinstance(text, int | float | str):
         raise ConfigurationError(f"{in_toml(text)} is not a number{_with_unit(unit)}")
+    if (isinstance(text, int) and abs(text) > sys.float_info.max) or len(str(text)) > _LONGEST:
+        raise ConfigurationError(
+            f'"{str(text)[:_SHOWN]}…" has {len(str(text))} characters: no number with a unit is so '
+            "long"
+        )
     if not isinstance(text, str):
         if unit:
             raise _no_unit(text, text, unit, usual)

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields as dataclass_fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, cast
 
 import equinox as eqx
 import jax
@@ -189,10 +189,14 @@ class AbstractDesign(abc.ABC):
         del names
         return None
 
-    @cached_property
+    @property
     def setup(self) -> Setup:
         """The setup with its own numbers."""
-        return self.build()
+        # no cached_property: in Python 3.11 all threads wait while it makes any design's
+        kept = vars(self)
+        if "_setup" not in kept:
+            kept["_setup"] = self.build()
+        return cast(Setup, kept["_setup"])
 
     @property
     def coordinate_name(self) -> str:

@@ -133,10 +133,11 @@ def _switch(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
 
 
 def _view_of(content: Mapping[str, Any]) -> View:
-    pins = content.get("pins") or []
+    given = content.get("pins")
+    pins = given[:MOST_PINS] if isinstance(given, list) else []
     for pin in pins:
         require_document(pin)
-    return View(document_of(content), str(content.get("at", "")), tuple(pins[:MOST_PINS]))
+    return View(document_of(content), str(content.get("at", "")), tuple(pins))
 
 
 def _move(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
@@ -219,7 +220,8 @@ def _predict(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
 def _pins(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     """Designs side by side: curves of those pinned, results and differences of all."""
     shown = _view_of(content)
-    scale = float(content.get("scale") or 1.0)
+    scale = content.get("scale")
+    scale = scale if isinstance(scale, int | float) else 1.0
     designs = [workplace.design(document) for document in (shown.document, *shown.pins)]
     found = [prediction_of(design) for design in designs]
     where = found[0].coordinate

@@ -1,8 +1,9 @@
 """The server of the page: on the loopback address, for pages that it served itself.
 
-It keeps nothing of a page. Each request brings the whole design; programs and recent results are
-kept for all pages together. Quick answers and slow jobs have threads of their own, so that a job
-of one page does not hold up another.
+Its address begins with a token that no other user of the computer knows. It keeps nothing of a
+page: each request brings the whole design; programs and recent results are kept for all pages
+together. Quick answers, slow jobs, and designs of many layers have threads of their own, for
+which only so many wait.
 """
 
 import asyncio
@@ -10,10 +11,12 @@ import contextlib
 import json
 import logging
 import os
+import secrets
 import socket
 import tempfile
 import threading
 import traceback
+from collections import Counter
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -34,7 +37,7 @@ from lightflyer.explorer.diagnostics import keeping_warnings
 from lightflyer.explorer.downloads import download
 from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.panes import panes
-from lightflyer.explorer.state import Workplace
+from lightflyer.explorer.state import Workplace, entries_of
 from lightflyer.program.entry_point import run_by
 
 ADDRESS = "127.0.0.1"
@@ -43,6 +46,8 @@ LARGEST_UPLOAD = 1 << 20  # Bytes of a file that the page takes
 LARGEST_BODY = LARGEST_UPLOAD + (1 << 18)  # Bytes of a request: a file in JSON, with a design
 
 QUICK_THREADS, SLOW_THREADS = 4, 3
+MOST_PENDING = 40  # Answers or jobs that wait for threads of one kind or run there
+MOST_LIGHT_ENTRIES = 6  # Layers of a design beside which others run: each takes 0.2 s and 4 MB
 
 _STATIC = Path(__file__).parent / "static"
 _BOKEH = Path(bokeh.server.__file__).parent / "static" / "js"
@@ -88,6 +93,20 @@ class Service:
     slow: ThreadPoolExecutor = field(
         default_factory=lambda: ThreadPoolExecutor(SLOW_THREADS, "slow")
     )
+    # One thread for designs of many layers
+    heavy: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "heavy"))
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(24))  # First of each path
+    # Of each kind of thread: work that waits or runs
+    pending: "Counter[ThreadPoolExecutor]" = field(default_factory=Counter)
+
+    def submit(self, pool: ThreadPoolExecutor, work: Callable[[], Any]) -> "asyncio.Future[Any]":
+        """Have work done in a thread, unless too much waits already."""
+        if self.pending[pool] >= MOST_PENDING:
+            raise tornado.web.HTTPError(429)
+        self.pending[pool] += 1
+        done = asyncio.get_running_loop().run_in_executor(pool, work)
+        done.add_done_callback(lambda _: self.pending.subtract([pool]))
+        return done
 
 
 class _Handler(tornado.web.RequestHandler):
@@ -97,7 +116,8 @@ class _Handler(tornado.web.RequestHandler):
 
     def initialize(self, service: Service) -> None:
         """Take what the handlers share."""
-        self.service = service
+        self.service, self.gone = service, threading.Event()
+        self.heavy = False
 
     def set_default_headers(self) -> None:
         """Say what browsers may do with an answer."""
@@ -115,7 +135,8 @@ class _Handler(tornado.web.RequestHandler):
             raise tornado.web.HTTPError(415)
         try:
             content = json.loads(self.request.body)
-        except (ValueError, RecursionError):
+            self.heavy = "text" in content or entries_of(content) > MOST_LIGHT_ENTRIES
+        except (TypeError, ValueError, RecursionError):
             raise tornado.web.HTTPError(400) from None
         if not isinstance(content, dict):
             raise tornado.web.HTTPError(400)
@@ -127,8 +148,16 @@ class _Handler(tornado.web.RequestHandler):
         self.finish(json.dumps(content, allow_nan=False))
 
     async def in_thread(self, work: Callable[[], Any]) -> Any:
-        """Result of work in a thread for quick answers."""
-        return await asyncio.get_running_loop().run_in_executor(self.service.quick, work)
+        """Result of work on the request; none where its page has gone on before its turn."""
+        return await self.submit(self.service.quick, lambda: None if self.gone.is_set() else work())
+
+    def submit(self, pool: ThreadPoolExecutor, work: Callable[[], Any]) -> "asyncio.Future[Any]":
+        """Have work on the request done by a pool, or by that for heavy designs."""
+        return self.service.submit(self.service.heavy if self.heavy else pool, work)
+
+    def on_connection_close(self) -> None:
+        """Stop work whose page has gone on."""
+        self.gone.set()
 
     def write_error(self, status_code: int, **more: Any) -> None:
         """Say what went wrong in one line, without the program's own."""
@@ -144,10 +173,12 @@ class _Handler(tornado.web.RequestHandler):
 
 _STATUS = {
     400: "the request cannot be read",
-    403: "this page belongs to another program on this computer",
+    403: "this address is of another program, or of an earlier run: the explorer's terminal has "
+    "the one that serves; behind it, # and what followed bring the design back",
     404: "there is no such page",
     413: "this is too large",
     415: "the request is not JSON",
+    429: "the explorer still has too much to do; ask again when it has answered",
     500: "the explorer made a mistake; its terminal says which",
 }
 
@@ -160,7 +191,9 @@ def _require_own(handler: tornado.web.RequestHandler, service: Service) -> None:
     site = request.headers.get("Sec-Fetch-Site", "none")
     visits = request.headers.get("Sec-Fetch-Mode", "navigate") == "navigate"
     strange = site not in ("none", "same-origin") and not (visits and request.method == "GET")
-    if not own or not known or strange:
+    token = request.path.split("/")[1].encode()
+    invited = secrets.compare_digest(token, service.token.encode())
+    if not (own and known and invited) or strange:
         raise tornado.web.HTTPError(403)
 
 
@@ -265,9 +298,8 @@ class _Download(_Handler):
         content, workplace = self.body(), self.service.workplace
         document = pages.document_of(content)
         choices = _choices(content)
-        loop = asyncio.get_running_loop()
         try:
-            found = await loop.run_in_executor(
+            found = await self.submit(
                 self.service.slow, lambda: download(what, workplace, document, choices)
             )
         except LightflyerError as error:
@@ -288,7 +320,6 @@ class _Job(_Handler):
         content = self.body()
         document, choices = pages.document_of(content), _choices(content)
         loop, lines = asyncio.get_running_loop(), asyncio.Queue[dict[str, Any] | None]()
-        self._stop = threading.Event()
 
         def put(line: dict[str, Any] | None) -> None:
             with contextlib.suppress(RuntimeError):  # the server has ended meanwhile
@@ -296,23 +327,18 @@ class _Job(_Handler):
 
         def work() -> None:
             try:
-                put(_outcome(name, self.service.workplace, document, choices, put, self._stop))
+                put(_outcome(name, self.service.workplace, document, choices, put, self.gone))
             finally:
                 put(None)
 
         self.set_header("Content-Type", "application/x-ndjson; charset=utf-8")
-        self.service.slow.submit(work)
+        self.submit(self.service.slow, work)
         try:
             while (line := await lines.get()) is not None:
                 self.write(json.dumps(line, allow_nan=False) + "\n")
                 await self.flush()
         except tornado.iostream.StreamClosedError:
-            self._stop.set()
-
-    def on_connection_close(self) -> None:
-        """Stop a job whose page has gone on."""
-        if hasattr(self, "_stop"):
-            self._stop.set()
+            self.gone.set()
 
 
 def _outcome(
@@ -354,15 +380,15 @@ def application(service: Service) -> tornado.web.Application:
     files = {**shared, "path": str(_STATIC)}
     return tornado.web.Application(
         [
-            (r"/()", _File, {**files, "default_filename": "index.html"}),
-            (r"/static/([\w.-]+)", _File, files),
-            (r"/bokeh/(bokeh\.min\.js)", _File, {**shared, "path": str(_BOKEH)}),
-            (r"/api/grammar", _Grammar, shared),
-            (r"/api/panes/(\w+)", _Panes, shared),
-            (r"/api/upload/(design|points)", _Upload, shared),
-            (r"/api/download/([\w.]+)", _Download, shared),
-            (r"/api/job/(\w+)", _Job, shared),
-            (r"/api/(\w+)", _Answer, shared),
+            (r"/[\w-]+/()", _File, {**files, "default_filename": "index.html"}),
+            (r"/[\w-]+/static/([\w.-]+)", _File, files),
+            (r"/[\w-]+/bokeh/(bokeh\.min\.js)", _File, {**shared, "path": str(_BOKEH)}),
+            (r"/[\w-]+/api/grammar", _Grammar, shared),
+            (r"/[\w-]+/api/panes/(\w+)", _Panes, shared),
+            (r"/[\w-]+/api/upload/(design|points)", _Upload, shared),
+            (r"/[\w-]+/api/download/([\w.]+)", _Download, shared),
+            (r"/[\w-]+/api/job/(\w+)", _Job, shared),
+            (r"/[\w-]+/api/(\w+)", _Answer, shared),
         ],
         default_handler_class=_Missing,
         default_handler_args=shared,
@@ -403,7 +429,7 @@ def serve(workplace: Workplace, port: int, opened: Callable[[str], Awaitable[Non
         service = Service(workplace)
         _, found = listen(service, port)
         service.slow.submit(pages.warm, workplace)
-        opened(f"http://{ADDRESS}:{found}/")
+        opened(f"http://{ADDRESS}:{found}/{service.token}/")
         await asyncio.Event().wait()
 
     _LOG.info("lightflyer %s", lightflyer.__version__)

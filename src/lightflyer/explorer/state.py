@@ -35,6 +35,7 @@ MOST_PINS = 4  # Designs that can be pinned beside the one that is moved
 _PIN, _AT = "pin", "at"
 _MOST_TEXT = 200_000  # characters of a URL or of a document
 _DEEPEST = 12  # sections within sections
+_MOST_ENTRIES = 40  # of all lists, such as layers, which cost time and memory
 _KEY = re.compile(r"^[A-Za-z0-9_-]{1,60}$")
 _DATE = re.compile(r"^\d{4}-\d{2}-\d{2}(?:[Tt ]\d{2}:\d{2}.*)?$")
 
@@ -119,7 +120,7 @@ class Workplace:
     def _confined_toml(self, document: Document) -> str:
         """The document as TOML, unless it names files elsewhere."""
         for text in _texts(document):
-            if _leaves_folder(text) and text not in self._trusted:
+            if text not in self._trusted and _leaves(self.folder, text.strip()):
                 raise ConfigurationError(
                     f'"{text}" is outside the folder of the flyer file: put it there and give its '
                     "name, or name it in the file that explore opens"
@@ -155,6 +156,10 @@ def require_document(document: Any) -> None:
     if len(json.dumps(document)) > _MOST_TEXT:
         raise ConfigurationError(f"a design has at most {_MOST_TEXT} characters")
     _require_keys(document, 0)
+    if entries_of(document) > _MOST_ENTRIES:
+        raise ConfigurationError(
+            f"a design has at most {_MOST_ENTRIES} layers here; lightflyer predict takes more"
+        )
     unknown = [name for name in document if name not in (*PARTS, MISSION)]
     if unknown:
         raise ConfigurationError(
@@ -178,6 +183,13 @@ def _require_keys(content: Any, depth: int) -> None:
         raise ConfigurationError(
             "a text of the design has half a character, which no file can hold"
         )
+
+
+def entries_of(content: Any) -> int:
+    """Number of entries of all lists of a document."""
+    if isinstance(content, Mapping):
+        return sum(map(entries_of, content.values()))
+    return len(content) + sum(map(entries_of, content)) if isinstance(content, list) else 0
 
 
 def to_toml(document: Document) -> str:
@@ -297,10 +309,16 @@ def _texts(content: Any) -> Iterator[str]:
         yield content
 
 
-def _leaves_folder(text: str) -> bool:
+def _leaves(folder: Path, text: str) -> bool:
+    """Whether a text, read as a path by any system, names what lies outside a folder."""
     paths = PurePosixPath(text), PureWindowsPath(text)
     outside = any(path.is_absolute() or path.drive or ".." in path.parts for path in paths)
-    return outside or text.startswith(("~", "\\\\"))
+    if outside or text.startswith(("~", "\\\\")):
+        return True
+    try:
+        return not (folder / text).resolve().is_relative_to(folder.resolve())  # by a link
+    except (OSError, ValueError):
+        return False  # no system has such a path
 
 
 def tags_of(document: Document) -> dict[str, str]:

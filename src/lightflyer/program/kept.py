@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import equinox
 import jax
 
-from lightflyer.core.cache import PRIVATE, cache_folder, is_private
+from lightflyer.core.cache import cache_folder, is_private, make_private
 from lightflyer.program.program import Program
 from lightflyer.program.structure import as_data
 
@@ -65,8 +65,7 @@ def keep(function: Callable[..., Any], form: Any, program: Program, structure: A
     with suppress(OSError, TypeError):
         text = json.dumps(as_data(structure)).encode()
         head = len(text).to_bytes(4, "little") + text
-        path.parent.mkdir(parents=True, exist_ok=True, mode=PRIVATE)
-        if not is_private(path.parent):
+        if not make_private(path.parent):
             return
         stage = path.with_suffix(f".{os.getpid()}.new")
         stage.write_bytes(head + program.to_bytes(salt=head))

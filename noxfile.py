@@ -1,0 +1,38 @@
+"""Sessions beside ``make``, in environments of their own: other Pythons and other versions."""
+
+import nox
+
+nox.options.default_venv_backend = "uv"
+nox.options.sessions = ["check"]
+
+
+@nox.session(venv_backend="none")
+def check(session: nox.Session) -> None:
+    """All that continuous integration checks, with the versions of the lock file."""
+    session.run("make", "check", external=True)
+
+
+@nox.session(python=["3.11", "3.12", "3.13", "3.14"])
+def newest(session: nox.Session) -> None:
+    """Tests with the newest versions."""
+    session.install(".[all]", "--group", "test")
+    session.run("pytest", *session.posargs)
+
+
+@nox.session(python="3.11")
+def lowest(session: nox.Session) -> None:
+    """Tests with the lowest versions that pyproject.toml allows."""
+    session.install(".[all]", "--group", "test", "--resolution", "lowest-direct")
+    session.run("pytest", *session.posargs)
+
+
+@nox.session
+def sdist(session: nox.Session) -> None:
+    """Tests from the unpacked source distribution."""
+    session.install("build")
+    folder = session.create_tmp()
+    session.run("python", "-m", "build", "--outdir", folder)
+    session.install(".[all]", "--group", "test")
+    session.chdir(folder)
+    session.run("bash", "-c", "tar xzf lightflyer-*.tar.gz", external=True)
+    session.run("bash", "-c", "cd lightflyer-*/ && pytest", external=True)

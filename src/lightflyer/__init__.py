@@ -30,7 +30,7 @@ RENAMED = {
 """Names of the last release, and what they are called now; they go with the next but one."""
 
 
-def __getattr__(name):  # type: ignore[no-untyped-def]  # noqa: N807
+def __getattr__(name):  # type: ignore[no-untyped-def]
     if name in RENAMED:
         new = RENAMED[name]
         text = f"lightflyer.{name} is now lightflyer.{new}; the old name goes with the next release"

@@ -49,14 +49,14 @@ bench: $(STAMP)  ## measure speed beside others'; prints tables and draws the fi
 # What is installed is exactly what the lock file names.
 $(STAMP): pyproject.toml requirements.lock
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --requirement requirements.lock
+	$(BIN)/python -m pip install --quiet --require-hashes --requirement requirements.lock
 	$(BIN)/python -m pip install --quiet --no-deps --editable .
 	@touch $@
 
 lock: $(STAMP)  ## resolve the newest versions into requirements.lock
 	$(BIN)/python -m pip install --quiet uv
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --no-header \
-		--all-extras --group test --group lint --group docs \
+		--generate-hashes --all-extras --group test --group lint --group docs \
 		--upgrade --output-file requirements.lock pyproject.toml
 
 clean:

@@ -8,6 +8,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.core import quantity
 from lightflyer.core.quantity import Quantity, quantity_of
+from lightflyer.core.units import parse, scale_and_offset
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 RADIATION = lf.environment.Radiation
@@ -77,3 +78,27 @@ def test_zero_is_no_size():
     quantity.check("gap", np.array([0.0, 0.5]))
     with pytest.raises(lf.ParameterError, match=r"gap = 0.0001 must be at least 0.001 m: reasons"):
         quantity.check("gap", 1e-4)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "9" * 400,
+        int("9" * 400),
+        "2 " + "*".join(["cm"] * 1000),
+        "1e" + "9" * 300 + " m",
+        "m" * 5000,
+    ],
+    ids=["digits", "whole number", "factors", "exponent", "unit"],
+)
+def test_endless_texts_are_one_short_line(text):
+    with pytest.raises(lf.ConfigurationError) as caught:
+        parse(text, "m")
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 200
+
+
+def test_endless_units_of_columns_are_one_short_line():
+    with pytest.raises(lf.ConfigurationError, match="is not a unit") as caught:
+        scale_and_offset("*".join(["cm"] * 1000), "m")
+    assert len(str(caught.value)) < 500

@@ -11,6 +11,7 @@ import lightflyer as lf
 from lightflyer.compute.chunks import Chunks
 from lightflyer.compute.evaluation import Evaluator
 from lightflyer.config.designs import as_design
+from lightflyer.parametric import run
 from lightflyer.parametric.run import open_sweep
 from lightflyer.study.study import make_study
 
@@ -102,6 +103,22 @@ def test_a_dataset_has_its_fields_units_and_versions(table):
     assert table.attrs["not_converged"] == 0
     assert table.attrs["lightflyer_version"] == lf.__version__
     assert "jaxlib" in table.attrs["versions"]
+
+
+def test_memory_is_asked_for_before_it_is_taken(flyer, monkeypatch):
+    many = {
+        "flyer.diameter": {"from": "1 cm", "to": "2 cm", "points": 10_000},
+        "film.absorptance": {"from": 0.5, "to": 0.7, "points": 10_000},
+        "altitude": {"from": "60 km", "to": "70 km", "points": 100},
+    }
+    with pytest.raises(
+        lf.ConfigurationError, match=r"1e\+10 designs need about 480 GB .*sweep_reduced"
+    ):
+        lf.sweep(flyer, over=many, outputs="lift")
+    monkeypatch.setattr(run, "_GIGABYTE", 100.0)
+    few = many | {"film.absorptance": 0.5, "flyer.diameter": "1 cm"}
+    with pytest.warns(lf.ParameterWarning, match="100 designs need about"):
+        lf.sweep(flyer, over=few, outputs="lift")
 
 
 def test_in_a_folder_it_is_the_same(flyer, over, table, tmp_path):

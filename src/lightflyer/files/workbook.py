@@ -22,8 +22,9 @@ AS_TEXT = " (text)"
 """End of a text such as ``1.469``, which may be 1469; cells that are numbers are in no doubt."""
 
 _ZIP, _OLD = b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
-_BOOK = "xl/workbook.xml"
+_BOOK, _SHEETS = "xl/workbook.xml", "xl/worksheets/"
 _OTHERS = {"content.xml": "an OpenDocument file", "Index/Document.iwa": "an Apple Numbers file"}
+_LARGEST = 60_000_000  # bytes of all sheets without compression; a cell takes at least 26
 _PERCENT = 100.0
 _LITERAL = re.compile(r'"[^"]*"|\\.')  # of a format of numbers
 
@@ -49,9 +50,18 @@ def is_workbook(content: bytes, name: str) -> bool:
     except (zipfile.BadZipFile, ValueError, NotImplementedError, OSError):
         raise ConfigurationError(f"{name}: is a damaged workbook or archive") from None
     if _BOOK in names:
+        _require_size(content, name)
         return True
     kind = next((kind for file, kind in _OTHERS.items() if file in names), "an archive")
     raise ConfigurationError(f"{name}: is {kind}; save the table as .xlsx or .csv")
+
+
+def _require_size(content: bytes, name: str) -> None:
+    parts = zipfile.ZipFile(io.BytesIO(content)).infolist()
+    if sum(part.file_size for part in parts if part.filename.startswith(_SHEETS)) > _LARGEST:
+        raise ConfigurationError(
+            f"{name}: is a workbook of more than two million cells; save its table as .csv"
+        )
 
 
 def read_sheets(content: bytes, name: str) -> dict[str, list[str]]:

@@ -1,7 +1,9 @@
 """Sweeps: the outputs of all designs of a study, in memory or in a folder that keeps them."""
 
+import math
 import shutil
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -14,7 +16,7 @@ from lightflyer.compute.evaluation import Evaluator
 from lightflyer.compute.scheduler import Task, connect_client, processors, run_here, run_on_dask
 from lightflyer.compute.store import empty_dataset, open_store
 from lightflyer.config.designs import as_design
-from lightflyer.core.errors import ConfigurationError, LightflyerError
+from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
 from lightflyer.core.progress import Counted
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
 LARGEST = 10**9  # Number of designs above which a sweep must be confirmed
 
 _BYTES = 8  # of a number
+_GIGABYTE = 1e9
+_NUMBERS_BESIDE = 2  # of each design, beside what varies and its outputs: its number, and a spare
 
 
 @dataclass(frozen=True)
@@ -192,6 +196,7 @@ def sweep(
 
 def in_memory(study: Study, device: str | None = None) -> "xr.Dataset":
     """The outputs of a study as a dataset in memory."""
+    _say_memory(study)
     results, failures = Evaluator(study, device)(0, study.size)
     dataset = empty_dataset(study)
     dims = [dimension.name for dimension in study.dimensions]
@@ -199,6 +204,28 @@ def in_memory(study: Study, device: str | None = None) -> "xr.Dataset":
         dataset[name] = (dims, results[name].reshape(study.shape), output.attributes)
     dataset.attrs |= {"complete": True, "not_converged": failures}
     return dataset
+
+
+def _say_memory(study: Study) -> None:
+    """Say what memory a large study needs before it takes it; refuse what is not there."""
+    numbers = len(study.outputs) + len(study.fields) + _NUMBERS_BESIDE
+    need = study.size * numbers * _BYTES
+    told = f"{study.size:.3g} designs need about {need / _GIGABYTE:.3g} GB of memory"
+    instead = "a folder takes them (out), and lf.parametric.sweep_reduced keeps the best"
+    free = _free_memory()
+    if need > free:
+        raise ConfigurationError(f"{told}, of which {free / _GIGABYTE:.3g} GB are free; {instead}")
+    if need > _GIGABYTE:
+        warnings.warn(f"{told}; {instead}", ParameterWarning, stacklevel=3)
+
+
+def _free_memory() -> float:
+    """Memory that this process can still take [bytes]; infinite where no system says."""
+    try:
+        facts = Path("/proc/meminfo").read_text(encoding="ascii")
+        return 1024.0 * int(facts.partition("MemAvailable:")[2].split()[0])
+    except (OSError, LookupError, ValueError):
+        return math.inf
 
 
 def open_sweep(folder: str | Path) -> "xr.Dataset":

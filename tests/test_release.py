@@ -1,0 +1,70 @@
+"""What a release says of itself in several places is the same."""
+
+import re
+import subprocess
+import tomllib
+from importlib import metadata, resources
+from pathlib import Path
+
+import pytest
+
+import lightflyer
+
+ROOT = Path(__file__).parents[1]
+HEADING = re.compile(r"^## (\d+\.\d+\.\d+), (\d{4}-\d\d-\d\d)$", re.MULTILINE)
+DATA = resources.files("lightflyer") / "data"
+
+
+def text(name):
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+def test_versions_agree():
+    newest, date = HEADING.findall(text("CHANGELOG.md"))[0]
+    assert newest == lightflyer.__version__
+    citation = text("CITATION.cff")
+    assert f"\nversion: {newest}\n" in citation
+    assert f"\ndate-released: {date}\n" in citation
+
+
+def test_every_tag_has_its_heading():
+    command = ["git", "tag", "--list", "v*"]
+    if not (ROOT / ".git").exists():
+        pytest.skip("no repository")
+    tags = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    headings = {version for version, _ in HEADING.findall(text("CHANGELOG.md"))}
+    assert {tag.removeprefix("v") for tag in tags.split()} <= headings
+
+
+def test_every_file_of_data_has_source_and_licence():
+    rows = [line.split("|") for line in (DATA / "SOURCES.md").read_text("utf-8").splitlines()]
+    told = {}
+    for row in rows:
+        if len(row) == 7 and "`" in row[1]:
+            told |= dict.fromkeys(re.findall(r"`([^`]+)`", row[1]), row)
+    shipped = {file.name for file in DATA.iterdir() if file.is_file()} - {"SOURCES.md"}
+    assert set(told) == shipped
+    for row in told.values():
+        assert row[3].strip(), row[1]
+        assert re.search(r"MIT|public domain|facts|CC0", row[4]), row[1]
+
+
+@pytest.mark.parametrize("licence", ["GPL", "AGPL"])
+def test_no_file_of_data_has_a_licence_that_binds_the_package(licence):
+    assert licence not in (DATA / "SOURCES.md").read_text("utf-8")
+
+
+def test_lock_file_has_hashes_and_names_no_index():
+    lines = [line for line in text("requirements.lock").splitlines() if "==" in line]
+    assert lines
+    assert all(line.endswith("\\") for line in lines)
+    assert text("requirements.lock").count("--hash=sha256:") > len(lines)
+    assert "://" not in text("requirements.lock")
+
+
+def test_extras_are_those_that_messages_name():
+    known = tomllib.loads(text("pyproject.toml"))["project"]["optional-dependencies"]
+    source = (path.read_text("utf-8") for path in (ROOT / "src").rglob("*.py"))
+    called = [re.findall(r'extra\(\s*"\w+",\s*[^,]+,\s*"(\w+)"', content) for content in source]
+    assert {name for names in called for name in names} <= set(known)
+    assert metadata.version("lightflyer") == lightflyer.__version__

@@ -1,9 +1,14 @@
+#!/usr/bin/env -S uv run --script
+
+# /// script
+# dependencies = ["nox>=2025.10.14"]
+# ///
 """Sessions beside ``make``, in environments of their own: other Pythons and other versions."""
 
 import nox
 
+nox.needs_version = ">=2025.10.14"
 nox.options.default_venv_backend = "uv"
-nox.options.sessions = ["check"]
 
 
 @nox.session(venv_backend="none")
@@ -12,21 +17,21 @@ def check(session: nox.Session) -> None:
     session.run("make", "check", external=True)
 
 
-@nox.session(python=["3.11", "3.12", "3.13", "3.14"])
+@nox.session(default=False, python=["3.11", "3.12", "3.13", "3.14"])
 def newest(session: nox.Session) -> None:
     """Tests with the newest versions."""
     session.install(".[all]", "--group", "test")
     session.run("pytest", *session.posargs)
 
 
-@nox.session(python="3.11")
+@nox.session(default=False, python="3.11")
 def lowest(session: nox.Session) -> None:
     """Tests with the lowest versions that pyproject.toml allows."""
     session.install(".[all]", "--group", "test", "--resolution", "lowest-direct")
     session.run("pytest", *session.posargs)
 
 
-@nox.session
+@nox.session(default=False)
 def sdist(session: nox.Session) -> None:
     """Tests from the unpacked source distribution."""
     session.install("build")
@@ -36,3 +41,7 @@ def sdist(session: nox.Session) -> None:
     session.chdir(folder)
     session.run("bash", "-c", "tar xzf lightflyer-*.tar.gz", external=True)
     session.run("bash", "-c", "cd lightflyer-*/ && pytest", external=True)
+
+
+if __name__ == "__main__":
+    nox.main()

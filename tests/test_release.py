@@ -62,6 +62,16 @@ def test_lock_file_has_hashes_and_names_no_index():
     assert "://" not in text("requirements.lock")
 
 
+def test_recipe_asks_for_what_the_package_asks_for():
+    asked = tomllib.loads(text("pyproject.toml"))["project"]["dependencies"]
+    recipe = text("conda/recipe.yaml").partition("  run:\n")[2].partition("\ntests:")[0]
+    found = re.findall(r"^ +- (\S+) (>=[\d.]+)", recipe, re.MULTILINE)
+    assert {name.removesuffix("-base") + bound for name, bound in found if name != "python"} == {
+        *asked
+    }
+    assert f'version: "{lightflyer.__version__}"' in text("conda/recipe.yaml")
+
+
 def test_extras_are_those_that_messages_name():
     known = tomllib.loads(text("pyproject.toml"))["project"]["optional-dependencies"]
     source = (path.read_text("utf-8") for path in (ROOT / "src").rglob("*.py"))

@@ -19,8 +19,8 @@ FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"
 TABLE = FOLDER.parents[1] / "src" / "lightflyer" / "data" / "perforated_disk.csv"
 
-# half-width of the reservoir [radii] at each rarefaction: that of the published simulations where it
-# is known, up to 1; beyond, that in which the force at the middle open fraction is theirs
+# half-width of the reservoir [radii] at each rarefaction: that of the published simulations where
+# it is known, up to 1; beyond, that in which the force at the middle open fraction is theirs
 RESERVOIRS = {
     0.1: 3.0, 0.2: 3.0, 0.5: 3.0, 1.0: 3.0, 2.0: 4.0, 5.0: 6.0, 10.0: 6.0, 20.0: 5.0, 50.0: 5.0,
     100.0: 3.0,
@@ -31,8 +31,8 @@ RATIO = 4.0 / 3.0  # of the hot bottom face
 TACS, TEMPERATURES = (1.0, 1.0), (1.0, RATIO)
 TOLERANCE = 1e-6
 COMMENTS = """\
-# Perforated disk, one hot face, monatomic gas, complete accommodation, within a reservoir: from the
-# non-linear kinetic equation; made by studies/schafer2025_table/table.py. Licence: MIT, as this package.
+# Perforated disk, one hot face, monatomic gas, complete accommodation, within a reservoir: from
+# the non-linear kinetic equation; made by studies/schafer2025_table/table.py. Licence: MIT.
 # beta: open area fraction; delta = p a/(mu sqrt(2 R T0)); reservoir: its half-width over a;
 # force F = force p pi a^2 dT/T0; heat Q = heat p sqrt(2 R T0) pi a^2 dT/T0 of each face
 beta,delta,reservoir,force,heat_top,heat_bottom

@@ -457,6 +457,6 @@ def test_scheduler_that_dies_is_one_line(far_scheduler, capfd):
         done = scheduler.run_on_dask(task, range(1000), client, address)
         assert next(done) in range(1000)
         process.kill()
-        with pytest.raises(lf.LightflyerError, match="was lost .*the same command continues"):
+        with pytest.raises(lf.LightflyerError, match=r"was lost .*the same command continues"):
             list(done)
     assert "Traceback" not in capfd.readouterr().err

@@ -177,7 +177,7 @@ class _Builder:
     # --- equations ---
 
     def _run(self, closed: Any, inputs: Sequence[int]) -> list[int]:
-        if isinstance(closed, Jaxpr):
+        if not hasattr(closed, "consts"):
             closed = ClosedJaxpr(closed, ())
         jaxpr: Jaxpr = closed.jaxpr
         known: dict[Any, int] = {

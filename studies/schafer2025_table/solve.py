@@ -1,6 +1,6 @@
-"""Make the table of the perforated disk that ships with the package.
+"""Solve the published cases of a perforated disk with the kinetic solver.
 
-    python studies/schafer2025_table/table.py
+    python studies/schafer2025_table/solve.py
 
 Each solved point becomes a line of points.jsonl and is not solved again; the table is written
 from these lines. About an hour on one core.
@@ -17,7 +17,7 @@ from lightflyer.kinetic_theory.model_gases import gas_model
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"
-TABLE = FOLDER.parents[1] / "src" / "lightflyer" / "data" / "perforated_disk.csv"
+TABLE = FOLDER / "perforated_disk.csv"
 
 # half-width of the reservoir [radii] at each rarefaction: that of the published simulations where
 # it is known, up to 1; beyond, that in which the force at the middle open fraction is theirs
@@ -32,7 +32,7 @@ TACS, TEMPERATURES = (1.0, 1.0), (1.0, RATIO)
 TOLERANCE = 1e-6
 COMMENTS = """\
 # Perforated disk, one hot face, monatomic gas, complete accommodation, within a reservoir: from
-# the non-linear kinetic equation; made by studies/schafer2025_table/table.py. Licence: MIT.
+# the non-linear kinetic equation; made by studies/schafer2025_table/solve.py. Licence: MIT.
 # beta: open area fraction; delta = p a/(mu sqrt(2 R T0)); reservoir: its half-width over a;
 # force F = force p pi a^2 dT/T0; heat Q = heat p sqrt(2 R T0) pi a^2 dT/T0 of each face
 beta,delta,reservoir,force,heat_top,heat_bottom

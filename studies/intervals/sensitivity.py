@@ -40,7 +40,9 @@ def truth():
 def trials(seed):
     """Indices with their intervals from samples of their own, by the number of samples."""
     file = lf.FlyerFile(
-        flyer={"diameter": f"{DIAMETER[0]} ± {DIAMETER[1]} m"}, film=FILM, force={"model": "lu2023"}
+        flyer={"diameter": f"{DIAMETER[0]} ± {DIAMETER[1]} m"},
+        film=FILM,
+        force={"model": "lu2023", "force_error": 0},
     )
     found = []
     for words, points in CONDITIONS.items():

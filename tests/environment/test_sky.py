@@ -379,7 +379,7 @@ SECTION = {
 def file_of(film_section, **environment):
     return lf.FlyerFile(
         flyer={"diameter": "2 cm"}, film=film_section, environment=environment,
-        force={"model": "lu2023"},
+        force={"model": "lu2023", "force_error": 0},
     )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ from lightflyer.lab.levitation.data import read_lift_offs
 @pytest.fixture
 def document(workplace):
     """The first design, with the force that compiles fastest."""
-    return copy.deepcopy(workplace.initial) | {"force": {"model": "lu2023"}}
+    return copy.deepcopy(workplace.initial) | {"force": {"model": "lu2023", "force_error": 0}}
 
 
 @pytest.fixture

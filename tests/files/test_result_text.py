@@ -31,7 +31,7 @@ def test_a_prediction_and_its_bands(setup):
     found = lf.predict(design, at=[72e3])
     text = words(found)
     ((low, high),) = found.bands
-    assert f"It flies from {low / 1e3:.1f} km to {high / 1e3:.1f} km." in text
+    assert f"It flies from {low / 1e3:.1f} km to {high / 1e3:.1f} km; after" in text
     assert f"carries up to {found.best.values['payload'] * 1e6:.3g} mg." in text
     bands = lf.propagate(design, prediction=found, samples=0)
     payload = bands.summary()["results"]["best.payload_mg"]

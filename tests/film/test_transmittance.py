@@ -131,7 +131,7 @@ def test_transmittance_is_differentiable_in_thickness():
 def test_a_film_of_layers_passes_the_beam_diffuse_light_and_heat(computed):
     found = computed.properties
     top, below = light_shares(computed.film), light_shares(computed.film, diffuse=True)
-    assert found.transmittance == top.transmittance.value
+    assert found.transmittance == pytest.approx(float(top.transmittance.value), rel=1e-12)
     assert found.transmittance_bottom == pytest.approx(below.transmittance.value, rel=1e-12)
     assert found.transmittance_below == found.transmittance_bottom
     expected = heat_shares(computed.film, 320.0).transmittance.value
@@ -145,7 +145,8 @@ def test_a_film_of_layers_passes_the_beam_diffuse_light_and_heat(computed):
 def test_nothing_passes_where_it_does_not_matter(computed):
     alone = ComputedFilm.of(computed.film, TACS, passing=False)
     assert alone.properties.transmittance == 0.0 == alone.properties.infrared_transmittance
-    assert alone.properties.absorptance == computed.properties.absorptance
+    whole = float(computed.properties.absorptance)
+    assert alone.properties.absorptance == pytest.approx(whole, rel=1e-12)
     assert set(alone.bounds) == {"absorptance_without_data", "emittance_without_data"}
     assert not any("transmittance" in text for text in alone.warnings)
     assert "transmittance" not in alone.report()

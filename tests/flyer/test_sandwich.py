@@ -298,7 +298,8 @@ def test_file_becomes_a_sandwich_with_its_model(flyer_file):
 def test_numbers_of_both_films_have_names(flyer_file):
     file = lf.read_flyer_file(flyer_file(text=FILE))
     design = file.design()
-    assert file.uncertainties() == {"flyer.top.emittance_bottom": pytest.approx(0.02)}
+    stated = {"flyer.top.emittance_bottom": pytest.approx(0.02), "force.force_error": 1.0}
+    assert file.uncertainties() == stated
     assert {"flyer.gap", "flyer.bottom.absorptance", "flyer.top.tac_bottom"} <= set(
         design.quantities
     )

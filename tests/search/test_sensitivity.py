@@ -24,7 +24,7 @@ def uncertain():
         flyer={"diameter": "2 cm"},
         film=FILM,
         environment={"atmosphere": "lu2023"},
-        force={"model": "lu2023"},
+        force={"model": "lu2023", "force_error": 0},
     )
 
 
@@ -93,7 +93,7 @@ def test_errors_that_are_correlated_count_as_one_input(correlation):
         flyer={"diameter": "2 cm"},
         film=film,
         environment={"atmosphere": "lu2023"},
-        force={"model": "lu2023"},
+        force={"model": "lu2023", "force_error": 0},
     )
     (found,) = lf.sensitivity(flyer, outputs="lift", at={"altitude": "72 km"})
     pair = ("film.tac_top", "film.tac_bottom")

@@ -29,6 +29,7 @@ tac_top = 0.79    # without ±
 tac_bottom = 0.90
 [force]
 model = "lu2023"  # has the films in question fly
+force_error = 0
 """
 STUDY = """
 flyer = "flyer.toml"
@@ -133,7 +134,9 @@ def test_the_best_stack_is_that_of_all_searched_one_by_one(best):
         layers = [{"material": one, "thickness": "500 nm" if one == "PET" else "10 nm"}
                   for one in stack]  # fmt: skip
         one = lf.FlyerFile(
-            flyer={"diameter": "2 cm"}, film=film | {"layers": layers}, force={"model": "lu2023"}
+            flyer={"diameter": "2 cm"},
+            film=film | {"layers": layers},
+            force={"model": "lu2023", "force_error": 0},
         ).design()
         name = f"film.layers.{0 if stack[1] == 'PET' else 1}.thickness"
         found = minimize_scalar(

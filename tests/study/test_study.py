@@ -148,7 +148,7 @@ def test_every_number_of_the_file_reaches_the_setup(film_section):
         "force": {"model": "lu2023"},
     }
     design = lf.FlyerFile(**sections).design()
-    assert set(design.fields) == {*CHANGED, "film.emittance", "altitude"}
+    assert set(design.fields) == {*CHANGED, "film.emittance", "force.force_error", "altitude"}
     base = jax.tree.leaves(design.setup)
     for name, value in CHANGED.items():
         section, _, key = name.partition(".")

@@ -45,7 +45,7 @@ RENEW_LISTINGS = os.environ.get("LIGHTFLYER_RENEW_LISTINGS") == "yes"
 COLOURS = 256  # of a picture in the repository, which makes it a third as large
 ALIKE = 3.0  # root-mean-square difference of two pictures, of 255; a curve elsewhere makes tens
 
-NOT_OURS = ("pip", "make", "source", "dask", "python", "#")
+NOT_OURS = ("pip", "make", "source", "dask", "kubectl", "python", "#")
 STUDY_SECTIONS = {"sweep", "outputs", "sampling", "reduce", "optimise", "sensitivity"}
 SAMPLE_KEYS = {"substrate", "ambient"}
 MEASUREMENTS = ("tac", "ftir", "levitation", "thermography", "roughness", "optics")

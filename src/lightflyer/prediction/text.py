@@ -27,7 +27,6 @@ _NONE: Mapping[str, Any] = MappingProxyType({})
 _TWO_DIGITS = 4.0  # first digit of half a band below which two of its digits are told
 _LONGEST_BAR = 24  # characters
 _ROOM_OF_WEIGHT = 1.05
-_HOUR = 3600.0
 _FAR_STRONGER = 3.0  # times the available light, from which on the strongest is not told
 
 
@@ -79,7 +78,8 @@ def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[st
         return
     night = ""
     if found.longest_night is not None and math.isfinite(found.longest_night):
-        night = f"; after {found.longest_night / _HOUR:.2g} h in the dark it is below that"
+        factor, unit = OUTPUTS["longest_night"].shown
+        night = f"; after {found.longest_night * factor:.2g} {unit} in the dark it is below that"
     yield f"It flies {_ranges(prediction, prediction.bands, bands, 'band')}{night}."
     yield from film_lines(prediction, bands)
     if found.best is not None:

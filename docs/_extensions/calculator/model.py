@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
-from unittest.mock import patch
 
 import jax
 import jax.numpy as jnp
@@ -155,19 +152,6 @@ def case(base: FileDesign, values: Any) -> OperatingPoint:
     return OperatingPoint(base.build(named), named[_ALTITUDE])
 
 
-@contextmanager
-def _recorded() -> Iterator[list[tuple[Validity, Any]]]:
-    """Keep the ranges that a model looks at, and the numbers, in place of looking."""
-    found: list[tuple[Validity, Any]] = []
-
-    def keep(self: Validity, values: Any, pressure: Any) -> tuple[str, ...]:  # noqa: ARG001
-        found.append((self, values))
-        return ()
-
-    with patch.object(Validity, "diagnostics", keep):
-        yield found
-
-
 def ranges_of(one: OperatingPoint) -> tuple[list[tuple[Validity, Any]], tuple[str, ...]]:
     """What a model, its flyer and its gas look at before they warn.
 
@@ -182,14 +166,12 @@ def ranges_of(one: OperatingPoint) -> tuple[list[tuple[Validity, Any]], tuple[st
         Warnings that depend on no number.
     """
     flyer, state, hot = one.flyer, one.state, one.balance.temperature
-    with _recorded() as found:
-        notes = (
-            *one.setup.model.diagnostics(flyer, state, hot),
-            *flyer.diagnostics(state, hot),
-            *state.gas.diagnostics(state.temperature, state.pressure),
-            *state.gas.diagnostics(hot, state.pressure),
-        )
-    return found, notes
+    found = [
+        *one.setup.model.ranges(flyer, state, hot),
+        *state.gas.ranges(state.temperature),
+        *state.gas.ranges(hot),
+    ]
+    return found, (*one.setup.model.remarks(flyer, state, hot), *flyer.diagnostics(state, hot))
 
 
 @dataclass(frozen=True)

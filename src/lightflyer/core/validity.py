@@ -1,27 +1,14 @@
 """Ranges in which a model is known to hold, and what to say outside of them."""
 
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple, TypeAlias
 
+import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
 from lightflyer.core.types import Numeric
 
 _MOST_DIGITS = 16
-
-
-class OutOfRange(str):
-    """A line on a number that is outside the range in which a model is known to hold."""
-
-    __slots__ = ("places",)
-    places: NDArray[np.bool_]  # Where it is, of the shape of number and pressure
-
-    def __new__(cls, text: str, places: NDArray[np.bool_]) -> "OutOfRange":
-        """The line with its places."""
-        line = super().__new__(cls, text)
-        line.places = places
-        return line
 
 
 class Validity(NamedTuple):
@@ -35,18 +22,35 @@ class Validity(NamedTuple):
     def diagnostics(self, values: Numeric, pressure: Numeric) -> Iterator[str]:
         """One line for each end of the range that is passed, at the worst of some places."""
         found, where = np.broadcast_arrays(np.asarray(values, float), np.asarray(pressure, float))
-        for word, limit, excess in (
-            ("below", self.lowest, self.lowest - found),
-            ("above", self.highest, found - self.highest),
+        for word, limit, outside in (
+            ("below", self.lowest, found < self.lowest),
+            ("above", self.highest, found > self.highest),
         ):
-            worst = int(np.argmax(np.where(np.isnan(excess), -np.inf, excess)))
-            if excess.ravel()[worst] > 0.0:
+            if outside.any():
+                apart = np.subtract(found, limit, where=outside, out=np.zeros(found.shape))
+                worst = int(np.argmax(np.abs(apart)))
                 value = _apart(found.ravel()[worst], limit)
-                yield OutOfRange(
+                yield (
                     f"{self.name} is {value} at {where.ravel()[worst]:.3g} Pa, "
-                    f"{word} {limit:.3g}: {self.beyond}",
-                    excess > 0.0,
+                    f"{word} {limit:.3g}: {self.beyond}"
                 )
+
+
+Looks: TypeAlias = Iterable[tuple[Validity, Numeric]]
+"""Ranges, each with the numbers of some flyers or places, shape (...), that should be within."""
+
+
+def describe(looks: Looks, pressure: Numeric) -> tuple[str, ...]:
+    """Lines on what is outside; ``pressure`` of the places [Pa], shape (...)."""
+    return tuple(line for range_, found in looks for line in range_.diagnostics(found, pressure))
+
+
+def covers(looks: Looks) -> Any:
+    """Whether numbers are all within, shape (...), traceable; what is unknown is not outside."""
+    inside: Any = True
+    for (_, lowest, highest, _), found in looks:
+        inside &= ~((jnp.asarray(found) < lowest) | (jnp.asarray(found) > highest))
+    return inside
 
 
 def _apart(value: float, limit: float) -> str:

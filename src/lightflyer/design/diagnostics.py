@@ -7,7 +7,6 @@ import numpy as np
 
 from lightflyer.budget.payload import light_on_cells
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import OutOfRange
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState
@@ -32,15 +31,6 @@ def diagnose_at(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tupl
     repeats = (0, -coordinate.size % _AT_ONCE)  # of the last place, so that one program serves all
     places, hottest = (np.pad(row, repeats, mode="edge") for row in (coordinate, temperature))
     return diagnose(setup, _state(setup.environment, places), hottest)
-
-
-def out_of_range(setup: Setup, coordinate: np.ndarray, temperature: np.ndarray) -> np.ndarray:
-    """Where force model or gas are outside their ranges, shape (n,); ``temperature`` (n,)."""
-    found = np.zeros(coordinate.shape, bool)
-    for line in diagnose_at(setup, coordinate, temperature):
-        if isinstance(line, OutOfRange):  # the gas is looked at from its own temperature up
-            found |= np.atleast_2d(line.places)[:, : found.size].any(axis=0)
-    return found
 
 
 @entry_point

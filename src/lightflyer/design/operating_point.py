@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from lightflyer.budget.payload import Needs, light_on_cells
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
+from lightflyer.core.validity import covers
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.statics.balance import Equilibrium, equilibrium
@@ -124,6 +125,17 @@ class OperatingPoint:
         highest = self.flyer.highest_temperature
         cool = True if highest is None else self.balance.temperature <= highest
         return jnp.where(flies & cool, 1.0, 0.0)
+
+    @property
+    def covered(self) -> Any:
+        """One where force model and gas are within their ranges, else zero."""
+        state, hottest = self.state, self.balance.temperature
+        looks = (
+            *self.setup.model.ranges(self.flyer, state, hottest),
+            *state.gas.ranges(state.temperature),
+            *state.gas.ranges(hottest),
+        )
+        return jnp.where(covers(looks), 1.0, 0.0)
 
     @cached_property
     def needs(self) -> Needs:

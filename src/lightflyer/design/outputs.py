@@ -163,6 +163,12 @@ _POINT = (
         lambda case: case.usable,
     ),
     Output(
+        "covered",
+        "",
+        "whether force model and gas are within the ranges in which they are known to hold",
+        lambda case: case.covered,
+    ),
+    Output(
         "buoyancy",
         "N",
         "buoyancy in the available light, a part of the lift",

@@ -9,6 +9,7 @@ from jax import Array
 
 from lightflyer.core.quantity import StandardErrors
 from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Looks
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.balloon import Balloon
 from lightflyer.flyer.base import AbstractFlyer
@@ -106,22 +107,23 @@ class BalloonConvection(AbstractForceModel):
             "film_tension": 0.5 * overpressure * flyer.radius,
         }
 
-    def diagnostics(
-        self, flyer: Balloon, state: EnvironmentState, temperature: Numeric
-    ) -> tuple[str, ...]:
-        excess = np.asarray(temperature) / state.temperature - 1.0
+    def ranges(self, flyer: Balloon, state: EnvironmentState, temperature: Numeric) -> Looks:
         rayleigh = rayleigh_number(
-            excess,
+            temperature / state.temperature - 1.0,
             radius=flyer.radius,
             pressure=state.pressure,
             temperature=state.temperature,
             gravity=state.gravity,
             gas=state.gas,
         )
-        return (
-            *OUTER_RAYLEIGH.diagnostics(rayleigh, state.pressure),
-            *_filling_diagnostics(flyer, state, self.own_results(flyer, state, (excess,))),
-        )
+        yield OUTER_RAYLEIGH, rayleigh
+
+    def remarks(
+        self, flyer: Balloon, state: EnvironmentState, temperature: Numeric
+    ) -> tuple[str, ...]:
+        excess = np.asarray(temperature) / state.temperature - 1.0
+        found = self.own_results(flyer, state, (excess,))
+        return tuple(_filling_diagnostics(flyer, state, found))
 
 
 def _filling_diagnostics(

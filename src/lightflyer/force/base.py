@@ -17,6 +17,7 @@ from jax import Array
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked
 from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Looks, describe
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.gas.base import AbstractGas
@@ -89,15 +90,25 @@ class AbstractForceModel(Checked):
         del flyer, state, unknowns
         return {}
 
-    def diagnostics(
-        self, flyer: Any, state: EnvironmentState, temperature: Numeric
-    ) -> tuple[str, ...]:
-        """Warnings where a flyer or its surroundings are outside the model's range.
+    def ranges(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> Looks:
+        """Ranges in which the model is known to hold, each with a number of the flyer's.
 
-        ``temperature`` is that of the hottest node [K]; arguments are concrete.
+        ``temperature`` is that of the hottest node [K].
         """
         del flyer, state, temperature
         return ()
+
+    def remarks(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+        """What else to warn of; arguments are concrete."""
+        del flyer, state, temperature
+        return ()
+
+    def diagnostics(
+        self, flyer: Any, state: EnvironmentState, temperature: Numeric
+    ) -> tuple[str, ...]:
+        """Warnings where a flyer or its surroundings are outside the model's range."""
+        looks = self.ranges(flyer, state, temperature)
+        return describe(looks, state.pressure) + self.remarks(flyer, state, temperature)
 
     def assumptions(self, flyer: Any) -> tuple[str, ...]:
         """What the model assumes about a flyer that a reader must know, in short texts."""

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
@@ -50,14 +50,13 @@ class AbstractFreeMolecular(AbstractForceModel):
         (excess,) = unknowns
         return (disk_conductance(flyer, state, excess) * excess,)
 
-    def diagnostics(
+    def ranges(
         self,
         flyer: Disk,
         state: EnvironmentState,
         temperature: Numeric,  # noqa: ARG002
-    ) -> tuple[str, ...]:
-        knudsen = knudsen_number(state.pressure, state.temperature, flyer.radius, state.gas)
-        return tuple(_THIN.diagnostics(knudsen, state.pressure))
+    ) -> Looks:
+        yield _THIN, knudsen_number(state.pressure, state.temperature, flyer.radius, state.gas)
 
 
 class FreeMolecular(AbstractFreeMolecular):
@@ -102,12 +101,9 @@ class LinearFreeMolecular(AbstractFreeMolecular):
         (excess,) = unknowns
         return linear_force(flyer.area, flyer.film.tac_difference, state.pressure, excess)
 
-    def diagnostics(
-        self, flyer: Disk, state: EnvironmentState, temperature: Numeric
-    ) -> tuple[str, ...]:
-        ratio = temperature / state.temperature
-        said = super().diagnostics(flyer, state, temperature)
-        return (*said, *_SMALL_DIFFERENCES.diagnostics(ratio, state.pressure))
+    def ranges(self, flyer: Disk, state: EnvironmentState, temperature: Numeric) -> Looks:
+        yield from super().ranges(flyer, state, temperature)
+        yield _SMALL_DIFFERENCES, temperature / state.temperature
 
 
 class FreeMolecularSection(ForceSection, of=FreeMolecular):

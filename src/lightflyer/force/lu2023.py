@@ -16,7 +16,7 @@ from jax import Array
 
 from lightflyer.core.quantity import ForceCoefficient, StandardErrors
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
@@ -240,26 +240,27 @@ class Lu2023(AbstractForceModel):
             per_difference *= jnp.exp(_SCATTER * self.force_error)
         return flyer.film.tac_difference * excess * per_difference
 
-    def diagnostics(
-        self, flyer: Disk, state: EnvironmentState, temperature: Numeric
-    ) -> tuple[str, ...]:
-        """Warns where the paper's coefficients are beyond its tests."""
+    def ranges(self, flyer: Disk, state: EnvironmentState, temperature: Numeric) -> Looks:
+        """Those of the tests to which the paper's coefficients were fitted."""
         # Other coefficients hold where those who fitted them say.
-        if (float(self.c_fm), float(self.c_cont)) != (_FITTED_C_FM, _FITTED_C_CONT):
+        fitted = (self.c_fm == _FITTED_C_FM) & (self.c_cont == _FITTED_C_CONT)
+        ratio = jnp.where(fitted, temperature / state.temperature, jnp.nan)
+        yield _FITTED_DIAMETERS, jnp.where(fitted, 2.0 * flyer.radius, jnp.nan)
+        yield _FITTED_WARMER, ratio
+        yield _FITTED_HEATING, ratio
+
+    def remarks(
+        self,
+        flyer: Disk,  # noqa: ARG002
+        state: EnvironmentState,
+        temperature: Numeric,  # noqa: ARG002
+    ) -> tuple[str, ...]:
+        if isinstance(state.gas, AbstractAir) or (float(self.c_fm), float(self.c_cont)) != (
+            _FITTED_C_FM,
+            _FITTED_C_CONT,
+        ):
             return ()
-        diameter, ratio = 2.0 * flyer.radius, temperature / state.temperature
-        return (
-            *_FITTED_DIAMETERS.diagnostics(diameter, state.pressure),
-            *_FITTED_WARMER.diagnostics(ratio, state.pressure),
-            *_FITTED_HEATING.diagnostics(ratio, state.pressure),
-            *_gas_diagnostics(state.gas),
-        )
-
-
-def _gas_diagnostics(gas: AbstractGas) -> tuple[str, ...]:
-    if isinstance(gas, AbstractAir):
-        return ()
-    return (f"c_fm and c_cont of lu2023 were fitted in air, and the gas is {gas.name}",)
+        return (f"c_fm and c_cont of lu2023 were fitted in air, and the gas is {state.gas.name}",)
 
 
 class Lu2023ForceSection(ForceSection, of=Lu2023):

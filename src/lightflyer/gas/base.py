@@ -17,6 +17,7 @@ from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Length, Pressure, Temperature
 from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Looks, describe
 from lightflyer.gas.relaxation import COLLISION_RATE, Parker, vhs_collision_rate
 from lightflyer.program.arguments import reads_units
 from lightflyer.program.entry_point import entry_point
@@ -166,10 +167,14 @@ class AbstractGas(eqx.Module):
         """What is assumed about the gas, in short texts."""
         return ()
 
+    def ranges(self, temperature: Temperature) -> Looks:
+        """Ranges in which the gas is known, each with a number of its own."""
+        del temperature
+        return ()
+
     def diagnostics(self, temperature: Temperature, pressure: Pressure) -> tuple[str, ...]:
         """Warnings where the gas is outside its known range; arguments are concrete."""
-        del temperature, pressure
-        return ()
+        return describe(self.ranges(temperature), pressure)
 
     @entry_point
     def density(self, pressure: Pressure, temperature: Temperature) -> Array:

@@ -7,9 +7,9 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.quantity import Pressure, Temperature
+from lightflyer.core.quantity import Temperature
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.chebyshev_fit import ChebyshevFit
 from lightflyer.gas.reference import BEYOND, GAS_CONSTANT, IdealHeatCapacity
@@ -125,8 +125,8 @@ class _Correlated(AbstractGas):
         """Isobaric heat capacity of the ideal gas, vibrations included [J/(kg K)]."""
         return self.specific_gas_constant * _HEAT_CAPACITY_FIT(temperature)
 
-    def diagnostics(self, temperature: Temperature, pressure: Pressure) -> tuple[str, ...]:
-        return tuple(_KNOWN.diagnostics(temperature, pressure))
+    def ranges(self, temperature: Temperature) -> Looks:
+        yield _KNOWN, temperature
 
 
 class CarbonDioxide(_Correlated):  # type: ignore[misc]  # the ratio below is no field

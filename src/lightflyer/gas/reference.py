@@ -11,8 +11,8 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core import constants
-from lightflyer.core.quantity import Pressure, Temperature
-from lightflyer.core.validity import Validity
+from lightflyer.core.quantity import Temperature
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.chebyshev_fit import ChebyshevFit
 from lightflyer.program.entry_point import entry_point
@@ -93,10 +93,9 @@ class AbstractReferenceGas(AbstractGas):
         """Isobaric heat capacity of the ideal gas, vibrations included [J/(kg K)]."""
         return self.specific_gas_constant * self.correlations.followed_heat_capacity(temperature)
 
-    def diagnostics(self, temperature: Temperature, pressure: Pressure) -> tuple[str, ...]:
+    def ranges(self, temperature: Temperature) -> Looks:
         name = f"the temperature of {self.name}"
-        known = Validity(name, *self.correlations.ends, BEYOND)
-        return tuple(known.diagnostics(temperature, pressure))
+        yield Validity(name, *self.correlations.ends, BEYOND), temperature
 
 
 @dataclass(frozen=True)

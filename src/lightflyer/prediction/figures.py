@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.units import scale_and_offset
-from lightflyer.design.diagnostics import out_of_range
 from lightflyer.design.outputs import OUTPUTS, node_outputs
 from lightflyer.files.drawing import (
     BLUE,
@@ -130,7 +129,7 @@ def _shade_bands(prediction: "Prediction", ax: Axes) -> None:
 def _fade_extrapolated(prediction: "Prediction", ax: Axes) -> None:
     """Fade what is drawn where force model or gas are outside their ranges."""
     places = prediction.coordinates
-    outside = out_of_range(prediction.setup, places, prediction.table["temperature"])
+    outside = prediction.table["covered"] < 1.0
     ends = np.flatnonzero(np.diff(np.r_[False, outside, False])).reshape(-1, 2)
     middles = across(prediction) * np.r_[places[0], 0.5 * (places[1:] + places[:-1]), places[-1]]
     for start, end in ends:

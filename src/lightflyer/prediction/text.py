@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from rich.table import Table
 
-from lightflyer.design.diagnostics import out_of_range
 from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, node_outputs, outputs_of
 from lightflyer.files.result_text import (
     NARROW,
@@ -330,7 +329,7 @@ def _too_hot(prediction: "Prediction") -> np.ndarray:
 
 def _extrapolated(prediction: "Prediction") -> np.ndarray:
     """Where, of the coordinates asked for, force model or gas are outside their ranges."""
-    return out_of_range(prediction.setup, prediction.asked, prediction.at["temperature"])
+    return np.asarray(prediction.at["covered"] < 1.0)
 
 
 def _own_heading(prediction: "Prediction", name: str) -> str:

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from lightflyer.design.diagnostics import out_of_range
 from lightflyer.prediction.edges_and_optima import coolness, find_usable
 from lightflyer.prediction.evaluator import Evaluator, Place, Rows
 from lightflyer.statics.grid_refinement import crossing
@@ -153,8 +152,7 @@ def _covered(evaluate: Evaluator, found: "Prediction") -> list[tuple[float, floa
 
 
 def _within_ranges(evaluate: Evaluator, places: np.ndarray) -> np.ndarray:
-    temperature = evaluate(places, names=("temperature",))["temperature"]
-    return ~out_of_range(evaluate.setup, places, temperature)
+    return evaluate(places, names=("covered",))["covered"] > 0.0
 
 
 def _best_covered(

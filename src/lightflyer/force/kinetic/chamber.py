@@ -12,7 +12,6 @@ factors is made by ``studies/kinetic_chamber``; here it is fitted by polynomials
 distances. For a hot disk :class:`SolidWalls` keeps what the factors say of the gas's resistance.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -22,7 +21,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
@@ -43,7 +42,7 @@ _DENSE = (
     "the table of chambers ends there, and their factors are held; the push on like faces falls as "
     "the square of the Knudsen number"
 )
-_OF_DIATOMIC = "what floor and lid do is taken from a diatomic gas"
+OF_DIATOMIC = "what floor and lid do is taken from a diatomic gas"
 REFERENCE_TAC = 0.85  # Mean TAC in the table of chambers
 
 
@@ -174,20 +173,13 @@ class ChamberFit:
         lift *= beyond * dense * tac / REFERENCE_TAC
         return SolidWalls(_keep(factor, force), heat_kept, lift)
 
-    def diagnostics(
-        self, chamber: Chamber, knudsen: Numeric, pressure: Numeric, molecules: str
-    ) -> Iterator[str]:
-        """Where surfaces are nearer, or the gas denser or another, than the table's."""
-        if molecules == "monatomic":
-            yield _OF_DIATOMIC
-        dense = Validity("the Knudsen number", self.knudsen_range[0], np.inf, _DENSE)
-        yield from dense.diagnostics(knudsen, pressure)
+    def ranges(self, chamber: Chamber, knudsen: Numeric) -> Looks:
+        """Of the table: how near surfaces are, and how dense the gas."""
+        yield Validity("the Knudsen number", self.knudsen_range[0], np.inf, _DENSE), knudsen
         names = ("the floor's", "the lid's", "the side wall's")
         for name, least, distance in zip(names, self.nearest, chamber, strict=True):
-            if np.all(np.isinf(distance)):
-                continue
-            range_ = Validity(f"{name} distance over the radius", float(least), np.inf, _HELD)
-            yield from range_.diagnostics(distance, pressure)
+            far = Validity(f"{name} distance over the radius", float(least), np.inf, _HELD)
+            yield far, distance
 
 
 def nearness(chamber: Chamber, nearest: Chamber | None = None) -> tuple[Any, ...]:

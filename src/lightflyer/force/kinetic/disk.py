@@ -10,7 +10,7 @@ from jax import Array
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Fraction, StandardErrors
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
@@ -18,6 +18,7 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic import walls as kinetic_walls
 from lightflyer.force.kinetic.chamber import (
+    OF_DIATOMIC,
     PUSH_ERROR,
     Reservoir,
     SolidWalls,
@@ -33,6 +34,7 @@ from lightflyer.force.kinetic.collisions import (
     with_collisions,
 )
 from lightflyer.force.kinetic.local_balance import (
+    FILM_OF_DIATOMIC,
     FilmBalance,
     RemainingShares,
     local_balance_fit,
@@ -157,32 +159,39 @@ class KineticDisk(AbstractForceModel):
             push *= jnp.cos(flyer.attitude.tilt)
         return found + push
 
-    def diagnostics(
-        self, flyer: Disk, state: EnvironmentState, temperature: Numeric
-    ) -> tuple[str, ...]:
+    def ranges(self, flyer: Disk, state: EnvironmentState, temperature: Numeric) -> Looks:
         fit, knudsen = _fit_and_knudsen_number(flyer, state)
-        pressure, ratio = state.pressure, temperature / state.temperature
+        ratio = temperature / state.temperature
         lowest, lowest_hot = fit.knudsen_range[0], fit.hot_knudsen_range[0]
         hot = _where_heating_matters(ratio, knudsen, lowest_hot)
-        looks = [
-            (Validity("the Knudsen number", lowest, math.inf, _DENSE), knudsen),
-            (Validity("the Knudsen number", lowest_hot, math.inf, _HOT_DENSE), hot),
-            (Validity("T_h/T_c", *fit.ratio_range, HELD), ratio),
-            (Validity("the mean TAC", *fit.tac_range, HELD), flyer.film.tac_mean),
-        ]
+        yield Validity("the Knudsen number", lowest, math.inf, _DENSE), knudsen
+        yield Validity("the Knudsen number", lowest_hot, math.inf, _HOT_DENSE), hot
+        yield Validity("T_h/T_c", *fit.ratio_range, HELD), ratio
+        yield Validity("the mean TAC", *fit.tac_range, HELD), flyer.film.tac_mean
         chamber = chamber_of(state, flyer.radius)
-        if chamber is None and state.wall_distance is not None:
-            near = Validity("the walls' distance over the radius", fit.nearest_wall, math.inf, WALL)
-            looks.append((near, state.wall_distance / flyer.radius))
-        found = [text for range_, value in looks for text in range_.diagnostics(value, pressure)]
         if chamber is not None:
-            found += chamber_fit().diagnostics(chamber, knudsen, pressure, state.gas.molecules)
+            yield from chamber_fit().ranges(chamber, knudsen)
+        elif state.wall_distance is not None:
+            near = Validity("the walls' distance over the radius", fit.nearest_wall, math.inf, WALL)
+            yield near, state.wall_distance / flyer.radius
         if self.film_balance == "local":
-            found += local_balance_fit().diagnostics(knudsen, pressure, state.gas.molecules)
-        if state.gas.molecules not in GASES:
-            found.append(f"{state.gas.name} {_SCALED}")
-        covered = fit.knudsen_range[0]
-        return (*found, *kinetic_walls.diagnostics(flyer, self.walls, knudsen, pressure, covered))
+            yield from local_balance_fit().ranges(knudsen)
+        yield from kinetic_walls.ranges(flyer, self.walls, knudsen, lowest)
+
+    def remarks(
+        self,
+        flyer: Disk,
+        state: EnvironmentState,
+        temperature: Numeric,  # noqa: ARG002
+    ) -> tuple[str, ...]:
+        gas, walled = state.gas, chamber_of(state, flyer.radius) is not None
+        atoms = gas.molecules == "monatomic"
+        said = {
+            OF_DIATOMIC: atoms and walled,
+            FILM_OF_DIATOMIC: atoms and self.film_balance == "local",
+            f"{gas.name} {_SCALED}": gas.molecules not in GASES,
+        }
+        return tuple(text for text, applies in said.items() if applies)
 
 
 @entry_point

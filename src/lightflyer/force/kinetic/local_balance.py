@@ -14,7 +14,6 @@ problem (``studies/kinetic_chamber``), :math:`n` and :math:`\mathrm{Kn}_0` are f
 large differences and with radiation.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
@@ -24,7 +23,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
@@ -38,6 +37,7 @@ FilmBalance = Literal["isothermal", "local"]
 _HEATING_EXPONENT = 1.57
 _KNUDSEN_0 = 0.062
 _POWERS = [(0,), (1,), (2,), (3,)]
+FILM_OF_DIATOMIC = "what a film's local balance of heat does is taken from a diatomic gas"
 _HELD = "the table of films that balance their heat locally ends there, and what it says is held"
 _LEAST = 1e-5  # shares that meshes resolve [1]
 
@@ -58,13 +58,9 @@ class LocalBalanceFit:
     force: Any  # Coefficients of the logarithms of :math:`D` for force and heat loss
     heat: Any
 
-    def diagnostics(self, knudsen: Numeric, pressure: Numeric, molecules: str) -> Iterator[str]:
-        """Where the gas is denser or another than the table's."""
-        if molecules == "monatomic":
-            yield "what a film's local balance of heat does is taken from a diatomic gas"
-        yield from Validity("the Knudsen number", self.knudsen_range[0], np.inf, _HELD).diagnostics(
-            knudsen, pressure
-        )
+    def ranges(self, knudsen: Numeric) -> Looks:
+        """Of the table."""
+        yield Validity("the Knudsen number", self.knudsen_range[0], np.inf, _HELD), knudsen
 
     def kept_shares(
         self,

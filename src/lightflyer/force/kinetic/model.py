@@ -10,6 +10,7 @@ from jax import Array
 
 from lightflyer.core.quantity import Fraction, StandardErrors
 from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Looks
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
@@ -163,12 +164,13 @@ class Kinetic(AbstractForceModel):
         """A disk over a warm floor is pushed."""
         return self.model_of(flyer).pushes_unheated(flyer, state)
 
-    def diagnostics(
-        self, flyer: Any, state: EnvironmentState, temperature: Numeric
-    ) -> tuple[str, ...]:
-        """Warns of options that have no effect."""
+    def ranges(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> Looks:
+        return self.model_of(flyer).ranges(flyer, state, temperature)
+
+    def remarks(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
+        """Those of the flyer's model, and options that have no effect."""
         model = self.model_of(flyer)
-        found = model.diagnostics(flyer, state, temperature)
+        found = model.remarks(flyer, state, temperature)
         idle = {"polyatomic": self.polyatomic != "refused" and state.gas.molecules != "polyatomic"}
         if isinstance(model, KineticDisk):
             idle |= {"transmission": self.transmission != "aligned"}

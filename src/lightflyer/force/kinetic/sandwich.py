@@ -10,7 +10,7 @@ from jax import Array
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import StandardErrors
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.sandwich import Sandwich
@@ -37,7 +37,8 @@ from lightflyer.force.laws.membrane_transmission import (
 from lightflyer.force.membranes.sandwich import (
     between_membranes,
     rarefaction_of,
-    sandwich_diagnostics,
+    sandwich_ranges,
+    sandwich_remarks,
 )
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.program.entry_point import entry_point
@@ -112,11 +113,9 @@ class KineticSandwich(AbstractForceModel):
         driven = by_temperature * apart + by_tac * unlike
         return 0.5 * state.pressure * flyer.area * driven
 
-    def diagnostics(
-        self, flyer: Sandwich, state: EnvironmentState, temperature: Numeric
-    ) -> tuple[str, ...]:
+    def ranges(self, flyer: Sandwich, state: EnvironmentState, temperature: Numeric) -> Looks:
         fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
-        passed, pressure = passage_of(flyer, self.transmission), state.pressure
+        passed = passage_of(flyer, self.transmission)
         hottest = 1.0 / (1.0 - fit.heating_limit)
         looks = [
             (Validity("the rarefaction parameter", 0.0, fit.rarefaction_range[1], _DENSE), delta),
@@ -132,10 +131,17 @@ class KineticSandwich(AbstractForceModel):
             near = Validity("the walls' distance over the radius", fit.nearest_wall, math.inf, WALL)
             looks.append((near, state.wall_distance / flyer.radius))
             looks.append((Validity("the rarefaction parameter", *fit.wall_range, WALL), delta))
+        return (*looks, *sandwich_ranges(flyer, state))
+
+    def remarks(
+        self,
+        flyer: Sandwich,
+        state: EnvironmentState,
+        temperature: Numeric,  # noqa: ARG002
+    ) -> tuple[str, ...]:
         solid = state.floor_distance is not None or state.lid_distance is not None
         return (
-            *(text for range_, value in looks for text in range_.diagnostics(value, pressure)),
-            *sandwich_diagnostics(flyer, state, self.transmission),
+            *sandwich_remarks(flyer, self.transmission),
             *(("floor and lid have no effect: their table is for a disk",) if solid else ()),
         )
 

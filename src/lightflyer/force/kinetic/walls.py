@@ -24,7 +24,7 @@ from jax import Array
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
@@ -229,20 +229,14 @@ def normal_accommodations(disk: Disk, walls: Walls) -> tuple[Numeric, Numeric]:
     return held[0], held[1]
 
 
-def diagnostics(
-    disk: Disk, walls: Walls, knudsen: Numeric, pressure: Numeric, covered: float
-) -> tuple[str, ...]:
-    """Warnings where the table of walls ends, or where no wall accommodates as it is told to."""
+def ranges(disk: Disk, walls: Walls, knudsen: Numeric, covered: float) -> Looks:
+    """Of the table of walls, and of what a wall can accommodate."""
     if walls.wall == "maxwell":
-        return ()
-    looks: list[tuple[Validity, Any]] = []
+        return
     densest = wall_fit().knudsen_range[0]
     if densest > covered:
-        looks.append((Validity("the Knudsen number", densest, np.inf, _HELD), knudsen))
+        yield Validity("the Knudsen number", densest, np.inf, _HELD), knudsen
     if walls.tangential is not None:
-        looks += [
-            (Validity(f"the accommodation of normal energy {face}", 0.0, 1.0, _NO_WALL),
-             normal_accommodation(tac, walls.tangential))
-            for face, tac in (("on top", disk.film.tac_top), ("below", disk.film.tac_bottom))
-        ]  # fmt: skip
-    return tuple(text for range_, value in looks for text in range_.diagnostics(value, pressure))
+        for face, tac in (("on top", disk.film.tac_top), ("below", disk.film.tac_bottom)):
+            normal = Validity(f"the accommodation of normal energy {face}", 0.0, 1.0, _NO_WALL)
+            yield normal, normal_accommodation(tac, walls.tangential)

@@ -7,7 +7,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force.laws.gap import gap_conductance
@@ -55,13 +55,15 @@ def between_membranes(
     )
 
 
-def sandwich_diagnostics(
-    flyer: Sandwich, state: EnvironmentState, transmission: Transmission
-) -> Iterator[str]:
-    """Where holes and gap are not as models of a sandwich take them."""
+def sandwich_ranges(flyer: Sandwich, state: EnvironmentState) -> Looks:
+    """Holes and gap as models of a sandwich take them."""
     path = mean_free_path(state.pressure, state.temperature, state.gas)
-    yield from _HOLES.diagnostics(np.asarray(flyer.hole_radius) / path, state.pressure)
-    yield from _GAP.diagnostics(np.asarray(flyer.gap) / path, state.pressure)
+    yield _HOLES, flyer.hole_radius / path
+    yield _GAP, flyer.gap / path
+
+
+def sandwich_remarks(flyer: Sandwich, transmission: Transmission) -> Iterator[str]:
+    """Where a gap is not as wide as a model of its transmission takes it."""
     ratio = np.asarray(flyer.gap) / flyer.hole_radius
     if transmission == "aligned" and np.max(ratio) > WIDE_GAP:
         yield (

@@ -10,7 +10,7 @@ from jax import Array
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.quantity import StandardErrors
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.sandwich import Sandwich
@@ -24,7 +24,8 @@ from lightflyer.force.laws.membrane_transmission import (
 from lightflyer.force.membranes.sandwich import (
     between_membranes,
     rarefaction_of,
-    sandwich_diagnostics,
+    sandwich_ranges,
+    sandwich_remarks,
 )
 from lightflyer.force.membranes.sandwich import rarefaction as rarefaction
 from lightflyer.force.membranes.schafer2025_table import (
@@ -95,7 +96,7 @@ class Schafer2025(AbstractForceModel):
 
     They are for a disk of no thickness whose holes let a molecule through or not, at random: holes
     and gap much narrower than the mean free path, the holes of both membranes above each other.
-    :meth:`diagnostics` says where that does not hold. For a gap much wider than the holes,
+    :meth:`ranges` says where that does not hold. For a gap much wider than the holes,
     ``transmission="wide"`` takes the disk through which as many molecules pass as through both
     membranes, with the temperatures at which they leave:
     :func:`~lightflyer.force.laws.membrane_transmission.passage`.
@@ -175,17 +176,23 @@ class Schafer2025(AbstractForceModel):
             ratio *= 1.0 + self.force_error * own
         return 0.5 * state.pressure * flyer.area * ratio * sum(passed.recoil(*unknowns))
 
-    def diagnostics(
+    def ranges(
         self,
         flyer: Sandwich,
         state: EnvironmentState,
         temperature: Numeric,  # noqa: ARG002
+    ) -> Looks:
+        yield _DENSE, rarefaction_of(flyer, state)
+        yield _OPEN, flyer.open_fraction
+        yield from sandwich_ranges(flyer, state)
+
+    def remarks(
+        self,
+        flyer: Sandwich,
+        state: EnvironmentState,  # noqa: ARG002
+        temperature: Numeric,  # noqa: ARG002
     ) -> tuple[str, ...]:
-        return (
-            *_DENSE.diagnostics(rarefaction_of(flyer, state), state.pressure),
-            *_OPEN.diagnostics(flyer.open_fraction, state.pressure),
-            *sandwich_diagnostics(flyer, state, self.transmission),
-        )
+        return tuple(sandwich_remarks(flyer, self.transmission))
 
     def _passage(self, flyer: Sandwich) -> MembraneTransmission:
         inner = (flyer.top.tac_bottom, flyer.bottom.tac_top)

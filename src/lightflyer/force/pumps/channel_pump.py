@@ -9,7 +9,7 @@ The channels pump gas at the velocity u through the plate, the gas outside resis
 of molecules that leave one face faster than the other.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, NamedTuple
 
@@ -19,7 +19,7 @@ from jax import Array
 
 from lightflyer.core.quantity import StandardErrors
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.plate import Plate
@@ -168,7 +168,7 @@ class ChannelPump(AbstractForceModel):
     The gas in the channels and between the films has the properties at the plate's mean
     temperature; the gas outside conducts and flows as at the mean of plate and surroundings.
 
-    :meth:`diagnostics` says where channels are not slots or too short, and where the flow is fast.
+    :meth:`ranges` says where channels are not slots or too short, and where the flow is fast.
     """
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Plate,)
@@ -237,13 +237,14 @@ class ChannelPump(AbstractForceModel):
             "reynolds_number": _reynolds_number(flyer, state, plate, flow),
         }
 
-    def diagnostics(
-        self,
-        flyer: Plate,
-        state: EnvironmentState,
-        temperature: Numeric,
-    ) -> tuple[str, ...]:
-        return tuple(_diagnostics(flyer, state, temperature))
+    def ranges(self, flyer: Plate, state: EnvironmentState, temperature: Numeric) -> Looks:
+        reynolds = _highest_reynolds_number(flyer, state, temperature / state.temperature - 1.0)
+        return (
+            (_SLOTS, flyer.channel_length / flyer.channel_width),
+            (_SHORT, flyer.height / flyer.channel_width),
+            (_SLOW, reynolds),
+            (FLOW_RANGE, reynolds),
+        )
 
 
 def _inside(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Inside:
@@ -367,16 +368,6 @@ def _reynolds_number(
 ) -> Array:
     density = state.gas.density(state.pressure, state.temperature)
     return density * flyer.radius * jnp.abs(flow.velocity) / plate.outside.viscosity
-
-
-def _diagnostics(flyer: Plate, state: EnvironmentState, temperature: Numeric) -> Iterator[str]:
-    width = np.asarray(flyer.channel_width)
-    yield from _SLOTS.diagnostics(flyer.channel_length / width, state.pressure)
-    yield from _SHORT.diagnostics(flyer.height / width, state.pressure)
-    hottest = jnp.asarray(temperature) / state.temperature - 1.0
-    reynolds = _highest_reynolds_number(flyer, state, hottest)
-    for range_ in (_SLOW, FLOW_RANGE):
-        yield from range_.diagnostics(reynolds, state.pressure)
 
 
 @entry_point

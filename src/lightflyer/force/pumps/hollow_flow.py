@@ -17,11 +17,10 @@ import math
 from typing import NamedTuple
 
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.core.validity import Validity
+from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.hollow import HollowBody
 from lightflyer.force.base import ModelResult
@@ -378,17 +377,12 @@ _DEEP = Validity(
 )
 
 
-def pump_diagnostics(
-    flyer: HollowBody, state: EnvironmentState, corrections: Corrections
-) -> tuple[str, ...]:
-    """Warnings where a body or its surroundings are outside the range of a model."""
+def pump_ranges(flyer: HollowBody, state: EnvironmentState, corrections: Corrections) -> Looks:
+    """Of body and surroundings for a model."""
     path = mean_free_path(state.pressure, state.temperature, state.gas)
-    length = np.asarray(flyer.wall_thickness) / flyer.channel_width
-    looks = [(_THIN_OUTLET, path / flyer.outlet_radius)]
+    length = flyer.wall_thickness / flyer.channel_width
+    yield _THIN_OUTLET, path / flyer.outlet_radius
     if not corrections.short_channels:
-        looks.append((_LONG, length))
+        yield _LONG, length
     if corrections.energy_balance or corrections.projected_light:
-        looks.append((_DEEP, length))
-    return tuple(
-        text for range_, value in looks for text in range_.diagnostics(value, state.pressure)
-    )
+        yield _DEEP, length

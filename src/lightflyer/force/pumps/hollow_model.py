@@ -7,6 +7,7 @@ from typing import ClassVar
 from jax import Array
 
 from lightflyer.core.types import Numeric
+from lightflyer.core.validity import Looks
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.hollow import HollowBody
@@ -16,8 +17,8 @@ from lightflyer.force.pumps.hollow_flow import (
     FLOW_RESULTS,
     Corrections,
     Errors,
-    pump_diagnostics,
     pump_force,
+    pump_ranges,
     pump_results,
 )
 from lightflyer.force.pumps.hollow_heat import pump_heat
@@ -58,10 +59,10 @@ class AbstractHollowModel(AbstractForceModel):
     ) -> dict[str, Array]:
         return pump_results(flyer, state, unknowns, self.corrections, self.errors)
 
-    def diagnostics(
+    def ranges(
         self,
         flyer: HollowBody,
         state: EnvironmentState,
         temperature: Numeric,  # noqa: ARG002
-    ) -> tuple[str, ...]:
-        return pump_diagnostics(flyer, state, self.corrections)
+    ) -> Looks:
+        return pump_ranges(flyer, state, self.corrections)

@@ -68,7 +68,7 @@ class HollowPump(AbstractHollowModel):
     recoil is exact.
 
     The gas within has the temperature of the inner film. The drag and jet coefficients were fitted
-    to simulations of dense gas; :meth:`diagnostics` says where it is not.
+    to simulations of dense gas; :meth:`ranges` says where it is not.
 
     References
     ----------

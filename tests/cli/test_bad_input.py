@@ -117,7 +117,8 @@ def test_a_mistake_in_a_flyer_file(run, tmp_path, kind, old, new, message):
 
 RANGE = 'from = "0.5 cm", to = "5 cm", points = 40, scale = "log"'
 OUTPUTS = (
-    '["usable", "temperature", "lift_over_weight", "relative_payload", "levitation_irradiance"]'
+    '["usable", "covered", "temperature", "lift_over_weight", "relative_payload", '
+    '"levitation_irradiance"]'
 )
 BEST = 'maximise = "payload"'
 SHARE = '"0.75 ± 0.02"'

@@ -25,6 +25,7 @@ POINT_OUTPUTS = [
     "relative_payload",
     "payload_per_area",
     "usable",
+    "covered",
     "levitation_irradiance",
     "levitation_temperature",
     "own_mass",

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.design.diagnostics import diagnose_at
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.uncertainty.inputs import uncertain_inputs
 
@@ -182,3 +183,22 @@ def test_thicknesses_go_through_to_flight():
     for nanometres in (19.0, 20.0, 21.0):
         assert propagated(nanometres) == pytest.approx(exact(nanometres), rel=1e-9)
     assert propagated(22.0) == pytest.approx(exact(22.0), abs=0.02 * abs(change))
+
+
+@pytest.mark.parametrize(
+    ("model", "radius"),
+    [
+        (lf.Kinetic(), 0.01),
+        (lf.Lu2023(), 0.0049),
+        (lf.Lu2023(), 0.01),
+        (lf.FreeMolecular(), 0.01),
+    ],
+)
+def test_covered_is_where_nothing_is_said_to_be_outside(model, radius):
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
+    setup = lf.Setup(lf.Disk(film, radius), lf.Earth(), model)
+    for altitude in (30e3, 62e3, 78e3, 100e3, 119e3):
+        found = lf.predict(setup, at=[altitude])
+        said = diagnose_at(setup, [altitude], found.at["temperature"])
+        outside = [line for line in said if ", below " in line or ", above " in line]
+        assert found.at["covered"].tolist() == [0.0 if outside else 1.0], (altitude, said)

@@ -95,6 +95,7 @@ def test_first_order_is_that_of_repeated_predictions():
         "minimum_irradiance.temperature_k": lambda s: s["minimum_irradiance"]["temperature_k"],
         "best.payload_mg": lambda s: s["best"]["payload_mg"],
         "best.temperature_k": lambda s: s["best"]["temperature_k"],
+        "verdict.longest_night_h": lambda s: s["verdict"]["longest_night_h"],
     }.items():
         expected = spread * slope(read)
         assert uncertain.first_order[name] == pytest.approx(expected, rel=5e-3), name
@@ -241,6 +242,7 @@ def test_samples_of_a_large_margin_are_those_of_repeated_predictions(model):
             f"{group}.upper": truth[group][1],
             "best.altitude_km": truth["best"]["altitude_km"],
             "minimum_irradiance.altitude_km": truth["minimum_irradiance"]["altitude_km"],
+            "verdict.longest_night_h": truth["verdict"]["longest_night_h"],
         }.items():
             assert found.sampled[name][sample] == pytest.approx(expected, abs=0.005), name
         payload = truth["best"]["payload_mg"]

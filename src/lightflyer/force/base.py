@@ -15,6 +15,7 @@ import equinox as eqx
 from jax import Array
 
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.precision import float64
 from lightflyer.core.quantity import Checked
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, describe
@@ -107,8 +108,9 @@ class AbstractForceModel(Checked):
         self, flyer: Any, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
         """Warnings where a flyer or its surroundings are outside the model's range."""
-        looks = self.ranges(flyer, state, temperature)
-        return describe(looks, state.pressure) + self.remarks(flyer, state, temperature)
+        with float64():
+            outside = describe(self.ranges(flyer, state, temperature), state.pressure)
+        return outside + self.remarks(flyer, state, temperature)
 
     def assumptions(self, flyer: Any) -> tuple[str, ...]:
         """What the model assumes about a flyer that a reader must know, in short texts."""

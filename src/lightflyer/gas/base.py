@@ -15,6 +15,7 @@ from jax import Array
 
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.precision import float64
 from lightflyer.core.quantity import Length, Pressure, Temperature
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, describe
@@ -174,7 +175,8 @@ class AbstractGas(eqx.Module):
 
     def diagnostics(self, temperature: Temperature, pressure: Pressure) -> tuple[str, ...]:
         """Warnings where the gas is outside its known range; arguments are concrete."""
-        return describe(self.ranges(temperature), pressure)
+        with float64():
+            return describe(self.ranges(temperature), pressure)
 
     @entry_point
     def density(self, pressure: Pressure, temperature: Temperature) -> Array:

@@ -243,9 +243,10 @@ def longest_night(
     start: Numeric,
     end: Numeric,
 ) -> Array:
-    """Time to sink in the dark from one altitude to another, shape () [s].
+    """Time to sink in the dark from one altitude to another, shape () or (n,) [s].
 
-    Infinite for a flyer that stays up. Unlike :func:`settling_time` it can be traced.
+    Infinite for a flyer that stays up. Unlike :func:`settling_time` it can be traced. ``start`` and
+    ``end`` () or (n, 1).
     """
     nodes, weights = np.polynomial.legendre.leggauss(_NODES_OF_NIGHT)
     altitudes = 0.5 * (start - end) * nodes + 0.5 * (start + end)
@@ -253,4 +254,4 @@ def longest_night(
     speed = sinking_speed(flyer, state, model, throw=False)
     sinks = speed > 0.0
     slowness = jnp.where(sinks, 1.0 / jnp.where(sinks, speed, 1.0), jnp.inf)
-    return 0.5 * (start - end) * jnp.sum(weights * slowness)
+    return jnp.sum(0.5 * (start - end) * weights * slowness, axis=-1)

@@ -1,6 +1,7 @@
 """Derivatives of a prediction's results in its inputs, through the root-finds."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import jax
@@ -9,6 +10,7 @@ import numpy as np
 
 from lightflyer.design.outputs import predicted_names, tabulate_places
 from lightflyer.program.entry_point import entry_point
+from lightflyer.statics.sinking import longest_night
 from lightflyer.uncertainty.inputs import Inputs
 
 Table = dict[str, np.ndarray]
@@ -34,12 +36,18 @@ def _along(setup: Any, coordinate: Any, change: Any, coordinate_change: Any) -> 
 class Derivatives:
     """Outputs at some coordinates with their derivatives."""
 
+    inputs: Inputs
+    coordinate: np.ndarray  # shape (n,)
     value: Table  # shape (n,)
     # shape (k + 1, n); derivatives of the value, and of its slope over the coordinate, in the k
     # inputs and, last, the coordinate
     change: Table
     slope_change: Table
-    covariance: np.ndarray  # shape (k, k); covariance of the inputs
+
+    @cached_property
+    def covariance(self) -> np.ndarray:
+        """Covariance of the inputs, shape (k, k)."""
+        return self.inputs.covariance
 
     def spread(self, gradient: np.ndarray) -> float:
         """Standard uncertainty of what has this gradient, shape (k,), in the inputs."""
@@ -65,6 +73,24 @@ class Derivatives:
         """Gradient of an output where the coordinate has a gradient itself, shape (k,)."""
         return self.change[name][:-1, point] + self.change[name][-1, point] * coordinate
 
+    def night(self, name: str, points: tuple[int, int]) -> np.ndarray:
+        """Gradient of the night [s] between places that keep an output's value, shape (k,)."""
+        setup, tangents = self.inputs.setup_and_tangents()
+        moving = zip(*(self.level(name, point) for point in points), strict=True)
+        edges = tuple(self.coordinate[list(points)])
+        parts = zip(tangents, moving, strict=True)
+        return np.array([float(_night(setup, edges, tangent, moves)) for tangent, moves in parts])
+
+
+@entry_point
+def _night(setup: Any, edges: Any, change: Any, edge_changes: Any) -> Any:
+    """How the longest night changes with the setup and the edges in one direction [s]."""
+
+    def night(moved: Any, edges: Any) -> Any:
+        return longest_night(moved.flyer, moved.environment, moved.model, *edges)
+
+    return jax.jvp(night, (setup, edges), (change, edge_changes))[1]
+
 
 def derivatives(inputs: Inputs, coordinate: np.ndarray) -> Derivatives:
     """Derivatives of all outputs of a prediction; ``coordinate`` (n,)."""
@@ -81,11 +107,12 @@ def derivatives(inputs: Inputs, coordinate: np.ndarray) -> Derivatives:
     count = coordinate.size
     step = np.where(step > 0.0, step, np.nan)  # at sea level there is none
     return Derivatives(
+        inputs,
+        coordinate,
         value={name: values[:count] for name, values in value.items()},
         change={name: rows[:, :count] for name, rows in change.items()},
         slope_change={
             name: (rows[:, 2 * count :] - rows[:, count : 2 * count]) / (2.0 * step)
             for name, rows in change.items()
         },
-        covariance=inputs.covariance,
     )

@@ -16,6 +16,7 @@ from lightflyer.prediction.edges_and_optima import (
 )
 from lightflyer.prediction.evaluator import Table
 from lightflyer.program.entry_point import entry_point
+from lightflyer.statics.sinking import longest_night, sinks_level
 from lightflyer.uncertainty.inputs import Inputs
 
 LOWER, UPPER, MOST_PAYLOAD, LEAST_LIGHT = "lower", "upper", "payload", "levitation_irradiance"
@@ -26,6 +27,7 @@ USABLE_LOWER, USABLE_UPPER, HELD = "usable lower", "usable upper", "held"
 film survives, or the place of most payload in them."""
 
 HEAT = "temperature"
+NIGHT = "longest_night"
 
 _tabulate_each = entry_point(tabulate)
 
@@ -52,6 +54,23 @@ def _place_in_row(leaf: Any, shape: tuple[int, int]) -> Any:
     """A number of each sample, shape (samples, 1), for each of its coordinates."""
     own = np.shape(leaf) in ((shape[0], 1), shape)  # and no table of an atmosphere
     return np.broadcast_to(leaf, shape).ravel() if own else leaf
+
+
+def _nights(
+    inputs: Inputs, samples: np.ndarray, edges: np.ndarray, where: Coordinate
+) -> np.ndarray:
+    """Time in which each sample sinks from edge to edge in the dark, shape (samples,) [s]."""
+    # NaN where it has none; ``edges`` (2, samples)
+    setup = inputs.setup_of(samples)
+    if where.name != "altitude" or not sinks_level(setup.flyer):
+        return np.full(len(samples), np.nan)
+    lower, upper = where.from_axis(edges)[:, :, None]
+    return _night(setup, upper, lower)
+
+
+@entry_point
+def _night(setup: Any, start: Any, end: Any) -> Any:
+    return longest_night(setup.flyer, setup.environment, setup.model, start, end)
 
 
 def search_samples(
@@ -81,7 +100,7 @@ def search_samples(
     at_edges = [{HEAT: row} for row in np.where(np.isnan(edges), np.nan, hot)]
     known = {
         LOWER: (edges[0], at_edges[0]),
-        UPPER: (edges[1], at_edges[1]),
+        UPPER: (edges[1], at_edges[1] | {NIGHT: _nights(inputs, samples, edges, where)}),
         MOST_PAYLOAD: (found.best, found.at_best),
         LEAST_LIGHT: (found.easiest, found.at_easiest),
     }

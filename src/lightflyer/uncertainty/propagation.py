@@ -24,7 +24,12 @@ from lightflyer.prediction.evaluator import Table
 from lightflyer.prediction.prediction import Prediction, predict_design, search_grid
 from lightflyer.uncertainty.derivatives import Derivatives, derivatives
 from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs
-from lightflyer.uncertainty.monte_carlo import LEAST_LIGHT, search_samples, tabulate_samples
+from lightflyer.uncertainty.monte_carlo import (
+    LEAST_LIGHT,
+    NIGHT,
+    search_samples,
+    tabulate_samples,
+)
 from lightflyer.uncertainty.targets import find_targets, sample_result, spread_of
 
 if TYPE_CHECKING:
@@ -221,7 +226,7 @@ def propagate(
         report("bands by Monte Carlo")
         drawn = draw_possible(inputs, samples, seed)
         told = _diagnostics(drawn)
-        asked = {target.quantity for target in targets} - {""}
+        asked = {target.quantity for target in targets} - {"", NIGHT}
         wanted = tuple(dict.fromkeys((*names, *sorted(asked))))
         whole = search_grid(prediction.setup, _SEARCHED_POINTS)
         coordinates = np.concatenate([points, grid[:: 2 if over is None else 1], whole])

@@ -14,6 +14,7 @@ from lightflyer.uncertainty.monte_carlo import (
     LEAST_LIGHT,
     LOWER,
     MOST_PAYLOAD,
+    NIGHT,
     UPPER,
     USABLE_LOWER,
     USABLE_UPPER,
@@ -122,6 +123,9 @@ def _add_verdict(found: _Targets, band: str, key: str) -> None:
     if verdict.rest is not None:
         found.at(verdict.rest.coordinate, UPPER, _LIFT)
         found.add_outputs("verdict.rest", verdict.rest, (HEAT,))
+        if verdict.longest_night is not None:
+            key, scale = found.known[NIGHT].json
+            found.add(f"verdict.{key}", verdict.longest_night, NIGHT, scale)
     if verdict.best is None or verdict.highest_temperature is None:
         return
     lifted = {edge for ends in bands for edge in ends}
@@ -139,6 +143,9 @@ def _add_verdict(found: _Targets, band: str, key: str) -> None:
 def spread_of(target: Target, slopes: Derivatives) -> float:
     """Standard uncertainty of a result to first order."""
     point = target.point
+    if target.quantity == NIGHT:
+        edges = point, 0  # the lower one comes first
+        return target.scale * slopes.spread(slopes.night(target.keeps, edges))
     if target.is_edge:
         moving = slopes.level(target.keeps, point)
     elif target.keeps and not target.at_end:

@@ -52,6 +52,9 @@ class RingSection(lf.flyer.FlyerSection, of=Ring):
     default_model: ClassVar = "thin-gas"
 
 
+THIN = lf.Validity("the Knudsen number", 10.0, np.inf, "thin-gas leaves collisions out")
+
+
 class ThinGas(lf.AbstractForceModel):
     flyers: ClassVar = (Ring,)
 
@@ -72,9 +75,9 @@ class ThinGas(lf.AbstractForceModel):
         tacs = flyer.film.tac_top, flyer.film.tac_bottom
         return accommodated_force(flyer.area, *tacs, state.pressure, excess)
 
-    def diagnostics(self, flyer, state, temperature):
+    def ranges(self, flyer, state, temperature):  # outside, predictions say so
         knudsen = lf.gas.knudsen_number(state.pressure, state.temperature, flyer.outer, state.gas)
-        return ("thin-gas leaves collisions out",) if np.any(knudsen < 10.0) else ()
+        yield THIN, knudsen
 
 
 class ThinGasSection(lf.force.ForceSection, of=ThinGas):

@@ -73,36 +73,44 @@ def tilted(setup, tilt):
     return dataclasses.replace(setup, flyer=dataclasses.replace(setup.flyer, attitude=attitude))
 
 
+def film_disk(material, limit, zenith, centimetres="1", germanium="10"):
+    """A disk of germanium under a polymer; diameter [cm] and thickness [nm] as texts."""
+    layers = [
+        {"material": material, "thickness": "500 nm"},
+        {"material": "Ge", "thickness": f"{germanium} nm"},
+    ]
+    film = {
+        "layers": layers, "spectrum": "AM0", "extrapolation": "hold", "tac_top": 0.77,
+        "tac_bottom": 0.90, "highest_temperature": f"{limit} K",
+    }  # fmt: skip
+    return lf.FlyerFile(
+        flyer={"diameter": f"{centimetres} cm"},
+        film=film,
+        environment={"kind": "earth", "incidence": f"{zenith} deg"},
+    )
+
+
 def films():
     """Germanium under a polymer: the disk that carries most afloat, with the limit and without."""
-    yield ("polymer", "bears [K]", "sun", "limit", "payload [mg]", "diameter [cm]",
-           "germanium [nm]")  # fmt: skip
-    for polymer, (material, limit) in POLYMERS.items():
+    yield ("polymer", "sun", "limit", "payload [mg]", "diameter [cm]", "germanium [nm]",
+           "laden [K]", "empty [K]")  # fmt: skip
+    over = {
+        "flyer.diameter": {"from": "0.1 cm", "to": "5 cm", "scale": "log"},
+        "film.layers.1.thickness": {"from": "2 nm", "to": "60 nm", "scale": "log"},
+    }
+    for polymer, film in POLYMERS.items():
         for sun, zenith in SUNS.items():
-            file = lf.FlyerFile(
-                flyer={"diameter": "1 cm"},
-                film={
-                    "layers": [
-                        {"material": material, "thickness": "500 nm"},
-                        {"material": "Ge", "thickness": "10 nm"},
-                    ],
-                    "spectrum": "AM0", "extrapolation": "hold", "tac_top": 0.77,
-                    "tac_bottom": 0.90, "highest_temperature": f"{limit} K",
-                },
-                environment={"kind": "earth", "incidence": f"{zenith} deg"},
-            )  # fmt: skip
-            over = {
-                "flyer.diameter": {"from": "0.1 cm", "to": "5 cm", "scale": "log"},
-                "film.layers.1.thickness": {"from": "2 nm", "to": "60 nm", "scale": "log"},
-            }
             for limited in (True, False):
                 found = lf.optimise(
-                    file, maximise="afloat_payload", over=over, beyond_range=not limited, starts=4
-                )
+                    film_disk(*film, zenith), maximise="afloat_payload", over=over,
+                    beyond_range=not limited, starts=4,
+                )  # fmt: skip
                 diameter, germanium = (found.design[name] for name in over)
+                best = lf.predict(film_disk(*film, zenith, 1e2 * diameter, 1e9 * germanium))
                 yield (
-                    polymer, limit, sun, "kept" if limited else "none", 1e6 * found.value,
-                    100.0 * diameter, 1e9 * germanium,
+                    polymer, sun, "kept" if limited else "none", 1e6 * found.value,
+                    1e2 * diameter, 1e9 * germanium, best.best.values["temperature"],
+                    best.verdict.rest.values["temperature"],
                 )  # fmt: skip
 
 

@@ -14,10 +14,10 @@ _MOST_DIGITS = 16
 class Validity(NamedTuple):
     """Range of a number within which a model is known to hold."""
 
-    name: str  # The number in words, such as ``"the Knudsen number"``
-    lowest: float  # Ends of the range
-    highest: float  # Ends of the range
-    beyond: str  # What the model does outside, for the reader of a result
+    name: str  #: The number in words, such as ``"the Knudsen number"``
+    lowest: float  #: Ends of the range
+    highest: float  #: Ends of the range
+    beyond: str  #: What the model does outside, for the reader of a result
 
     def diagnostics(self, values: Numeric, pressure: Numeric) -> Iterator[str]:
         """One line for each end of the range that is passed, at the worst of some places."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from lightflyer.design.diagnostics import diagnose_design
+from lightflyer.design.diagnostics import TOO_HOT, diagnose_design
 from lightflyer.search.problem import Problem
 
 
@@ -12,10 +12,14 @@ def diagnose_solution(problem: Problem, design: Mapping[str, float]) -> tuple[st
 
 
 def range_passed(problem: Problem, design: Mapping[str, float]) -> tuple[str, ...]:
-    """Diagnostics that another design of the search might not have."""
+    """Diagnostics that another design of the search might not have; of heat the search knows."""
     # what is said of data that end holds for every thickness: no other design would avoid it
     own = problem.design.warnings_for(_values(problem, design))
-    return tuple(text for text in diagnose_solution(problem, design) if text not in own)
+    return tuple(
+        text
+        for text in diagnose_solution(problem, design)
+        if text not in own and not text.startswith(TOO_HOT)
+    )
 
 
 def _values(problem: Problem, design: Mapping[str, float]) -> dict[str, float]:

@@ -30,8 +30,8 @@ from .core.errors import ParameterError as ParameterError
 from .core.errors import ParameterWarning as ParameterWarning
 from .core.errors import PluginWarning as PluginWarning
 from .core.precision import float64 as float64
-from .core.validity import Validity as Validity
 from .core.units import Measured as Measured
+from .core.validity import Validity as Validity
 from .design import Setup as Setup
 from .environment import AbstractEnvironment as AbstractEnvironment
 from .environment import Chamber as Chamber

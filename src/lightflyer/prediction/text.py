@@ -78,9 +78,7 @@ def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[st
     night = ""
     if found.longest_night is not None and math.isfinite(found.longest_night):
         factor, unit = OUTPUTS["longest_night"].shown
-        band = bands.get("verdict.longest_night_h")
-        hours = _with_band(found.longest_night * factor, band, ".2g", unit)
-        night = f"; after {hours} in the dark it is below that"
+        night = f"; after {found.longest_night * factor:.2g} {unit} in the dark it is below that"
     yield f"It flies {_ranges(prediction, prediction.bands, bands, 'band')}{night}."
     yield from film_lines(prediction, bands)
     if found.best is not None:

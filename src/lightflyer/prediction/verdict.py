@@ -44,6 +44,8 @@ class Verdict:
     #: enough, infinite where none that leaves it within the search is too strong. None where
     #: ``survives`` is
     strongest_light: float | None
+    #: Where it rests in that light; None where that is zero, infinite or unknown
+    strongest_rest: float | None
     #: Payloads between which it comes to rest, let go, where its film survives [kg], though it does
     #: not with its own payload; None where there are none
     ballast: tuple[float, float] | None
@@ -64,19 +66,21 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     highest = None if stated is None else float(stated)
     if found.widest is None:
         unknown = dict.fromkeys(("best", "lowest_release", "rest", "longest_night", "survives"))
-        unknown |= dict.fromkeys(("strongest_light", "ballast", "best_covered"))
+        unknown |= dict.fromkeys(("strongest_light", "strongest_rest", "ballast", "best_covered"))
         return Verdict(highest, [], carries_afloat=False, covered=[], limit="light", **unknown)
     lower, upper = found.bands[found.widest]
     drifts = found.coordinate.name == "altitude"
     rest = evaluate.place(upper) if drifts and upper < found.coordinates[-1] else None
     usable: list[tuple[float, float]] = found.bands
     best: Place | None = found.best
-    survives, strongest = None, None
+    survives, strongest, strongest_rest = None, None, None
     if highest is not None:
         usable, best = _usable(evaluate, found, highest)
         if rest is not None:
             survives = rest.values["temperature"] <= highest
-            strongest = _strongest_light(evaluate, found, highest, survives=survives)
+            strongest, strongest_rest = _strongest_light(
+                evaluate, found, highest, survives=survives
+            )
     ballast = None
     if survives is False and best is found.best:  # the peak of lift, below which nothing floats
         (top,) = (high for low, high in usable if low <= best.coordinate <= high)
@@ -92,6 +96,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
         longest_night=_longest_night(found, lower, rest),
         survives=survives,
         strongest_light=strongest,
+        strongest_rest=strongest_rest,
         ballast=ballast,
         covered=covered,
         best_covered=None
@@ -180,8 +185,8 @@ def _best_covered(
 
 def _strongest_light(
     evaluate: Evaluator, prediction: "Prediction", highest: float, *, survives: bool
-) -> float:
-    """Strongest light at whose place of rest the film survives."""
+) -> tuple[float, float | None]:
+    """Strongest light at whose place of rest the film survives, and that place."""
 
     # At rest the light is the least that levitates, and the temperature is the one in that light.
     # So from the place of the least light upwards, the table of levitation lists the places of
@@ -202,6 +207,6 @@ def _strongest_light(
     places = places[start:]
     first = int(np.argmin([*(cool(places) >= 0.0), False]))
     if first in (0, places.size):
-        return np.inf if first else 0.0
+        return (np.inf if first else 0.0), None
     place = crossing(cool, places[first], places[first - 1])
-    return float(at(place, light)[0])
+    return float(at(place, light)[0]), float(place[0])

@@ -9,13 +9,17 @@ import numpy as np
 from lightflyer.design.outputs import table_of, tabulate
 from lightflyer.environment.base import Coordinate
 from lightflyer.prediction.edges_and_optima import (
+    Found,
     Names,
+    Tabulate,
+    coolness,
     find_edges_and_optima,
     find_usable,
     widest_of,
 )
 from lightflyer.prediction.evaluator import Table
 from lightflyer.program.entry_point import entry_point
+from lightflyer.statics.grid_refinement import crossing
 from lightflyer.statics.sinking import longest_night, sinks_level
 from lightflyer.uncertainty.inputs import Inputs
 
@@ -23,10 +27,11 @@ LOWER, UPPER, MOST_PAYLOAD, LEAST_LIGHT = "lower", "upper", "payload", "levitati
 """What moves a result: an edge of the widest band, or the place of an optimum."""
 
 USABLE_LOWER, USABLE_UPPER, HELD = "usable lower", "usable upper", "held"
+STRONGEST = "strongest light"
 """What moves one that the film's limit decides: an edge of the widest part of the bands that the
-film survives, or the place of most payload in them."""
+film survives, the place of most payload in them, or the place of rest in the strongest light."""
 
-HEAT = "temperature"
+HEAT, LEAST_HEAT, PAYLOAD = "temperature", "levitation_temperature", "payload"
 NIGHT = "longest_night"
 
 _tabulate_each = entry_point(tabulate)
@@ -54,6 +59,24 @@ def _place_in_row(leaf: Any, shape: tuple[int, int]) -> Any:
     """A number of each sample, shape (samples, 1), for each of its coordinates."""
     own = np.shape(leaf) in ((shape[0], 1), shape)  # and no table of an atmosphere
     return np.broadcast_to(leaf, shape).ravel() if own else leaf
+
+
+def _strongest_light(
+    look: Tabulate, places: np.ndarray, rows: Table, found: Found, highest: float
+) -> tuple[np.ndarray, Table]:
+    """Place of rest in the strongest light in which each sample's film survives, and that light."""
+
+    # zero where the film is too hot already in the least light, NaN where no light is too strong
+    def cool(at: np.ndarray) -> np.ndarray:
+        return coolness(look(at[:, None], (LEAST_HEAT,))[LEAST_HEAT][:, 0], highest)
+
+    known, never = ~np.isnan(rows[LEAST_LIGHT]), coolness(found.at_easiest[LEAST_HEAT], highest) < 0
+    hot = (coolness(rows[LEAST_HEAT], highest) < 0.0) & known & (places[:, None] > found.easiest)
+    first, wanted = hot.argmax(axis=0), hot.any(axis=0) & ~never
+    inside = np.where(wanted, np.fmax(places[np.maximum(first - 1, 0)], found.easiest), places[0])
+    place = crossing(cool, places[first], inside, wanted)
+    light = look(place[None, None], (LEAST_LIGHT,))[LEAST_LIGHT][0, 0]
+    return place, {LEAST_LIGHT: np.where(wanted, light, np.where(never, 0.0, np.nan))}
 
 
 def _nights(
@@ -109,6 +132,9 @@ def search_samples(
         best = found.best, found.at_best
         usable = find_usable(look, places, rows, found.edges, best, float(highest))
         ends = widest_of(usable.edges)
-        known |= {USABLE_LOWER: (ends[0], {}), USABLE_UPPER: (ends[1], {})}
+        there = np.where(np.isnan(ends[1]), places[0], ends[1])
+        least = np.where(np.isnan(ends[1]), np.nan, look(there[None, None], (PAYLOAD,))[PAYLOAD])
+        known |= {USABLE_LOWER: (ends[0], {}), USABLE_UPPER: (ends[1], {PAYLOAD: least[0, 0]})}
         known[HELD] = usable.best, usable.at_best
+        known[STRONGEST] = _strongest_light(look, places, rows, found, float(highest))
     return {name: (where.from_axis(place), values) for name, (place, values) in known.items()}

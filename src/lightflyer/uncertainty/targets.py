@@ -11,10 +11,13 @@ from lightflyer.uncertainty.derivatives import Derivatives
 from lightflyer.uncertainty.monte_carlo import (
     HEAT,
     HELD,
+    LEAST_HEAT,
     LEAST_LIGHT,
     LOWER,
     MOST_PAYLOAD,
     NIGHT,
+    PAYLOAD,
+    STRONGEST,
     UPPER,
     USABLE_LOWER,
     USABLE_UPPER,
@@ -23,7 +26,7 @@ from lightflyer.uncertainty.monte_carlo import (
 EDGES = LOWER, UPPER  # Names of the edges of a band
 
 _LIFT = "lift_over_weight"
-_LEVELS = _LIFT, HEAT  # outputs that keep their value at an edge, whatever else changes
+_LEVELS = _LIFT, HEAT, LEAST_HEAT  # outputs that keep their value at an edge, whatever else changes
 
 
 @dataclass(frozen=True)
@@ -118,21 +121,29 @@ def find_targets(prediction: Prediction) -> tuple[list[Target], np.ndarray]:
 
 
 def _add_verdict(found: _Targets, band: str, key: str) -> None:
-    """Add the flyer's place of rest, where its film survives, and what it carries there."""
+    """Add what becomes of the flyer, let go, where its film survives, and what it carries there."""
     verdict, bands = found.prediction.verdict, found.prediction.bands
     if verdict.rest is not None:
         found.at(verdict.rest.coordinate, UPPER, _LIFT)
         found.add_outputs("verdict.rest", verdict.rest, (HEAT,))
         if verdict.longest_night is not None:
-            key, scale = found.known[NIGHT].json
-            found.add(f"verdict.{key}", verdict.longest_night, NIGHT, scale)
+            name, scale = found.known[NIGHT].json
+            found.add(f"verdict.{name}", verdict.longest_night, NIGHT, scale)
+    if verdict.strongest_rest is not None and verdict.strongest_light is not None:
+        found.at(verdict.strongest_rest, STRONGEST, LEAST_HEAT)
+        found.add("verdict.strongest_light_w_m2", verdict.strongest_light, LEAST_LIGHT, 1.0)
     if verdict.best is None or verdict.highest_temperature is None:
         return
     lifted = {edge for ends in bands for edge in ends}
     part = max(verdict.usable, key=lambda ends: ends[1] - ends[0])
-    for edge, mover, coordinate in zip(EDGES, (USABLE_LOWER, USABLE_UPPER), part, strict=True):
+    keeps = [_LIFT if edge in lifted else HEAT for edge in part]
+    if verdict.ballast is not None:
+        found.at(part[1], USABLE_UPPER, keeps[1])
+        found.add("verdict.ballast_mg", verdict.ballast[0], PAYLOAD, 1e6)
+    movers = USABLE_LOWER, USABLE_UPPER
+    for edge, mover, coordinate, kept in zip(EDGES, movers, part, keeps, strict=True):
         if coordinate not in found.ends:
-            found.at(coordinate, mover, _LIFT if coordinate in lifted else HEAT)
+            found.at(coordinate, mover, kept)
             found.add_coordinate(f"{band}.{edge}")
     best = verdict.best
     found.at(best.coordinate, HELD, MOST_PAYLOAD if best is found.prediction.best else HEAT)

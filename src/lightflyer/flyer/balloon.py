@@ -95,6 +95,7 @@ class Balloon(AbstractClosedFlyer):
 
     nodes: ClassVar[tuple[str, ...]] = ("envelope",)
     lifted_by: ClassVar[str] = "the gas inside, which is warmer or lighter than the air"
+    floats: ClassVar[bool] = True
     drag_law: ClassVar[str] = "of a sphere by Cunningham's law, with inertia"
     contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 

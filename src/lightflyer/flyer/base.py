@@ -47,6 +47,7 @@ class AbstractFlyer(Checked):
     flows: ClassVar[tuple[str, ...]] = ()
     drag_law: ClassVar[str] = "of its own"
     lifted_by: ClassVar[str] = "the gas around it"
+    floats: ClassVar[bool] = False  # Whether buoyancy holds it up, and missions let it settle
 
     if TYPE_CHECKING:
         # a checker takes annotations for the first arguments of every subclass

@@ -9,6 +9,7 @@ from typing import Any
 
 import diffrax
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import optimistix
 from jax import Array
@@ -16,7 +17,7 @@ from jax import Array
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.planet import Planet
-from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
+from lightflyer.mission.path.motion import Craft, settle, steady_speeds, velocity
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.path.termination import TerminationReason
 
@@ -110,10 +111,23 @@ def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: 
 def steady_rate(craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array) -> Array:
     """Rate of a scaled state at which heat and forces are in balance [1/s], shape (4,)."""
     altitude, place = altitude_and_place(start, flown, elapsed)
-    around = craft.surroundings(limits.inside(altitude), place, elapsed)
-    unknowns = craft.heat(around).unknowns
-    speeds = steady_speeds(around, craft.forces(around, unknowns), unknowns)
-    return rate_of(velocity(around, *speeds), place, altitude, craft.planet)
+
+    def force(altitude: Array) -> tuple[Array, Any]:
+        around = craft.surroundings(limits.inside(altitude), place, elapsed)
+        unknowns = craft.heat(around).unknowns
+        forces = craft.forces(around, unknowns)
+        return forces.axial, (around, forces, unknowns)
+
+    if not craft.setup.flyer.floats:
+        _, (around, forces, unknowns) = force(altitude)
+        axial, slope = steady_speeds(around, forces, unknowns)
+    else:
+        axial_force, change, (around, forces, unknowns) = jax.jvp(
+            force, (altitude,), (jnp.ones_like(altitude),), has_aux=True
+        )
+        axial, slope = steady_speeds(around, forces, unknowns)
+        axial = settle(axial, axial_force, -change)
+    return rate_of(velocity(around, axial, slope), place, altitude, craft.planet)
 
 
 def controller(accuracy: Accuracy, shortest: float = _SHORTEST_STEP) -> diffrax.PIDController:

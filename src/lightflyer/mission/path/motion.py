@@ -39,6 +39,13 @@ _SLOWEST, _FASTEST = 1e-4, 10.0
 """Bracket of the speed, over that of a drag proportional to it [1]."""
 
 
+SETTLING = 20.0
+"""Time in which a balloon comes to a balance that is near [s]. With inertia it swings about it,
+with a period of minutes, which is left out."""
+
+_BLEND = 4  # how sharply the way to a balance that is near takes over from a steady speed
+
+
 class Surroundings(eqx.Module):
     """A flyer as it lies at one moment, and what is around it."""
 
@@ -113,6 +120,17 @@ def steady_speeds(
         return axial, jnp.zeros_like(axial)
     slope = _speed(lambda speed: flyer.drag(state, unknowns, speed, "edgewise"), forces.slope)
     return axial, slope
+
+
+def settle(speed: Array, force: Array, stiffness: Array) -> Array:
+    """Speed of a flyer that comes to its balance in :data:`SETTLING`, not at once [m/s]."""
+    # Its force is zero there and falls off on the way up by the stiffness [N/m]. Drag grows with
+    # the square of the speed of a large body, so that a steady speed would change infinitely fast.
+    stable = (stiffness > 0.0) & (force != 0.0)
+    steady = jnp.where(stable, jnp.abs(speed), 1.0)
+    towards = jnp.where(stable, jnp.abs(force) / (SETTLING * stiffness), 1.0)
+    slower = steady * towards / (steady**_BLEND + towards**_BLEND) ** (1.0 / _BLEND)
+    return jnp.where(stable, jnp.sign(speed) * slower, speed)
 
 
 def velocity(around: Surroundings, axial: Array, slope: Array) -> Wind:

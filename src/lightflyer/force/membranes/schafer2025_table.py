@@ -43,7 +43,7 @@ TEMPERATURE_EXCESS = 1.0 / 3.0
 FREE_FORCE = 0.5 * ((1.0 + TEMPERATURE_EXCESS) ** 0.5 - 1.0) / TEMPERATURE_EXCESS
 """Force of free molecules on a face without holes, over :math:`p A \\theta`, at that excess [1]."""
 
-HIGHEST_RAREFACTION = 200.0  # Where the table ends [1]
+HIGHEST_RAREFACTION = 100.0  # Where the table ends [1]
 HIGHEST_OPEN_FRACTION = 0.95  # Where the table ends [1]
 
 _MONATOMIC_EUCKEN = 15.0 / 4.0  # κ/(μR) of a gas without internal motion, [VincentiKruger1965]
@@ -68,7 +68,7 @@ class PerforatedDiskTable:
 @lru_cache
 def perforated_disk_table() -> PerforatedDiskTable:
     """The table that comes with the package."""
-    numbers = shipped_table("schafer2025.csv").numbers
+    numbers = shipped_table("perforated_disk.csv").numbers
     open_fraction, rarefaction = np.unique(numbers["beta"]), np.unique(numbers["delta"])
     shape = (open_fraction.size, rarefaction.size)
     force, cross, own = (

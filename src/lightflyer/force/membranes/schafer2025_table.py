@@ -1,4 +1,4 @@
-r"""Simulated force and heat loss of a perforated disk, as smooth functions.
+r"""Force and heat loss of a perforated disk within a reservoir, as smooth functions.
 
 The table has, over open fraction :math:`\beta` and rarefaction
 :math:`\delta = pa/(\mu\sqrt{2RT})`, the force on a disk with one hot face and the heat that both
@@ -38,7 +38,7 @@ from lightflyer.files.table import shipped_table
 from lightflyer.numerics.curves import Curves
 
 TEMPERATURE_EXCESS = 1.0 / 3.0
-"""Relative temperature excess of the hot face in the simulations: 400 K in gas at 300 K."""
+"""Relative temperature excess of the hot face in the table: 400 K in gas at 300 K."""
 
 FREE_FORCE = 0.5 * ((1.0 + TEMPERATURE_EXCESS) ** 0.5 - 1.0) / TEMPERATURE_EXCESS
 """Force of free molecules on a face without holes, over :math:`p A \\theta`, at that excess [1]."""
@@ -54,7 +54,7 @@ _STEPS = 30  # of Gauss and Newton; five suffice
 
 @dataclass(frozen=True)
 class PerforatedDiskTable:
-    """The simulations, a row for each open fraction and a column for each rarefaction."""
+    """The solutions, a row for each open fraction and a column for each rarefaction."""
 
     open_fraction: np.ndarray  # shape (m,)
     rarefaction: np.ndarray  # shape (n,)

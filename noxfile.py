@@ -10,9 +10,7 @@ import nox
 nox.needs_version = ">=2025.10.14"
 nox.options.default_venv_backend = "uv"
 
-COMPILE = (
-    "--compile-bytecode"  # or others' doubtful literals warn in tests, where warnings are errors
-)
+COMPILE = "--compile-bytecode"  # or others' odd literals warn in tests, as errors
 
 
 @nox.session(venv_backend="none")

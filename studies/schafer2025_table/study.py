@@ -75,7 +75,7 @@ def summary(table, values):
 
 
 def near_end(table):
-    """Largest share by which the model's force exceeds that in open space, in helium, β as above."""
+    """Largest share by which the model's force exceeds that in open space, in helium."""
     film = lf.FilmProperties(3e-4, 0.5, 0.1, 0.1, tac_top=1.0, tac_bottom=1.0)
     beta = np.linspace(table.open_fraction[INNER][0], table.open_fraction[INNER][-1], 15)[:, None]
     sandwich = lf.Sandwich(film, film, 0.01, 1e-6, beta, 1e-6, 1e-6, 1.0)

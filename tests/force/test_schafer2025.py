@@ -487,8 +487,8 @@ def test_what_is_outside_the_models_range():
 def test_published_device_levitates_as_far_as_its_supports_let_it():
     """1 cm wide, 125 µm thick, at 26.7 Pa and 750 W/m²: lift over weight by support fraction.
 
-    1.90, 1.39 and 0.61 come from the published table by another implementation, with films that are not
-    stated; the fall with the supports' area does not depend on them.
+    1.90, 1.39 and 0.61 come from the published table by another implementation, with films that
+    are not stated; the fall with the supports' area does not depend on them.
     """
     expected = np.array([1.90, 1.39, 0.61])
     top = lf.FilmProperties(3.1e-4, 0.02, 0.1, 0.1, 0.9, 0.9, transmittance=0.8)

@@ -46,8 +46,8 @@ _DENSE = Validity(
 )
 _OPEN = Validity("open_fraction", 0.0, HIGHEST_OPEN_FRACTION, "the table of schafer2025 ends there")
 
-# Share by which the force in open space is below that of the table, whose gas ends near the disk, at
-# most for open fractions from 0.2 to 0.9; and the largest deviation of the fit from rows of the
+# Share by which the force in open space is below that of the table, whose gas ends near the disk,
+# at most for open fractions from 0.2 to 0.9; and the largest deviation of the fit from rows of the
 # table that it has not seen; both from studies/schafer2025_table.
 _RAREFACTIONS = np.array([0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0])
 _NEAR_END = np.array([0.01, 0.05, 0.11, 0.17, 0.24, 0.30, 0.37, 0.39, 0.57])

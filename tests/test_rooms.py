@@ -10,7 +10,7 @@ from importlinter.cli import lint_imports
 
 import lightflyer as lf
 
-ROOT = Path(lf.__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 ROOMS = ["environment", "film", "statics", "flyer", "force", "gas", "prediction", "uncertainty",
          "calibration", "comparison", "parametric", "search", "lab", "kinetic_theory", "mission",
          "drag", "budget", "design"]  # fmt: skip

@@ -11,16 +11,20 @@ Within the same bounds the two agree, which :doc:`/sandwich` shows.
 """
 
 import matplotlib.pyplot as plt
+import numpy as np
 
 from lightflyer.force.kinetic.sandwich_table import sandwich_table
-from lightflyer.force.membranes.schafer2025_table import perforated_disk_table
+from lightflyer.force.membranes.schafer2025_table import FREE_FORCE
 
-simulated, solved = perforated_disk_table(), sandwich_table("monatomic")
+path = "../../tests/validation/schafer2025.csv"  # in the repository, not in the package
+published = np.genfromtxt(path, names=True, delimiter=",", skip_header=2)
+solved = sandwich_table("monatomic")
 
 fig, ax = plt.subplots()
 for number, open_fraction in enumerate((0.0, 0.4, 0.7, 0.9)):
-    row = list(simulated.open_fraction).index(open_fraction)
-    ax.plot(simulated.rarefaction, simulated.force_ratio[row], "osD^"[number], color=f"C{number}")
+    row = published[published["beta"] == open_fraction]
+    ratio = row["force"] / ((1.0 - open_fraction) * FREE_FORCE)
+    ax.plot(row["delta"], ratio, "osD^"[number], color=f"C{number}")
     ours = (solved.open_fraction == open_fraction) & (solved.tac == 1.0)
     label = f"{open_fraction:.0%} holes"
     ax.plot(solved.rarefaction[ours], solved.force_ratio[ours], color=f"C{number}", label=label)

@@ -5,6 +5,7 @@
 Writes docs/images/kinetic-sandwich.png from the package's tables and points.jsonl.
 """
 
+import csv
 import json
 from pathlib import Path
 
@@ -14,17 +15,25 @@ import numpy as np
 import lightflyer as lf
 from lightflyer.files import drawing as plot
 from lightflyer.force.kinetic.sandwich_table import sandwich_fit
-from lightflyer.force.membranes.schafer2025_table import (
-    FREE_FORCE,
-    TEMPERATURE_EXCESS,
-    perforated_disk_table,
-)
+from lightflyer.force.membranes.schafer2025_table import FREE_FORCE, TEMPERATURE_EXCESS
 
 HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"
+PUBLISHED = HERE.parents[1] / "tests" / "validation" / "schafer2025.csv"
 OPEN_FRACTIONS = (0.2, 0.6, 0.9)
 COLOURS = ("C0", "C1", "C2")
 MEAN_RATIO = 1.0 + 0.5 * TEMPERATURE_EXCESS  # one face hot
+
+
+def published_ratios():
+    """Rarefactions, and the published force ratio over them by open fraction."""
+    lines = (line for line in PUBLISHED.read_text().splitlines() if not line.startswith("#"))
+    found = {}
+    for row in csv.DictReader(lines):
+        beta = float(row["beta"])
+        ratio = float(row["force"]) / ((1.0 - beta) * FREE_FORCE)
+        found.setdefault(beta, {})[float(row["delta"])] = ratio
+    return np.array(list(found[0.0])), {b: np.array(list(r.values())) for b, r in found.items()}
 
 
 def open_space(delta, beta):
@@ -36,18 +45,18 @@ def open_space(delta, beta):
 
 def main():
     """Draw the figure and print the ratios of both."""
-    table = perforated_disk_table()
+    rarefaction, simulated = published_ratios()
     lines = (HERE / "points.jsonl").read_text().splitlines()
     solved = [json.loads(line) for line in lines if line.startswith('["published')]
     figure = plot.new_figure(width=6.4, height=4.4)
     (ax,) = figure.axes
     delta = np.geomspace(0.03, 200.0, 200)
     for beta, colour in zip(OPEN_FRACTIONS, COLOURS, strict=True):
-        row = table.force_ratio[table.open_fraction == beta][0]
-        ours = open_space(table.rarefaction, beta)
+        row = simulated[beta]
+        ours = open_space(rarefaction, beta)
         print(f"β {beta:g}: open space over published", np.round(ours / row, 3))
         ax.loglog(delta, open_space(delta, beta), color=colour, label=f"β = {beta:g}")
-        ax.loglog(table.rarefaction, row, "o", color=colour, markersize=4.0)
+        ax.loglog(rarefaction, row, "o", color=colour, markersize=4.0)
         for key, result in solved:
             _, there, _, share = key.split()
             if float(share) == beta:
@@ -55,8 +64,7 @@ def main():
                 ax.loglog(float(there), ratio, "x", color=colour, markersize=6.0)
     for key, result in solved:
         _, there, boundary, share = key.split()
-        row = table.force_ratio[table.open_fraction == float(share)][0]
-        published = row[table.rarefaction == float(there)][0]
+        published = simulated[float(share)][rarefaction == float(there)][0]
         ratio = result["published"][0] / ((1.0 - float(share)) * FREE_FORCE) / published
         print(f"δ {there}, D {boundary}, β {share}: ours over published {ratio:.3f}")
     ax.plot([], [], "o", color="grey", markersize=4.0, label="simulations")

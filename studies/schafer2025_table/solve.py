@@ -17,7 +17,7 @@ from lightflyer.kinetic_theory.model_gases import gas_model
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"
-TABLE = FOLDER / "perforated_disk.csv"
+TABLE = FOLDER.parents[1] / "src/lightflyer/data/perforated_disk.csv"
 
 # half-width of the reservoir [radii] at each rarefaction: that of the published simulations where
 # it is known, up to 1; beyond, that in which the force at the middle open fraction is theirs

@@ -75,7 +75,7 @@ def test_warnings_are_of_where_it_flies(run, flyer_file):
     assert "warning: " not in run("predict", flyer_file, "--at", "75 km")[1]
     told = run("predict", flyer_file, "--at", "44 km")[1]
     assert "warning: the rarefaction parameter is" in told
-    assert "at 169 Pa, above 200: the simulations" in told
+    assert "at 169 Pa, above 100: the table" in told
 
 
 def test_many_sandwiches(run, flyer_file, tmp_path):

@@ -33,7 +33,7 @@ from lightflyer.study.sections import STUDY_FILE, StudyFile
 
 pytestmark = pytest.mark.snippets
 
-ROOT = Path(lf.__file__).parents[2]
+ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 COMMAND_PAGES = sorted((DOCS / "commands").glob("*.md"))
 PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md")), *COMMAND_PAGES]

@@ -62,13 +62,13 @@ def test_gas_around_a_disk_beside_kinetic_solutions():
         # an isothermal disk, and one whose faces differ in TAC
         np.testing.assert_allclose(around.common / (1.0 + around.common), heat, rtol=0.012)
         np.testing.assert_allclose(recoil, force / heat, rtol=0.04)
-    # simulations of Schafer et al.: one face as warm as the other is cold
+    # one face as warm as the other is cold; in denser gas the table's ends near the disk
     table = perforated_disk_table()
     assert table.open_fraction[0] == 0.0
     with lf.float64():
-        around = disk_surroundings(table.rarefaction)
+        around = disk_surroundings(table.rarefaction[:7])
         ratio = np.asarray(around.difference / (1.0 + around.difference))
-    np.testing.assert_allclose(ratio, table.difference_ratio[0], rtol=0.08)
+    np.testing.assert_allclose(ratio, table.difference_ratio[0, :7], rtol=0.08)
 
 
 def test_conduction_of_a_disk_in_dense_gas():

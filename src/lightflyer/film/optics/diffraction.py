@@ -30,10 +30,11 @@ def diffraction_deficit(hole_radius: Numeric, wavelength: Numeric) -> np.ndarray
     """Share of the radiation on a round hole that does not pass it [1]; [Jackson1999]_ ch. 10.9."""
     # Kirchhoff's approximation: good for holes wider than the wavelength. In truth even less passes
     # holes that are much narrower.
-    from scipy.special import itj0y0  # slow to import
+    # The mean of J₀ up to x by Struve functions: itj0y0 of SciPy is wrong before 1.17.
+    from scipy.special import j0, j1, struve  # slow to import
 
     x = 4.0 * np.pi * np.asarray(hole_radius) / wavelength
-    return np.asarray(itj0y0(x)[0] / x)
+    return np.asarray(j0(x) + 0.5 * np.pi * (j1(x) * struve(0, x) - j0(x) * struve(1, x)))
 
 
 def narrow_holes(hole_radius: Numeric, temperature: Numeric) -> Iterator[str]:

@@ -1,4 +1,4 @@
-r"""The sandwich's model of Schafer et al.: simulations of a perforated disk, two temperatures."""
+r"""The sandwich's model of Schafer et al.: a perforated disk in a reservoir, two temperatures."""
 
 from typing import ClassVar, Literal
 
@@ -43,18 +43,16 @@ _DENSE = Validity(
     "the rarefaction parameter",
     0.0,
     HIGHEST_RAREFACTION,
-    "the simulations of schafer2025 end there, and force and heat loss are extrapolated",
+    "the table of schafer2025 ends there, and force and heat loss are extrapolated",
 )
-_OPEN = Validity(
-    "open_fraction", 0.0, HIGHEST_OPEN_FRACTION, "the simulations of schafer2025 end there"
-)
+_OPEN = Validity("open_fraction", 0.0, HIGHEST_OPEN_FRACTION, "the table of schafer2025 ends there")
 
-# Share by which the force in open space is below that of the simulations, whose gas ended near the
-# disk, by the kinetic equation, at most for open fractions from 0.2 to 0.9; and the largest
-# deviation of the fit from rows of the table that it has not seen; both as in docs/sandwich.md.
-_RAREFACTIONS = np.array([0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0])
-_NEAR_END = np.array([0.01, 0.05, 0.12, 0.15, 0.24, 0.30, 0.34, 0.40, 0.55, 0.62])
-_UNSEEN = np.array([0.5, 0.5, 1.3, 0.3, 0.5, 1.0, 1.8, 2.7, 4.0, 2.8]) / 100.0
+# Share by which the force in open space is below that of the table, whose gas ends near the disk,
+# at most for open fractions from 0.2 to 0.9; and the largest deviation of the fit from rows of the
+# table that it has not seen; both from studies/schafer2025_table.
+_RAREFACTIONS = np.array([0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0])
+_NEAR_END = np.array([0.01, 0.05, 0.11, 0.17, 0.24, 0.30, 0.37, 0.39, 0.57])
+_UNSEEN = np.array([0.0, 0.0, 0.1, 0.3, 0.7, 1.5, 2.6, 3.9, 4.2]) / 100.0
 _STANDARD_ERROR = np.hypot(_NEAR_END, _UNSEEN) / NORMAL_HALF_WIDTH_95
 
 
@@ -83,7 +81,7 @@ def perforated_disk_conductances(
 
 
 class Schafer2025(AbstractForceModel):
-    r"""Force and heat loss of a sandwich by simulations of a perforated disk.
+    r"""Force and heat loss of a sandwich as of a perforated disk within a reservoir.
 
     Outside, the sandwich is taken for one thin disk with holes whose top face has the upper
     membrane's temperature and whose bottom face the lower one's. Between the membranes heat flows
@@ -91,7 +89,8 @@ class Schafer2025(AbstractForceModel):
 
     Notes
     -----
-    The simulations are for complete accommodation: the TACs of the two outer faces have no effect.
+    The table has the cases that [Schafer2025]_ simulated, by our own kinetic solver. They are for
+    complete accommodation: the TACs of the two outer faces have no effect.
     Those of the two inner faces enter the conduction in the gap.
 
     They are for a disk of no thickness whose holes let a molecule through or not, at random: holes
@@ -106,17 +105,16 @@ class Schafer2025(AbstractForceModel):
     transmission : {"aligned", "wide"}
         How holes and gap let molecules pass.
     force_error : array or None
-        Deviation of the force from the model, in standard errors [1]: what the near end of the
-        simulated gas does to it, by the kinetic equation in open space, and what the fit misses.
-        0.6 % for free molecules, 6 % at a rarefaction of 1, 15 % at 10. A flyer file gives it as
-        0 ± 1.
+        Deviation of the force from the model, in standard errors [1]: what the near end of the gas
+        does to it, by the kinetic equation in open space, and what the fit misses. 0.5 % for free
+        molecules, 6 % at a rarefaction of 1, 15 % at 10. A flyer file gives it as 0 ± 1.
 
-    The table ends at rarefactions 0.1 and 200, and at an open fraction of 0.95. In thinner gas the
+    The table ends at rarefactions 0.1 and 100, and at an open fraction of 0.95. In thinner gas the
     fit goes over into the exact limit of free molecules, in denser gas force and heat loss go on
     as the inverse of the rarefaction.
 
-    It was computed in helium. The force is taken for that in any gas of the same rarefaction; the
-    heat loss is corrected for what the molecules' internal motion carries.
+    It was computed in a monatomic gas. The force is taken for that in any gas of the same
+    rarefaction; the heat loss is corrected for what the molecules' internal motion carries.
 
     References
     ----------
@@ -200,6 +198,6 @@ class Schafer2025(AbstractForceModel):
 
 
 class Schafer2025Section(ForceSection, of=Schafer2025):
-    """``[force]``: simulations of a perforated disk, for a sandwich."""
+    """``[force]``: a perforated disk within a reservoir, for a sandwich."""
 
     model: Literal["schafer2025"]

@@ -1,4 +1,4 @@
-r"""Simulated force and heat loss of a perforated disk, as smooth functions.
+r"""Force and heat loss of a perforated disk within a reservoir, as smooth functions.
 
 The table has, over open fraction :math:`\beta` and rarefaction
 :math:`\delta = pa/(\mu\sqrt{2RT})`, the force on a disk with one hot face and the heat that both
@@ -38,12 +38,12 @@ from lightflyer.files.table import shipped_table
 from lightflyer.numerics.curves import Curves
 
 TEMPERATURE_EXCESS = 1.0 / 3.0
-"""Relative temperature excess of the hot face in the simulations: 400 K in gas at 300 K."""
+"""Relative temperature excess of the hot face in the table: 400 K in gas at 300 K."""
 
 FREE_FORCE = 0.5 * ((1.0 + TEMPERATURE_EXCESS) ** 0.5 - 1.0) / TEMPERATURE_EXCESS
 """Force of free molecules on a face without holes, over :math:`p A \\theta`, at that excess [1]."""
 
-HIGHEST_RAREFACTION = 200.0  # Where the table ends [1]
+HIGHEST_RAREFACTION = 100.0  # Where the table ends [1]
 HIGHEST_OPEN_FRACTION = 0.95  # Where the table ends [1]
 
 _MONATOMIC_EUCKEN = 15.0 / 4.0  # κ/(μR) of a gas without internal motion, [VincentiKruger1965]
@@ -54,7 +54,7 @@ _STEPS = 30  # of Gauss and Newton; five suffice
 
 @dataclass(frozen=True)
 class PerforatedDiskTable:
-    """The simulations, a row for each open fraction and a column for each rarefaction."""
+    """The solutions, a row for each open fraction and a column for each rarefaction."""
 
     open_fraction: np.ndarray  # shape (m,)
     rarefaction: np.ndarray  # shape (n,)
@@ -68,7 +68,7 @@ class PerforatedDiskTable:
 @lru_cache
 def perforated_disk_table() -> PerforatedDiskTable:
     """The table that comes with the package."""
-    numbers = shipped_table("schafer2025.csv").numbers
+    numbers = shipped_table("perforated_disk.csv").numbers
     open_fraction, rarefaction = np.unique(numbers["beta"]), np.unique(numbers["delta"])
     shape = (open_fraction.size, rarefaction.size)
     force, cross, own = (

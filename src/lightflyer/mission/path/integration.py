@@ -30,7 +30,7 @@ LONGEST_STEP = 1800.0  # Longest step [s]: a short day must not lie between two 
 
 _FIRST_STEP = 10.0  # seconds
 _SHORTEST_STEP = 1e-3  # seconds: below, there is something that cannot be integrated
-_STEPS_AN_HOUR = 50  # at most, on average; a day takes about a hundred
+_STEPS_AN_HOUR = 200  # at most, on average; a day takes about a hundred, that of a balloon 1300
 _FEWEST_STEPS = 2000
 _SECONDS_AN_HOUR = 3600.0
 _EVENT_TOLERANCE = 1e-10  # of the conditions below, which are altitudes in ALTITUDE_SCALE

@@ -1,0 +1,10 @@
+from .curl import Curl as Curl
+from .curl import critical_curvature as critical_curvature
+from .curl import curl_of_film as curl_of_film
+from .laminate import Lamina as Lamina
+from .laminate import Laminate as Laminate
+from .laminate import Stiffness as Stiffness
+from .laminate import flat_load as flat_load
+from .laminate import free_curvature as free_curvature
+from .laminate import laminate_stiffness as laminate_stiffness
+from .laminate import layer_stresses as layer_stresses

@@ -8,3 +8,16 @@ from .laminate import flat_load as flat_load
 from .laminate import free_curvature as free_curvature
 from .laminate import laminate_stiffness as laminate_stiffness
 from .laminate import layer_stresses as layer_stresses
+from .plates import clamped_deflection as clamped_deflection
+from .plates import free_plate_droop as free_plate_droop
+from .plates import free_plate_frequency as free_plate_frequency
+from .plates import load_curvature as load_curvature
+from .plates import membrane_frequency as membrane_frequency
+from .plates import shear_droop as shear_droop
+from .sandwich import Ligaments as Ligaments
+from .sandwich import ligament_shear_stiffness as ligament_shear_stiffness
+from .sandwich import perforated_share as perforated_share
+from .sandwich import root_stiffness as root_stiffness
+from .sandwich import sandwich_stiffness as sandwich_stiffness
+from .shells import cylinder_buckling_pressure as cylinder_buckling_pressure
+from .shells import sphere_buckling_pressure as sphere_buckling_pressure

@@ -13,6 +13,7 @@ from lightflyer.structure import (
     curl_of_film,
     flat_load,
     free_curvature,
+    free_strain,
     laminate_stiffness,
     layer_stresses,
 )
@@ -71,7 +72,9 @@ def test_stresses_of_a_free_film_are_in_equilibrium():
         Lamina(layer.thickness / 40, layer.modulus, layer.poisson, layer.expansion, layer.stress)
         for layer in film.layers for _ in range(40)
     ])  # fmt: skip
-    stresses = np.array(layer_stresses(sheets, 420.0, (curvature, curvature)))
+    strain = free_strain(film, 420.0)
+    found = layer_stresses(sheets, 420.0, (strain, strain), (curvature, curvature))
+    stresses = np.array(found)
     thick = np.array([sheet.thickness for sheet in sheets.layers])
     height = np.cumsum(thick[::-1])[::-1] - thick / 2
     force, moment = stresses @ thick, stresses @ (thick * height)

@@ -6,6 +6,7 @@ from .laminate import Laminate as Laminate
 from .laminate import Stiffness as Stiffness
 from .laminate import flat_load as flat_load
 from .laminate import free_curvature as free_curvature
+from .laminate import free_strain as free_strain
 from .laminate import laminate_stiffness as laminate_stiffness
 from .laminate import layer_stresses as layer_stresses
 from .plates import clamped_deflection as clamped_deflection

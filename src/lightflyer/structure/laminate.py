@@ -131,21 +131,32 @@ def free_curvature(film: Laminate, temperature: Numeric) -> Array:
 
 
 @entry_point
+def free_strain(film: Laminate, temperature: Numeric) -> Array:
+    """Strain of a free film at its neutral height, from its length at 293.15 K [1]."""
+    return -flat_load(film, temperature)[0] / laminate_stiffness(film).stretching
+
+
+@entry_point
 def layer_stresses(
-    film: Laminate, temperature: Numeric, curvatures: tuple[Numeric, Numeric]
+    film: Laminate,
+    temperature: Numeric,
+    strains: tuple[Numeric, Numeric],
+    curvatures: tuple[Numeric, Numeric],
 ) -> tuple[Array, ...]:
-    """Largest tension in each layer of a free film of two principal curvatures [Pa]."""
-    stiffness = laminate_stiffness(film)
-    tension, _ = flat_load(film, temperature)
-    strain, (first, second) = -tension / stiffness.stretching, curvatures
+    """Largest tension in each layer, by principal strains [1] and curvatures of the film [Pa]."""
+    # The strains are those at the neutral height, [1/m] of the curvatures in the same order.
+    stiffness, (first, second) = laminate_stiffness(film), curvatures
     found = []
     for layer, height in zip(film.layers, film.heights, strict=True):
         in_plane = layer.modulus / (1.0 - layer.poisson**2)
         # an edge that rises shortens what is above the neutral height
         ends = (
             _held_stress(layer, temperature)
-            + in_plane * ((1.0 + layer.poisson) * strain - (one + layer.poisson * other) * arm)
-            for one, other in ((first, second), (second, first))
+            + in_plane * (strain + layer.poisson * across - (one + layer.poisson * other) * arm)
+            for strain, across, one, other in (
+                (*strains, first, second),
+                (*strains[::-1], second, first),
+            )
             for side in (-0.5, 0.5)
             for arm in (height + side * layer.thickness - stiffness.neutral,)
         )

@@ -158,8 +158,9 @@ class Prediction(PrintedResult):
 
     @property
     def own_names(self) -> tuple[str, ...]:
-        """Names of the force model's own outputs, of the flyer's flows, and of the budget's."""
-        return (*model_outputs(self.setup), *budget_outputs(self.setup))
+        """Names of the outputs of its shape, the force model's own, its flows', the budget's."""
+        setup = self.setup
+        return (*setup.flyer.known_shape, *model_outputs(setup), *budget_outputs(setup))
 
     @cached_property
     def verdict(self) -> Verdict:

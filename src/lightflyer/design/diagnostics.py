@@ -21,6 +21,9 @@ polymer films shrink and melt near it."""
 
 TOO_HOT = "the flyer reaches"  # How a diagnostic of heat begins
 
+_FLAT = 0.2  # height of the edge over the radius, from which 5 % of the lift are lost to tilt
+_GAP = 0.5  # share of a gap, from which the force of a flat one means little
+
 _LOOKS = 31  # places within a band that are looked at
 _AT_ONCE = 320  # places: a prediction's table and what is reported beside it
 _ROUNDING = 1e-5  # relative, within which a search meets a limit
@@ -124,6 +127,20 @@ def _heat_diagnostics(highest: Numeric | None, temperature: Numeric) -> Iterator
             )
     elif hottest > float(highest) * (1.0 + _ROUNDING):
         yield f"{TOO_HOT} {hottest:.0f} K, and its film bears {float(highest):.0f} K"
+
+
+def diagnose_shape(setup: Setup, table: dict[str, Any]) -> Iterator[str]:
+    """Diagnostics of a flyer that does not hold its shape where it flies."""
+    flies = table["lift_over_weight"] >= 1.0
+    known = setup.flyer.known_shape
+    largest = {name: float(np.max(table[name], where=flies, initial=0.0)) for name in known}
+    rise = largest.get("deflection", 0.0) / float(getattr(setup.flyer, "radius", np.inf))
+    if rise > _FLAT:
+        yield f"the flyer does not stay flat: its edge is off by {100.0 * rise:.0f} % of its radius"
+    if largest.get("stress_over_strength", 0.0) > 1.0:
+        yield f"a layer tears: tension is {largest['stress_over_strength']:.2g} times its strength"
+    if largest.get("gap_closed", 0.0) > _GAP:
+        yield f"the gap does not stay: membranes close {100.0 * largest['gap_closed']:.0f} % of it"
 
 
 def diagnose_force(table: dict[str, Any]) -> Iterator[str]:

@@ -13,7 +13,12 @@ import numpy as np
 from lightflyer.config.designs import as_design
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.design import AbstractDesign
-from lightflyer.design.diagnostics import TOO_HOT, diagnose_at, diagnose_force
+from lightflyer.design.diagnostics import (
+    TOO_HOT,
+    diagnose_at,
+    diagnose_force,
+    diagnose_shape,
+)
 from lightflyer.design.outputs import (
     budget_outputs,
     json_name,
@@ -349,6 +354,7 @@ def predict_design(
             *_describe_unsolved(where, coordinates, table),
             *_describe_unsolved(where, asked, at_asked),
             *diagnose_force(table),
+            *diagnose_shape(setup, table),
             *diagnose_at(setup, reported[solved], temperature[solved]),
         ),
     )

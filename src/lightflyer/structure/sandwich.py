@@ -55,7 +55,7 @@ class Ligaments(Checked):
     radius: Length
     wall: Thickness
     pattern: Literal["hexagonal", "square"] = eqx.field(static=True, default="hexagonal")
-    modulus: Modulus = 1.15e11  # alumina by atomic layer deposition, 50 nm [Rontu2018]
+    modulus: Modulus = 1.4e11  # alumina, as in data/mechanics.toml
 
     @property
     def number_density(self) -> Numeric:

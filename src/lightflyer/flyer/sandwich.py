@@ -28,7 +28,7 @@ from lightflyer.film.optics.diffraction import narrow_holes
 from lightflyer.film.properties import FilmProperties, excess_of_growth
 from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.flyer.section import FlyerSection
-from lightflyer.flyer.shape import Shape, shape_of_sandwich
+from lightflyer.flyer.shape import Core, Shape, core_of_posts, shape_of_sandwich
 from lightflyer.flyer.sheets import (
     DARK,
     Exitance,
@@ -196,10 +196,17 @@ class Sandwich(AbstractThinFlyer):
         top, bottom = self.top.laminate, self.bottom.laminate
         if top is None or bottom is None or self.ligaments is None:
             return super().shape(state, temperatures, lift)
+        core = core_of_posts(self.ligaments, (top, bottom), self.gap, self.open_fraction)
+        return self.shape_on(core, state, temperatures, lift)
+
+    def shape_on(
+        self, core: Core, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array
+    ) -> Shape:
+        """Shape with a core that holds the membranes, whose layers are known."""
         return shape_of_sandwich(
-            (top, bottom),
-            temperatures[:2],  # type: ignore[arg-type]
-            self.ligaments,
+            [film.laminate for film in self.faces],  # type: ignore[misc]
+            temperatures,
+            core,
             self.gap,
             self.open_fraction,
             self.radius,

@@ -59,22 +59,38 @@ def shape_of_film(film: Laminate, radius: Numeric, temperature: Numeric, load: N
     return Shape(curl.largest, _rise(curl, droop, radius), _most_strained([film], [stresses]))
 
 
+class Core(NamedTuple):
+    """What holds two films apart."""
+
+    shear: Numeric  # Shear stiffness of the whole [N/m]
+    free_radius: Numeric  # Of the widest circle of film that it leaves free [m]
+    spacing: Numeric  # Between its parts [m]
+
+
+def core_of_posts(
+    ligaments: Ligaments, films: Sequence[Laminate], gap: Numeric, open_fraction: Numeric
+) -> Core:
+    """Posts between films with holes; these hold the posts' ends."""
+    shear = ligament_shear_stiffness(ligaments, gap, *_faces(films, open_fraction))
+    return Core(shear, ligaments.free_radius, ligaments.spacing)
+
+
 def shape_of_sandwich(
-    films: tuple[Laminate, Laminate],
-    temperatures: tuple[Numeric, Numeric],
-    ligaments: Ligaments,
+    films: Sequence[Laminate],
+    temperatures: Sequence[Numeric],
+    core: Core,
     gap: Numeric,
     open_fraction: Numeric,
     radius: Numeric,
     load: Numeric,
     pressure: Numeric,
 ) -> Shape:
-    """Shape of two membranes on posts; films and temperatures are top and bottom.
+    """Shape of two membranes with holes and a core; films and temperatures are top and bottom.
 
     ``load``: weight of the payload [N]; ``pressure``: of the lift, borne by either membrane [Pa].
     """
     share = perforated_share(open_fraction)
-    top, bottom = faces = [_scale(laminate_stiffness(film), share) for film in films]
+    top, bottom = faces = _faces(films, open_fraction)
     thick = sum(layer.thickness for layer in films[1].layers)
     distance = gap + thick - bottom.neutral + top.neutral
     whole = sandwich_stiffness(top, bottom, distance)
@@ -86,10 +102,9 @@ def shape_of_sandwich(
         for (_, own), tension, arm in zip(loads, tensions, arms, strict=True)
     )
     curl = curl_of_film(moment / whole.bending, whole, radius)
-    ring = jnp.maximum(ligaments.spacing, HOLD * radius)
-    shear = ligament_shear_stiffness(ligaments, gap, top, bottom)
+    ring = jnp.maximum(core.spacing, HOLD * radius)
     together = free_plate_droop(1.0, radius, ring, whole.plate, whole.poisson)
-    together = together + shear_droop(1.0, radius, ring, shear)
+    together = together + shear_droop(1.0, radius, ring, core.shear)
     alone = free_plate_droop(1.0, radius, ring, top.plate + bottom.plate, whole.poisson)
     droop = load / (1.0 / together + 1.0 / alone)
     bent = load_curvature(load, radius, ring, whole.plate, whole.poisson)
@@ -102,7 +117,7 @@ def shape_of_sandwich(
         strains = tuple(mean - curvature * arm for curvature in curvatures)
         stresses.append(layer_stresses(film, heat, strains, curvatures))
         held = tension + face.stretching * 0.5 * (strains[0] + strains[1])
-        closed = closed + clamped_deflection(pressure, ligaments.free_radius, face, held)
+        closed = closed + clamped_deflection(pressure, core.free_radius, face, held)
     return Shape(
         curl.largest, _rise(curl, droop, radius), _most_strained(films, stresses), closed / gap
     )
@@ -115,9 +130,11 @@ def _rise(curl: Curl, droop: Numeric, radius: Numeric) -> Array:
     return jnp.abs(shallow) / jnp.sqrt(1.0 + (shallow / radius) ** 2)
 
 
-def _scale(stiffness: Stiffness, share: Numeric) -> Stiffness:
-    """Stiffness of a film with holes, by its share of that of a whole one."""
-    return Stiffness(*(share * part for part in stiffness[:-1]), stiffness.neutral)
+def _faces(films: Sequence[Laminate], open_fraction: Numeric) -> list[Stiffness]:
+    """Stiffness of films with holes."""
+    share = perforated_share(open_fraction)
+    whole = [laminate_stiffness(film) for film in films]
+    return [Stiffness(*(share * part for part in one[:-1]), one.neutral) for one in whole]
 
 
 def _most_strained(films: Sequence[Laminate], stresses: Sequence[tuple[Array, ...]]) -> Array:

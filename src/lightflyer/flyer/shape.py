@@ -39,7 +39,7 @@ class Shape(NamedTuple):
     """How a flyer holds its shape."""
 
     curvature: Numeric  #: The larger of the principal curvatures [1/m]; its edge rises if positive
-    deflection: Numeric  #: How far its edge is from the height of its middle [m]
+    deflection: Numeric  #: How far its edge is from the height of its middle, at most [m]
     #: Largest tension in a layer over what it bears [1]; NaN where no layer's strength is known
     stress_over_strength: Numeric
     #: Share of the gap by which two membranes come closer between ligaments [1]
@@ -125,9 +125,10 @@ def shape_of_sandwich(
 
 def _rise(curl: Curl, droop: Numeric, radius: Numeric) -> Array:
     """How far the edge is from the height of the middle, at most the radius [m]."""
-    # of an arc this is within 3 % up to where its ends stand upright
-    shallow = 0.5 * curl.largest * radius**2 + droop
-    return jnp.abs(shallow) / jnp.sqrt(1.0 + (shallow / radius) ** 2)
+    # Curl and droop add up though one may be upward and the other downward: their forms differ. Of
+    # an arc this is within 3 % up to where its ends stand upright.
+    shallow = 0.5 * jnp.abs(curl.largest) * radius**2 + jnp.abs(droop)
+    return shallow / jnp.sqrt(1.0 + (shallow / radius) ** 2)
 
 
 def _faces(films: Sequence[Laminate], open_fraction: Numeric) -> list[Stiffness]:

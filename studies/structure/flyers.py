@@ -6,6 +6,7 @@ Writes ``flyers.json`` and docs/images/structure.png; half a minute.
 import dataclasses
 import json
 import math
+from functools import partial
 from pathlib import Path
 
 import jax.numpy as jnp
@@ -82,8 +83,8 @@ def film_kind(name, payload):
     return density, shape
 
 
-def double_kind(names, posts, gap, open_fraction, core_density, walls=None):
-    """Areal density and shape of a sandwich or plate that carries its own mass."""
+def double_kind(names, posts, gap, open_fraction, core_density, walls, payload):
+    """Areal density and shape of a sandwich or plate; ``payload``: over its own mass."""
     density = (1.0 - open_fraction) * sum(map(areal_density, names)) + core_density
 
     def shape(numbers, radius):
@@ -95,8 +96,8 @@ def double_kind(names, posts, gap, open_fraction, core_density, walls=None):
                 open_fraction,
             )  # fmt: skip
         area = math.pi * radius**2
-        load = area * density * GRAVITY
-        pressure = 2.0 * load / area
+        load = payload * area * density * GRAVITY
+        pressure = (1.0 + payload) * density * GRAVITY
         heats = ROOM, ROOM + WARMER
         return shape_of_sandwich(films, heats, core, gap, open_fraction, radius, load, pressure)
 
@@ -108,17 +109,21 @@ GAP, OPEN = 1.25e-4, 0.5
 # the nanocardboard of Cortes et al. (2020): rectangles of 50 µm by 500 µm, 50 µm apart, 50 µm high
 WALL_SHARE, PLATE_HEIGHT, PLATE_OPEN = 2 * 5.5e-4 * 5e-8 / (1e-4 * 5.5e-4), 5e-5, 0.4545
 SHEAR = 0.5 * WALL_SHARE * BULK / (2 * (1 + ALUMINA_POISSON)) * PLATE_HEIGHT
-KINDS = {
-    "mylar, 0.5 µm": film_kind("mylar", 1.0),
-    "germanium disk, empty": film_kind("germanium disk", 0.0),
-    "sandwich on posts": double_kind(
-        ("face", "absorbing face"), POSTS, GAP, OPEN, 3000.0 * float(POSTS.fraction) * GAP
+KINDS_AT = {
+    "mylar, 0.5 µm": partial(film_kind, "mylar"),
+    "germanium disk, empty": partial(film_kind, "germanium disk"),
+    "sandwich on posts": partial(
+        double_kind, ("face", "absorbing face"), POSTS, GAP, OPEN,
+        3000.0 * float(POSTS.fraction) * GAP, None,
     ),
-    "nanocardboard": double_kind(
-        ("thin face", "thin face"), None, PLATE_HEIGHT, PLATE_OPEN,
+    "nanocardboard": partial(
+        double_kind, ("thin face", "thin face"), None, PLATE_HEIGHT, PLATE_OPEN,
         3000.0 * WALL_SHARE * PLATE_HEIGHT, Core(SHEAR, 2.5e-5, 5.5e-4),
     ),
 }  # fmt: skip
+"""Each kind by its payload over its own mass."""
+
+KINDS = {kind: make(0.0 if "empty" in kind else 1.0) for kind, make in KINDS_AT.items()}
 BUILT = {"mylar, 0.5 µm": 0.04, "germanium disk, empty": 0.02, "sandwich on posts": 0.01,
          "nanocardboard": 0.008}  # fmt: skip
 """Diameters of flyers [m] of Lu et al. (2023), Schafer et al. (2025) and Cortes et al. (2020)."""
@@ -140,6 +145,13 @@ def largest(kind, numbers):
     if beyond(ends[0]) > 0.0 or beyond(ends[1]) < 0.0:
         return math.nan
     return math.exp(brentq(beyond, *ends))
+
+
+def borne(kind):
+    """Acceleration over g at which a layer breaks, held in the middle; linear theory."""
+    radius, many = jnp.asarray(0.5 * BUILT[kind]), 1e8  # loads beside which its own stress is none
+    shape = KINDS_AT[kind](many)[1](draw(0), radius)
+    return many / float(shape.stress_over_strength)
 
 
 def frequency(kind):
@@ -211,6 +223,7 @@ def main():
                 "curvature [1/m]": float(shape.curvature),
                 "edge over radius": float(there),
                 "stress over strength": float(shape.stress_over_strength),
+                "bears, held in the middle [g]": borne(kind),
                 "gap closed": float(shape.gap_closed),
                 "lowest frequency [Hz]": frequency(kind),
                 "flat up to [cm]": 1e2 * largest(kind, nominal),

@@ -115,6 +115,9 @@ def test_a_warmer_face_makes_the_sandwich_curl_by_its_expansion():
     found = on_posts(ROOM + heat, radius=1e-3)
     assert found.curvature == pytest.approx(4.2e-6 * heat / (1e-4 + 1e-7), rel=1e-3)
     assert found.deflection == pytest.approx(found.curvature * 1e-6 / 2, rel=1e-4)
+    # which lets each face have its own length
+    held = 1.4e11 / (1 - 0.24) * 4.2e-6 * heat / 1.7e9
+    assert abs(found.stress_over_strength) < 0.01 * held
 
 
 def test_a_point_load_bends_a_film_as_a_plate():
@@ -138,6 +141,7 @@ def test_a_sandwich_on_firm_posts_bends_as_two_faces_and_on_soft_ones_as_each():
     stiff = free_plate_droop(1e-9, 0.01, ring, together, 0.24)
     assert droop() > 2 * float(stiff)  # thin films hold the posts' ends weakly
     assert droop() < 0.1 * float(alone)
+    assert droop(modulus=1e3, wall=1e-9) == pytest.approx(float(alone), rel=0.02)
     # posts that nearly touch leave the films no room to give way
     near = droop(radius=4.99e-5, wall=1e-6)
     assert float(stiff) < near < droop()

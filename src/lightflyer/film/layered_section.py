@@ -308,7 +308,9 @@ class LayeredFilmSection(FilmSection):
         return any(layer.states_mechanics for layer in self.layers)
 
     def _laminate(self) -> Laminate | None:
-        return Laminate([layer.lamina() for layer in self.layers]) if self.is_structure else None
+        return (
+            Laminate(tuple(layer.lamina() for layer in self.layers)) if self.is_structure else None
+        )
 
     def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:
         if isinstance(self._optics, WholeFilm):

@@ -110,7 +110,7 @@ def shape_of_sandwich(
     bent = load_curvature(load, radius, ring, whole.plate, whole.poisson)
     curvatures = curl.largest + bent, curl.smallest + bent
     mean = -sum(tensions) / whole.stretching
-    stresses, closed = [], 0.0
+    stresses, closed = [], jnp.zeros(())
     for film, face, heat, arm, tension in zip(
         films, faces, temperatures, arms, tensions, strict=True
     ):
@@ -135,7 +135,7 @@ def _faces(films: Sequence[Laminate], open_fraction: Numeric) -> list[Stiffness]
     """Stiffness of films with holes."""
     share = perforated_share(open_fraction)
     whole = [laminate_stiffness(film) for film in films]
-    return [Stiffness(*(share * part for part in one[:-1]), one.neutral) for one in whole]
+    return [Stiffness._make([*(share * part for part in one[:-1]), one[-1]]) for one in whole]
 
 
 def _most_strained(films: Sequence[Laminate], stresses: Sequence[tuple[Array, ...]]) -> Array:

@@ -13,6 +13,7 @@ from lightflyer.structure.laminate import Stiffness
 _PLATE = 64.0  # of a clamped round plate: p = 64 D w/b⁴ [TimoshenkoWoinowskyKrieger1959]
 _TENSION = 4.0  # of a round membrane: p = 4 N w/b²
 _MEMBRANE = (8.0 / 3.0 * 1.015, 8.0 / 3.0 * 0.247)  # of one that stretches [SmallNix1992]
+_SMALLEST = 1e-77  # [m²], in place of nothing
 _LOWEST_MEMBRANE = 2.404825557695773  # the first zero of the Bessel function J₀
 
 
@@ -121,7 +122,7 @@ def clamped_deflection(
 def _largest_root(linear: Numeric, cubic: Numeric, load: Numeric) -> Array:
     """Largest x of cubic·x³ + linear·x = load; the cubic term is positive, the load not below 0."""
     ratio = linear / cubic
-    size = jnp.maximum(jnp.abs(ratio), jnp.finfo(float).tiny ** 0.25)
+    size = jnp.maximum(jnp.abs(ratio), _SMALLEST)
     width = 2.0 * jnp.sqrt(size / 3.0)
     steep = 4.0 * (load / cubic) / width**3
     three = steep < 1.0  # roots; a stand-in keeps the other branch's derivative finite

@@ -165,6 +165,8 @@ def test_bands_and_warnings_tell_of_a_film_that_curls(disk_file):
     path = disk_file(', stress = "130 ± 50 MPa"')
     prediction = lf.predict(path)
     assert any("does not stay flat" in text for text in prediction.warnings)
+    assert prediction.verdict.shape_failures == ("deflection",)
+    assert prediction.summary()["verdict"]["shape_failures"] == ["deflection"]
     found = lf.propagate(path, samples=0)
     result = found.summary()["results"]["best.deflection_mm"]
     assert result["first_order"]["standard_uncertainty"] > 0.0
@@ -258,3 +260,14 @@ def test_a_flyer_without_known_layers_has_no_shape():
     assert flyer.known_shape == ()
     with pytest.raises(lf.ConfigurationError, match="not known as a structure"):
         flyer.shape(lf.Earth().state(70e3), (300.0, 310.0), 1e-6)
+
+
+def test_a_prediction_names_what_fails():
+    weak = Laminate([Lamina(1e-7, 1.4e11, 0.24, 4.2e-6, 1.3e8, 1e3)])
+    far = Ligaments(9e-3, 1e-5, 1e-7)
+    found = lf.predict(setup_of(sandwich(far, weak, payload=5e-8)))
+    assert found.verdict.shape_failures == ("deflection", "stress_over_strength", "gap_closed")
+    assert any("a layer tears" in text for text in found.warnings)
+    assert any("the gap does not stay" in text for text in found.warnings)
+    whole = lf.predict(setup_of(sandwich(payload=5e-8)))
+    assert whole.verdict.shape_failures == ()

@@ -129,18 +129,28 @@ def _heat_diagnostics(highest: Numeric | None, temperature: Numeric) -> Iterator
         yield f"{TOO_HOT} {hottest:.0f} K, and its film bears {float(highest):.0f} K"
 
 
-def diagnose_shape(setup: Setup, table: dict[str, Any]) -> Iterator[str]:
-    """Diagnostics of a flyer that does not hold its shape where it flies."""
+def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:
+    """Outputs by which a flyer does not hold its shape where it flies, with words for each."""
     flies = table["lift_over_weight"] >= 1.0
     known = setup.flyer.known_shape
     largest = {name: float(np.max(table[name], where=flies, initial=0.0)) for name in known}
     rise = largest.get("deflection", 0.0) / float(getattr(setup.flyer, "radius", np.inf))
-    if rise > _FLAT:
-        yield f"the flyer does not stay flat: its edge is off by {100.0 * rise:.0f} % of its radius"
-    if largest.get("stress_over_strength", 0.0) > 1.0:
-        yield f"a layer tears: tension is {largest['stress_over_strength']:.2g} times its strength"
-    if largest.get("gap_closed", 0.0) > _GAP:
-        yield f"the gap does not stay: membranes close {100.0 * largest['gap_closed']:.0f} % of it"
+    tension, closed = (largest.get(name, 0.0) for name in ("stress_over_strength", "gap_closed"))
+    told = {
+        "deflection": (
+            rise > _FLAT,
+            f"the flyer does not stay flat: its edge is off by {100.0 * rise:.0f} % of its radius",
+        ),
+        "stress_over_strength": (
+            tension > 1.0,
+            f"a layer tears: its tension is {tension:.2g} times its strength",
+        ),
+        "gap_closed": (
+            closed > _GAP,
+            f"the gap does not stay: membranes close {100.0 * closed:.0f} % of it",
+        ),
+    }
+    return {name: words for name, (fails, words) in told.items() if fails}
 
 
 def diagnose_force(table: dict[str, Any]) -> Iterator[str]:

@@ -17,7 +17,7 @@ from lightflyer.design.diagnostics import (
     TOO_HOT,
     diagnose_at,
     diagnose_force,
-    diagnose_shape,
+    shape_failures,
 )
 from lightflyer.design.outputs import (
     budget_outputs,
@@ -233,6 +233,7 @@ class Prediction(PrintedResult):
         names = ("temperature", *node_outputs(self.setup.flyer))
         return {
             "limit": found.limit,
+            "shape_failures": list(found.shape_failures),
             "highest_temperature_k": highest,
             f"usable_bands{unit}": [[low * factor, high * factor] for low, high in found.usable],
             "best": None if best is None else self.place_summary(best, self.best_names),
@@ -354,7 +355,7 @@ def predict_design(
             *_describe_unsolved(where, coordinates, table),
             *_describe_unsolved(where, asked, at_asked),
             *diagnose_force(table),
-            *diagnose_shape(setup, table),
+            *shape_failures(setup, table).values(),
             *diagnose_at(setup, reported[solved], temperature[solved]),
         ),
     )

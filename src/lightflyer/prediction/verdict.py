@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from lightflyer.design.diagnostics import out_of_range
+from lightflyer.design.diagnostics import out_of_range, shape_failures
 from lightflyer.prediction.edges_and_optima import coolness, find_usable
 from lightflyer.prediction.evaluator import Evaluator, Place, Rows
 from lightflyer.statics.grid_refinement import crossing
@@ -56,6 +56,8 @@ class Verdict:
     #: What decides: the light where it lifts the flyer nowhere, the film where it does not survive
     #: in the whole band, else the lift at both edges
     limit: Limit
+    #: Outputs by which it does not hold its shape where it flies, such as ``"gap_closed"``
+    shape_failures: tuple[str, ...] = ()
 
 
 def verdict_of(prediction: "Prediction") -> Verdict:
@@ -99,6 +101,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
         if best is None
         else _best_covered(evaluate, found, usable, covered, best),
         limit="lift" if usable == found.bands else "film",
+        shape_failures=tuple(shape_failures(found.setup, found.table)),
     )
 
 

@@ -13,7 +13,7 @@ import lightflyer as lf
 ROOT = Path(__file__).parents[1]
 ROOMS = ["environment", "film", "statics", "flyer", "force", "gas", "prediction", "uncertainty",
          "calibration", "comparison", "parametric", "search", "lab", "kinetic_theory", "mission",
-         "drag", "budget", "design"]  # fmt: skip
+         "drag", "structure", "budget", "design"]  # fmt: skip
 
 
 def test_data_flows_one_way(monkeypatch):

@@ -15,6 +15,7 @@ from . import parametric as parametric
 from . import prediction as prediction
 from . import search as search
 from . import statics as statics
+from . import structure as structure
 from . import uncertainty as uncertainty
 from .calibration import calibrate as calibrate
 from .comparison import compare as compare

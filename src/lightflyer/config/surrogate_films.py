@@ -5,11 +5,11 @@ from typing import Any
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.types import Numeric
+from lightflyer.film.layer_section import OF_NO_MEDIUM
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate
 from lightflyer.film.properties import FilmProperties
 
-_SAME_INDEX = ("thickness", "density", "tac")  # numbers of a layer that leave its index alone
 _MEASURED = 1.0  # in place of a number that the section always replaces
 
 
@@ -46,7 +46,7 @@ class SurrogateFilms:
 
     def knows(self, name: str) -> bool:
         """Whether a number leaves the indices of all layers alone."""
-        return name in self._directions or name.rpartition(".")[2] in _SAME_INDEX
+        return name in self._directions or name.rpartition(".")[2] in OF_NO_MEDIUM
 
     def __call__(
         self, values: Mapping[str, Numeric], tables: Mapping[str, ThicknessSurrogate]

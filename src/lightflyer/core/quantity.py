@@ -254,6 +254,17 @@ MolarMass = Annotated[
 Tension = Annotated[
     Numeric, Quantity("N/m", 0.0, open_below=True, sizes=(1e-9, 1e8), why="no film bears more"),
 ]  # fmt: skip
+Modulus = Annotated[
+    Numeric, Quantity("Pa", 0.0, open_below=True, sizes=(1e3, 2e12),
+        why="aerogels and diamond are between"),
+]  # fmt: skip
+PoissonRatio = Annotated[Numeric, Quantity("", -0.99, 0.499)]
+Expansion = Annotated[
+    Numeric, Quantity("1/K", sizes=(1e-9, 1e-2), why="glass and rubber are between"),
+]  # fmt: skip
+Stress = Annotated[
+    Numeric, Quantity("Pa", sizes=(1e-3, 2e11), why="no solid bears more"),
+]  # fmt: skip
 Irradiance = Annotated[
     Numeric, Quantity("W/m^2", 0.0, sizes=(1e-30, 1e8),
         why="the surface of the sun gives 6.3e7 W/m²"),

@@ -20,6 +20,9 @@ polymer films shrink and melt near it."""
 
 TOO_HOT = "the flyer reaches"  # How a diagnostic of heat begins
 
+_FLAT = 0.2  # height of the edge over the radius, from which 5 % of the lift are lost to tilt
+_GAP = 0.5  # share of a gap, from which the force of a flat one means little
+
 _LOOKS = 31  # places within a band that are looked at
 _AT_ONCE = 320  # places: a prediction's table and what is reported beside it
 _ROUNDING = 1e-5  # relative, within which a search meets a limit
@@ -114,6 +117,30 @@ def _heat_diagnostics(highest: Numeric | None, temperature: Numeric) -> Iterator
             )
     elif hottest > float(highest) * (1.0 + _ROUNDING):
         yield f"{TOO_HOT} {hottest:.0f} K, and its film bears {float(highest):.0f} K"
+
+
+def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:
+    """Outputs by which a flyer does not hold its shape where it flies, with words for each."""
+    flies = table["lift_over_weight"] >= 1.0
+    known = setup.flyer.known_shape
+    largest = {name: float(np.max(table[name], where=flies, initial=0.0)) for name in known}
+    rise = largest.get("deflection", 0.0) / float(getattr(setup.flyer, "radius", np.inf))
+    tension, closed = (largest.get(name, 0.0) for name in ("stress_over_strength", "gap_closed"))
+    told = {
+        "deflection": (
+            rise > _FLAT,
+            f"the flyer does not stay flat: its edge is off by {100.0 * rise:.0f} % of its radius",
+        ),
+        "stress_over_strength": (
+            tension > 1.0,
+            f"a layer tears: its tension is {tension:.2g} times its strength",
+        ),
+        "gap_closed": (
+            closed > _GAP,
+            f"the gap does not stay: membranes close {100.0 * closed:.0f} % of it",
+        ),
+    }
+    return {name: words for name, (fails, words) in told.items() if fails}
 
 
 def diagnose_force(table: dict[str, Any]) -> Iterator[str]:

@@ -14,6 +14,7 @@ from lightflyer.core.types import Numeric
 from lightflyer.core.validity import covers
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.shape import Shape
 from lightflyer.statics.balance import Equilibrium, equilibrium
 from lightflyer.statics.bands import Band, levitation_bands, scan, widest
 from lightflyer.statics.equations import FlightEquations
@@ -112,6 +113,12 @@ class OperatingPoint:
     def weight(self) -> Any:
         """Weight with payload [N]."""
         return self.equations.weight
+
+    @cached_property
+    def shape(self) -> Shape:
+        """How the flyer holds its shape in the available light."""
+        found: Shape = self.flyer.shape(self.state, self.balance.temperatures, self.lift)
+        return found
 
     @cached_property
     def payload(self) -> Any:

@@ -297,6 +297,32 @@ _DESIGN = (
     ),
 )
 
+
+def _of_shape(name: str, unit: str, long_name: str, **shown: str) -> Output:
+    return Output(
+        name,
+        unit,
+        long_name,
+        lambda case: getattr(case.shape, name),
+        less_is_better=name != "curvature",  # which has a sign
+        exists=lambda flyer: name in flyer.known_shape,
+        **shown,  # type: ignore[arg-type]
+    )
+
+
+_SHAPE = (
+    _of_shape("curvature", "1/m", "curvature in the available light; positive where edges rise"),
+    _of_shape(
+        "deflection",
+        "m",
+        "height between the middle and the edge in the available light",
+        shown_unit="mm",
+        json_unit="mm",
+    ),
+    _of_shape("stress_over_strength", "", "largest tension in a layer over what that bears"),
+    _of_shape("gap_closed", "", "share of the gap that the membranes close between ligaments"),
+)
+
 _BUDGET = (
     Output(
         "payload_needed",
@@ -348,7 +374,7 @@ BUDGET_OUTPUTS: dict[str, Output] = {output.name: output for output in _BUDGET}
 """Outputs of the budget of a payload, by name."""
 
 OUTPUTS: dict[str, Output] = {
-    output.name: output for output in (*_POINT, *_BAND, *_VERDICT, *_DESIGN)
+    output.name: output for output in (*_POINT, *_SHAPE, *_BAND, *_VERDICT, *_DESIGN)
 }
 """Outputs that every flyer has, by name, and those of its film where there is one."""
 

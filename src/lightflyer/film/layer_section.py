@@ -11,8 +11,12 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import (
     AccommodationCoefficient,
     Density,
+    Expansion,
     Fraction,
+    Modulus,
+    PoissonRatio,
     Roughness,
+    Stress,
     Temperature,
     Thickness,
 )
@@ -27,16 +31,19 @@ from lightflyer.film.media.graded import SHEETS, Graded
 from lightflyer.film.media.library import MEDIA, PAGES, VACUUM, Entry, canonical_name
 from lightflyer.film.media.material_csv import names_file
 from lightflyer.film.media.materials import material_from_csv, vacuum
+from lightflyer.film.media.mechanics import NUMBERS as MECHANICS
+from lightflyer.film.media.mechanics import mechanics_of
 from lightflyer.film.media.medium import Extrapolation, Medium
 from lightflyer.film.media.mixture import Mixture
 from lightflyer.film.media.temperature_dependent import TemperatureDependentMedium
 from lightflyer.film.optics.stack import Layer
+from lightflyer.structure.laminate import Lamina
 
 Policy: Any = Literal[tuple(map(str, Extrapolation))]
 
 _MOST_SHEETS = 200
 _KINDS = ("material", "parts", "tables", "dispersion")
-_OF_NO_MEDIUM = ("thickness", "density", "tac")  # numbers of a layer
+OF_NO_MEDIUM = ("thickness", "density", "tac", *MECHANICS)  # numbers of a layer
 _OF_MIXTURES = ("rule", "shape", "grain", "sheets")
 
 
@@ -113,6 +120,11 @@ class LayerSection(_Named, of=Layer):
     tac: AccommodationCoefficient | None = None
     extrapolation: Policy | None = None
     roughness: Roughness | None = None
+    modulus: Modulus | None = None
+    poisson: PoissonRatio | None = None
+    expansion: Expansion | None = None
+    stress: Stress | None = None
+    strength: Modulus | None = None
 
     @pydantic.field_validator("thickness")
     @classmethod
@@ -161,7 +173,7 @@ class LayerSection(_Named, of=Layer):
     def _check_spreads(self) -> None:
         """Raise if a number is impossible one standard uncertainty away from its value."""
         for name, quantity, value in self.numbers():
-            if value is None or not value.uncertainty or name in _OF_NO_MEDIUM:
+            if value is None or not value.uncertainty or name in OF_NO_MEDIUM:
                 continue
             for change in (value.uncertainty, -value.uncertainty):
                 end = min(max(value.value + change, quantity.lowest), quantity.highest)
@@ -222,6 +234,30 @@ class LayerSection(_Named, of=Layer):
     def surface_tac(self) -> Measured | None:
         """TAC of the material's surface, where somebody has measured it [1]."""
         return self.tac or self.library_tac
+
+    @property
+    def states_mechanics(self) -> bool:
+        """Whether the file says anything of the layer as a structure."""
+        return any(getattr(self, name) is not None for name in MECHANICS)
+
+    @property
+    def library_mechanics(self) -> dict[str, Measured]:
+        """Mechanical numbers of the material that the file does not give; of no mixture."""
+        known = mechanics_of(self.material) if self.material and self.porosity is None else {}
+        return {name: value for name, value in known.items() if getattr(self, name) is None}
+
+    def lamina(self) -> Lamina:
+        """The layer as a structure."""
+        stated = {name: getattr(self, name) for name in MECHANICS}
+        found = {name: value for name, value in stated.items() if value is not None}
+        found |= self.library_mechanics
+        if lacking := [name for name in ("modulus", "poisson") if name not in found]:
+            raise ConfigurationError(
+                f"the layer of {self.label} needs its {' and '.join(lacking)}, as layers of the "
+                "film state mechanical numbers"
+            )
+        numbers = {name: value.value for name, value in found.items()}
+        return Lamina(self.thickness.value, **numbers)
 
     @property
     def lacks_density(self) -> str | None:

@@ -1,5 +1,6 @@
 """``[film]`` given by its layers: what is not measured is computed."""
 
+import dataclasses
 import re
 from collections.abc import Mapping
 from functools import cache
@@ -22,18 +23,21 @@ from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
 from lightflyer.files.toml_file import file_beside
 from lightflyer.film.computed import ComputedFilm, with_measurements
-from lightflyer.film.layer_section import LayerSection, Policy, is_varied
+from lightflyer.film.layer_section import OF_NO_MEDIUM, LayerSection, Policy, is_varied
+from lightflyer.film.media.mechanics import NUMBERS as MECHANICS
 from lightflyer.film.optics.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.section import FACES, FilmSection, MeasuredFilmSection, WholeFilm
+from lightflyer.structure.laminate import Laminate
 
 _LAMPS = {"AM0": am0, "cold-white-led": cold_white_led}
 
 _LIMIT = "highest_temperature"
 
 _OF_MEDIA = re.compile(
-    r"(layers\.\d+|substrate|ambient)\.(?!(thickness|density|tac)$)|roughness_bottom|open_fraction"
+    rf"(layers\.\d+|substrate|ambient)\.(?!({'|'.join(OF_NO_MEDIUM)})$)"
+    r"|roughness_bottom|open_fraction"
 )
 """Numbers that change a film's optics, but for thicknesses."""
 
@@ -207,7 +211,16 @@ class LayeredFilmSection(FilmSection):
 
     @property
     def implied(self) -> dict[str, Measured]:
-        """TACs of the materials' surfaces that the section does not give itself."""
+        """Numbers of the materials that the section does not give itself: TACs, mechanics."""
+        mechanics = {
+            f"layers.{number}.{name}": value
+            for number, layer in enumerate(self.layers if self.is_structure else ())
+            for name, value in layer.library_mechanics.items()
+        }
+        return self._implied_tacs | mechanics
+
+    @property
+    def _implied_tacs(self) -> dict[str, Measured]:
         surfaces = self._surfaces()
         return {
             name: layer.library_tac
@@ -218,14 +231,20 @@ class LayeredFilmSection(FilmSection):
     @property
     def implied_materials(self) -> dict[str, str]:
         surfaces = self._surfaces()
-        return {name: surfaces[name].label for name in self.implied}
+        tacs = {name: surfaces[name].label for name in self._implied_tacs}
+        mechanics = {
+            name: f"{self.layers[int(name.split('.')[1])].label} {name.rpartition('.')[2]}"
+            for name in self.implied
+            if name not in tacs
+        }
+        return tacs | mechanics
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """Correlations; errors of one material are one error."""
         stated = {entry.of: float(entry.value.value) for entry in self.correlated}
         materials = {layer.label for layer in self._surfaces().values()}
-        if len(self.implied) == len(FACES) and len(materials) == 1:
+        if len(self._implied_tacs) == len(FACES) and len(materials) == 1:
             return {**stated, (FACES[0], FACES[1]): 1.0}
         return {**stated, **super().correlations}
 
@@ -283,18 +302,31 @@ class LayeredFilmSection(FilmSection):
         film._optics = properties
         return film
 
+    @property
+    def is_structure(self) -> bool:
+        """Whether the file says anything of the film as a structure."""
+        return any(layer.states_mechanics for layer in self.layers)
+
+    def _laminate(self) -> Laminate | None:
+        return (
+            Laminate(tuple(layer.lamina() for layer in self.layers)) if self.is_structure else None
+        )
+
     def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:
-        if self._optics is None:
-            return self.compute_properties(incidence, passing=passing).properties
         if isinstance(self._optics, WholeFilm):
             return self._optics.properties
+        if self._optics is None:
+            found = self.compute_properties(incidence, passing=passing).properties
+            return dataclasses.replace(found, laminate=self._laminate())
         given = {name: value.value for name, value in self.measured_values().items()}
-        return FilmProperties(**with_measurements(self._optics, given) | {_LIMIT: self.limit()})
+        own = {_LIMIT: self.limit(), "laminate": self._laminate()}
+        return FilmProperties(**with_measurements(self._optics, given) | own)
 
     def changes_optics(self, name: str, *, passing: bool = True) -> bool:
         through = passing and self.transmittance is None
         computed = self.absorptance is None or through
-        own = name.startswith("layers.") or name == "roughness_bottom"
+        own = name.startswith("layers.") and name.rpartition(".")[2] not in MECHANICS
+        own |= name == "roughness_bottom"
         return own or (name == "incidence" and computed)
 
     def report(self, incidence: float = 0.0, *, passing: bool = True) -> dict[str, Any]:

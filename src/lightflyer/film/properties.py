@@ -27,6 +27,7 @@ from lightflyer.film.optics.curve import (
     emittance_at,
     emittance_bounds,
 )
+from lightflyer.structure.laminate import Laminate
 
 _WHOLE = 1.0 + 1e-9  # all radiation, and rounding
 _CONSERVED = (
@@ -83,6 +84,8 @@ class FilmProperties(Checked):
     transmittance_bottom : array or None
         Share of light on the bottom face that passes [1]; by default that of the top. It differs
         where the light comes from other directions.
+    laminate : Laminate or None
+        The film as a structure; None where its stiffness and stress are not known.
 
     Raises
     ------
@@ -106,6 +109,7 @@ class FilmProperties(Checked):
     infrared_transmittance: Fraction = 0.0
     highest_temperature: Temperature | None = None
     transmittance_bottom: Fraction | None = None
+    laminate: Laminate | None = None
 
     def __check_init__(self) -> None:
         for name in ("tac_top", "tac_bottom"):
@@ -191,8 +195,10 @@ class FilmProperties(Checked):
         return self.transmittance if below is None else below
 
 
-PROPERTIES = tuple(field.name for field in dataclasses.fields(FilmProperties))
-"""Names of all properties of a film."""
+PROPERTIES = tuple(
+    field.name for field in dataclasses.fields(FilmProperties) if field.name != "laminate"
+)
+"""Names of all properties of a film that are numbers."""
 
 
 def area_weighted_mean(

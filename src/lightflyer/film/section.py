@@ -179,4 +179,5 @@ class MeasuredFilmSection(FilmSection):
 
     def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:  # noqa: ARG002
         """The film's properties, without their uncertainties; the same at any incidence."""
-        return FilmProperties(**{name: value.value for name, value in self.stated_values().items()})
+        stated: dict[str, Any] = self.stated_values()
+        return FilmProperties(**{name: value.value for name, value in stated.items()})

@@ -14,6 +14,7 @@ from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.film.properties import FilmProperties, lowest_limit
+from lightflyer.flyer.shape import Shape
 
 HIGHEST_TEMPERATURE = 3000.0
 """Highest temperature of the search [K]: no film survives it, and the gas correlations end
@@ -163,6 +164,16 @@ class AbstractFlyer(Checked):
         """
         del state, temperature
         return ()
+
+    @property
+    def known_shape(self) -> tuple[str, ...]:
+        """What :meth:`shape` knows, by the names of its fields; nothing by default."""
+        return ()
+
+    def shape(self, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array) -> Shape:
+        """How it holds its shape at temperatures of its nodes [K] and a lift [N]."""
+        del state, temperatures, lift
+        raise ConfigurationError(f"{self.describe()}: its layers are not known as a structure")
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         r"""Bound of :math:`|\theta|` [1] when all nodes together absorb a net power [W]."""

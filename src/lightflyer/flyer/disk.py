@@ -14,6 +14,7 @@ from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.shape import Shape, shape_of_film
 
 
 class Disk(AbstractThinFlyer):
@@ -80,6 +81,17 @@ class Disk(AbstractThinFlyer):
         # depends on temperature, that of :math:`\varepsilon T^4`.
         (excess,) = unknowns
         return (self._black_power(state) * self.film.emission_growth(state.temperature, excess),)
+
+    @property
+    def known_shape(self) -> tuple[str, ...]:
+        return () if self.film.laminate is None else Shape._fields[:-1]
+
+    def shape(self, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array) -> Shape:
+        if self.film.laminate is None:
+            return super().shape(state, temperatures, lift)
+        return shape_of_film(
+            self.film.laminate, self.radius, temperatures[0], self.payload * state.gravity
+        )
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum [1]."""

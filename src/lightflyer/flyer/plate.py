@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from jax import Array
 
-from lightflyer.core.quantity import ArealDensity, Conductivity, Density, Length, Mass
+from lightflyer.core.quantity import ArealDensity, Conductivity, Density, Length, Mass, Modulus
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
@@ -16,6 +16,7 @@ from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.shape import Core, Shape
 from lightflyer.flyer.sheets import net_gains, sheet_in_light
 from lightflyer.gas.transmission_probability import slot_transmission
 
@@ -67,6 +68,8 @@ class Plate(AbstractThinFlyer):
         How the plate lies; None stands for level.
     wall_density : array or None
         Density of the walls [kg/m³]; None neglects their mass.
+    wall_shear_modulus : array
+        Shear modulus of the walls [Pa].
     areal_density : array or None
         Of the whole plate, where it was weighed [kg/m²]; None takes films and walls together.
 
@@ -108,6 +111,7 @@ class Plate(AbstractThinFlyer):
     attitude: Attitude | None = None
     wall_density: Density | None = None
     areal_density: ArealDensity | None = None
+    wall_shear_modulus: Modulus = 5.6e10  # of alumina, as in data/mechanics.toml
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
@@ -181,6 +185,18 @@ class Plate(AbstractThinFlyer):
     def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
         # Radiation, and conduction through the walls of the channels.
         return self.sheets.heat_losses(state, unknowns)
+
+    @property
+    def known_shape(self) -> tuple[str, ...]:
+        return () if None in (self.top.laminate, self.bottom.laminate) else Shape._fields
+
+    def shape(self, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array) -> Shape:
+        if None in (self.top.laminate, self.bottom.laminate):
+            return super().shape(state, temperatures, lift)
+        # walls along the shear, half of all, stay plane
+        shear = 0.5 * self.wall_fraction * self.wall_shear_modulus * self.height
+        core = Core(shear, 0.5 * self.spacing, self.channel_length + self.spacing)
+        return self.sheets.shape_on(core, state, temperatures, lift)
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum, by the outer faces alone [1]."""

@@ -6,8 +6,11 @@ from typing import Any, ClassVar, Literal
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
+import pydantic
 from jax import Array
 
+from lightflyer.core.checks import is_concrete
+from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
     Conductivity,
     Density,
@@ -17,13 +20,15 @@ from lightflyer.core.quantity import (
     OpenFraction,
 )
 from lightflyer.core.types import Numeric
+from lightflyer.core.units import Measured
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
-from lightflyer.files.section import DIAMETER, Spelling
+from lightflyer.files.section import DIAMETER, Section, Spelling
 from lightflyer.film.optics.diffraction import narrow_holes
 from lightflyer.film.properties import FilmProperties, excess_of_growth
 from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.shape import Core, Shape, core_of_posts, shape_of_sandwich
 from lightflyer.flyer.sheets import (
     DARK,
     Exitance,
@@ -33,12 +38,19 @@ from lightflyer.flyer.sheets import (
     sheet_in_light,
 )
 from lightflyer.gas.transmission_probability import coaxial_share
+from lightflyer.structure.sandwich import Ligaments
 
 
 def _contradiction(
-    radius: Numeric, hole_radius: Numeric, open_fraction: Numeric, support_fraction: Numeric
+    radius: Numeric,
+    hole_radius: Numeric,
+    open_fraction: Numeric,
+    support_fraction: Numeric,
+    ligaments: Ligaments | None,
 ) -> str | None:
     """How sizes contradict each other, or None."""
+    if ligaments is not None and is_concrete(ligaments.covered):
+        support_fraction = support_fraction + np.asarray(ligaments.covered)
     if np.any(np.asarray(hole_radius) >= radius):
         return "hole_radius must be smaller than the radius of the sandwich"
     if np.any(np.asarray(open_fraction) + support_fraction > 1.0):
@@ -66,7 +78,7 @@ class Sandwich(AbstractThinFlyer):
     hole_radius : array
         Radius of the holes [m]. It says where models, and geometric optics, hold.
     support_fraction : array
-        Share of the area that the supports' cross section takes [1].
+        Share of the area that the supports' cross section takes, beside ligaments [1].
     support_conductivity : array
         Thermal conductivity of the supports [W/(m K)].
     payload : array
@@ -75,6 +87,9 @@ class Sandwich(AbstractThinFlyer):
         How the sandwich lies; None stands for level.
     support_density : array or None
         Density of the supports [kg/m³]; None neglects their mass.
+    ligaments : Ligaments or None
+        Posts of the supports' material that hold the membranes apart; None where only their
+        share of the area is known.
 
     Raises
     ------
@@ -111,6 +126,7 @@ class Sandwich(AbstractThinFlyer):
     payload: Mass = 0.0
     attitude: Attitude | None = None
     support_density: Density | None = None
+    ligaments: Ligaments | None = None
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
@@ -126,11 +142,17 @@ class Sandwich(AbstractThinFlyer):
         return 1.0 - self.open_fraction
 
     @property
+    def solid_support(self) -> Numeric:
+        """Share of the area that the section of supports and ligaments takes [1]."""
+        posts = 0.0 if self.ligaments is None else self.ligaments.fraction
+        return self.support_fraction + posts
+
+    @property
     def own_mass(self) -> Numeric:
         """Mass of both membranes, and of the supports where their density is given [kg]."""
         films = self.solid_fraction * (self.top.areal_density + self.bottom.areal_density)
         if self.support_density is not None:
-            films = films + self.support_density * self.support_fraction * self.gap
+            films = films + self.support_density * self.solid_support * self.gap
         return self.area * films
 
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
@@ -162,8 +184,35 @@ class Sandwich(AbstractThinFlyer):
             self._emission(self.bottom, state, bottom_excess),
         )
         difference = state.temperature * (bottom_excess - top_excess)
-        upward = self.support_fraction * self.support_conductivity / self.gap * difference
+        upward = self.solid_support * self.support_conductivity / self.gap * difference
         return self.area * (-black * top - upward), self.area * (-black * bottom + upward)
+
+    @property
+    def known_shape(self) -> tuple[str, ...]:
+        unknown = None in (self.top.laminate, self.bottom.laminate, self.ligaments)
+        return () if unknown else Shape._fields
+
+    def shape(self, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array) -> Shape:
+        top, bottom = self.top.laminate, self.bottom.laminate
+        if top is None or bottom is None or self.ligaments is None:
+            return super().shape(state, temperatures, lift)
+        core = core_of_posts(self.ligaments, (top, bottom), self.gap, self.open_fraction)
+        return self.shape_on(core, state, temperatures, lift)
+
+    def shape_on(
+        self, core: Core, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array
+    ) -> Shape:
+        """Shape with a core that holds the membranes, whose layers are known."""
+        return shape_of_sandwich(
+            [film.laminate for film in self.faces],  # type: ignore[misc]
+            temperatures,
+            core,
+            self.gap,
+            self.open_fraction,
+            self.radius,
+            self.payload * state.gravity,
+            jnp.abs(lift) / self.area,
+        )
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum, by the outer faces alone [1]."""
@@ -212,6 +261,12 @@ class Sandwich(AbstractThinFlyer):
         return Exitance(self.solid_fraction * top, self.solid_fraction * bottom)
 
 
+class LigamentsSection(Section, of=Ligaments):
+    """``[flyer.ligaments]``: posts between the membranes."""
+
+    spelled: ClassVar[Mapping[str, Spelling]] = {"radius": DIAMETER}
+
+
 class SandwichSection(FlyerSection, of=Sandwich):
     """``[flyer]``: a sandwich, with its films in ``[flyer.top]`` and ``[flyer.bottom]``."""
 
@@ -219,3 +274,11 @@ class SandwichSection(FlyerSection, of=Sandwich):
     spelled: ClassVar[Mapping[str, Spelling]] = {"radius": DIAMETER}
 
     shape: Literal["sandwich"]
+    support_fraction: Fraction = Measured(0.0)
+    ligaments: LigamentsSection | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _something_holds_the_gap(self) -> "SandwichSection":
+        if self.ligaments is None and "support_fraction" not in self.model_fields_set:
+            raise ConfigurationError("needs support_fraction, or a section [flyer.ligaments]")
+        return self

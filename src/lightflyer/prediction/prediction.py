@@ -13,7 +13,12 @@ import numpy as np
 from lightflyer.config.designs import as_design
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.design import AbstractDesign
-from lightflyer.design.diagnostics import TOO_HOT, diagnose_at, diagnose_force
+from lightflyer.design.diagnostics import (
+    TOO_HOT,
+    diagnose_at,
+    diagnose_force,
+    shape_failures,
+)
 from lightflyer.design.outputs import (
     budget_outputs,
     json_name,
@@ -158,8 +163,9 @@ class Prediction(PrintedResult):
 
     @property
     def own_names(self) -> tuple[str, ...]:
-        """Names of the force model's own outputs, of the flyer's flows, and of the budget's."""
-        return (*model_outputs(self.setup), *budget_outputs(self.setup))
+        """Names of the outputs of its shape, the force model's own, its flows', the budget's."""
+        setup = self.setup
+        return (*setup.flyer.known_shape, *model_outputs(setup), *budget_outputs(setup))
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -227,6 +233,7 @@ class Prediction(PrintedResult):
         names = ("temperature", *node_outputs(self.setup.flyer))
         return {
             "limit": found.limit,
+            "shape_failures": list(found.shape_failures),
             "highest_temperature_k": highest,
             f"usable_bands{unit}": [[low * factor, high * factor] for low, high in found.usable],
             "best": None if best is None else self.place_summary(best, self.best_names),
@@ -348,6 +355,7 @@ def predict_design(
             *_describe_unsolved(where, coordinates, table),
             *_describe_unsolved(where, asked, at_asked),
             *diagnose_force(table),
+            *shape_failures(setup, table).values(),
             *diagnose_at(setup, reported[solved], temperature[solved]),
         ),
     )

@@ -1,10 +1,11 @@
 """What a prediction comes to: where its flyer is usable, where it comes to rest, what limits it."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from lightflyer.design.diagnostics import shape_failures
 from lightflyer.prediction.edges_and_optima import coolness, find_usable
 from lightflyer.prediction.evaluator import Evaluator, Place, Rows
 from lightflyer.statics.grid_refinement import crossing
@@ -57,6 +58,8 @@ class Verdict:
     #: What decides: the light where it lifts the flyer nowhere, the film where it does not survive
     #: in the whole band, else the lift at both edges
     limit: Limit
+    #: Outputs by which it does not hold its shape where it flies, such as ``"gap_closed"``
+    shape_failures: tuple[str, ...] = ()
 
 
 def verdict_of(prediction: "Prediction") -> Verdict:
@@ -65,6 +68,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     stated = found.setup.flyer.highest_temperature
     highest = None if stated is None else float(stated)
     if found.widest is None:
+        unknown: dict[str, Any]
         unknown = dict.fromkeys(("best", "lowest_release", "rest", "longest_night", "survives"))
         unknown |= dict.fromkeys(("strongest_light", "strongest_rest", "ballast", "best_covered"))
         return Verdict(highest, [], carries_afloat=False, covered=[], limit="light", **unknown)
@@ -103,6 +107,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
         if best is None
         else _best_covered(evaluate, found, usable, covered, best),
         limit="lift" if usable == found.bands else "film",
+        shape_failures=tuple(shape_failures(found.setup, found.table)),
     )
 
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from lightflyer.film.media.database import DatabasePage
     from lightflyer.film.media.medium import Medium
 
+_GIGA = 1e-9
 _SHOWN = 40  # pages that a search prints
 
 
@@ -58,6 +59,7 @@ def materials_command(
 
 def _describe(one: "Medium") -> dict[str, Any]:
     from lightflyer.film.media.library import ALIASES
+    from lightflyer.film.media.mechanics import mechanics_of, mechanics_source
     from lightflyer.film.media.medium import MICROMETRE
 
     tac = getattr(one, "tac", None)
@@ -71,6 +73,8 @@ def _describe(one: "Medium") -> dict[str, Any]:
         "tac": None if tac is None else tac.value,
         "tac_uncertainty": None if tac is None else tac.uncertainty,
         "tac_source": getattr(one, "tac_source", ""),
+        "mechanics": {name: list(value) for name, value in mechanics_of(one.name).items()},
+        "mechanics_source": mechanics_source(one.name),
         "source": one.source,
     }
 
@@ -112,6 +116,13 @@ def _table(entry: dict[str, Any]) -> Table:
     rows.add_row("", "density", f"{known}; {entry['density_source']}")
     if tac is not None:
         rows.add_row("", "TAC", f"{tac:g} ± {entry['tac_uncertainty']:g}; {entry['tac_source']}")
+    solid = (
+        f"{name} {value * _GIGA:.3g} ± {spread * _GIGA:.2g} GPa"
+        for name, (value, spread) in entry["mechanics"].items()
+        if name in ("modulus", "stress", "strength")
+    )
+    if entry["mechanics"]:
+        rows.add_row("", "solid", f"{', '.join(solid)}; {entry['mechanics_source']}")
     return rows
 
 

@@ -6,6 +6,8 @@ placed where the media's indices and the spectra change, and comes within 3e-3 o
 takes the rest out by computing its best film on the full grids.
 """
 
+from typing import Any
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
@@ -91,7 +93,7 @@ class ThicknessSurrogate(eqx.Module):
 
     def properties(
         self, thickness: Numeric, incidence: Numeric = 0.0, *, passing: bool = True
-    ) -> dict[str, Numeric | EmittanceCurve]:
+    ) -> dict[str, Any]:
         """Optical properties of a film by name, to be traced; ``thickness`` (layers,)."""
         light, heat = self.light, self.heat
         beam = jnp.cos(jnp.minimum(incidence, GRAZING))

@@ -14,7 +14,7 @@ from lightflyer.structure import (
     Lamina,
     Laminate,
     Ligaments,
-    free_plate_droop,
+    free_plate_heights,
     laminate_stiffness,
 )
 
@@ -124,7 +124,7 @@ def test_a_point_load_bends_a_film_as_a_plate():
     # so little that the film stays flat
     stiffness, load = laminate_stiffness(MYLAR), 1e-12
     found = shape_of_film(MYLAR, 0.01, ROOM, load)
-    droop = free_plate_droop(load, 0.01, 1e-4, stiffness.plate, stiffness.poisson)
+    droop = free_plate_heights(load, 0.01, 1e-4, stiffness.plate, stiffness.poisson)[1]
     assert found.deflection == pytest.approx(float(droop), rel=1e-6)
     folded = shape_of_film(MYLAR, 0.01, ROOM, 1e-5)
     assert folded.deflection == pytest.approx(0.01, rel=1e-2)  # no more than its radius
@@ -136,15 +136,25 @@ def test_a_sandwich_on_firm_posts_bends_as_two_faces_and_on_soft_ones_as_each():
 
     face = laminate_stiffness(ALUMINA)
     ring = 1e-4
-    alone = free_plate_droop(1e-9, 0.01, ring, 2 * face.plate, 0.24)
+    alone = free_plate_heights(1e-9, 0.01, ring, 2 * face.plate, 0.24)[1]
     together = face.membrane / (1 - 0.24**2) * (1e-4 + 1e-7) ** 2 / 2 + 2 * face.plate
-    stiff = free_plate_droop(1e-9, 0.01, ring, together, 0.24)
+    stiff = free_plate_heights(1e-9, 0.01, ring, together, 0.24)[1]
     assert droop() > 2 * float(stiff)  # thin films hold the posts' ends weakly
     assert droop() < 0.1 * float(alone)
     assert droop(modulus=1e3, wall=1e-9) == pytest.approx(float(alone), rel=0.02)
     # posts that nearly touch leave the films no room to give way
     near = droop(radius=4.99e-5, wall=1e-6)
     assert float(stiff) < near < droop()
+
+
+def test_a_payload_on_a_circle_bends_less_than_one_in_the_middle():
+    stiffness, load = laminate_stiffness(MYLAR), 1e-12
+    ring, edge = free_plate_heights(load, 0.01, 6e-3, stiffness.plate, stiffness.poisson)
+    found = shape_of_film(MYLAR, 0.01, ROOM, load, 6e-3)
+    assert found.deflection == pytest.approx(max(ring, edge, 0.0) - min(ring, edge, 0.0), rel=1e-6)
+    assert found.deflection < 0.2 * shape_of_film(MYLAR, 0.01, ROOM, load).deflection
+    with pytest.raises(lf.ParameterError, match="hanging_radius must be smaller"):
+        sandwich(hanging_radius=0.02)
 
 
 def test_a_film_has_a_shape_where_a_layer_states_mechanics(disk_file):
@@ -249,7 +259,7 @@ def test_a_plate_bends_as_two_faces_whose_walls_shear():
     face = laminate_stiffness(ALUMINA)
     together = share * (face.membrane / (1 - 0.24**2) * (1e-4 + 1e-7) ** 2 / 2 + 2 * face.plate)
     load, ring = 1e-9 * state.gravity, 5.5e-4
-    bent = free_plate_droop(load, 4e-3, ring, together, 0.24)
+    bent = free_plate_heights(load, 4e-3, ring, together, 0.24)[1]
     assert found.deflection == pytest.approx(float(bent), rel=0.03)  # walls hardly shear
     assert found.deflection > float(bent)
     assert found.gap_closed < 1e-3

@@ -22,6 +22,13 @@ from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
 
 
+def hangs_outside(radius: Numeric, hanging_radius: Numeric) -> str | None:
+    """That a payload hangs from beside its flyer, in words, or None."""
+    if np.any(np.asarray(hanging_radius) >= radius):
+        return "hanging_radius must be smaller than the flyer's radius"
+    return None
+
+
 class AbstractThinFlyer(AbstractFlyer):
     """A thin round body of one film or several, with or without holes; its drag is a disk's."""
 

@@ -1,18 +1,18 @@
 """The flat disk of the paper."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.core.quantity import Length, Mass
+from lightflyer.core.quantity import Distance, Length, Mass
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.bodies import AbstractThinFlyer
+from lightflyer.flyer.bodies import AbstractThinFlyer, hangs_outside
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import Shape, shape_of_film
 
@@ -29,6 +29,8 @@ class Disk(AbstractThinFlyer):
         Mass carried beside the film's [kg].
     attitude : Attitude or None
         How the disk lies; None stands for level.
+    hanging_radius : array
+        Of the circle from which the payload hangs [m]; zero is the middle.
 
     Raises
     ------
@@ -46,10 +48,13 @@ class Disk(AbstractThinFlyer):
     lifted_by: ClassVar[str] = "gas that leaves its bottom face with more energy than its top"
     drag_law: ClassVar[str] = "of a thin disk by the kinetic equation, with inertia"
 
+    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(hangs_outside)
+
     film: FilmProperties
     radius: Length
     payload: Mass = 0.0
     attitude: Attitude | None = None
+    hanging_radius: Distance = 0.0
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
@@ -89,8 +94,9 @@ class Disk(AbstractThinFlyer):
     def shape(self, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array) -> Shape:
         if self.film.laminate is None:
             return super().shape(state, temperatures, lift)
+        load = self.payload * state.gravity
         return shape_of_film(
-            self.film.laminate, self.radius, temperatures[0], self.payload * state.gravity
+            self.film.laminate, self.radius, temperatures[0], load, self.hanging_radius
         )
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:

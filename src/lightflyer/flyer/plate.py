@@ -6,14 +6,22 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from jax import Array
 
-from lightflyer.core.quantity import ArealDensity, Conductivity, Density, Length, Mass, Modulus
+from lightflyer.core.quantity import (
+    ArealDensity,
+    Conductivity,
+    Density,
+    Distance,
+    Length,
+    Mass,
+    Modulus,
+)
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.optics.diffraction import narrow_channels
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.bodies import AbstractThinFlyer
+from lightflyer.flyer.bodies import AbstractThinFlyer, hangs_outside
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import Core, Shape
@@ -27,6 +35,7 @@ def _contradiction(
     channel_length: Numeric,
     spacing: Numeric,
     wall_thickness: Numeric,
+    hanging_radius: Numeric,
 ) -> str | None:
     """How sizes contradict each other, or None."""
     if np.any(np.asarray(channel_length) < channel_width):
@@ -35,7 +44,7 @@ def _contradiction(
         return "channel_length and spacing together must not exceed the plate's diameter"
     if np.any(2.0 * np.asarray(wall_thickness) >= spacing):
         return "wall_thickness must be less than half of spacing: neighbouring walls would meet"
-    return None
+    return hangs_outside(radius, hanging_radius)
 
 
 class Plate(AbstractThinFlyer):
@@ -70,6 +79,8 @@ class Plate(AbstractThinFlyer):
         Density of the walls [kg/m³]; None neglects their mass.
     wall_shear_modulus : array
         Shear modulus of the walls [Pa].
+    hanging_radius : array
+        Of the circle from which the payload hangs [m]; zero is the middle.
     areal_density : array or None
         Of the whole plate, where it was weighed [kg/m²]; None takes films and walls together.
 
@@ -112,6 +123,7 @@ class Plate(AbstractThinFlyer):
     wall_density: Density | None = None
     areal_density: ArealDensity | None = None
     wall_shear_modulus: Modulus = 5.6e10  # of alumina, as in data/mechanics.toml
+    hanging_radius: Distance = 0.0
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
@@ -157,6 +169,7 @@ class Plate(AbstractThinFlyer):
             payload=self.payload,
             attitude=self.attitude,
             support_density=self.wall_density,
+            hanging_radius=self.hanging_radius,
         )
 
     @property

@@ -14,6 +14,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
     Conductivity,
     Density,
+    Distance,
     Fraction,
     Length,
     Mass,
@@ -26,7 +27,7 @@ from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Section, Spelling
 from lightflyer.film.optics.diffraction import narrow_holes
 from lightflyer.film.properties import FilmProperties, excess_of_growth
-from lightflyer.flyer.bodies import AbstractThinFlyer
+from lightflyer.flyer.bodies import AbstractThinFlyer, hangs_outside
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import Core, Shape, core_of_posts, shape_of_sandwich
 from lightflyer.flyer.sheets import (
@@ -47,6 +48,7 @@ def _contradiction(
     open_fraction: Numeric,
     support_fraction: Numeric,
     ligaments: Ligaments | None,
+    hanging_radius: Numeric,
 ) -> str | None:
     """How sizes contradict each other, or None."""
     if ligaments is not None and is_concrete(ligaments.covered):
@@ -55,7 +57,7 @@ def _contradiction(
         return "hole_radius must be smaller than the radius of the sandwich"
     if np.any(np.asarray(open_fraction) + support_fraction > 1.0):
         return "open_fraction and support_fraction exceed 1 together; supports stand on film"
-    return None
+    return hangs_outside(radius, hanging_radius)
 
 
 class Sandwich(AbstractThinFlyer):
@@ -90,6 +92,8 @@ class Sandwich(AbstractThinFlyer):
     ligaments : Ligaments or None
         Posts of the supports' material that hold the membranes apart; None where only their
         share of the area is known.
+    hanging_radius : array
+        Of the circle from which the payload hangs [m]; zero is the middle.
 
     Raises
     ------
@@ -127,6 +131,7 @@ class Sandwich(AbstractThinFlyer):
     attitude: Attitude | None = None
     support_density: Density | None = None
     ligaments: Ligaments | None = None
+    hanging_radius: Distance = 0.0
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
@@ -212,6 +217,7 @@ class Sandwich(AbstractThinFlyer):
             self.radius,
             self.payload * state.gravity,
             jnp.abs(lift) / self.area,
+            self.hanging_radius,
         )
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:

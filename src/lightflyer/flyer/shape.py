@@ -20,9 +20,9 @@ from lightflyer.structure.laminate import (
 )
 from lightflyer.structure.plates import (
     clamped_deflection,
-    free_plate_droop,
+    free_plate_heights,
     load_curvature,
-    shear_droop,
+    shear_heights,
 )
 from lightflyer.structure.sandwich import (
     Ligaments,
@@ -46,15 +46,17 @@ class Shape(NamedTuple):
     gap_closed: Numeric = 0.0
 
 
-def shape_of_film(film: Laminate, radius: Numeric, temperature: Numeric, load: Numeric) -> Shape:
-    """Shape of a round film whose payload hangs from its middle; ``load``: its weight [N]."""
+def shape_of_film(
+    film: Laminate, radius: Numeric, temperature: Numeric, load: Numeric, hanging: Numeric = 0.0
+) -> Shape:
+    """Shape of a round film; its payload [N] hangs from a circle of a radius ``hanging`` [m]."""
     stiffness, strain = laminate_stiffness(film), free_strain(film, temperature)
     curl = curl_of_film(free_curvature(film, temperature), stiffness, radius)
     plate = stiffness.plate, stiffness.poisson
-    ring = HOLD * radius
+    ring = jnp.maximum(hanging, HOLD * radius)
     bent = load_curvature(load, radius, ring, *plate)
     curvatures = curl.largest + bent, curl.smallest + bent
-    droop = free_plate_droop(load, radius, ring, *plate)
+    droop = _range(free_plate_heights(load, radius, ring, *plate))
     stresses = layer_stresses(film, temperature, (strain, strain), curvatures)
     return Shape(curl.largest, _rise(curl, droop, radius), _most_strained([film], [stresses]))
 
@@ -84,10 +86,12 @@ def shape_of_sandwich(
     radius: Numeric,
     load: Numeric,
     pressure: Numeric,
+    hanging: Numeric = 0.0,
 ) -> Shape:
     """Shape of two membranes with holes and a core; films and temperatures are top and bottom.
 
-    ``load``: weight of the payload [N]; ``pressure``: of the lift, borne by either membrane [Pa].
+    ``load``: weight of the payload [N]; ``pressure``: of the lift, borne by either membrane [Pa];
+    ``hanging``: radius of the circle from which the payload hangs [m].
     """
     share = perforated_share(open_fraction)
     top, bottom = faces = _faces(films, open_fraction)
@@ -102,10 +106,11 @@ def shape_of_sandwich(
         for (_, own), tension, arm in zip(loads, tensions, arms, strict=True)
     )
     curl = curl_of_film(moment / whole.bending, whole, radius)
-    ring = jnp.maximum(core.spacing, HOLD * radius)
-    together = free_plate_droop(1.0, radius, ring, whole.plate, whole.poisson)
-    together = together + shear_droop(1.0, radius, ring, core.shear)
-    alone = free_plate_droop(1.0, radius, ring, top.plate + bottom.plate, whole.poisson)
+    ring = jnp.maximum(jnp.maximum(hanging, core.spacing), HOLD * radius)
+    bent_by_one = free_plate_heights(1.0, radius, ring, whole.plate, whole.poisson)
+    sheared = shear_heights(1.0, radius, ring, core.shear)
+    together = _range([one + other for one, other in zip(bent_by_one, sheared, strict=True)])
+    alone = _range(free_plate_heights(1.0, radius, ring, top.plate + bottom.plate, whole.poisson))
     droop = load / (1.0 / together + 1.0 / alone)
     bent = load_curvature(load, radius, ring, whole.plate, whole.poisson)
     curvatures = curl.largest + bent, curl.smallest + bent
@@ -123,11 +128,18 @@ def shape_of_sandwich(
     )
 
 
+def _range(heights: Sequence[Array]) -> Array:
+    """Largest difference between the heights of middle, ring and edge [m]; middle: zero."""
+    ring, edge = heights
+    highest, lowest = jnp.maximum(ring, edge), jnp.minimum(ring, edge)
+    return jnp.maximum(highest, 0.0) - jnp.minimum(lowest, 0.0)
+
+
 def _rise(curl: Curl, droop: Numeric, radius: Numeric) -> Array:
     """How far the edge is from the height of the middle, at most the radius [m]."""
     # Curl and droop add up though one may be upward and the other downward: their forms differ. Of
     # an arc this is within 3 % up to where its ends stand upright.
-    shallow = 0.5 * jnp.abs(curl.largest) * radius**2 + jnp.abs(droop)
+    shallow = 0.5 * jnp.abs(curl.largest) * radius**2 + droop
     return shallow / jnp.sqrt(1.0 + (shallow / radius) ** 2)
 
 

@@ -90,6 +90,11 @@ class MissionSection(Section, of=Release):
                 raise ConfigurationError(
                     f"{key} takes no ±; the release's is position_uncertainty in [mission.ensemble]"
                 )
+        if self.every is not None and self.every.value > self.duration.value:
+            raise ConfigurationError(
+                f"every, {self.every.value:g} s, is longer than the duration, "
+                f"{self.duration.value:g} s"
+            )
         if self.altitude.uncertainty is not None and self.ensemble is None:
             raise ConfigurationError(
                 "altitude has a ±, which needs an ensemble; add a section [mission.ensemble]"

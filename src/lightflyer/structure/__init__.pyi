@@ -10,11 +10,11 @@ from .laminate import free_strain as free_strain
 from .laminate import laminate_stiffness as laminate_stiffness
 from .laminate import layer_stresses as layer_stresses
 from .plates import clamped_deflection as clamped_deflection
-from .plates import free_plate_droop as free_plate_droop
 from .plates import free_plate_frequency as free_plate_frequency
+from .plates import free_plate_heights as free_plate_heights
 from .plates import load_curvature as load_curvature
 from .plates import membrane_frequency as membrane_frequency
-from .plates import shear_droop as shear_droop
+from .plates import shear_heights as shear_heights
 from .sandwich import Ligaments as Ligaments
 from .sandwich import ligament_shear_stiffness as ligament_shear_stiffness
 from .sandwich import perforated_share as perforated_share

@@ -24,10 +24,10 @@ def _bent(inner: Numeric, poisson: Numeric) -> Array:
 
 
 @entry_point
-def free_plate_droop(
+def free_plate_heights(
     load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric
-) -> Array:
-    r"""How far the edge of a round plate rises over its middle, under a load on a ring.
+) -> tuple[Array, Array]:
+    r"""How far ring and edge of a round plate rise over its middle, under a load on the ring.
 
     Parameters
     ----------
@@ -44,23 +44,28 @@ def free_plate_droop(
 
     Returns
     -------
-    array, broadcast shape
+    ring, edge : array, broadcast shape
         [m]
 
     Notes
     -----
-    Exact for small deflections. In the middle it is
+    Exact for small deflections. A load in the middle lifts the edge by
     :math:`\frac{7+3\nu}{1+\nu}\frac{PR^2}{64\pi D}`. A film much thinner than it bends folds
-    instead, and resists about as much.
+    instead, and resists about as much. Three points in place of the ring bend it more: see
+    ``studies/structure``.
 
     References
     ----------
     [TimoshenkoWoinowskyKrieger1959]_ ch. 3
     """
     inner = ring / jnp.asarray(radius)
-    outer = 0.125 * (1.0 - inner**2 + xlogy(inner**2, inner))
-    shape = 1.0 / 64.0 + 0.5 * _bent(inner, poisson) + outer
-    return load * radius**2 / (math.pi * stiffness) * shape
+    square, log = inner**2, -xlogy(inner**2, inner)  # of the ring
+    size, bent = load * radius**2 / (math.pi * stiffness), _bent(inner, poisson)
+    outside = 0.125 * (1.0 - square - log)
+    return (
+        size * (square**2 / 64.0 + 0.5 * bent * square + 0.125 * log),
+        size * (1.0 / 64.0 + 0.5 * bent + outside),
+    )
 
 
 @entry_point
@@ -73,9 +78,12 @@ def load_curvature(
 
 
 @entry_point
-def shear_droop(load: Numeric, radius: Numeric, ring: Numeric, shear_stiffness: Numeric) -> Array:
-    """What shear adds to the rise of such a plate's edge [m]; ``shear_stiffness`` [N/m]."""
-    return load / (2.0 * math.pi * shear_stiffness) * (-jnp.log(ring / jnp.asarray(radius)) - 0.5)
+def shear_heights(
+    load: Numeric, radius: Numeric, ring: Numeric, shear_stiffness: Numeric
+) -> tuple[Array, Array]:
+    """What shear adds to the rise of such a plate's ring and edge [m]; stiffness [N/m]."""
+    inner, size = ring / jnp.asarray(radius), load / (2.0 * math.pi * shear_stiffness)
+    return -0.5 * size * inner**2, size * (-jnp.log(inner) - 0.5)
 
 
 @entry_point

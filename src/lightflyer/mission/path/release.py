@@ -18,6 +18,9 @@ from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.mission.path.integration import Limits, Start
 
 
+_YEARS = 1950, 2050  # in which the algorithm of the sun's place is good to 0.002°
+
+
 class Release(Checked):
     """Where and when a flyer is released.
 
@@ -71,7 +74,13 @@ def limits_of(
 
 
 def require_release_inside(release: Release, limits: Limits) -> None:
-    """Raise unless a flyer is released between the limits of the mission."""
+    """Raise unless a flyer is released between the limits of the mission, and under a known sun."""
+    first, last = (seconds_of(f"{year}-01-01") for year in _YEARS)
+    if not first <= float(release.time) < last:
+        raise ParameterError(
+            f"the date of the release is outside the years {_YEARS[0]} to {_YEARS[1]}, in which "
+            "the sun's place is known"
+        )
     altitude = float(release.altitude)
     for beyond, what, end in (
         (altitude <= limits.lowest, "at or below the lowest", limits.lowest),

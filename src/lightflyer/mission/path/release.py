@@ -17,7 +17,6 @@ from lightflyer.core.quantity import (
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.mission.path.integration import Limits, Start
 
-
 _YEARS = 1950, 2050  # in which the algorithm of the sun's place is good to 0.002°
 
 

@@ -9,7 +9,7 @@ import lightflyer as lf
 from lightflyer.calibration import Points
 from lightflyer.files.result_text import PrintedResult, open_interval_text
 
-LONGEST = 34  # lines of a short text
+LONGEST = 36  # lines of a short text
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from lightflyer.explorer import server
 from lightflyer.explorer.editing import slider, sliders, switch_alternative
 from lightflyer.explorer.grammar import BASES, grammar, quantity_text
 from lightflyer.explorer.hints import templates
+from lightflyer.explorer.maps import Choices, payload_map
 from lightflyer.explorer.state import (
     View,
     Workplace,
@@ -254,3 +255,11 @@ def test_sliders_of_offset_units_reach_what_is_possible():
 def test_grammar_is_plain_json():
     described = grammar()
     assert json.loads(json.dumps(described)) == described
+
+
+@pytest.mark.parametrize(("diameter", "payload"), [("5 m", "0 kg"), ("40 m", "10 kg")])
+def test_balloons_have_a_map(diameter, payload, workplace):
+    document = copy.deepcopy(DOCUMENTS["balloon"])
+    document["flyer"] |= {"diameter": diameter, "payload": payload}
+    found = payload_map(workplace, document, Choices("flyer.diameter"))
+    assert found["words"].startswith("Largest payload: ")

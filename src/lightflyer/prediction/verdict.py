@@ -1,7 +1,7 @@
 """What a prediction comes to: where its flyer is usable, where it comes to rest, what limits it."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -66,7 +66,9 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     stated = found.setup.flyer.highest_temperature
     highest = None if stated is None else float(stated)
     if found.widest is None:
-        unknown = dict.fromkeys(("best", "lowest_release", "rest", "longest_night", "survives"))
+        unknown: dict[str, Any] = dict.fromkeys(
+            ("best", "lowest_release", "rest", "longest_night", "survives")
+        )
         unknown |= dict.fromkeys(("strongest_light", "ballast", "best_covered"))
         return Verdict(highest, [], carries_afloat=False, covered=[], limit="light", **unknown)
     lower, upper = found.bands[found.widest]

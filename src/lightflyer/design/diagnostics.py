@@ -10,6 +10,7 @@ from lightflyer.core.types import Numeric
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState
+from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.program.entry_point import entry_point
 from lightflyer.statics.balance import equilibrium
 from lightflyer.statics.bands import levitation_band
@@ -49,6 +50,7 @@ def diagnose(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tup
         *setup.flyer.diagnostics(state, temperature),
         *_gas_diagnostics(state, temperature),
         *_cells_diagnostics(setup, state),
+        *_shape_diagnostics(setup.flyer),
         *_heat_diagnostics(setup.flyer.highest_temperature, temperature),
     )
 
@@ -117,6 +119,19 @@ def _heat_diagnostics(highest: Numeric | None, temperature: Numeric) -> Iterator
             )
     elif hottest > float(highest) * (1.0 + _ROUNDING):
         yield f"{TOO_HOT} {hottest:.0f} K, and its film bears {float(highest):.0f} K"
+
+
+def _shape_diagnostics(flyer: AbstractFlyer) -> Iterator[str]:
+    """That numbers of a flyer as a structure are given and decide nothing."""
+    given = [
+        name
+        for name in ("hanging_radius", "wall_shear_modulus")
+        if getattr(flyer, name, None) is not None
+    ]
+    if not flyer.known_shape:
+        yield from (f"{name} has no effect: no layer states mechanical numbers" for name in given)
+    elif "hanging_radius" in given and not np.any(flyer.payload):
+        yield "hanging_radius has no effect without a payload"
 
 
 def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:

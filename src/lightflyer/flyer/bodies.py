@@ -22,9 +22,9 @@ from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
 
 
-def hangs_outside(radius: Numeric, hanging_radius: Numeric) -> str | None:
+def hangs_outside(radius: Numeric, hanging_radius: Numeric | None) -> str | None:
     """That a payload hangs from beside its flyer, in words, or None."""
-    if np.any(np.asarray(hanging_radius) >= radius):
+    if hanging_radius is not None and np.any(np.asarray(hanging_radius) >= radius):
         return "hanging_radius must be smaller than the flyer's radius"
     return None
 

@@ -29,8 +29,8 @@ class Disk(AbstractThinFlyer):
         Mass carried beside the film's [kg].
     attitude : Attitude or None
         How the disk lies; None stands for level.
-    hanging_radius : array
-        Of the circle from which the payload hangs [m]; zero is the middle.
+    hanging_radius : array or None
+        Of the circle from which the payload hangs [m]; None is the middle.
 
     Raises
     ------
@@ -54,7 +54,7 @@ class Disk(AbstractThinFlyer):
     radius: Length
     payload: Mass = 0.0
     attitude: Attitude | None = None
-    hanging_radius: Distance = 0.0
+    hanging_radius: Distance | None = None
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:

@@ -28,6 +28,8 @@ from lightflyer.flyer.shape import Core, Shape
 from lightflyer.flyer.sheets import net_gains, sheet_in_light
 from lightflyer.gas.transmission_probability import slot_transmission
 
+SHEAR_MODULUS = 5.6e10  # of alumina, by data/mechanics.toml [Pa]
+
 
 def _contradiction(
     radius: Numeric,
@@ -35,7 +37,7 @@ def _contradiction(
     channel_length: Numeric,
     spacing: Numeric,
     wall_thickness: Numeric,
-    hanging_radius: Numeric,
+    hanging_radius: Numeric | None,
 ) -> str | None:
     """How sizes contradict each other, or None."""
     if np.any(np.asarray(channel_length) < channel_width):
@@ -77,10 +79,10 @@ class Plate(AbstractThinFlyer):
         How the plate lies; None stands for level.
     wall_density : array or None
         Density of the walls [kg/m³]; None neglects their mass.
-    wall_shear_modulus : array
-        Shear modulus of the walls [Pa].
-    hanging_radius : array
-        Of the circle from which the payload hangs [m]; zero is the middle.
+    wall_shear_modulus : array or None
+        Shear modulus of the walls [Pa]; None is that of alumina.
+    hanging_radius : array or None
+        Of the circle from which the payload hangs [m]; None is the middle.
     areal_density : array or None
         Of the whole plate, where it was weighed [kg/m²]; None takes films and walls together.
 
@@ -122,8 +124,8 @@ class Plate(AbstractThinFlyer):
     attitude: Attitude | None = None
     wall_density: Density | None = None
     areal_density: ArealDensity | None = None
-    wall_shear_modulus: Modulus = 5.6e10  # of alumina, as in data/mechanics.toml
-    hanging_radius: Distance = 0.0
+    wall_shear_modulus: Modulus | None = None
+    hanging_radius: Distance | None = None
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
@@ -207,7 +209,9 @@ class Plate(AbstractThinFlyer):
         if None in (self.top.laminate, self.bottom.laminate):
             return super().shape(state, temperatures, lift)
         # walls along the shear, half of all, stay plane
-        shear = 0.5 * self.wall_fraction * self.wall_shear_modulus * self.height
+        given = self.wall_shear_modulus
+        modulus = SHEAR_MODULUS if given is None else given
+        shear = 0.5 * self.wall_fraction * modulus * self.height
         core = Core(shear, 0.5 * self.spacing, self.channel_length + self.spacing)
         return self.sheets.shape_on(core, state, temperatures, lift)
 

@@ -48,7 +48,7 @@ def _contradiction(
     open_fraction: Numeric,
     support_fraction: Numeric,
     ligaments: Ligaments | None,
-    hanging_radius: Numeric,
+    hanging_radius: Numeric | None,
 ) -> str | None:
     """How sizes contradict each other, or None."""
     if ligaments is not None and is_concrete(ligaments.covered):
@@ -92,8 +92,8 @@ class Sandwich(AbstractThinFlyer):
     ligaments : Ligaments or None
         Posts of the supports' material that hold the membranes apart; None where only their
         share of the area is known.
-    hanging_radius : array
-        Of the circle from which the payload hangs [m]; zero is the middle.
+    hanging_radius : array or None
+        Of the circle from which the payload hangs [m]; None is the middle.
 
     Raises
     ------
@@ -131,7 +131,7 @@ class Sandwich(AbstractThinFlyer):
     attitude: Attitude | None = None
     support_density: Density | None = None
     ligaments: Ligaments | None = None
-    hanging_radius: Distance = 0.0
+    hanging_radius: Distance | None = None
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:

@@ -47,13 +47,17 @@ class Shape(NamedTuple):
 
 
 def shape_of_film(
-    film: Laminate, radius: Numeric, temperature: Numeric, load: Numeric, hanging: Numeric = 0.0
+    film: Laminate,
+    radius: Numeric,
+    temperature: Numeric,
+    load: Numeric,
+    hanging: Numeric | None = None,
 ) -> Shape:
     """Shape of a round film; its payload [N] hangs from a circle of a radius ``hanging`` [m]."""
     stiffness, strain = laminate_stiffness(film), free_strain(film, temperature)
     curl = curl_of_film(free_curvature(film, temperature), stiffness, radius)
     plate = stiffness.plate, stiffness.poisson
-    ring = jnp.maximum(hanging, HOLD * radius)
+    ring = _ring(hanging, HOLD * radius)
     bent = load_curvature(load, radius, ring, *plate)
     curvatures = curl.largest + bent, curl.smallest + bent
     droop = _range(free_plate_heights(load, radius, ring, *plate))
@@ -86,7 +90,7 @@ def shape_of_sandwich(
     radius: Numeric,
     load: Numeric,
     pressure: Numeric,
-    hanging: Numeric = 0.0,
+    hanging: Numeric | None = None,
 ) -> Shape:
     """Shape of two membranes with holes and a core; films and temperatures are top and bottom.
 
@@ -106,7 +110,7 @@ def shape_of_sandwich(
         for (_, own), tension, arm in zip(loads, tensions, arms, strict=True)
     )
     curl = curl_of_film(moment / whole.bending, whole, radius)
-    ring = jnp.maximum(jnp.maximum(hanging, core.spacing), HOLD * radius)
+    ring = _ring(hanging, jnp.maximum(core.spacing, HOLD * radius))
     bent_by_one = free_plate_heights(1.0, radius, ring, whole.plate, whole.poisson)
     sheared = shear_heights(1.0, radius, ring, core.shear)
     together = _range([one + other for one, other in zip(bent_by_one, sheared, strict=True)])
@@ -126,6 +130,11 @@ def shape_of_sandwich(
     return Shape(
         curl.largest, _rise(curl, droop, radius), _most_strained(films, stresses), closed / gap
     )
+
+
+def _ring(hanging: Numeric | None, least: Numeric) -> Numeric:
+    """Radius of the circle from which a payload hangs [m]."""
+    return least if hanging is None else jnp.maximum(hanging, least)
 
 
 def _range(heights: Sequence[Array]) -> Array:

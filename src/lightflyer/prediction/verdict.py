@@ -68,8 +68,9 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     stated = found.setup.flyer.highest_temperature
     highest = None if stated is None else float(stated)
     if found.widest is None:
-        unknown: dict[str, Any]
-        unknown = dict.fromkeys(("best", "lowest_release", "rest", "longest_night", "survives"))
+        unknown: dict[str, Any] = dict.fromkeys(
+            ("best", "lowest_release", "rest", "longest_night", "survives")
+        )
         unknown |= dict.fromkeys(("strongest_light", "strongest_rest", "ballast", "best_covered"))
         return Verdict(highest, [], carries_afloat=False, covered=[], limit="light", **unknown)
     lower, upper = found.bands[found.widest]

@@ -83,7 +83,7 @@ BOUNDARIES = (2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0)
 BOUNDARY_TAC = 0.85
 BETTER_SHARE = 0.3
 """Of the coarse mesh's error in what heating does that is left on the others: at Kn 0.03 it is
-0.8 %, 0.2 % once corrected, and 0.06 % on the medium mesh beside the fine one (docs/kinetic.md)."""
+0.8 %, 0.2 % once corrected, and 0.06 % on the medium mesh beside the fine one."""
 LEAST_ERROR = {"force_ratio": 1e-4, "heat_ratio": 5e-5}  # relative
 
 

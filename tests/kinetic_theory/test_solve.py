@@ -136,7 +136,7 @@ def test_refinement_converges():
     ]
     first, second = np.abs(np.diff(levels, axis=0))
     assert np.all(second < 0.1 * first)
-    # the finest mesh of docs/kinetic.md
+    # a mesh twice as fine as the medium one, with six nodes in a panel
     assert levels[-1] == pytest.approx((0.13337, 0.54944), rel=1.5e-3)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from lightflyer.paper.conditions import facts
+from lightflyer.paper.conditions import COLUMNS, facts
 
 DECIDING = "reported"  # Column that decides the verdict on a claim
 
@@ -83,9 +83,10 @@ class Claim:
         """What is missing, or which numbers of which columns are off, and the note."""
         if self.missing:
             return f"missing: {self.missing}. {self.note}".rstrip(" ")
+        titles = {column.key: column.title for column in COLUMNS}
         off = {
-            name: [q.name for q in self.quantities if not q.agrees(values[q.key])]
-            for name, values in columns.items()
+            titles.get(key, key): [q.name for q in self.quantities if not q.agrees(values[q.key])]
+            for key, values in columns.items()
         }
         outside = "; ".join(f"{name} ({', '.join(names)})" for name, names in off.items() if names)
         return f"outside the tolerance: {outside}. {self.note}" if outside else self.note

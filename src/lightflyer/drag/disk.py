@@ -46,8 +46,8 @@ BROADSIDE = 16.0  # Drag in slow flow over μ, radius and speed, broadside; [Hap
 EDGEWISE = 32.0 / 3.0  # The same edgewise
 
 _HALF_WARMED = 4.5
-"""Rarefaction times TAC at which the gas at a disk has half of its warmth, by the heat loss that the
-kinetic equation gives."""
+"""Rarefaction times TAC at which the gas at a disk has half of its warmth, by the heat loss of
+the kinetic equation."""
 
 _HOLES = Validity(
     "the share of dense gas that passes the holes",

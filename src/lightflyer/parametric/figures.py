@@ -119,7 +119,7 @@ def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axe
         )
         bar = ax.get_figure().colorbar(filled, ax=ax)  # type: ignore[union-attr]
         bar.set_label(wrap_label(label) + ("\nmedian of the samples" if sampled else ""))
-        handles += _fade_extrapolated(ax, horizontal, vertical, dataset, (y, x))
+        handles += _fade_extrapolated(ax, horizontal, vertical, flying, dataset, (y, x))
         handles += _best_per_column(ax, horizontal, vertical, flying, value)
     if able is not None:
         hatched = _not_flying(dataset, sampled=sampled)
@@ -132,18 +132,20 @@ def _fade_extrapolated(
     ax: Axes,
     horizontal: np.ndarray,
     vertical: np.ndarray,
+    flying: np.ndarray,
     dataset: "xr.Dataset",
     drawn: tuple[str, str],
 ) -> list[Any]:
     """Fade designs at which force model or gas are outside their ranges, as far as is known."""
+    # ``flying``: values of those that fly, NaN elsewhere, shape (vertical, horizontal)
     if "covered" not in dataset:
         return []
     outside = dataset["covered"] < _HALF
     if SAMPLE in outside.dims:
         outside = outside.mean(SAMPLE) > _HALF
-    if not outside.any() or min(outside.shape) < 2:
+    level = outside.transpose(*drawn).values & np.isfinite(flying)
+    if not level.any() or min(level.shape) < 2:
         return []
-    level = outside.transpose(*drawn).values.astype(float)
     ax.contourf(horizontal, vertical, level, levels=[_HALF, 1.5], colors="white", alpha=0.65)
     return [Patch(facecolor="white", edgecolor=GREY, linewidth=0.5, label=EXTRAPOLATED)]
 

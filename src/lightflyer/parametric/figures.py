@@ -146,7 +146,8 @@ def _fade_extrapolated(
     level = outside.transpose(*drawn).values & np.isfinite(flying)
     if not level.any() or min(level.shape) < 2:
         return []
-    ax.contourf(horizontal, vertical, level, levels=[_HALF, 1.5], colors="white", alpha=0.65)
+    veil = level.astype(float)
+    ax.contourf(horizontal, vertical, veil, levels=[_HALF, 1.5], colors="white", alpha=0.65)
     return [Patch(facecolor="white", edgecolor=GREY, linewidth=0.5, label=EXTRAPOLATED)]
 
 

@@ -111,6 +111,7 @@ def test_one_emittance_for_both_faces_or_two(design):
 
 
 CHANGED = {
+    "flyer.hanging_radius": 0.002,
     "flyer.diameter": 0.03,
     "flyer.payload": 1e-7,
     "flyer.tilt": 20.0,

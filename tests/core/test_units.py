@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lightflyer as lf
+from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.units import parse, rewrite, scale_and_offset, spell_unit
 
 
@@ -144,3 +145,9 @@ def test_units_convert_by_factor_and_offset():
 def test_another_value_keeps_unit_and_uncertainty_of_a_text():
     assert rewrite("2 ± 0.1 cm", 0.0312, "m") == "3.12 ± 0.1 cm"
     assert rewrite("", 0.0312, "m") == "0.0312 m"
+
+
+@pytest.mark.parametrize("text", ["45 N", "10 E", "3 W", "80 S"])
+def test_directions_of_latitudes_are_signs(text):
+    with pytest.raises(ConfigurationError, match='south and west as "-45 deg"'):
+        parse(text, "deg")

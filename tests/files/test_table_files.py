@@ -234,8 +234,8 @@ def test_errors_of_spreadsheets_are_no_comments(tmp_path):
 def test_a_file_without_a_last_line_end_may_be_cut(tmp_path):
     path = tmp_path / "raw.csv"
     path.write_text("pressure [Pa],irradiance [W/m^2]\n1,8\n2,10", encoding="utf-8")
-    assert [note.removeprefix(f"{path}:") for note in read_table(path, COLUMNS).notes] == [
-        "3: the file has no line end after its last value, irradiance = 10; check that it is whole"
+    assert [note.removeprefix(f"{path}: ") for note in read_table(path, COLUMNS).notes] == [
+        "line 3, the last, has no line end after its value, irradiance = 10; check that it is whole"
     ]
 
 

@@ -336,6 +336,21 @@ def test_marks_of_a_matrix_are_those_of_tables(tmp_path):
     np.testing.assert_array_equal(found, [[1.469, 2.345], [3.21, np.nan]])
 
 
+def test_a_matrix_in_a_workbook(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    heights = np.random.default_rng(1).normal(0.0, 5.0, (20, 24)).round(3)
+    book = openpyxl.Workbook()
+    for row in heights.tolist():
+        book.active.append(row)
+    book.save(tmp_path / "map.xlsx")
+    found = read_height_map(tmp_path / "map.xlsx", size=1e-6, unit="nm")
+    assert found.height == pytest.approx(1e-9 * heights)
+    book.create_sheet("other").append([1, 2])
+    book.save(tmp_path / "map.xlsx")
+    with pytest.raises(lf.ConfigurationError, match=r"several sheets, .*#other; keep that of the"):
+        read_height_map(tmp_path / "map.xlsx", size=1e-6, unit="nm")
+
+
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "cp1252", "utf-16", "utf-16-le"])
 def test_a_matrix_is_read_in_the_encodings_of_tables(tmp_path, encoding):
     path = tmp_path / "map.txt"

@@ -271,7 +271,12 @@ def test_points_without_a_minimum_are_said(rng, noise):
 def test_a_span_that_cannot_follow_the_points_is_said():
     x = np.linspace(0.0, 3.0, 60)
     points = LiftOffs("wavy", np.exp(x), 900.0 * np.exp(0.3 * np.cos(6.0 * x)))
-    assert any("narrower --span" in text for text in levitation_curve(points).warnings)
+    curve = levitation_curve(points)
+    assert any("narrower --span" in text for text in curve.warnings)
+    # as many points again tell no more of a curve that does not follow them
+    twice = LiftOffs("twice", np.repeat(points.pressure, 2), np.repeat(points.irradiance, 2))
+    widths = [np.median(np.log(one.upper / one.lower)) for one in (curve, levitation_curve(twice))]
+    assert widths[1] > 0.9 * widths[0]
 
 
 def test_kilowatts_and_millitorr_taken_for_others_are_said(truth, rng):

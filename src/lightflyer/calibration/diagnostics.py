@@ -34,7 +34,7 @@ def _about_errors(fit: Calibration) -> list[str]:
         said.append(
             "residuals at neighbouring pressures are alike, as if of only "
             f"{count / fit.alike:.0f} points in place of {count}: the model does not fit them; "
-            f"intervals are {'wider for it' if fit.estimated_scatter else 'too narrow'}"
+            "intervals are wider for it"
         )
     if fit.estimated_scatter or fit.error_scale != 1.0:
         return said

@@ -142,7 +142,8 @@ def _calibration(
     values, residuals = np.exp(best), fit.measured - here.value
     order = np.lexsort((points.pressure, np.array(points.samples)))
     alike = alike_points((residuals * fit.weight)[order])
-    variance = alike * cost / freedom if estimated else cost / freedom if scaled else 1.0
+    scale = cost / freedom if estimated or scaled else 1.0
+    variance = alike * scale
     limit = cost + _threshold(variance, freedom, estimated=estimated or scaled)
     in_logarithms = _covariance(fit, best) * variance
     inputs = from_inputs(fit, best)
@@ -155,24 +156,24 @@ def _calibration(
         ends = best[:, None] + wider[:, None] * (ends - best[:, None])
     ends = _open(ends, problem)
     both = np.hypot(ends - best[:, None], _open(inputs.ends, problem) - best[:, None])
-    scale = np.outer(values, values)
+    natural = np.outer(values, values)
     shares = zip(problem.inputs.names, np.abs(inputs.slopes.T), strict=True)
     return Calibration(
         problem=problem,
         values=values,
-        covariance=in_logarithms * scale,
+        covariance=in_logarithms * natural,
         intervals=_natural(ends, problem.parameters),
-        total_covariance=(in_logarithms + inputs.covariance) * scale,
+        total_covariance=(in_logarithms + inputs.covariance) * natural,
         total_intervals=_natural(best[:, None] + both * [-1.0, 1.0], problem.parameters),
         contributions={name: share for name, share in shares if np.any(share)},
         scatter=float(np.sqrt(np.sum(residuals**2) / freedom)) if freedom else 0.0,
         estimated_scatter=estimated,
         chi_squared=math.nan if estimated else cost,
         freedom=freedom,
-        error_scale=math.sqrt(variance) if scaled else 1.0,
+        error_scale=math.sqrt(scale) if scaled else 1.0,
         residuals=residuals,
         alike=alike,
-        uncertainty=spread * math.sqrt(variance / alike if estimated else variance),
+        uncertainty=spread * math.sqrt(scale),
         fitted=np.exp(here.value),
         warnings=(),
     )
@@ -237,7 +238,7 @@ def _threshold(variance: float, freedom: int, *, estimated: bool) -> float:
     """Increase of the cost at the ends of an interval."""
     if estimated:
         return float(variance * fdtri(1, freedom, CONFIDENCE))
-    return float(chdtri(1, 1.0 - CONFIDENCE))
+    return float(variance * chdtri(1, 1.0 - CONFIDENCE))
 
 
 def _reachable_start(problem: Problem) -> np.ndarray:

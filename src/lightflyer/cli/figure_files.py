@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from lightflyer.cli import report as reports
+from lightflyer.cli.options import Whole
 from lightflyer.cli.output import say, write_json
 from lightflyer.core.errors import ParameterError
 from lightflyer.files.result_text import wrap
@@ -36,7 +37,7 @@ class FigureOptions:
     """
 
     formats: Annotated[str, Parameter(name="--format")] = "png,svg"
-    dpi: int = 150
+    dpi: Whole = 150
     style: str | None = None
 
     def check(self, out: Path | None) -> None:

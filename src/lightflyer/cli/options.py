@@ -1,7 +1,7 @@
 """Options that several commands have, with what they may be."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Annotated, Any
 
@@ -12,10 +12,21 @@ from lightflyer.core.errors import ParameterError
 
 MOST_SAMPLES = 1_000_000
 
-Json = Annotated[bool, Parameter(name="--json", negative=())]  # Whether to print JSON
-Seed = Annotated[int, Parameter(validator=Number(gte=0, lt=2**63))]  # Seed of random numbers
 
-Samples = Annotated[int, Parameter(validator=Number(gte=0, lte=MOST_SAMPLES))]
+def _whole(_: Any, tokens: Sequence[Any]) -> int:
+    """A whole number; 1.5 is none."""
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f'"{tokens[0].value}" is not a whole number') from None
+
+
+Whole = Annotated[int, Parameter(converter=_whole)]
+
+Json = Annotated[bool, Parameter(name="--json", negative=())]  # Whether to print JSON
+Seed = Annotated[Whole, Parameter(validator=Number(gte=0, lt=2**63))]  # Seed of random numbers
+
+Samples = Annotated[Whole, Parameter(validator=Number(gte=0, lte=MOST_SAMPLES))]
 """Number of random samples, which take memory each."""
 
 

@@ -44,8 +44,13 @@ def remove_unfinished() -> None:
 
 def _say_what_else(directory: Path, names: set[str]) -> None:
     """Warn of results in a folder that are not of this run."""
-    # text and tables may be what the run has read
-    found = sorted(path.name for path in directory.iterdir() if path.suffix in _RESULTS)
+    # a table may be what the run has read, unless it has the name of a result
+    stems = {Path(name).stem for name in names}
+    found = sorted(
+        path.name
+        for path in directory.iterdir()
+        if path.suffix in _RESULTS or (path.suffix == ".csv" and path.stem in stems)
+    )
     if others := [name for name in found if name not in names]:
         text = f"{directory}: {', '.join(others)} are not of this run, but were there before"
         warnings.warn(text, ParameterWarning, stacklevel=3)

@@ -39,6 +39,11 @@ def read_text(path: Path) -> str:
     return text
 
 
+def shortened(text: str, most: int = 80) -> str:
+    """A text for a message, without the end that nobody reads."""
+    return text if len(text) <= most else f"{text[:most]}…"
+
+
 def in_toml(value: Any) -> str:
     """A value as a TOML file writes it."""
     if isinstance(value, bool):

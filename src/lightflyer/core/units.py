@@ -110,11 +110,11 @@ def _converter(unit: str, target: str, text: str) -> Callable[[float], float]:
         parsed = units.parse_units(_EXPONENT.sub(r"**\1", unit))
     except pint.UndefinedUnitError:
         raise ConfigurationError(
-            f'"{text}": unit "{written}" is unknown; {_unit_advice(target)}'
+            f'"{text}": unit "{written}" is unknown; {_unit_advice(target, unit)}'
         ) from None
     if not units.is_compatible_with(parsed, units.parse_units(target)):
         raise ConfigurationError(
-            f'"{text}": unit "{written}" is of the wrong kind; {_unit_advice(target)}'
+            f'"{text}": unit "{written}" is of the wrong kind; {_unit_advice(target, unit)}'
         )
     return lambda value: float(units.Quantity(value, parsed).to(target).magnitude)
 
@@ -160,7 +160,9 @@ def file_unit(unit: str) -> str:
     return written.get(unit, unit)
 
 
-def _unit_advice(target: str) -> str:
+def _unit_advice(target: str, unit: str) -> str:
+    if target in ("deg", "rad") and unit in ("N", "E", "S", "W"):
+        return 'write north and east as "45 deg", south and west as "-45 deg"'
     return f"give one that converts to {target}" if target else "write a pure number or a %"
 
 

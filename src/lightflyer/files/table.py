@@ -192,7 +192,7 @@ def _require_whole(file: Lines, rows: list[Row], layout: Layout) -> list[str]:
     if file.ended or last is None or number != len(file.lines):
         return []
     return [
-        f"{file.name}:{number}: the file has no line end after its last value, "
+        f"{file.name}: line {number}, the last, has no line end after its value, "
         f"{last.column.name} = {cells[-1]}; check that it is whole"
     ]
 

@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lightflyer.core.text import in_toml
+from lightflyer.core.text import in_toml, shortened
 from lightflyer.files.section import Alternative
 
 
@@ -63,14 +63,14 @@ def _other_mistake(mistake: Any, dotted: str) -> str:
     shown = in_toml(value)
     if isinstance(value, str) and shown in message:
         return f"{dotted}: {message}"
-    return f"{dotted} = {shown}: {message[0].lower()}{message[1:]}"
+    return f"{dotted} = {shortened(shown)}: {message[0].lower()}{message[1:]}"
 
 
 def _explain_kind(wanted: str) -> Callable[[Any, str], str]:
     """Explanation that a value is not of a kind."""
 
     def format_error(mistake: Any, dotted: str) -> str:
-        return f"{dotted} = {in_toml(mistake['input'])}: is not {wanted}"
+        return f"{dotted} = {shortened(in_toml(mistake['input']))}: is not {wanted}"
 
     return format_error
 
@@ -80,7 +80,7 @@ def _explain_limit(words: str) -> Callable[[Any, str], str]:
 
     def format_error(mistake: Any, dotted: str) -> str:
         limit = words.format(**mistake["ctx"])
-        return f"{dotted} = {in_toml(mistake['input'])}: must be {limit}"
+        return f"{dotted} = {shortened(in_toml(mistake['input']))}: must be {limit}"
 
     return format_error
 
@@ -90,13 +90,13 @@ def _unknown_word(mistake: Any, dotted: str) -> str:
     value = mistake["input"]
     near = nearest(value, known) if isinstance(value, str) else ""
     hint = f'did you mean "{near}"?' if near else f"choose from {', '.join(known)}"
-    return f"{dotted} = {in_toml(value)} is unknown; {hint}"
+    return f"{dotted} = {shortened(in_toml(value))} is unknown; {hint}"
 
 
 def _too_few(mistake: Any, dotted: str) -> str:
     least = mistake["ctx"]["min_length"]
     entries = "entry" if least == 1 else "entries"
-    return f"{dotted} = {in_toml(mistake['input'])}: needs at least {least} {entries}"
+    return f"{dotted} = {shortened(in_toml(mistake['input']))}: needs at least {least} {entries}"
 
 
 _EXPLANATIONS: dict[str, Callable[[Any, str], str]] = {

@@ -11,6 +11,7 @@ from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import optional_share, quantity
 from lightflyer.cli.options import Json, Samples, Seed, only_with
 from lightflyer.cli.output import print_json, printer, show
+from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
@@ -101,6 +102,8 @@ def calibrate_command(
     template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
     with resources.as_file(template) as default:
         design = read_flyer_file(default if flyer is None else flyer)
+    if design.build().environment.coordinate.name != "pressure":
+        raise ConfigurationError(f"{flyer}: levitation points need a chamber as the environment")
     names = [name.strip() for name in free.split(",") if name.strip()]
     fit = calibrate(
         design,

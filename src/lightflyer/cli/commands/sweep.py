@@ -7,7 +7,7 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from lightflyer.cli.amounts import duration, in_words, with_prefix
-from lightflyer.cli.options import Json
+from lightflyer.cli.options import Json, Whole
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.files.result_text import table_of
@@ -26,8 +26,8 @@ def sweep_command(
     *,
     out: Path,
     scheduler: str | None = None,
-    workers: int | None = None,
-    chunk: int | None = None,
+    workers: Whole | None = None,
+    chunk: Whole | None = None,
     device: Literal["cpu", "gpu"] | None = None,
     reduce: Annotated[bool, Parameter(negative=())] = False,
     yes: Annotated[bool, Parameter(negative=())] = False,

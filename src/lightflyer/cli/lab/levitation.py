@@ -17,7 +17,7 @@ from lightflyer.cli.lab.shared import (
     read_summary,
     updater,
 )
-from lightflyer.cli.options import Json, Seed, only_with
+from lightflyer.cli.options import Json, Seed, Whole, only_with
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import warning_lines
 
@@ -39,7 +39,7 @@ def levitation_command(
     pressure_accuracy: str | None = None,
     irradiance_accuracy: str | None = None,
     span: float = 0.75,
-    draws: int = 2000,
+    draws: Whole = 2000,
     seed: Seed = 0,
     flyer: Path | None = None,
     calibrate: Annotated[bool, Parameter(negative=())] = False,

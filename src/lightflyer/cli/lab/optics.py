@@ -9,7 +9,7 @@ from lightflyer.cli.lab.shared import (
     deliver,
     rejected_parts,
 )
-from lightflyer.cli.options import Json, Seed, only_with
+from lightflyer.cli.options import Json, Seed, Whole, only_with
 from lightflyer.files.result_text import Parts
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def optics_command(
     sample_file: Path,
     /,
     *,
-    starts: int = 16,
+    starts: Whole = 16,
     out: Path | None = None,
     update: Path | None = None,
     insist: Insist = False,

@@ -13,7 +13,7 @@ from lightflyer.cli.lab.shared import (
     optional_share,
     quantity,
 )
-from lightflyer.cli.options import Json, Seed, only_with
+from lightflyer.cli.options import Json, Seed, Whole, only_with
 from lightflyer.cli.output import print_json, printer
 from lightflyer.files.result_text import warning_lines
 
@@ -32,9 +32,9 @@ def roughness_command(
     list_channels: Annotated[bool, Parameter(negative=())] = False,
     mask: Literal["auto", "none"] = "auto",
     threshold: float = 5.0,
-    order: int = 2,
+    order: Whole = 2,
     flatten: Literal["none", "rows"] = "none",
-    flatten_order: int = 0,
+    flatten_order: Whole = 0,
     height_accuracy: str | None = None,
     seed: Seed = 0,
     out: Path | None = None,

@@ -28,6 +28,8 @@ Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]
 _USUAL = {"--diameter": "mm", "--wall": "cm", "--size": "um", "--at": "nm", "--band": "cm^-1"}
 """Units that messages propose, where they are not those of SI."""
 
+_NEVER_NEGATIVE = ("K", "m", "Pa", "W/m^2", "m^-1")
+
 Insist = Annotated[bool, Parameter(negative=())]
 """Whether --update also writes what is most likely of a wrong unit."""
 
@@ -39,9 +41,12 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
     from lightflyer.core.units import number_or_text, parse
 
     try:
-        return parse(text if unit else number_or_text(text), unit, _USUAL.get(option, ""))
+        found = parse(text if unit else number_or_text(text), unit, _USUAL.get(option, ""))
     except ConfigurationError as error:
         raise ConfigurationError(f"{option}: {error}") from None
+    if unit in _NEVER_NEGATIVE and found.value < 0.0:
+        raise ConfigurationError(f'{option}: "{text}" is negative')
+    return found
 
 
 def quantities(option: str, text: str, unit: str) -> "np.ndarray":

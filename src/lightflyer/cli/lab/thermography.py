@@ -16,7 +16,7 @@ from lightflyer.cli.lab.shared import (
     share,
     updater,
 )
-from lightflyer.cli.options import Json, Seed, only_with
+from lightflyer.cli.options import Json, Seed, Whole, only_with
 from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def thermography_command(
     image_emissivity: str | None = None,
     image_reflected: str | None = None,
     accuracy: str | None = None,
-    draws: int = 100_000,
+    draws: Whole = 100_000,
     seed: Seed = 0,
     out: Path | None = None,
     update: Path | None = None,

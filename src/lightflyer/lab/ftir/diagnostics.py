@@ -62,7 +62,7 @@ def spectrum_warnings(
     found: list[str] = []
     for one in (*spectra, *reflectances):
         found += _impossible_points(one, accuracy)
-        found += [f"{one.source}: {note}" for note in one.notes]
+        found += [f"{one.source}: {note.removeprefix(f'{one.source}: ')}" for note in one.notes]
         found += _gaps(one, band)
         if len(one.wavenumber) < LEAST_POINTS:
             found.append(

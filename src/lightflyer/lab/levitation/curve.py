@@ -22,7 +22,6 @@ from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
 from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother
 from lightflyer.lab.record import dataset, joint_warnings
-from lightflyer.numerics.residuals import alike_points
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -226,10 +225,10 @@ def _diagnostics(
             f"the points of {points.name} scatter {least.excess:.2g} times as much as their stated "
             f"uncertainties say: intervals are {_TOO[least.excess < 1.0]}"
         )
-    if alike_points(least.residuals[np.argsort(points.pressure, kind="stable")]) > 1.0:
+    if least.alike > 1.0:
         said.append(
             f"residuals of {points.name} at neighbouring pressures are alike: the curve does not "
-            "follow its points; intervals are too narrow; try a narrower --span"
+            "follow its points; intervals are wider for it; try a narrower --span"
         )
     found = None if step else found_step(points.irradiance)
     if found is not None:

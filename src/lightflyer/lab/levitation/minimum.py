@@ -12,6 +12,7 @@ from scipy.special import chdtrc
 
 from lightflyer.calibration.diagnostics import LEAST_PROBABILITY
 from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD
+from lightflyer.numerics.residuals import alike_points
 
 DEGREE = 2  # Degree of the local polynomials
 
@@ -34,6 +35,7 @@ class Minimum:
     curve: np.ndarray  # shape (m,); log-irradiance there
     curves: np.ndarray  # shape (b, m); draws from the distribution of the true curve
     residuals: np.ndarray  # shape (n,); of log-irradiance, in standard errors as stated or found
+    alike: float  # Points at neighbouring pressures that deviate from the curve together
     # Scatter over what is stated, and the probability of more by chance; NaN where none is stated
     excess: float
     probability: float
@@ -84,12 +86,13 @@ def minimum(
     residual = (np.eye(x.size) - at_points @ again) * error / error[:, None]
     spread, variance, freedom = _spreads(residual, y / error, draws, rng)
     probability = float(chdtrc(freedom, freedom * variance))
+    alike = alike_points(((y - fitted) / error)[np.argsort(x, kind="stable")])
     if stated is not None:
         spread = np.outer(spread if probability < LEAST_PROBABILITY else np.ones(draws), stated)
     else:
         rounded = UNIFORM_SPREAD * step * np.sqrt(np.mean(np.exp(-2.0 * fitted)))
         spread = np.sqrt(np.maximum(spread**2 - rounded**2, 0.0))[:, None]
-    simulated = fitted + spread * rng.normal(size=(draws, x.size))
+    simulated = fitted + np.sqrt(alike) * spread * rng.normal(size=(draws, x.size))
     if step:
         simulated = _step_lines(simulated, step, rng)
     curves = simulated @ twice.T
@@ -106,6 +109,7 @@ def minimum(
         twice @ y,
         twice @ (y + fitted) - curves,
         (y - fitted) / error,
+        alike,
         np.nan if stated is None else float(np.sqrt(variance)),
         np.nan if stated is None else probability,
     )

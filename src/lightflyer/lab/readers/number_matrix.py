@@ -1,4 +1,4 @@
-"""A matrix of numbers in a text file: a height map or a thermal image, with lines above it."""
+"""A matrix of numbers in a text file or workbook: a height map or a thermal image."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.files.encoding import plain_text, read_bytes, split_lines
 from lightflyer.files.number_marks import (
     COMMA,
     POINT,
@@ -16,6 +15,7 @@ from lightflyer.files.number_marks import (
     shows_decimal,
     stated_mark,
 )
+from lightflyer.files.table_file import read_lines
 from lightflyer.files.table_layout import is_comment, split_cells
 
 _LEADING_ZERO = re.compile(r"[+-]?0\d+")
@@ -40,8 +40,11 @@ class _Row(NamedTuple):
 def read_number_matrix(path: str | Path, what: str) -> NumberMatrix:
     """Read a matrix of numbers, with any delimiter, decimal points or decimal commas."""
     path = Path(path)
-    text = plain_text(read_bytes(path), str(path))
-    lines = list(enumerate(split_lines(text), start=1))
+    tables = read_lines(path)
+    if len(tables) > 1:
+        names = ", ".join(one.name for one in tables)
+        raise ConfigurationError(f"{path}: has several sheets, {names}; keep that of the {what}")
+    lines = list(enumerate(tables[0].lines if tables else [], start=1))
     written = [(number, line) for number, line in lines if line.strip() and not is_comment(line)]
     if not written:
         raise ConfigurationError(f"{path}: is empty; a matrix of {what} is needed")

@@ -30,7 +30,7 @@ def roughness_command(
     unit: str | None = None,
     channel: str | None = None,
     list_channels: Annotated[bool, Parameter(negative=())] = False,
-    mask: Literal["auto", "none"] = "auto",
+    mask: str = "auto",
     threshold: float = 5.0,
     order: Whole = 2,
     flatten: Literal["none", "rows"] = "none",
@@ -57,7 +57,9 @@ def roughness_command(
     list_channels
         Print the channels of the files and their units, and stop.
     mask
-        auto masks particles and holes such as lost pixels; none takes the map as it is.
+        auto masks particles and holes such as lost pixels; none takes the map as it is; the name
+        of a file masks what it shows: a picture (.png) of the map's pixels in which all but black
+        is masked, or a matrix of 0 and 1. --out writes such pictures.
     threshold
         Least relief of a particle or hole, in robust standard deviations of the surface.
     order
@@ -83,12 +85,14 @@ def roughness_command(
         _show_channels(files, json_output=json_output)
         return
     from lightflyer.lab.readers.height_map import read_height_map
+    from lightflyer.lab.readers.masks import mask_as_png, read_mask
     from lightflyer.lab.record import require_distinct
     from lightflyer.lab.surface.reduction import mean_parameters, roughness, summary, to_dataset
     from lightflyer.lab.surface.text import means_parts, roughness_parts
 
     options: dict[str, Any] = {
-        "mask": mask, "threshold": threshold, "order": order, "flatten": flatten,
+        "mask": mask if mask in ("auto", "none") else read_mask(Path(mask)),
+        "threshold": threshold, "order": order, "flatten": flatten,
         "flatten_order": flatten_order, "seed": seed,
         "height_accuracy": optional_share("--height-accuracy", height_accuracy),
     }  # fmt: skip
@@ -99,9 +103,9 @@ def roughness_command(
     document = summary(results)
 
     def draw() -> "dict[str, Figure]":
-        from lightflyer.lab.surface.figures import roughness_figures
+        from lightflyer.lab.surface.figures import roughness_figures, texture_figures
 
-        return roughness_figures(results)
+        return roughness_figures(results) | texture_figures(results)
 
     parts = [part for one in results for part in roughness_parts(one)]
     if len(results) > 1:
@@ -110,6 +114,7 @@ def roughness_command(
         "roughness", document, to_dataset(results), draw,
         [*parts, *warning_lines(document["warnings"])],
         out=out, figures=figures, json_output=json_output,
+        tables={f"mask-{number}.png": mask_as_png(one.mask) for number, one in enumerate(results)},
     )  # fmt: skip
 
 

@@ -127,7 +127,7 @@ def deliver(
     figures: ResultOptions,
     json_output: bool,
     update: Callable[[], list[str]] = list,
-    tables: Mapping[str, str] | None = None,
+    tables: Mapping[str, str | bytes] | None = None,
 ) -> None:
     """Write a measurement's record and figures, and print its text or its JSON object."""
     from lightflyer.core.atomic_files import output_directory
@@ -138,8 +138,9 @@ def deliver(
             names = [f"{name}.json", f"{name}.nc"]
             write_json(stage(names[0]), document)
             dataset.to_netcdf(stage(names[1]), engine="h5netcdf")
-            for file, text in (tables or {}).items():
-                stage(file).write_text(text, encoding="utf-8")
+            for file, content in (tables or {}).items():
+                whole = content.encode() if isinstance(content, str) else content
+                stage(file).write_bytes(whole)
                 names.append(file)
             names += figures.write(stage, draw)
         # the flyer file is changed after all files are prepared; if that fails, nothing is written

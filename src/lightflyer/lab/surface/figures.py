@@ -13,11 +13,13 @@ from matplotlib.patches import Patch
 from scipy import ndimage
 
 from lightflyer.files.drawing import (
+    GREY,
     SKY,
     VERMILION,
     figure_for,
     new_figure,
     outline_effects,
+    series_style,
     shared_legend,
 )
 from lightflyer.lab.readers.height_map import NANOMETRE
@@ -30,6 +32,8 @@ _MOST_PIXELS = 1024  # drawn along a side
 _SHOWN = 3.5  # range of the colours, in rms heights
 _MICROMETRE = 1e-6
 _PERCENT = 100.0
+_BINS = 80
+_NM2_UM2 = NANOMETRE**2 * _MICROMETRE**2
 
 
 def colour_range(results: "Sequence[Roughness]", *, masked: bool) -> tuple[float, float]:
@@ -122,6 +126,30 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     handles = [Patch(color=colour, label=name) for name, _, colour in _masks(results[0])]
     shared_legend(figure, handles)
     return {"roughness": figure}
+
+
+def texture_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
+    """Figure of distributions, autocorrelations and power spectra, by file name without suffix."""
+    figure = new_figure(columns=3)
+    left, middle, right = figure.axes
+    for number, one in enumerate(results):
+        found, colour = one.texture, series_style(number)["color"]
+        heights = one.height[~one.mask] / NANOMETRE
+        shares, edges = np.histogram(heights, _BINS, density=True)
+        left.stairs(shares, edges, color=colour, label=one.source.source)
+        distance = found.distance / _MICROMETRE
+        middle.plot(distance, found.autocorrelation, color=colour)
+        right.loglog(found.frequency * _MICROMETRE, found.power / _NM2_UM2, color=colour)
+    middle.axhline(np.exp(-1.0), color=GREY, ls=":", lw=1)
+    middle.annotate("1/e", (0.98, np.exp(-1.0)), (0, 3), ("axes fraction", "data"),
+                    "offset points", ha="right", color=GREY, fontsize="small")  # fmt: skip
+    left.set(xlabel="height of the surface [nm]", ylabel="probability density [1/nm]")
+    middle.set(xlabel="distance [µm]", ylabel="autocorrelation [1]")
+    right.set(xlabel="spatial frequency [1/µm]", ylabel="power spectral density [nm² µm²]")
+    for ax in figure.axes:
+        ax.grid(alpha=0.25)
+    shared_legend(figure, left.get_legend_handles_labels()[0])
+    return {"roughness-texture": figure}
 
 
 def plot_roughness(result: "Roughness", ax: Axes | None = None) -> Figure:

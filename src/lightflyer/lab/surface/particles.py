@@ -21,7 +21,7 @@ _RELIEF = 1.5  # least relief in standard deviations of the whole surface
 _FLANK = 2.0  # relief of a flank, in standard deviations at its scale
 _MARGIN = 2  # pixels by which the mask is widened
 _PASSES = 3
-_MOST_MASKED = 0.9  # fraction of a map
+MOST_MASKED = 0.9  # fraction of a map
 _ROUNDING = 1e-9  # fraction of the raw heights' range below which nothing is a particle
 _RINGS = {0: (3, 5, 8, 12), 2: (5, 8, 12, 18, 27, 40), 5: (12, 18, 27, 40)}
 """Radii of the rings that stand for the surroundings, by width of the smoothing [pixels]."""
@@ -66,7 +66,7 @@ def find_particles(height: np.ndarray, *, threshold: float = THRESHOLD, order: i
         above, below = found
         if same:
             break
-        if (above | below).mean() > _MOST_MASKED:
+        if (above | below).mean() > MOST_MASKED:
             raise ConfigurationError("nearly all of the map would be masked as particles")
     levelled = level(height, above | below, order)
     return Objects(levelled - levelled[~(above | below)].mean(), above, below & ~above)

@@ -16,7 +16,7 @@ import numpy as np
 
 from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.core.checks import require_range
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.readers.height_map import NANOMETRE, HeightMap
@@ -24,7 +24,14 @@ from lightflyer.lab.record import dataset, joint_warnings
 from lightflyer.lab.surface.diagnostics import warnings_of
 from lightflyer.lab.surface.intervals import DRAWS, SPECTRUM, spread
 from lightflyer.lab.surface.levelling import Flatten, fill_missing, flatten_rows, kept_power, level
-from lightflyer.lab.surface.particles import THRESHOLD, Objects, count_objects, find_particles
+from lightflyer.lab.surface.particles import (
+    MOST_MASKED,
+    THRESHOLD,
+    Objects,
+    count_objects,
+    find_particles,
+)
+from lightflyer.lab.surface.texture import Texture, texture_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,7 +41,7 @@ if TYPE_CHECKING:
 
 HEIGHT_ACCURACY = 0.02  # Relative standard uncertainty of the microscope's heights; our assumption
 PARAMETERS = ("rms_height", "mean_absolute_height", "skewness", "kurtosis")  # Sq, Sa, Ssk and Sku
-Mask = Literal["auto", "none"]  # Whether particles and holes are masked
+Mask = Literal["auto", "none"] | np.ndarray  # Whether particles and holes are masked, or what is
 
 _PERCENT = 100.0
 _UNITS = ("nm", "nm", "", "")
@@ -64,6 +71,7 @@ class Roughness(PrintedResult):
     #: Estimate of the power of the surface that levelling took, over the power left. The intervals
     #: contain it
     lost: float
+    texture: Texture  #: Autocorrelation, power spectrum and slopes outside the mask
     warnings: tuple[str, ...] = ()
 
     @property
@@ -102,6 +110,7 @@ class Roughness(PrintedResult):
             "independent_patches": self.patches,
             "lost_in_levelling": self.lost,
             "height_accuracy": self.height_accuracy,
+            **self.texture.summary(),
             "pixels": list(self.height.shape),
             "size_um": [self.source.width * 1e6, self.source.length * 1e6],
             "channel": self.source.channel,
@@ -137,8 +146,8 @@ def roughness(
     Parameters
     ----------
     source : HeightMap
-    mask : {"auto", "none"}
-        Whether particles and holes are masked.
+    mask : {"auto", "none"} or array of bool, shape (rows, columns)
+        Whether particles and holes are masked, or what is.
     threshold : float
         Least relief of a particle or hole, in robust standard deviations.
     order : int
@@ -160,7 +169,7 @@ def roughness(
     Raises
     ------
     ConfigurationError
-        If more than 90 % of the map is masked.
+        If more than 90 % of the map is masked, or a mask has another shape.
 
     Notes
     -----
@@ -177,9 +186,14 @@ def roughness(
     raw = fill_missing(source.height)
     raw = raw if rows is None else flatten_rows(raw, rows)
     whole = level(raw, missing, order)
-    if mask == "none":
-        nothing = np.zeros(raw.shape, bool)
+    nothing = np.zeros(raw.shape, bool)
+    if isinstance(mask, np.ndarray):
+        _require_fitting(source, mask)
+        found = Objects(level(raw, mask | missing, order), mask, nothing)
+    elif mask == "none":
         found = Objects(whole, nothing, nothing)
+    elif mask != "auto":
+        raise ParameterError(f'mask = "{mask}" is unknown; choose auto, none, or give an array')
     else:
         try:
             found = find_particles(raw, threshold=threshold, order=order)
@@ -198,8 +212,22 @@ def roughness(
                        flattened=rows is not None)  # fmt: skip
     if height_accuracy is None:
         said += assumed_accuracies({"heights": f"± {_PERCENT * HEIGHT_ACCURACY:g} %"})
-    return Roughness(source, found.height, found.particles, found.holes, inside, everything,
-                     accuracy, patches, lost, said)  # fmt: skip
+    rows_columns = zip((source.length, source.width), raw.shape, strict=True)
+    down, right = (side / count for side, count in rows_columns)
+    return Roughness(
+        source, found.height, found.particles, found.holes, inside, everything, accuracy, patches,
+        lost, texture_of(found.height, masked, (down, right)), said,
+    )  # fmt: skip
+
+
+def _require_fitting(source: HeightMap, mask: np.ndarray) -> None:
+    if mask.shape != source.height.shape:
+        sizes = " and the map ".join(
+            f"{one.shape[1]} x {one.shape[0]}" for one in (mask, source.height)
+        )
+        raise ConfigurationError(f"{source.source}: the mask has {sizes} pixels")
+    if mask.mean() > MOST_MASKED:
+        raise ConfigurationError(f"{source.source}: more than {MOST_MASKED:.0%} is masked")
 
 
 def _estimates(
@@ -282,5 +310,13 @@ def to_dataset(results: Sequence[Roughness]) -> "xr.Dataset":
             dimensions, one.particles.astype("i1") + 2 * one.holes.astype("i1"),
             {"units": "1", "long_name": "0 surface, 1 particle, 2 hole", "file": one.source.source},
         )  # fmt: skip
+        found = one.texture
+        for dimension, at, units, name, value, of in (
+            ("distance", found.distance, "m", "autocorrelation", found.autocorrelation, "1"),
+            ("frequency", found.frequency, "m-1", "power_spectral_density", found.power, "m4"),
+        ):
+            over = f"{dimension}_{number}"
+            variables[over] = (over, at, {"units": units, "long_name": dimension})
+            variables[f"{name}_{number}"] = (over, value, {"units": of, "long_name": name})
     said = summary(results)["warnings"]
     return dataset("roughness", variables, [one.source.source for one in results], warnings=said)

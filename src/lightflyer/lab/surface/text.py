@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from lightflyer.files.result_text import Parts
 from lightflyer.lab.estimate import Estimate, estimate_table
+from lightflyer.lab.readers.height_map import NANOMETRE
 from lightflyer.lab.surface.particles import count_objects
 
 if TYPE_CHECKING:
@@ -32,7 +33,15 @@ def roughness_parts(one: "Roughness") -> Parts:
     named = [(name, one.parameters[key]) for key, name in _NAMES.items()]
     yield estimate_table([*named, ("Sq without a mask", one.parameters_all["rms_height"])])
     skewness, kurtosis = (one.parameters[key].value for key in ("skewness", "kurtosis"))
+    found = one.texture
     yield f"of this map: skewness Ssk {skewness:.3g}, kurtosis Sku {kurtosis:.3g}"
+    yield (
+        f"  correlation length (1/e) {found.correlation_length / _MICROMETRE:.3g} µm, "
+        f"rms slope Sdq {found.rms_slope:.3g}\n"
+        f"  developed area Sdr {_PERCENT * found.developed_area:.2g} %, "
+        f"highest point Sp {found.highest / NANOMETRE:.3g} nm, "
+        f"lowest Sv {found.deepest / NANOMETRE:.3g} nm"
+    )
 
 
 def means_parts(means: Mapping[str, Estimate], count: int) -> Parts:

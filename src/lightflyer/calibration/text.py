@@ -3,6 +3,7 @@
 import math
 from typing import TYPE_CHECKING, Any
 
+from lightflyer.core.text import correlation_text
 from lightflyer.files.result_text import Parts, open_interval_text, table_of
 
 if TYPE_CHECKING:
@@ -28,6 +29,8 @@ def fit_parts(fit: "Calibration") -> Parts:
     )
     yield table_of(_FIT, rows)
     yield from _explain(fit)
+    if len(fit.names) > 1:
+        yield f"{correlation_text(fit.names, fit.covariance)} (given inputs)"
 
 
 def _explain(fit: "Calibration") -> list[str]:

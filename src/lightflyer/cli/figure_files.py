@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from lightflyer.cli import report as reports
-from lightflyer.cli.options import Whole
 from lightflyer.cli.output import say, write_json
 from lightflyer.core.errors import ParameterError
 from lightflyer.files.result_text import wrap
@@ -37,7 +36,7 @@ class FigureOptions:
     """
 
     formats: Annotated[str, Parameter(name="--format")] = "png,svg"
-    dpi: Whole = 150
+    dpi: int = 150
     style: str | None = None
 
     def check(self, out: Path | None) -> None:

@@ -1,6 +1,6 @@
 """Text in and out: a user's file with one line for each way it can fail, numbers in words."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
+
+_LEAST_CORRELATION, _MOST_CORRELATIONS = 0.1, 8  # that are listed
 
 _noted: ContextVar[list[Path] | None] = ContextVar("files read", default=None)
 
@@ -61,3 +63,18 @@ def span(values: Any) -> str:
     """A number, or the range of an array, to four digits."""
     low, high = np.min(values), np.max(values)
     return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+
+
+def correlation_text(names: Sequence[str], covariance: np.ndarray) -> str:
+    """The larger correlations of fitted numbers, the largest first; ``covariance`` (n, n)."""
+    spread = np.sqrt(np.diag(covariance))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        related = covariance / np.outer(spread, spread)
+    every = [(i, j) for i in range(len(names)) for j in range(i)]
+    pairs = sorted(every, key=lambda pair: -abs(related[pair]))
+    shown = [
+        f"{names[j]} and {names[i]} {related[i, j]:+.2f}"
+        for i, j in pairs[:_MOST_CORRELATIONS]
+        if abs(related[i, j]) >= _LEAST_CORRELATION
+    ]
+    return f"correlations: {', '.join(shown) or f'none above {_LEAST_CORRELATION:g}'}"

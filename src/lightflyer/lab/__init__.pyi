@@ -1,3 +1,4 @@
+from .collection import collect_records as collect_records
 from .estimate import Estimate as Estimate
 from .estimate import weighted_mean as weighted_mean
 from .ftir.reduction import Averages as Averages

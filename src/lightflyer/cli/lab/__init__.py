@@ -36,6 +36,11 @@ app.command(
     help="Accommodation coefficient from a heater's power against pressure.",
 )
 app.command(
+    "lightflyer.cli.lab.summary:summary_command",
+    name="summary",
+    help="The numbers of many records in one table.",
+)
+app.command(
     "lightflyer.cli.lab.example:example_command",
     name="example",
     help="Write synthetic raw files to try a command with.",

@@ -156,8 +156,9 @@ def thermography_command(
 
     def draw() -> "dict[str, Figure]":
         from lightflyer.lab.thermography.figures import thermography_figures
+        from lightflyer.lab.thermography.thermal_image import parse_regions
 
-        return thermography_figures(result)
+        return thermography_figures(result, image, parse_regions(regions or ""))
 
     about = [] if image is None else [image.description]
     deliver(

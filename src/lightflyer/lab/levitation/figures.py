@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 _HEIGHT = 5.2
 _PER_KILOWATT = 1e-3
+_PERCENT = 100.0
 _MODEL_STYLES = ("--", ":")
 _FAR = 1e3  # times a value, beyond the axes
 _OPACITY, _FEW = 0.2, 3  # of the band of each of so many curves, less of more
@@ -102,6 +103,25 @@ def _mark_least(curve: "LevitationCurve", ax: Axes, colour: str, per_pascal: flo
     )  # fmt: skip
 
 
+def residuals(curves: "Sequence[LevitationCurve]", ax: Axes, pressure_unit: str) -> Axes:
+    """Draw measured over smoothed irradiance against pressure."""
+    per_pascal = 1.0 / scale_and_offset(pressure_unit, "Pa")[0]
+    for number, curve in enumerate(curves):
+        points, colour = curve.points, PALETTE[number % len(PALETTE)]
+        line = np.interp(np.log(points.pressure), np.log(curve.pressure), np.log(curve.irradiance))
+        off = _PERCENT * (points.irradiance * np.exp(-line) - 1.0)
+        stated = points.uncertainties.get("irradiance_uncertainty", np.zeros(off.size))
+        up = _PERCENT * NORMAL_FACTOR * stated * np.exp(-line)
+        ax.errorbar(points.pressure * per_pascal, off, up, color=colour, mfc="none", ms=5, lw=0.7,
+                    fmt=MARKERS[number % len(MARKERS)])  # fmt: skip
+    ax.axhline(0.0, color=GREY, lw=0.8)
+    ax.set_xscale("log")
+    plain_decades(ax.xaxis)
+    ax.set(xlabel=f"pressure [{pressure_unit}]", ylabel="measured over the line, less 1 [%]")
+    ax.grid(alpha=0.25)
+    return ax
+
+
 def levitation_figures(
     curves: "Sequence[LevitationCurve]",
     *,
@@ -109,8 +129,9 @@ def levitation_figures(
     models: Mapping[str, ModelCurves] | None = None,
 ) -> dict[str, Figure]:
     """Figure of several samples, by file name without suffix."""
-    figure = new_figure(height=_HEIGHT)
+    figure = new_figure(columns=2, height=_HEIGHT)
     levitation_curves(curves, figure.axes[0], pressure_unit=pressure_unit, models=models)
+    residuals(curves, figure.axes[1], pressure_unit)
     return {"levitation": figure}
 
 

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from lightflyer.core.text import correlation_text
 from lightflyer.files.result_text import Parts, table_of
 from lightflyer.lab.estimate import Estimate, estimate_table
 from lightflyer.lab.optics.diagnostics import display_unit
@@ -32,6 +33,8 @@ def fit_parts(result: "OpticsFit") -> Parts:
             for one in result.spectra
         ),
     )  # fmt: skip
+
+    yield correlation_text(list(result.numbers), result.correlation)
 
 
 def _in_display_unit(one: Estimate) -> Estimate:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from lightflyer.core.text import correlation_text
 from lightflyer.files.result_text import Parts, table_of
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.tac.accuracy import IN_WORDS
@@ -34,11 +35,10 @@ def fit_parts(fit: "TacFit") -> Parts:
     others = ", ".join(
         f"{one:.3g} by {name}" for name, one in fit.by_reading.items() if one is not None
     )
-    related = fit.correlation
     yield (
         f"reading {fit.reading}, gas {fit.gas}; the same rows give α = {others}\n"
-        f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; correlation of α with "
-        f"δ {related[0, 1]:.2f}, with C {related[0, 2]:.2f}"
+        f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; "
+        f"{correlation_text('αδC', fit.covariance)}"
     )
     errors = []
     for name, pull in fit.common_errors.items():

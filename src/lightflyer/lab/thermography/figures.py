@@ -1,10 +1,12 @@
 """Figures of reflectance, transmittance and emissivity, and of a thermal image."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from lightflyer.files.drawing import (
     BLUE,
@@ -12,6 +14,7 @@ from lightflyer.files.drawing import (
     INTERVAL,
     VERMILION,
     new_figure,
+    outline_effects,
     shared_legend,
 )
 
@@ -19,6 +22,10 @@ if TYPE_CHECKING:
     from lightflyer.lab.thermography.reduction import RadiativeProperties
     from lightflyer.lab.thermography.thermal_image import ThermalImage
 
+Regions: TypeAlias = Mapping[str, tuple[slice, slice]]
+"""Rows and columns of an image, by the name of what is seen there."""
+
+_NONE: Regions = {}
 _LARGEST = 6.0  # longer side of an image's axes [inch]
 _WIDTH = 2.9  # of one property [inch]
 _SPREAD = 0.3  # half the width over which rows are drawn
@@ -62,18 +69,29 @@ def plot_properties(result: "RadiativeProperties") -> Figure:
     return figure
 
 
-def thermography_figures(result: "RadiativeProperties") -> dict[str, Figure]:
-    """Figure of the properties, by file name without suffix."""
-    return {"thermography": plot_properties(result)}
+def thermography_figures(
+    result: "RadiativeProperties", image: "ThermalImage | None" = None, regions: Regions = _NONE
+) -> dict[str, Figure]:
+    """Figures of the properties, and of an image and its regions, by file name without suffix."""
+    found = {"thermography": plot_properties(result)}
+    return found if image is None else found | {"thermography-image": plot_image(image, regions)}
 
 
-def plot_image(image: "ThermalImage") -> Figure:
-    """Figure of the temperatures, row by row and column by column."""
+def plot_image(image: "ThermalImage", regions: Regions = _NONE) -> Figure:
+    """Figure of the temperatures, row by row and column by column; ``regions`` by name."""
     rows, columns = image.temperature.shape
     scale = _LARGEST / max(rows, columns)
     figure = new_figure(width=max(scale * columns, 2.5), height=max(scale * rows, 2.5))
     ax = figure.axes[0]
     shown = ax.imshow(image.temperature, cmap="inferno", interpolation="nearest")
+    for name, (down, across) in regions.items():
+        size = across.stop - across.start, down.stop - down.start
+        corner = across.start - 0.5, down.start - 0.5
+        ax.add_patch(Rectangle(corner, *size, fill=False, ec="white",
+                               path_effects=outline_effects()))  # fmt: skip
+        said = f"{name}\n{image.temperature[down, across].mean():.1f} K"
+        ax.text(across.start, down.start, said, color="white", va="top", fontsize="small",
+                path_effects=outline_effects())  # fmt: skip
     ax.set_xlabel("column")
     ax.set_ylabel("row")
     ax.set_title(image.source)

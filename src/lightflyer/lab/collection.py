@@ -1,0 +1,91 @@
+"""Numbers of many records of the lab bench in one table."""
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.lab.estimate import Estimate
+
+COMMANDS = ("levitation", "tac", "thermography", "ftir", "optics", "roughness")
+"""Commands whose records, ``NAME.json``, are collected."""
+
+
+class Entry(NamedTuple):
+    """One measured number of a record."""
+
+    folder: str  # of the record
+    command: str
+    quantity: str  # with the names of what it is part of, such as "samples, Ge, optimal_pressure"
+    estimate: Estimate
+    warnings: int  # of its record
+
+
+def collect_records(folders: Sequence[str | Path]) -> list[Entry]:
+    """Every number with an interval in the records of folders and of what lies in them.
+
+    Parameters
+    ----------
+    folders : sequence of str or path
+
+    Returns
+    -------
+    list of Entry
+        In the order of the paths.
+
+    Raises
+    ------
+    ConfigurationError
+        If a folder does not exist or has no record, or a record is damaged.
+    """
+    found: list[Entry] = []
+    for folder in map(Path, folders):
+        if not folder.is_dir():
+            raise ConfigurationError(f"{folder}: is not a folder")
+        records = sorted(
+            path for path in folder.rglob("*.json") if path.stem in COMMANDS and path.is_file()
+        )
+        if not records:
+            names = ", ".join(f"{name}.json" for name in COMMANDS)
+            raise ConfigurationError(f"{folder}: has no record of the lab bench ({names})")
+        found += [entry for path in records for entry in _entries(path)]
+    return found
+
+
+def _entries(path: Path) -> Iterator[Entry]:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        warnings = len(content["warnings"])
+        for name, estimate in _estimates(content, ()):
+            yield Entry(str(path.parent), path.stem, ", ".join(name), estimate, warnings)
+    except (ValueError, KeyError, TypeError):
+        raise ConfigurationError(f"{path}: is no record of lightflyer, or damaged") from None
+
+
+def _estimates(content: Any, name: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Estimate]]:
+    """Estimates anywhere within a JSON object, with the keys that lead to them."""
+    if not isinstance(content, dict):
+        return
+    if {"value", "interval_95"} <= content.keys():
+        low, high = content["interval_95"]
+        ends = (-float("inf") if low is None else low, float("inf") if high is None else high)
+        yield name, Estimate(content["value"], ends, content.get("unit", ""))
+        return
+    for key, part in content.items():
+        yield from _estimates(part, (*name, key))
+
+
+def table_text(entries: Sequence[Entry]) -> str:
+    """The numbers as a table of commas, one a line."""
+    lines = ["folder,command,quantity,value,lower 95 %,upper 95 %,unit,warnings"]
+    for one in entries:
+        texts = (one.folder, one.command, one.quantity)
+        numbers = (one.estimate.value, *one.estimate.interval)
+        cells = [*map(_quoted, texts), *(f"{x:.10g}" for x in numbers), one.estimate.unit or "1"]
+        lines.append(",".join([*cells, str(one.warnings)]))
+    return "\n".join(lines) + "\n"
+
+
+def _quoted(text: str) -> str:
+    return f'"{text.replace(chr(34), chr(34) * 2)}"' if set(text) & set(',"') else text

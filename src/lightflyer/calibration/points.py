@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.calibration.gauge import Gauge
 from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD, require_step
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConfigurationError, ParameterError
@@ -252,7 +253,13 @@ def log_uncertainty(
     return spread
 
 
-def read_points(path: str | Path, *, columns: str | None = None, strict: bool = False) -> Points:
+def read_points(
+    path: str | Path,
+    *,
+    columns: str | None = None,
+    strict: bool = False,
+    gauge: Gauge | None = None,
+) -> Points:
     """Read measured points, as every command does that takes them.
 
     Parameters
@@ -266,6 +273,8 @@ def read_points(path: str | Path, *, columns: str | None = None, strict: bool = 
     strict : bool
         Refuse rows that cannot be read and unknown columns. Otherwise
         :attr:`Points.warnings` names them.
+    gauge : Gauge, optional
+        What the gauge shows of a pressure; by default the pressure itself.
 
     Returns
     -------
@@ -278,6 +287,11 @@ def read_points(path: str | Path, *, columns: str | None = None, strict: bool = 
     """
     table = read_table(path, LEVITATION_COLUMNS, layout=columns, strict=strict, closed=strict)
     _require_figures(table)
+    shown = table.numbers["pressure"]
+    pressure, said = (gauge or Gauge()).correct(shown)
+    numbers = table.numbers | {"pressure": pressure}
+    if "pressure_uncertainty" in numbers:
+        numbers["pressure_uncertainty"] = numbers["pressure_uncertainty"] * pressure / shown
     samples = table.texts.get("sample", [Path(path).stem] * len(table))
     pads = table.texts.get("launchpad", [""] * len(table))
     return Points(
@@ -286,12 +300,12 @@ def read_points(path: str | Path, *, columns: str | None = None, strict: bool = 
             f"{sample} on {pad}" if pad else sample
             for sample, pad in zip(samples, pads, strict=True)
         ],
-        numbers=table.numbers,
+        numbers=numbers,
         texts=table.texts,
         lines=tuple(table.lines.tolist()),
         rejected=tuple(table.rejected),
         unused=tuple(table.unused),
-        reading=tuple(table.notes),
+        reading=(*table.notes, *said),
     )
 
 

@@ -30,6 +30,8 @@ def calibrate_command(
     free: str = "c_fm,c_cont",
     columns: str | None = None,
     step: str | None = None,
+    gauge: Path | None = None,
+    gauge_factor: float = 1.0,
     pressure_accuracy: str | None = None,
     irradiance_accuracy: str | None = None,
     scale_errors: Annotated[bool, Parameter(negative=())] = False,
@@ -66,6 +68,11 @@ def calibrate_command(
     step
         Step in which the light was raised until the sample lifted off, such as "200 W/m^2": what
         suffices lies within the last one.
+    gauge
+        Calibration of the pressure gauge: a table with the columns shown and pressure.
+    gauge_factor
+        Pressure over what the gauge shows of it, because of the gas, such as 1.7 for a Pirani gauge
+        in argon.
     pressure_accuracy
         Relative standard uncertainty of the pressure gauge's calibration, common to all points,
         such as "0.5 %". Default: 5 %, assumed.
@@ -92,11 +99,12 @@ def calibrate_command(
     """
     out = figures.folder(out)
     from lightflyer.calibration.fitting import calibrate
+    from lightflyer.calibration.gauge import read_gauge
     from lightflyer.calibration.points import read_points
     from lightflyer.calibration.text import fit_parts
     from lightflyer.config.reader import read_flyer_file
 
-    points = read_points(points_file, columns=columns)
+    points = read_points(points_file, columns=columns, gauge=read_gauge(gauge, gauge_factor))
     points = points if keep_ground_effect else points.without_ground_effect()
     points = points.with_step(0.0 if step is None else quantity("--step", step, "W/m^2").value)
     template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"

@@ -36,6 +36,8 @@ def levitation_command(
     *,
     columns: str | None = None,
     step: str | None = None,
+    gauge: Path | None = None,
+    gauge_factor: float = 1.0,
     pressure_accuracy: str | None = None,
     irradiance_accuracy: str | None = None,
     span: float = 0.75,
@@ -66,6 +68,11 @@ def levitation_command(
     step
         Step in which the light was raised until the sample lifted off, such as "200 W/m^2": what
         suffices lies within the last one. Default: it was raised steadily.
+    gauge
+        Calibration of the pressure gauge: a table with the columns shown and pressure.
+    gauge_factor
+        Pressure over what the gauge shows of it, because of the gas, such as 1.7 for a Pirani gauge
+        in argon.
     pressure_accuracy
         Relative standard uncertainty of the pressure gauge's calibration, common to all points,
         such as "0.5 %". Default: 5 %, assumed.
@@ -99,12 +106,14 @@ def levitation_command(
         How figures are written.
     """
     out = figures.folder(out)
+    from lightflyer.calibration.gauge import read_gauge
     from lightflyer.calibration.text import fit_parts
     from lightflyer.lab.levitation import curve as levitation
     from lightflyer.lab.levitation.data import read_lift_offs
     from lightflyer.lab.levitation.text import curves_parts
 
-    read = [read_lift_offs(file, columns=columns) for file in files]
+    shown = read_gauge(gauge, gauge_factor)
+    read = [read_lift_offs(file, columns=columns, gauge=shown) for file in files]
     accuracies = {
         "pressure_accuracy": optional_share("--pressure-accuracy", pressure_accuracy),
         "irradiance_accuracy": optional_share("--irradiance-accuracy", irradiance_accuracy),

@@ -1,10 +1,14 @@
 """``lightflyer lab summary``: the numbers of many records in one table."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from lightflyer.cli.lab.shared import Files
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
+
+if TYPE_CHECKING:
+    from lightflyer.lab.collection import Entry
 
 
 def summary_command(
@@ -26,7 +30,7 @@ def summary_command(
     out
         Table to write, such as runs.csv.
     json_output
-        Print a JSON list instead of a table.
+        Print one JSON object instead of a table.
     """
     from lightflyer.core.atomic_files import output_directory
     from lightflyer.core.errors import ConfigurationError
@@ -42,14 +46,7 @@ def summary_command(
         with output_directory(out.parent, shared=True) as stage:
             stage(out.name).write_text(table_text(entries), encoding="utf-8")
     if json_output:
-        print_json(
-            [
-                {"folder": one.folder, "command": one.command, "quantity": one.quantity}
-                | one.estimate.to_json()
-                | {"warnings": one.warnings}
-                for one in entries
-            ]
-        )
+        print_json({"records": [_plain(one) for one in entries]})
         return
     headings = ("folder", "command", "quantity", "value", "95 % interval", "unit", "warnings")
     rows = (
@@ -63,3 +60,8 @@ def summary_command(
     console.print(table_of(headings, rows, left=(0, 1, 2, 4, 5)))
     if out is not None:
         console.print(f"wrote {out}", markup=False, soft_wrap=True)
+
+
+def _plain(one: "Entry") -> dict[str, Any]:
+    about = {"folder": one.folder, "command": one.command, "quantity": one.quantity}
+    return about | one.estimate.to_json() | {"warnings": one.warnings}

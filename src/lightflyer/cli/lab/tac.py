@@ -47,6 +47,8 @@ def tac_command(
     gas: Literal[
         "air", "us1976-air", "lu2023-air", "nitrogen", "oxygen", "argon", "helium"
     ] = "air",
+    gauge: Path | None = None,
+    gauge_factor: float = 1.0,
     gauge_accuracy: str | None = None,
     gauge_zero: str | None = None,
     power_accuracy: str | None = None,
@@ -90,6 +92,11 @@ def tac_command(
         are far away. For the reading kinetic.
     gas
         Gas in the chamber.
+    gauge
+        Calibration of the pressure gauge: a table with the columns shown and pressure.
+    gauge_factor
+        Pressure over what the gauge shows of it, because of the gas, such as 1.7 for a Pirani gauge
+        in argon.
     gauge_accuracy
         Relative standard uncertainty of the pressure gauge's calibration, common to all rows, such
         as "0.5 %" for a capacitance manometer. Default: 5 %, that of a Pirani gauge, assumed.
@@ -117,6 +124,7 @@ def tac_command(
         How figures are written.
     """
     out = figures.folder(out)
+    from lightflyer.calibration.gauge import read_gauge
     from lightflyer.gas import GASES
     from lightflyer.lab.record import require_distinct
     from lightflyer.lab.tac import fit as tac
@@ -140,10 +148,11 @@ def tac_command(
         "emissivity": optional_share("--emissivity", emissivity),
     }
     surroundings = None if ambient is None else quantity("--ambient", ambient, "K").value
-    runs = [
-        read_tac(file, columns=columns, thermometer=thermometer, ambient_temperature=surroundings)
-        for file in files
-    ]
+    how: dict[str, Any] = {
+        "columns": columns, "thermometer": thermometer, "ambient_temperature": surroundings,
+        "gauge": read_gauge(gauge, gauge_factor),
+    }  # fmt: skip
+    runs = [read_tac(file, **how) for file in files]
     require_distinct([(run.source, (run.pressure, run.power)) for run in runs])
     fits = [tac.fit_tac(run, **options) for run in runs]
     warnings = tac_record.warnings_of(fits)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.calibration.gauge import Gauge
 from lightflyer.calibration.points import (
     LEVITATION_COLUMNS,
     SAMPLE_PROPERTIES,
@@ -40,7 +41,9 @@ class LiftOffs:
         return gap is not None and diameter is not None and gap < diameter
 
 
-def read_lift_offs(path: str | Path, *, columns: str | None = None) -> tuple[list[LiftOffs], Table]:
+def read_lift_offs(
+    path: str | Path, *, columns: str | None = None, gauge: Gauge | None = None
+) -> tuple[list[LiftOffs], Table]:
     """Read levitation points, by :func:`~lightflyer.calibration.points.read_points`.
 
     Parameters
@@ -52,6 +55,8 @@ def read_lift_offs(path: str | Path, *, columns: str | None = None) -> tuple[lis
     columns : str, optional
         The columns in the order of the file, in place of a header; see
         :func:`~lightflyer.files.table.read_table`.
+    gauge : Gauge, optional
+        What the gauge shows of a pressure; by default the pressure itself.
 
     Returns
     -------
@@ -65,7 +70,7 @@ def read_lift_offs(path: str | Path, *, columns: str | None = None) -> tuple[lis
     ConfigurationError
         One line that names file and line.
     """
-    points = read_points(path, columns=columns)
+    points = read_points(path, columns=columns, gauge=gauge)
     return [_sample(points, name) for name in dict.fromkeys(points.samples)], points.table
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.calibration.gauge import Gauge
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Pressure, Quantity, Temperature
 from lightflyer.files.table import Table, read_table
@@ -71,6 +72,7 @@ def read_tac(
     columns: str | None = None,
     thermometer: ResistanceThermometer | None = None,
     ambient_temperature: Temperature | None = None,
+    gauge: Gauge | None = None,
 ) -> TacRun:
     """Read a run of a heater.
 
@@ -87,6 +89,8 @@ def read_tac(
         Temperature from voltage over current, where the file has no such column.
     ambient_temperature : float, optional
         Temperature of gas and walls, where the file has no such column [K].
+    gauge : Gauge, optional
+        What the gauge shows of a pressure; by default the pressure itself.
 
     Returns
     -------
@@ -107,9 +111,11 @@ def read_tac(
     if not len(table):
         raise ConfigurationError(f"{table.rejected[0]}; all rows are rejected")
     power, heater = _power(table), _heater_temperature(table, thermometer)
+    pressure, said = (gauge or Gauge()).correct(table.numbers["pressure"])
+    table.notes.extend(said)
     return TacRun(
         table=table,
-        pressure=table.numbers["pressure"],
+        pressure=pressure,
         power=power,
         heater_temperature=heater,
         ambient_temperature=_ambient(table, ambient_temperature),

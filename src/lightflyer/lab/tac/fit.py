@@ -40,6 +40,7 @@ from lightflyer.lab.tac.diagnostics import (
     rows_off_the_curve,
     why_undetermined,
 )
+from lightflyer.lab.tac.drift import drift_warnings
 from lightflyer.lab.tac.heat_law import (
     HEAT_LAWS,
     KINETIC,
@@ -388,6 +389,7 @@ def _result(
     texts += result_warnings(estimates, reading)
     texts += model_warnings(estimates["tac"].value, reading, others.get(KINETIC))
     texts += misfit_warnings(solution.alike, len(fitted), solution.values)
+    texts += drift_warnings(problem.conductance / fitted - 1.0, problem.pressure, solution.alike)
     if undetermined:
         texts.append(undetermined)
     return TacFit(

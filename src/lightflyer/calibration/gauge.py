@@ -1,0 +1,76 @@
+"""What a pressure gauge shows, and what the pressure is."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lightflyer.core.checks import require_positive
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import Pressure
+from lightflyer.files.table import read_table
+from lightflyer.files.table_layout import Column
+
+_COLUMNS = (
+    Column("shown", Pressure, ("reading", "indicated", "gauge", "display"), required=True),
+    Column("pressure", Pressure, ("p", "true", "reference"), required=True),
+)
+
+
+@dataclass(frozen=True)
+class Gauge:
+    """A gauge's factor for the gas, and its calibration."""
+
+    #: Pressure over what the gauge shows of it, as of thermal gauges in another gas than the one
+    #: they are set to [1]
+    factor: float = 1.0
+    shown: np.ndarray | None = None  #: shape (n,); increasing [Pa]; None for no calibration
+    pressure: np.ndarray | None = None  #: shape (n,); what it was then [Pa]
+    source: str = ""  #: File of the calibration
+
+    def __post_init__(self) -> None:
+        require_positive(gauge_factor=self.factor)
+
+    def correct(self, shown: np.ndarray) -> tuple[np.ndarray, list[str]]:
+        """Pressures for what is shown, shape (m,) [Pa], and what must be known of them."""
+        if self.shown is None or self.pressure is None:
+            return self.factor * shown, []
+        # straight in logarithms; beyond the ends the ratio is that of the end
+        ratio = np.interp(np.log(shown), np.log(self.shown), np.log(self.pressure / self.shown))
+        beyond = int(np.sum((shown < self.shown[0]) | (shown > self.shown[-1])))
+        said = [
+            f"{beyond} pressure{'s are' if beyond > 1 else ' is'} beyond the gauge's calibration, "
+            f"{self.source}, {self.shown[0]:.3g} to {self.shown[-1]:.3g} Pa; its end holds there"
+        ]
+        return self.factor * shown * np.exp(ratio), said if beyond else []
+
+
+def read_gauge(path: str | Path | None, factor: float = 1.0) -> Gauge:
+    """Read the calibration of a gauge: a table of what it showed and what the pressure was.
+
+    Parameters
+    ----------
+    path : str or path, optional
+        Table with the columns ``shown`` and ``pressure``, two rows or more.
+    factor : float
+        Pressure over what the gauge shows of it, because of the gas [1].
+
+    Returns
+    -------
+    Gauge
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the file and the fault.
+    """
+    if path is None:
+        return Gauge(factor)
+    table = read_table(path, _COLUMNS, strict=True, preamble=True)
+    order = np.argsort(table.numbers["shown"])
+    shown, pressure = (table.numbers[name][order] for name in ("shown", "pressure"))
+    if len(shown) < 2 or np.any(np.diff(shown) <= 0.0) or np.any(np.diff(pressure) <= 0.0):
+        raise ConfigurationError(
+            f"{path}: pressure must rise with what the gauge shows, over two rows or more"
+        )
+    return Gauge(factor, shown, pressure, str(path))

@@ -1,0 +1,42 @@
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.calibration.gauge import Gauge, read_gauge
+from lightflyer.calibration.points import read_points
+
+TABLE = "shown [mTorr],pressure [Pa]\n1,0.2\n10,1.5\n1000,200\n"
+
+
+def test_a_calibration_is_met_at_its_points_and_straight_between(tmp_path):
+    (tmp_path / "gauge.csv").write_text(TABLE, encoding="utf-8")
+    gauge = read_gauge(tmp_path / "gauge.csv")
+    torr = 101325.0 / 760.0
+    found, said = gauge.correct(np.array([1e-3, 1e-2, 0.1, 1.0]) * torr)
+    # halfway between 10 and 1000 mTorr in logarithms: the geometric mean
+    assert found == pytest.approx([0.2, 1.5, np.sqrt(1.5 * 200.0), 200.0])
+    assert said == []
+    found, said = gauge.correct(np.array([1e-4, 2.0]) * torr)
+    assert found == pytest.approx([0.02, 400.0])
+    assert said[0].startswith("2 pressures are beyond the gauge's calibration")
+
+
+def test_a_factor_moves_every_pressure_with_its_uncertainty(tmp_path):
+    text = "pressure [Pa],pressure_uncertainty [Pa],irradiance [W/m^2]\n1,0.1,900\n2,0.3,800\n"
+    (tmp_path / "points.csv").write_text(text, encoding="utf-8")
+    points = read_points(tmp_path / "points.csv", gauge=Gauge(1.7))
+    assert points.pressure == pytest.approx([1.7, 3.4])
+    assert points.numbers["pressure_uncertainty"] == pytest.approx([0.17, 0.51])
+
+
+@pytest.mark.parametrize("rows", ["1,1\n", "1,1\n1,2\n", "1,2\n2,1\n", "1,1\n2,x\n", "1,-1\n2,2\n"])
+def test_what_is_no_calibration_is_refused(tmp_path, rows):
+    (tmp_path / "gauge.csv").write_text(f"shown [Pa],pressure [Pa]\n{rows}", encoding="utf-8")
+    with pytest.raises(lf.ConfigurationError, match=r"gauge\.csv"):
+        read_gauge(tmp_path / "gauge.csv")
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0, np.nan])
+def test_an_impossible_factor_is_refused(factor):
+    with pytest.raises(lf.ParameterError, match="gauge_factor"):
+        Gauge(factor)

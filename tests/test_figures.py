@@ -19,7 +19,7 @@ import lightflyer as lf
 from lightflyer.calibration import Points
 from lightflyer.calibration.bayes import Posterior
 from lightflyer.calibration.figures import fitted_curve
-from lightflyer.files import drawing
+from lightflyer.files import drawing, palette
 from lightflyer.files.display_units import in_words
 from lightflyer.lab.readers.height_map import HeightMap
 from lightflyer.lab.thermography.camera import parse_band
@@ -394,8 +394,8 @@ def test_logarithmic_axes_have_enough_numbers(low, high, least, shown):
 
 
 def test_colours_markers_and_lines_of_nine_differ():
-    assert len(set(drawing.PALETTE)) == len(set(drawing.MARKERS)) == 9
-    colours = np.array([to_rgb(colour) for colour in drawing.PALETTE])
+    assert len(set(palette.PALETTE)) == len(set(drawing.MARKERS)) == 9
+    colours = np.array([to_rgb(colour) for colour in palette.PALETTE])
     # none is so light that a line of it cannot be seen on white (relative luminance of sRGB)
     linear = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
     contrast = 1.05 / (linear @ [0.2126, 0.7152, 0.0722] + 0.05)

@@ -8,7 +8,7 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 from sphinx_gallery.scrapers import figure_rst
 
-from lightflyer.files.drawing import PALETTE
+from lightflyer.files.palette import PALETTE
 
 STYLE = {
     "axes.prop_cycle": mpl.cycler(color=PALETTE),

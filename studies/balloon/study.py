@@ -12,6 +12,7 @@ import numpy as np
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 
 HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"
@@ -96,19 +97,19 @@ def draw(solar, pumping):
     (axes,) = figure.axes
     height = ALTITUDES * KILOMETRE
     buoyancy, pushed = pumping
-    axes.plot(solar[0], height, color="#08306b", label="solar balloon, 5.8 m, 3.0 kg")
+    axes.plot(solar[0], height, color=palette.ORANGE, label="solar balloon, 5.8 m, 3.0 kg")
     axes.plot(
         [1.0],
         [FLOWN_ALTITUDE * KILOMETRE],
         "o",
-        color="#08306b",
+        color=palette.ORANGE,
         label="where such a balloon floated",
     )
     axes.plot(
-        buoyancy + pushed, height, color="#cc4c02", label="sphere of 10 m that pumps, 0.16 kg"
+        buoyancy + pushed, height, color=palette.PURPLE, label="sphere of 10 m that pumps, 0.16 kg"
     )
-    axes.plot(buoyancy, height, color="#cc4c02", ls="--", label="its warm air alone")
-    axes.plot(pushed, height, color="#cc4c02", ls=":", label="its jet and channels alone")
+    axes.plot(buoyancy, height, color=palette.PURPLE, ls="--", label="its warm air alone")
+    axes.plot(pushed, height, color=palette.PURPLE, ls=":", label="its jet and channels alone")
     axes.axvline(1.0, color="0.6", lw=0.8)
     axes.set(
         xscale="log", xlim=(1e-2, 1e3), ylim=(10.0, 90.0),

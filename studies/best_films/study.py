@@ -10,6 +10,7 @@ from scipy.optimize import differential_evolution
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 
 HERE = Path(__file__).parent
 NANOMETRE, MILLIGRAM, KILOMETRE = 1e-9, 1e-6, 1e3
@@ -141,7 +142,7 @@ def draw(results, path):
     shown = results["ranking"][::-1]
     rows = np.arange(len(shown))
     values = np.array([entry["mg"] for entry in shown])
-    bars.barh(rows, values, color=plot.BLUE, label="computed")
+    bars.barh(rows, values, color=palette.BLUE, label="computed")
     for row, entry in zip(rows, shown, strict=True):
         low, high = entry["bounds_mg"]["emittance_without_data"]
         (line,) = bars.plot([low, high], [row, row], color="black", lw=1.2, marker="|")
@@ -149,15 +150,15 @@ def draw(results, path):
     words = ["\n".join(f"{name} {size:.0f} nm" for name, size in entry["layers"])
              for entry in shown]  # fmt: skip
     bars.set_yticks(rows, words, fontsize=6)
-    bars.axvline(0.0, color=plot.GREY, lw=1.0)
+    bars.axvline(0.0, color=palette.GREY, lw=1.0)
     bars.set_xlabel(f"payload at {MAIN_KM} km [mg]")
     plot.legend_below(bars, most=1)
     altitude = np.linspace(70.0, 95.0, 101)
     main = results[f"at_{MAIN_KM}_km"]
     films = {
-        f"best film for {MAIN_KM} km": (main["best"], plot.BLUE),
-        "germanium on mylar, best thickness": (main["germanium_on_mylar"], plot.ORANGE),
-        "nominal film of Lu et al. (2023)": (NOMINAL, plot.GREEN),
+        f"best film for {MAIN_KM} km": (main["best"], palette.BLUE),
+        "germanium on mylar, best thickness": (main["germanium_on_mylar"], palette.ORANGE),
+        "nominal film of Lu et al. (2023)": (NOMINAL, palette.GREEN),
     }
     for label, (layers, colour) in films.items():
         setup = flyer_with(layers).build()
@@ -166,8 +167,8 @@ def draw(results, path):
         hot = np.asarray(lf.equilibrium(setup.flyer, state, setup.model).temperature) > HOTTEST
         curves.plot(altitude, carried, color=colour, lw=1.0, ls=":")
         curves.plot(altitude, np.where(hot, np.nan, carried), color=colour, label=label)
-    curves.plot([], [], color=plot.GREY, lw=1.0, ls=":", label=f"hotter than {HOTTEST:g} K")
-    curves.axhline(0.0, color=plot.GREY, lw=1.0)
+    curves.plot([], [], color=palette.GREY, lw=1.0, ls=":", label=f"hotter than {HOTTEST:g} K")
+    curves.axhline(0.0, color=palette.GREY, lw=1.0)
     curves.set(xlabel="altitude [km]", ylabel="payload [mg]", ylim=(-0.25, None))
     plot.legend_below(curves, most=1)
     plot.save(figure, [path])

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from study import POINTS_TO_RUN, WARM_UP_TIME, label, simulation
 
+from lightflyer.files import palette
 from lightflyer.kinetic_theory import solve
 
 FOLDER = Path(__file__).parent
@@ -74,9 +75,12 @@ def draw_means(axes, places, index, found, near, volume) -> None:
 
 def draw_solution(axes, places, fields, labelled) -> None:
     """Temperatures of the kinetic equation."""
-    for name, style in (("temperature", "C0-"), ("rotational_temperature", "C1--")):
+    for name, style in (
+        ("temperature", {"color": palette.BLUE}),
+        ("rotational_temperature", {"color": palette.VERMILION, "ls": "--"}),
+    ):
         text = f"{words(name)}, kinetic equation" if labelled else None
-        axes.plot(places, 1.0 + fields[name], style, lw=1.2, label=text)
+        axes.plot(places, 1.0 + fields[name], lw=1.2, **style, label=text)
 
 
 def words(name: str) -> str:

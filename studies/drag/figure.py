@@ -16,6 +16,7 @@ import lightflyer as lf
 from lightflyer.drag import disk, free_molecular
 from lightflyer.drag.disk_table import dense_share
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 
 HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"
@@ -71,8 +72,8 @@ def draw_share(ax):
         point = json.loads(line)
         drag = {(gas, tac): value for gas, tac, value in point["drag"]}["diatomic", 1.0]
         if point["level"] == "fine":
-            ax.loglog(point["rarefaction"], drag / thin, "o", color="C0", markersize=3.5)
-    ax.plot([], [], "o", color="C0", markersize=3.5, label="kinetic equation")
+            ax.loglog(point["rarefaction"], drag / thin, "o", color=palette.BLUE, markersize=3.5)
+    ax.plot([], [], "o", color=palette.BLUE, markersize=3.5, label="kinetic equation")
     ax.set_ylim(0.01, 1.5)
     ax.set_xlabel("rarefaction δ [1]")
     ax.set_ylabel("drag over that of free molecules [1]")

@@ -7,12 +7,13 @@ import numpy as np
 from measurements import number
 
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 SHOWN = {
-    "open space": plot.VERMILION,
-    "walls at 4.5 cm": plot.ORANGE,
-    "floor at 4.5 cm, else 10 cm": plot.BLUE,
+    "open space": palette.VERMILION,
+    "walls at 4.5 cm": palette.ORANGE,
+    "floor at 4.5 cm, else 10 cm": palette.BLUE,
 }
 _APART = 0.24  # of lines of one row
 _ENDLESS = 1e6  # stands for infinite light [W/m²]
@@ -75,7 +76,7 @@ _WHEN = ("before", "given_2_cm")
 def _row(axes, place, found):
     for offset, (where, bands) in enumerate(found.items()):
         height = place + (_APART * (offset - 1) if len(found) > 1 else 0.0)
-        color = SHOWN[where] if len(found) > 1 else plot.GREY
+        color = SHOWN[where] if len(found) > 1 else palette.GREY
         for band, width in zip(bands, (1.0, 4.0), strict=False):
             axes.plot(_ends(band), [height] * 2, "-", color=color, lw=width, solid_capstyle="butt")
         last = bands[-1]

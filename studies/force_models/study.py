@@ -15,6 +15,7 @@ import lightflyer as lf
 from lightflyer.core import constants
 from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation, sunlight
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.force import PRINTED, REPORTED, fit_simple_form
 from lightflyer.gas import AIR, LU2023_AIR, mean_free_path
 from lightflyer.kinetic_theory import solve
@@ -53,10 +54,10 @@ MODELS = {
     "free-molecular": lf.FreeMolecular(),
 }
 LOOKS = {
-    "kinetic": (plot.BLUE, "-"),
-    "Lu et al. (0.4, 3)": (plot.VERMILION, "-"),
-    "Lu et al. (1, 1)": (plot.ORANGE, "--"),
-    "free-molecular": (plot.GREY, ":"),
+    "kinetic": (palette.BLUE, "-"),
+    "Lu et al. (0.4, 3)": (palette.VERMILION, "-"),
+    "Lu et al. (1, 1)": (palette.ORANGE, "--"),
+    "free-molecular": (palette.GREY, ":"),
 }
 COMPARED = ("kinetic", "Lu et al. (0.4, 3)")  # in all surroundings
 
@@ -126,9 +127,9 @@ def draw_ratios():
         for axes, values in ((force_axes, force), (heat_axes, heat)):
             axes.plot(KNUDSEN, values, color=shade, lw=2, label=label)
     for name, colour, style in (
-        ("Lu et al. (0.4, 3)", plot.VERMILION, "-"),
-        ("Lu et al. (1, 1)", plot.ORANGE, "--"),
-        ("free-molecular", plot.GREY, ":"),
+        ("Lu et al. (0.4, 3)", palette.VERMILION, "-"),
+        ("Lu et al. (1, 1)", palette.ORANGE, "--"),
+        ("free-molecular", palette.GREY, ":"),
     ):
         force, heat = ratios(MODELS[name], KNUDSEN, 1.0)
         force_axes.plot(KNUDSEN, force, color=colour, ls=style, label=f"{name}, $T_h/T_c$ = 2")

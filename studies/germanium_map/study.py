@@ -7,6 +7,7 @@ import numpy as np
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 
 HERE = Path(__file__).parent
 NANOMETRE, KILOMETRE = 1e-9, 1e3
@@ -53,7 +54,7 @@ def draw(table, best, payload, path):
     ax.clabel(lines, fmt=lambda level: f"{level:g}")
     area = ax.contourf(altitude, sunlight, payload, levels=[-2.0, 0.0], colors="white",
                        hatches=["///"])  # fmt: skip
-    area.set_edgecolor(plot.GREY)
+    area.set_edgecolor(palette.GREY)
     area.set_linewidth(0.0)
     ax.set(xlabel="altitude [km]", ylabel="sunlight [W/m²]")
     ax.set_title("white lines: payload over the film's own mass; hatched: none flies", fontsize=9)

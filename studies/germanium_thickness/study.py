@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 
 HERE = Path(__file__).parent
 ALTITUDE = 72e3
@@ -89,7 +90,7 @@ def draw(side, best, path):
     image = ax.contourf(germanium * 1e9, mylar * 1e9, values.T, levels=20, cmap="cividis")
     figure.colorbar(image, ax=ax, label="relative payload [own mass]")
     ax.plot(
-        *best * 1e9, "o", color=plot.VERMILION, ms=8, clip_on=False, label="optimum by gradient"
+        *best * 1e9, "o", color=palette.VERMILION, ms=8, clip_on=False, label="optimum by gradient"
     )
     ax.set(xscale="log", yscale="log", xlabel="germanium [nm]", ylabel="mylar [nm]")
     ax.legend(loc="upper right")

@@ -11,6 +11,7 @@ import lightflyer as lf
 from lightflyer.core import constants
 from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.force.pumps import celenza2023_laws as published
 from lightflyer.force.pumps.hollow_flow import Corrections
 
@@ -158,7 +159,7 @@ def draw(found, path):
     (ax,) = figure.axes
     names = list(found["sphere"]["force_over_published"])
     styles = ((ALTITUDES[-1], "-"), (60.0, "--"))
-    for form, colour in zip(FORMS, (plot.BLUE, plot.VERMILION, plot.GREEN), strict=True):
+    for form, colour in zip(FORMS, (palette.BLUE, palette.VERMILION, palette.GREEN), strict=True):
         for altitude, style in styles:
             at = int(np.flatnonzero(altitude == ALTITUDES)[0])
             line = [found[form]["force_over_published"][name][at] for name in names]

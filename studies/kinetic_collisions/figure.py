@@ -7,6 +7,7 @@ from comparison import EXPONENTS, Place, compared
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.force.kinetic.collisions import FORCE_HEATED, HEAT_HEATED, collision_fit
 
 IMAGE = Path(__file__).parents[2] / "docs" / "images" / "kinetic-collisions.png"
@@ -29,7 +30,7 @@ def draw(ax, quantity: str) -> None:
     heated, points = (FORCE_HEATED, HEAT_HEATED)[index], compared(quantity)
     for number, gas in enumerate(GASES):
         kind = "diatomic" if gas == "nitrogen" else "monatomic"
-        exponent, colour = EXPONENTS[gas], f"C{number}"
+        exponent, colour = EXPONENTS[gas], palette.PALETTE[number]
         with lf.float64():
             factor = np.asarray(collision_fit(kind).factors(knudsen, exponent, 0.5)[index])
             change = float(heated(kind, HOT, exponent))

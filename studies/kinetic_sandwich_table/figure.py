@@ -14,6 +14,7 @@ import numpy as np
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.force.kinetic.sandwich_table import sandwich_fit
 from lightflyer.force.membranes.schafer2025_table import FREE_FORCE, TEMPERATURE_EXCESS
 
@@ -21,7 +22,6 @@ HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"
 PUBLISHED = HERE.parents[1] / "tests" / "validation" / "schafer2025.csv"
 OPEN_FRACTIONS = (0.2, 0.6, 0.9)
-COLOURS = ("C0", "C1", "C2")
 MEAN_RATIO = 1.0 + 0.5 * TEMPERATURE_EXCESS  # one face hot
 
 
@@ -51,7 +51,7 @@ def main():
     figure = plot.new_figure(width=6.4, height=4.4)
     (ax,) = figure.axes
     delta = np.geomspace(0.03, 200.0, 200)
-    for beta, colour in zip(OPEN_FRACTIONS, COLOURS, strict=True):
+    for beta, colour in zip(OPEN_FRACTIONS, palette.PALETTE, strict=False):
         row = simulated[beta]
         ours = open_space(rarefaction, beta)
         print(f"β {beta:g}: open space over published", np.round(ours / row, 3))

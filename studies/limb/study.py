@@ -28,6 +28,7 @@ import lightflyer as lf
 from lightflyer.environment import EARTH_LIMB, Daylight, Place
 from lightflyer.environment.horizon import horizon_depression, visible_share
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.film.optics.spectra import am0
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
@@ -135,7 +136,7 @@ def draw_sunset(ax, passes):
 def draw_day(ax):
     """Light on the faces of a level flyer through a day."""
     sky = Daylight()
-    for degrees, colour in ((0.0, plot.BLUE), (60.0, plot.VERMILION)):
+    for degrees, colour in ((0.0, palette.BLUE), (60.0, palette.VERMILION)):
         place = Place.at("2026-06-21T12:00Z", degrees, 0.0)
         hours = np.linspace(-12.0, 12.0, 1201)
         place = place._replace(time=place.time + 3600.0 * hours)

@@ -12,6 +12,7 @@ import lightflyer as lf
 from lightflyer.environment import Dust, MarsAtmosphere, Radiation, air_of_mars, mars_sunlight
 from lightflyer.environment.atmosphere.mars import SURFACE_PRESSURE_SPREAD, TEMPERATURE_SPREAD
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.force.lu2023 import PRINTED
 from lightflyer.gas import FROZEN_CARBON_DIOXIDE
 
@@ -106,10 +107,12 @@ def draw(curves, band):
     """The figure of the page."""
     figure, ax = plot.figure_for(None)
     for index, (name, ratio) in enumerate(curves.items()):
-        ax.plot(ratio, ALTITUDES / 1e3, color=plot.PALETTE[index], ls=plot.LINES[index], label=name)
-    ax.fill_betweenx(ALTITUDES / 1e3, *band, color=plot.PALETTE[0], alpha=0.2, lw=0.0,
+        ax.plot(
+            ratio, ALTITUDES / 1e3, color=palette.PALETTE[index], ls=plot.LINES[index], label=name
+        )
+    ax.fill_betweenx(ALTITUDES / 1e3, *band, color=palette.PALETTE[0], alpha=0.2, lw=0.0,
                      label="95 % band of lu2023 from the ± of the air")  # fmt: skip
-    ax.axvline(1.0, color=plot.GREY, lw=0.8)
+    ax.axvline(1.0, color=palette.GREY, lw=0.8)
     ax.set(xlabel="lift over weight", ylabel="altitude above the areoid [km]", xlim=(0.0, None))
     plot.legend_below(ax)
     plot.save(figure, [IMAGES / "mars.png"])

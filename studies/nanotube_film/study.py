@@ -8,6 +8,7 @@ from scipy.optimize import minimize_scalar
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.film import Film, Layer, Mixture, material, vacuum
 
 HERE = Path(__file__).parent
@@ -83,9 +84,9 @@ def draw(sample):
     wavelength = np.geomspace(0.4e-6, 19.9e-6, 400)
     spectra = sample.optics(wavelength).polarisation_mean()
     table_1 = {  # visible, infrared [Lu2023]
-        "absorptance": (plot.VERMILION, "-", (0.75, 0.02), (0.48, 0.03)),
-        "transmittance": (plot.GREEN, "-.", (0.22, 0.01), (0.47, 0.02)),
-        "reflectance": (plot.BLUE, "--", (0.03, 0.01), (0.05, 0.01)),
+        "absorptance": (palette.VERMILION, "-", (0.75, 0.02), (0.48, 0.03)),
+        "transmittance": (palette.GREEN, "-.", (0.22, 0.01), (0.47, 0.02)),
+        "reflectance": (palette.BLUE, "--", (0.03, 0.01), (0.05, 0.01)),
     }
     bands = ((0.4, 0.7), (1e6 * WINDOW.min(), 1e6 * WINDOW.max()))
     for name, (colour, line, *measured) in table_1.items():
@@ -94,7 +95,7 @@ def draw(sample):
             middle = np.sqrt(first * last)
             reach = [[middle - first], [last - middle]]
             ax.errorbar(middle, value, spread, reach, fmt="o", ms=4, color=colour, capsize=2)
-    ax.plot([], [], "o", ms=4, color=plot.GREY, label="measured, mean over a band")
+    ax.plot([], [], "o", ms=4, color=palette.GREY, label="measured, mean over a band")
     ax.set(xscale="log", ylim=(0.0, 1.0), xlabel="wavelength [µm]", ylabel="share of light [1]")
     ax.set_xticks([0.5, 1.0, 2.0, 5.0, 10.0, 20.0], ["0.5", "1", "2", "5", "10", "20"])
     ax.minorticks_off()

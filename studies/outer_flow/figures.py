@@ -8,6 +8,7 @@ import numpy as np
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.force.laws.outer_flow import CREEPING, through_flow_coefficient
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
@@ -30,7 +31,7 @@ def draw_flow(path):
     for reynolds, side in zip(np.unique(table["reynolds"]), (-1.0, 1.0), strict=True):
         _streamlines(lines, table, reynolds, side)
     lines.plot([-1.0, 1.0], [0.0, 0.0], color="black", lw=3)
-    lines.axvline(0.0, color=plot.GREY, lw=0.8)
+    lines.axvline(0.0, color=palette.GREY, lw=0.8)
     lines.set(
         xlim=(-EDGE, EDGE), ylim=(-EDGE, EDGE), aspect="equal", xlabel="r / a", ylabel="z / a"
     )
@@ -42,7 +43,7 @@ def _streamlines(axes, table, reynolds, side):
     here = table["reynolds"] == reynolds
     axes.tricontour(
         side * table["r"][here], table["z"][here], table["psi"][here],
-        levels=LEVELS, colors=plot.BLUE, linestyles="solid",
+        levels=LEVELS, colors=palette.BLUE, linestyles="solid",
         linewidths=1.0,
     )  # fmt: skip
     axes.text(
@@ -56,10 +57,10 @@ def _force(axes):
     smooth = np.geomspace(0.01, 2000.0, 300)
     with lf.float64():
         formula = np.asarray(through_flow_coefficient(smooth))
-    axes.plot(smooth, formula, color=plot.BLUE, label="formula")
+    axes.plot(smooth, formula, color=palette.BLUE, label="formula")
     axes.plot(reynolds, value, "o", color="black", ms=5, label="Navier–Stokes equations (OpenFOAM)")
-    axes.axhline(CREEPING, color=plot.GREEN, ls="--", lw=1, label="Stokes: 16")
-    axes.plot(smooth, np.pi * smooth, color=plot.VERMILION, ls=":", label="jet: F = ρu²πa²")
+    axes.axhline(CREEPING, color=palette.GREEN, ls="--", lw=1, label="Stokes: 16")
+    axes.plot(smooth, np.pi * smooth, color=palette.VERMILION, ls=":", label="jet: F = ρu²πa²")
     axes.set(
         xscale="log", yscale="log", xlabel="Reynolds number ρau/μ", ylabel="force over μau",
         ylim=(8.0, 8e3), xlim=(0.01, 2000.0),
@@ -76,11 +77,11 @@ def draw_claim(found, path):
     with lf.float64():
         around = claim.Surroundings()
         lines = (
-            ("endless sheet: no flow around it", plot.VERMILION, "--",
+            ("endless sheet: no flow around it", palette.VERMILION, "--",
              around.slab(difference, claim.OPEN_FRACTION)),
-            ("flow, as fast as effusion through all of it", plot.ORANGE, "-",
+            ("flow, as fast as effusion through all of it", palette.ORANGE, "-",
              around.flow(around.effusion(difference))),
-            ("flow, transmitting disk", plot.BLUE, "-",
+            ("flow, transmitting disk", palette.BLUE, "-",
              around.flow(around.transmitting_disk(difference, claim.OPEN_FRACTION))),
         )  # fmt: skip
     for label, colour, style, force in lines:
@@ -89,11 +90,11 @@ def draw_claim(found, path):
         )
     sunlight, warm = found["available_difference_k"], found["by_warm_air_mg"]
     axes.axvspan(
-        sunlight["low"], sunlight["high"], color=plot.YELLOW, alpha=0.4, lw=0,
+        sunlight["low"], sunlight["high"], color=palette.YELLOW, alpha=0.4, lw=0,
         label="difference in sunlight (95 %)",
     )  # fmt: skip
     axes.axhspan(
-        warm["low"], warm["high"], color=plot.GREY, alpha=0.4, lw=0,
+        warm["low"], warm["high"], color=palette.GREY, alpha=0.4, lw=0,
         label="lift of the air that the device warms (95 %)",
     )  # fmt: skip
     axes.axhline(found["claimed_mg"], color="black", ls=":", label="published payload, 285 mg")

@@ -12,6 +12,7 @@ import numpy as np
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 
 HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"
@@ -74,9 +75,9 @@ def draw():
     (axes,) = figure.axes
     axes.axvspan(*OBSERVED, color="0.9", label="levitation observed")
     for label, colour, flyer in (
-        ("absorptance 0.9, height 50 µm", "#08306b", plate()),
-        ("absorptance 0.9, height 100 µm", "#41ab5d", plate(height=100e-6)),
-        ("absorptance 0.3, height 50 µm", "#cc4c02", plate(0.3)),
+        ("absorptance 0.9, height 50 µm", palette.BLUE, plate()),
+        ("absorptance 0.9, height 100 µm", palette.GREEN, plate(height=100e-6)),
+        ("absorptance 0.3, height 50 µm", palette.VERMILION, plate(0.3)),
     ):
         found = over_pressure(flyer, pressure)
         axes.plot(pressure, found["lift_over_weight"], color=colour, label=label)

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 
@@ -26,7 +27,7 @@ def draw(results):
         middle = found["median"]
         axes.errorbar(
             middle, place, xerr=[[middle - found["low"]], [found["high"] - middle]],
-            fmt="o" if seen else "s", color=plot.BLUE if seen else plot.VERMILION, capsize=4,
+            fmt="o" if seen else "s", color=palette.BLUE if seen else palette.VERMILION, capsize=4,
             label={"plate": "observed", "ten milligrams": "predicted"}.get(name),
         )  # fmt: skip
         axes.annotate(

@@ -12,6 +12,7 @@ import numpy as np
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.force.membranes.schafer2025 import rarefaction
 from lightflyer.force.membranes.schafer2025_table import (
     fit,
@@ -92,9 +93,8 @@ def draw(table):
     """Force and heat ratios over rarefaction: table and fit."""
     figure = plot.new_figure(columns=3, width=5.4, height=4.8)
     delta = np.geomspace(0.03, 1e3, 400)
-    shades = ("#08306b", "#2171b5", "#41ab5d", "#fe9929", "#cc4c02")
     force_axes, common_axes, difference_axes = figure.axes
-    for row, colour in zip((0, 1, 3, 5, 6), shades, strict=True):
+    for row, colour in zip((0, 1, 3, 5, 6), palette.PALETTE, strict=False):
         beta = table.open_fraction[row]
         force, own, cross = ratios(perforated_disk_fit(), beta, delta)
         for axes, line, points in (

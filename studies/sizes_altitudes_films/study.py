@@ -8,6 +8,7 @@ import numpy as np
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.parametric.run import sweep_into
 from lightflyer.study.study import read_study
 
@@ -43,7 +44,7 @@ def nominal_numbers(payload, relative, altitude):
 def draw(payload, relative, path):
     """Payload and relative payload over size: films of one weight, films of one emittance."""
     figure = plot.new_figure(columns=2, rows=2, height=8.0)
-    colours = (plot.BLUE, plot.VERMILION, plot.GREEN, plot.ORANGE, plot.GREY)
+    colours = (palette.BLUE, palette.VERMILION, palette.GREEN, palette.ORANGE, palette.GREY)
     families = (
         ("film.emittance", "film.areal_density", "emittance {:g}"),
         ("film.areal_density", "film.emittance", "{:g} kg/m²"),
@@ -58,7 +59,7 @@ def draw(payload, relative, path):
                 line = at.sel({varied: amount}) / scale
                 shown = f"{1e3 * amount:g} g/m²" if "density" in varied else words.format(amount)
                 ax.plot(line["flyer.diameter"] / CENTIMETRE, line, color=colour, label=shown)
-            ax.axhline(0.0, color=plot.GREY, lw=0.8)
+            ax.axhline(0.0, color=palette.GREY, lw=0.8)
             top = float((at / scale).max())
             ax.set(xlabel="diameter [cm]", ylabel=label, ylim=(-0.05 * top, 1.08 * top))
             ax.grid(alpha=0.25)

@@ -10,12 +10,13 @@ import numpy as np
 
 import lightflyer as lf
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.force.lu2023 import PRINTED
 
 IMAGE = Path(__file__).parents[2] / "docs" / "images" / "steering.png"
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 SIZES = {"5 mm": 5e-3, "1 cm": 1e-2, "2 cm": 2e-2}
-COLOURS = dict(zip(SIZES, (plot.BLUE, plot.VERMILION, plot.GREEN), strict=True))
+COLOURS = dict(zip(SIZES, (palette.BLUE, palette.VERMILION, palette.GREEN), strict=True))
 ALTITUDES = np.arange(50e3, 90.1e3, 1e3)
 TILTS = np.radians(np.arange(0.0, 60.1, 1.0))
 FIBRE = lf.mission.Tether(7e-9)  # kg/m: 3 µm of polyethylene

@@ -4,18 +4,19 @@ import numpy as np
 from kinds import KINDS
 
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 
 LOOKS = {
-    "disk, kinetic theory": (plot.BLUE, "-"),
-    "disk, fit of Lu et al.": (plot.BLUE, "--"),
-    "sandwich, own solver": (plot.VERMILION, "-"),
-    "sandwich, table of Schafer et al.": (plot.VERMILION, "--"),
-    "nanocardboard plate": (plot.GREEN, "-"),
-    "hollow sphere, corrected": (plot.PURPLE, "-"),
-    "hollow sphere, as published": (plot.PURPLE, "--"),
+    "disk, kinetic theory": (palette.BLUE, "-"),
+    "disk, fit of Lu et al.": (palette.BLUE, "--"),
+    "sandwich, own solver": (palette.VERMILION, "-"),
+    "sandwich, table of Schafer et al.": (palette.VERMILION, "--"),
+    "nanocardboard plate": (palette.GREEN, "-"),
+    "hollow sphere, corrected": (palette.PURPLE, "-"),
+    "hollow sphere, as published": (palette.PURPLE, "--"),
     "hollow rocket, corrected": ("black", "-"),
     "hollow rocket, as published": ("black", "--"),
-    "solar balloon": (plot.ORANGE, "-"),
+    "solar balloon": (palette.ORANGE, "-"),
 }
 """Colour of the body; broken lines are models as published."""
 

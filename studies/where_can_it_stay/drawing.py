@@ -6,18 +6,19 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 MONTHS = "JFMAMJJASOND"
 LOOKS = {
     "as stated": ("black", "-"),
-    "albedo 0.1": (plot.BLUE, ":"),
-    "albedo 0.5": (plot.BLUE, "--"),
-    "wind 0.1 m/s down": (plot.VERMILION, ":"),
-    "wind 0.1 m/s up": (plot.VERMILION, "--"),
-    "lu2023": (plot.GREEN, "-"),
-    "lu2023 as printed": (plot.ORANGE, "-"),
-    "follows the sun": (plot.PURPLE, "-"),
+    "albedo 0.1": (palette.BLUE, ":"),
+    "albedo 0.5": (palette.BLUE, "--"),
+    "wind 0.1 m/s down": (palette.VERMILION, ":"),
+    "wind 0.1 m/s up": (palette.VERMILION, "--"),
+    "lu2023": (palette.GREEN, "-"),
+    "lu2023 as printed": (palette.ORANGE, "-"),
+    "follows the sun": (palette.PURPLE, "-"),
 }
 
 
@@ -28,8 +29,14 @@ def draw_season(sizes, latitudes, names):
     filled = None
     for ax, size, name in zip(figure.axes, sizes, names, strict=True):
         millimetres = 1e3 * np.asarray(size, float).T  # over latitude and month
-        filled = ax.pcolormesh(np.arange(12) + 0.5, latitudes, millimetres, cmap="viridis",
-                               norm=LogNorm(levels[0], levels[-1]), shading="nearest")  # fmt: skip
+        filled = ax.pcolormesh(
+            np.arange(12) + 0.5,
+            latitudes,
+            millimetres,
+            cmap=palette.QUANTITY_MAP,
+            norm=LogNorm(levels[0], levels[-1]),
+            shading="nearest",
+        )
         ax.set(title=name, ylim=(-90, 90), xlim=(0, 12), xlabel="21st of the month")
         ax.set_xticks(np.arange(12) + 0.5, list(MONTHS))
         ax.set_yticks(np.arange(-90, 91, 30))

@@ -9,6 +9,7 @@ from scipy.interpolate import RectBivariateSpline
 
 from lightflyer import film
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.film.optics.spectra import planck
 
 HERE = Path(__file__).parent
@@ -207,20 +208,20 @@ def draw(tables, printed):
     for number, (name, names) in enumerate(STRUCTURES.items()):
         for porosity, style in ((0.0, "-"), (0.6, "--")):
             found = shares(names, germanium("Ge", porosity), THICKNESS)[0]
-            ax.plot(*found, style, color=plot.PALETTE[number], lw=1.2,
+            ax.plot(*found, style, color=palette.PALETTE[number], lw=1.2,
                     label=f"germanium on {name}" if style == "-" else None)  # fmt: skip
             at = np.argmin(np.abs(THICKNESS * (1.0 - porosity) - NOMINAL))
-            ax.plot(*found[:, at], plot.MARKERS[number], ms=5, color=plot.PALETTE[number])
+            ax.plot(*found[:, at], plot.MARKERS[number], ms=5, color=palette.PALETTE[number])
     (t, dt), (r, dr) = GERMANIUM_FILM[:2]
     ax.errorbar(t, r, 1.96 * dr, 1.96 * dt, "k", capsize=3, lw=1.5, label="measured, 95 %")
     ax.plot([], [], "k-", label="dense")
     ax.plot([], [], "k--", label="60 % pores")
-    ax.plot([], [], "o", color=plot.GREY, label="mass of 20 nm per face")
+    ax.plot([], [], "o", color=palette.GREY, label="mass of 20 nm per face")
     ax.set(xlabel="transmittance, white lamp [1]", ylabel="reflectance, white lamp [1]",
            xlim=(0.0, 0.6), ylim=(0.0, 0.7))  # fmt: skip
     plot.legend_below(ax, most=2)
     for number, name in enumerate(CONSTANTS):
-        colour = plot.PALETTE[number]
+        colour = palette.PALETTE[number]
         table = tables[LIKELY, name]
         # the allowed strip is hardly wider than the grid's steps
         smooth = RectBivariateSpline(FINE, THICKNESS, np.log(table))

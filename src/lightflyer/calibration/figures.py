@@ -9,10 +9,8 @@ from matplotlib.figure import Figure
 
 from lightflyer.calibration.problem import UNREACHABLE, Problem
 from lightflyer.files.drawing import (
-    GREY,
     INTERVAL,
     LINES,
-    PALETTE,
     figure_for,
     legend_below,
     new_figure,
@@ -20,6 +18,7 @@ from lightflyer.files.drawing import (
     series_style,
     shared_legend,
 )
+from lightflyer.files.palette import GREY, PALETTE
 
 if TYPE_CHECKING:
     from lightflyer.calibration.bayes import Posterior

@@ -11,15 +11,14 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.units import scale_and_offset
 from lightflyer.files.drawing import (
     BAND,
-    GREY,
     LINES,
-    PALETTE,
     figure_for,
     legend_below,
     new_figure,
     plain_decades,
     shared_legend,
 )
+from lightflyer.files.palette import GREY, PALETTE
 
 if TYPE_CHECKING:
     from lightflyer.comparison.comparison import Compared, Comparison

@@ -13,14 +13,8 @@ from lightflyer.explorer import jobs
 from lightflyer.explorer.compute import prediction_of, uncertainty_of
 from lightflyer.explorer.maps import Choices, payload_map
 from lightflyer.explorer.state import Document, Workplace
-from lightflyer.files.drawing import (
-    ORANGE,
-    VERMILION,
-    legend_below,
-    new_figure,
-    plain_decades,
-    save,
-)
+from lightflyer.files.drawing import legend_below, new_figure, plain_decades, save
+from lightflyer.files.palette import ORANGE, VERMILION
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -24,7 +24,7 @@ from lightflyer.explorer.compute import (
 )
 from lightflyer.explorer.maps import Choices, payload_map, variable_numbers, words_of
 from lightflyer.explorer.state import Document, Workplace
-from lightflyer.files.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.film.optics.spectra import planck
 from lightflyer.film.report.summary import FilmSummary

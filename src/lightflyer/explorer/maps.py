@@ -17,7 +17,7 @@ from lightflyer.environment.base import Coordinate
 from lightflyer.explorer import view
 from lightflyer.explorer.compute import Quick, coordinate_factor, prediction_of, pretty_unit
 from lightflyer.explorer.state import Document, Workplace
-from lightflyer.files.drawing import BLUE, ORANGE, VERMILION
+from lightflyer.files.palette import BLUE, ORANGE, VERMILION
 from lightflyer.prediction.evaluator import POINTS, Evaluator
 
 MAP_COLUMNS = 33  # Values of the varied number in a map

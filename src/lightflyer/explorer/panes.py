@@ -20,7 +20,7 @@ from bokeh.models import (
 from bokeh.palettes import Cividis256
 from bokeh.plotting import figure
 
-from lightflyer.files.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 
 Scale = Literal["log", "linear", "auto"]
 Mode = Literal["mouse", "vline"]

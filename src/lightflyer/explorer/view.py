@@ -14,7 +14,7 @@ import numpy as np
 from lightflyer.design.outputs import OUTPUTS, outputs_of
 from lightflyer.environment.base import Coordinate
 from lightflyer.explorer.compute import Quick, coordinate_factor, pretty_unit
-from lightflyer.files.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from lightflyer.prediction.prediction import Prediction
 from lightflyer.uncertainty.propagation import PredictionUncertainty
 

@@ -1,7 +1,6 @@
 """Style and saving of all figures. Only this module and those named ``figures`` import matplotlib.
 
-Colours are those of Okabe and Ito [OkabeIto2008]_, which people with any colour vision can tell
-apart; markers and lines differ in style too, for print without colours.
+Markers and lines differ in style, for print without colours.
 """
 
 import io
@@ -26,11 +25,8 @@ from matplotlib.ticker import Formatter, LogLocator
 from matplotlib.transforms import ScaledTranslation
 
 from lightflyer.core.errors import ParameterError
+from lightflyer.files.palette import LIMIT, OUTSIDE, PALETTE
 
-BLUE, ORANGE, GREEN, VERMILION, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#777777"
-SKY, PURPLE, YELLOW = "#56B4E9", "#CC79A7", "#F0E442"
-WINE = "#882255"  # in place of yellow, which is too light for lines on white
-PALETTE = (BLUE, VERMILION, GREEN, ORANGE, "black", SKY, PURPLE, GREY, WINE)
 MARKERS = "osD^vP*X<"
 LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 BAND, INTERVAL = "95 % band", "95 % interval"
@@ -103,6 +99,9 @@ def new_figure(
         across, up = given[0] / _WIDTH, given[1] / _HEIGHT
     figure = _Figure(figsize=(columns * width * across, height * up), layout="constrained")
     figure.subplots(rows, columns)
+    if mpl.rcParams["axes.prop_cycle"] == mpl.rcParamsDefault["axes.prop_cycle"]:
+        for axes in figure.axes:
+            axes.set_prop_cycle(color=PALETTE)
     return figure
 
 
@@ -175,7 +174,7 @@ def hatch(ax: Axes, low: float, high: float, label: str = TOO_HOT) -> None:
     """Hatch a range of the axis along which something is impossible; one entry in the legend."""
     named = label in ax.get_legend_handles_labels()[1]
     ax.axvspan(
-        low, high, facecolor="none", edgecolor=VERMILION, hatch="///", alpha=0.35, lw=0.0,
+        low, high, facecolor="none", edgecolor=LIMIT, hatch="///", alpha=0.35, lw=0.0,
         label=None if named else label,
     )  # fmt: skip
 
@@ -247,6 +246,6 @@ def fade(ax: Axes, low: float, high: float, label: str = EXTRAPOLATED) -> None:
     """Fade what is drawn in a range of the axis along which a model is outside its range."""
     named = label in ax.get_legend_handles_labels()[1]
     ax.axvspan(
-        low, high, facecolor="white", edgecolor=GREY, alpha=0.65, lw=0.5, zorder=2.5,
+        low, high, facecolor="white", edgecolor=OUTSIDE, alpha=0.65, lw=0.5, zorder=2.5,
         label=None if named else label,
     )  # fmt: skip

@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.files.drawing import SKY, figure_for, outline_effects
+from lightflyer.files.drawing import figure_for, outline_effects
+from lightflyer.files.palette import SKY
 
 if TYPE_CHECKING:
     from lightflyer.kinetic_theory.chamber.enclosure import Chamber

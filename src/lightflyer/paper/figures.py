@@ -12,17 +12,14 @@ from matplotlib.figure import Figure
 from lightflyer.calibration.points import Points
 from lightflyer.core import constants
 from lightflyer.files.drawing import (
-    BLUE,
-    GREY,
     MARKERS,
-    ORANGE,
-    VERMILION,
     legend_below,
     new_figure,
     outline_effects,
     plain_decades,
     shared_legend,
 )
+from lightflyer.files.palette import BLUE, GREY, ORANGE, VERMILION
 from lightflyer.paper.claims import DECIDING
 from lightflyer.paper.conditions import COLUMNS, facts
 from lightflyer.paper.curves import (

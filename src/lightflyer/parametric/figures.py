@@ -14,12 +14,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.display_units import scale_and_label
 from lightflyer.files.drawing import (
     BAND,
-    BLUE,
     EXTRAPOLATED,
-    GREEN,
-    GREY,
-    ORANGE,
-    VERMILION,
     figure_for,
     legend_below,
     new_figure,
@@ -27,6 +22,7 @@ from lightflyer.files.drawing import (
     plain_decades,
     wrap_label,
 )
+from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, VERMILION
 from lightflyer.parametric.explore import (
     COSTS,
     choose_slice,

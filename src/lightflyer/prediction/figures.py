@@ -12,13 +12,6 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.outputs import OUTPUTS, node_outputs
 from lightflyer.files.drawing import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
     fade,
     figure_for,
     hatch,
@@ -27,6 +20,7 @@ from lightflyer.files.drawing import (
     outline_effects,
     plain_decades,
 )
+from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from lightflyer.prediction.evaluator import POINTS, Evaluator
 
 if TYPE_CHECKING:

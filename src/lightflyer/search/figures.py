@@ -7,17 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.files.display_units import in_words, scale_and_label
-from lightflyer.files.drawing import (
-    BLUE,
-    GREEN,
-    GREY,
-    INTERVAL,
-    ORANGE,
-    VERMILION,
-    legend_below,
-    new_figure,
-    wrap_label,
-)
+from lightflyer.files.drawing import INTERVAL, legend_below, new_figure, wrap_label
+from lightflyer.files.palette import BLUE, GREEN, GREY, LESS, MORE, VERMILION
 
 if TYPE_CHECKING:
     from lightflyer.search.front import Front
@@ -63,8 +54,8 @@ def _draw_ranges(found: "Indices", order: np.ndarray, ax: Axes) -> None:
     factor, label = scale_and_label(found.dataset.low.rename(found.output))
     rows = np.arange(order.size)
     for ends, colour, words in (
-        (found.low, ORANGE, "input at its 2.5 % quantile"),
-        (found.high, BLUE, "input at its 97.5 % quantile"),
+        (found.low, LESS, "input at its 2.5 % quantile"),
+        (found.high, MORE, "input at its 97.5 % quantile"),
     ):
         width = factor * (ends[order] - found.nominal)
         ax.barh(rows, width, left=factor * found.nominal, color=colour, label=words)
@@ -97,7 +88,7 @@ def elasticity_figure(optimum: "Optimum") -> Figure:
     figure = new_figure(height=_FRAME + _ROW * len(names))
     (ax,) = figure.axes
     rows, values = np.arange(len(names)), np.array([known[name] for name in names])
-    for sign, colour, words in ((1.0, BLUE, "increases it"), (-1.0, ORANGE, "decreases it")):
+    for sign, colour, words in ((1.0, MORE, "increases it"), (-1.0, LESS, "decreases it")):
         chosen = sign * values > 0.0
         ax.barh(rows[chosen], values[chosen], color=colour, label=f"more of the number {words}")
     ax.axvline(0.0, color=GREY, lw=1.0)

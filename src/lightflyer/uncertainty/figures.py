@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lightflyer.core.units import dataset_unit
-from lightflyer.files.drawing import BAND, GREY, legend_below
+from lightflyer.files.drawing import BAND, legend_below
+from lightflyer.files.palette import GREY
 from lightflyer.prediction.figures import across, display_unit_at_best, panels
 
 if TYPE_CHECKING:

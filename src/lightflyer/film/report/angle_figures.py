@@ -7,17 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from lightflyer.files.drawing import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    legend_below,
-    new_figure,
-)
+from lightflyer.files.drawing import legend_below, new_figure
+from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from lightflyer.film.media.medium import MICROMETRE
 from lightflyer.film.optics.angles import with_mean
 from lightflyer.film.report.figures import wavelength_axis

@@ -7,19 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 
-from lightflyer.files.drawing import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    YELLOW,
-    figure_for,
-    legend_below,
-    new_figure,
-)
+from lightflyer.files.drawing import figure_for, legend_below, new_figure
+from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, YELLOW
 from lightflyer.film.media.medium import MICROMETRE
 from lightflyer.film.optics.integration import data_range
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0, planck

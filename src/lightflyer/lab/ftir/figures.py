@@ -7,14 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.files.drawing import (
-    GREY,
-    ORANGE,
-    PALETTE,
-    figure_for,
-    legend_below,
-    new_figure,
-)
+from lightflyer.files.drawing import figure_for, legend_below, new_figure
+from lightflyer.files.palette import GREY, ORANGE, PALETTE
 from lightflyer.film.optics.spectra import planck
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
 

@@ -9,15 +9,14 @@ from matplotlib.figure import Figure
 
 from lightflyer.core.units import scale_and_offset
 from lightflyer.files.drawing import (
-    GREY,
     INTERVAL,
     MARKERS,
-    PALETTE,
     figure_for,
     legend_below,
     new_figure,
     plain_decades,
 )
+from lightflyer.files.palette import GREY, PALETTE
 from lightflyer.lab.estimate import NORMAL_FACTOR
 
 if TYPE_CHECKING:

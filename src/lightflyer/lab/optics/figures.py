@@ -7,15 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from lightflyer.files.drawing import (
-    BAND,
-    GREY,
-    LINES,
-    PALETTE,
-    figure_for,
-    legend_below,
-    new_figure,
-)
+from lightflyer.files.drawing import BAND, LINES, figure_for, legend_below, new_figure
+from lightflyer.files.palette import GREY, PALETTE
 from lightflyer.film.media.medium import MICROMETRE
 
 if TYPE_CHECKING:

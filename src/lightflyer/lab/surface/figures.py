@@ -13,15 +13,13 @@ from matplotlib.patches import Patch
 from scipy import ndimage
 
 from lightflyer.files.drawing import (
-    GREY,
-    SKY,
-    VERMILION,
     figure_for,
     new_figure,
     outline_effects,
     series_style,
     shared_legend,
 )
+from lightflyer.files.palette import GREY, SKY, VERMILION
 from lightflyer.lab.readers.height_map import NANOMETRE
 
 if TYPE_CHECKING:

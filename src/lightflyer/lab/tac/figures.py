@@ -8,14 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.files.drawing import (
-    BLUE,
-    GREY,
     figure_for,
     legend_below,
     new_figure,
     plain_decades,
     series_style,
 )
+from lightflyer.files.palette import BLUE, GREY
 from lightflyer.lab.estimate import NORMAL_FACTOR
 
 if TYPE_CHECKING:

@@ -8,15 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from lightflyer.files.drawing import (
-    BLUE,
-    GREY,
-    INTERVAL,
-    VERMILION,
-    new_figure,
-    outline_effects,
-    shared_legend,
-)
+from lightflyer.files.drawing import INTERVAL, new_figure, outline_effects, shared_legend
+from lightflyer.files.palette import BLUE, GREY, VERMILION
 
 if TYPE_CHECKING:
     from lightflyer.lab.thermography.reduction import RadiativeProperties

@@ -10,19 +10,8 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 from matplotlib.figure import Figure
 
 from lightflyer.environment.planet import EARTH_PLANET
-from lightflyer.files.drawing import (
-    BLUE,
-    GREY,
-    INTERVAL,
-    LINES,
-    ORANGE,
-    PALETTE,
-    SKY,
-    VERMILION,
-    legend_below,
-    new_figure,
-    wrap_label,
-)
+from lightflyer.files.drawing import INTERVAL, LINES, legend_below, new_figure, wrap_label
+from lightflyer.files.palette import BLUE, GREY, ORANGE, PALETTE, SKY, VERMILION
 from lightflyer.files.table import shipped_table
 from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.mission.report.summary import day_and_night

@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN = $(VENV)/bin
 STAMP = $(VENV)/.installed
 
-.PHONY: demo test check lint types docs pages snippets figures listings wheel bench lock clean
+.PHONY: demo test check lint types docs pages snippets figures listings screenshots verdicts wheel bench lock clean
 
 demo: $(STAMP)  ## predict a 5-mm germanium disk, with bands; verdict here, figures and data in demo/
 	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml --kind laden > /dev/null; }
@@ -37,6 +37,12 @@ figures: $(STAMP)  ## after a change of figures on purpose: take those of the pa
 
 listings: $(STAMP)  ## after a change of results on purpose: take what commands print on pages anew
 	LIGHTFLYER_RENEW_LISTINGS=yes $(BIN)/pytest -n auto -m snippets tests/docs/test_snippets.py
+
+screenshots: $(STAMP)  ## after a change of the calculator's or the explorer's page: take their pictures anew
+	$(BIN)/python docs/screenshots.py docs/_build
+
+verdicts: $(STAMP)  ## after a change of published flyers: compute our verdicts on them
+	$(BIN)/python docs/_extensions/published/verdicts.py
 
 wheel: $(STAMP)  ## build the package and use its wheel in an empty environment
 	VENV=$(VENV) .ci/check_wheel

@@ -35,9 +35,12 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinx_gallery.gen_gallery",
+    "accessible",
     "calculator",
     "command_options",
     "mathml",
+    "pictures",
+    "published",
 ]
 exclude_patterns = ["_build", "_extensions", "gallery", "notebooks"]  # the last two are sources
 html_math_renderer = "mathml"

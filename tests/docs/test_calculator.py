@@ -287,7 +287,7 @@ def test_the_page_is_safe_and_labelled(calculator_files):
     assert not re.search(r"<script|<style|\son\w+=|\sstyle=|javascript:", page)
     labels = set(re.findall(r'<label for="([^"]+)"', page))
     inputs = re.findall(r"<(?:input|select)[^>]*>", page)
-    assert len(inputs) == 2 * len(model.NUMBERS) + 1
+    assert len(inputs) == 2 * len(model.NUMBERS) + 2  # and the presets, the force models
     for text in inputs:
         assert "aria-label" in text or re.search(r'\bid="([^"]+)"', text)[1] in labels
     scripts = "".join(file.read_text(encoding="utf-8") for file in calculator_files.glob("*.js"))

@@ -162,6 +162,38 @@ def test_what_an_address_must_not_hold_is_left_out_and_said(page):
     expect(page.locator("#lf-film-absorptance-box")).to_have_value("0.75")
 
 
+def test_a_move_is_undone_and_one_number_reset(page, at_first):
+    expect(page.locator("#lf-undo")).to_be_disabled()
+    page.fill("#lf-flyer-diameter-box", "1")
+    expect(page.locator("#lf-undo")).to_be_enabled()
+    page.fill("#lf-altitude-box", "75")
+    expect(page).to_have_url(re.compile("altitude=75"))
+    page.click("#lf-undo")
+    expect(page.locator("#lf-altitude-box")).to_have_value("80")
+    expect(page.locator("#lf-flyer-diameter-box")).to_have_value("1")
+    page.click("#lf-flyer-diameter-reset")
+    expect(page.locator("#lf-flyer-diameter-reset")).to_be_hidden()
+    expect(_value(page, "levitation_irradiance")).to_have_text(at_first[0])
+
+
+def test_a_slider_plays_until_it_is_stopped(page):
+    play, box = page.locator("#lf-altitude-play"), page.locator("#lf-altitude-box")
+    play.click()
+    expect(play).to_have_attribute("aria-pressed", "true")
+    expect(box).not_to_have_value("80")
+    play.click()
+    stopped = box.input_value()
+    page.wait_for_timeout(200)
+    expect(box).to_have_value(stopped)
+
+
+def test_a_published_flyer_is_a_start(page):
+    page.select_option("#lf-preset", label="Lu2023: Germanium disk of 3 cm")
+    expect(page.locator("#lf-flyer-diameter-box")).to_have_value("3")
+    expect(page.locator("#lf-film-areal_density-box")).to_have_value("0.99")
+    expect(page.locator("#lf-link-error")).to_be_empty()
+
+
 def test_what_is_beyond_a_range_is_said(page):
     page.select_option("#lf-model", "lu2023")
     page.fill("#lf-flyer-diameter-box", "10")

@@ -18,9 +18,13 @@
     (size) => Math.exp(size) * CENTI,
   );
   const MAP_ALTITUDES = spaced(BOTTOM * KILO, TOP * KILO, 60, true);
-  const LIGHTS = [10, 1e5]; // ends of the axis of irradiance [W/m²]
+  const LIGHTS = [100, 1e4]; // ends of the axis of irradiance [W/m²]
   const DECADES = 4; // of payload on the map
-  const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+  // Matplotlib's cividis, as in the package's maps
+  const CIVIDIS = [
+    [0, 34, 78], [26, 56, 111], [67, 78, 108], [97, 101, 111], [125, 124, 120],
+    [155, 148, 118], [188, 174, 108], [222, 201, 88], [254, 232, 56],
+  ];
   const TOO_HOT = 70; // opacity of 255 where the film does not bear it
 
   let mapped = ""; // what the map was drawn for
@@ -50,7 +54,7 @@
 
   /** A plot with axes; x and y give positions of values. */
   function plot(svg, { width, height, right, x, y, xTitle, yTitle, xTicks, yTicks }) {
-    const box = { left: 58, right: width - right, top: 10, bottom: height - 42 };
+    const box = { left: 62, right: width - right, top: 10, bottom: height - 42 };
     const along = (scale, from, to) => {
       const [low, high] = scale.ends.map(scale.of);
       return (value) => from + ((to - from) * (scale.of(value) - low)) / (high - low);
@@ -89,15 +93,15 @@
   let curve = null;
   function prepareCurve() {
     curve = plot(element("lf-curve"), {
-      width: 440,
-      height: 300,
+      width: 400,
+      height: 290,
       right: 14,
       x: linear(BOTTOM, TOP),
       y: logarithmic(...LIGHTS),
       xTitle: "altitude [km]",
       yTitle: "irradiance [W/m²]",
       xTicks: [20, 40, 60, 80, 100, 120],
-      yTicks: [10, 100, 1000, 10000, 100000],
+      yTicks: [100, 200, 500, 1000, 2000, 5000, 10000],
     });
     curve.bands = draw(curve.under, "g", { class: "lf-bands" });
     curve.lines = Object.fromEntries(
@@ -221,8 +225,8 @@
   function prepareMap(goTo) {
     const svg = element("lf-map-axes");
     chart = plot(svg, {
-      width: 440,
-      height: 300,
+      width: 400,
+      height: 290,
       right: 66,
       x: logarithmic(DIAMETER.low, DIAMETER.high),
       y: linear(BOTTOM, TOP),
@@ -270,11 +274,11 @@
   }
 
   function colour(share) {
-    const along = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
-    const first = Math.min(Math.floor(along), VIRIDIS.length - 2);
+    const along = Math.min(Math.max(share, 0), 1) * (CIVIDIS.length - 1);
+    const first = Math.min(Math.floor(along), CIVIDIS.length - 2);
     const rest = along - first;
-    return VIRIDIS[first].map((low, part) =>
-      Math.round(low + rest * (VIRIDIS[first + 1][part] - low)),
+    return CIVIDIS[first].map((low, part) =>
+      Math.round(low + rest * (CIVIDIS[first + 1][part] - low)),
     );
   }
 
@@ -335,7 +339,7 @@
     }
     const chequered = isBeyond ? ", chequered where the force model is beyond its range" : "";
     const described =
-      "Largest payload [mg] over diameter and altitude; pale where the film is hotter than it " +
+      "Largest payload [mg] over diameter and altitude; faint where the film is hotter than it " +
       `bears${chequered}.`;
     element("lf-map-text").textContent = `${described} ${words} Click to go there.`;
     element("lf-map-axes").setAttribute("aria-label", `${described} ${words}`);

@@ -11,11 +11,17 @@
   const SAVED_AFTER = 10e3; // ms
   const FILM_LIMIT = "film.highest_temperature";
   const LINK = "#design:";
+  const MOST_UNDONE = 200;
+  const SWEEP = 6e3; // ms from one end of a slider to the other, and back
+  const EMBEDDED = { width: 1100, height: 900 }; // [px]
 
   const values = core.defaults();
   let model = Object.keys(about.models)[0];
   let settling = 0;
   let waiting = false;
+  let playing = null; // number whose slider moves by itself
+  const history = []; // what was shown before, the latest last
+  let shown = "";
 
   const element = (id) => document.getElementById(id);
   const key = (name) => `lf-${name.replace(".", "-")}`;
@@ -51,6 +57,7 @@
     if (but !== slider) slider.value = toSlider(number, value);
     if (but !== box) box.value = String(value);
     slider.setAttribute("aria-valuetext", `${value} ${number.unit}`.trim());
+    element(`${key(number.name)}-reset`).hidden = value === number.default;
     complain(number, "");
   }
 
@@ -78,6 +85,110 @@
     });
   }
 
+  function connectTools(number) {
+    const reset = element(`${key(number.name)}-reset`);
+    reset.addEventListener("click", () => {
+      values[number.name] = number.default;
+      show(number);
+      element(key(number.name)).focus();
+      request();
+    });
+    element(`${key(number.name)}-play`).addEventListener("click", () => {
+      play(playing === number ? null : number);
+    });
+  }
+
+  /** Let a slider move to its ends and back, or stop the one that does. */
+  function play(number) {
+    if (playing !== null) element(`${key(playing.name)}-play`).setAttribute("aria-pressed", "false");
+    playing = number;
+    if (number === null) return;
+    element(`${key(number.name)}-play`).setAttribute("aria-pressed", "true");
+    const [low, high] = [number.low, number.high].map((end) => toSlider(number, end));
+    const start = Math.min(Math.max((toSlider(number, values[number.name]) - low) / (high - low), 0), 1);
+    let began = null;
+    const step = (time) => {
+      if (playing !== number) return;
+      began ??= time;
+      const turned = (start + (time - began) / SWEEP) % 2;
+      const share = turned > 1 ? 2 - turned : turned;
+      values[number.name] = fromSlider(number, low + share * (high - low));
+      show(number);
+      update();
+      requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  }
+
+  /** Keep what was shown, once a row of moves has ended. */
+  function remember() {
+    const here = JSON.stringify({ model, values });
+    if (shown && shown !== here) history.push(shown);
+    if (history.length > MOST_UNDONE) history.shift();
+    shown = here;
+    element("lf-undo").disabled = history.length === 0;
+  }
+
+  function undo() {
+    play(null);
+    const before = JSON.parse(history.pop());
+    ({ model } = before);
+    Object.assign(values, before.values);
+    shown = JSON.stringify(before);
+    element("lf-undo").disabled = history.length === 0;
+    showAll();
+  }
+
+  /** Put a text where it can be pasted from; shows it where the browser does not allow that. */
+  async function copy(text, done) {
+    try {
+      await navigator.clipboard.writeText(text);
+      element("lf-told").textContent = done;
+    } catch {
+      element("lf-told").textContent = text;
+    }
+  }
+
+  function embedCode() {
+    const { width, height } = EMBEDDED;
+    const address = location.href.replaceAll("&", "&amp;");
+    return `<iframe src="${address}" width="${width}" height="${height}" title="lightflyer"></iframe>`;
+  }
+
+  function share() {
+    element("lf-undo").addEventListener("click", undo);
+    element("lf-preset").addEventListener("change", ({ target }) => {
+      play(null);
+      if (target.value) take(target.value);
+    });
+    element("lf-link").addEventListener("click", () => {
+      keepInAddress();
+      copy(location.href, "The link is in the clipboard.");
+    });
+    element("lf-embed").addEventListener("click", () => {
+      keepInAddress();
+      copy(embedCode(), "Code for another page is in the clipboard.");
+    });
+    const isUndo = (event) => (event.ctrlKey || event.metaKey) && event.key === "z" && !event.shiftKey;
+    document.addEventListener("keydown", (event) => {
+      if (!isUndo(event) || event.target.type === "text" || history.length === 0) return;
+      event.preventDefault();
+      undo();
+    });
+    document.documentElement.classList.toggle("lf-embedded", window.self !== window.top);
+    window.addEventListener("hashchange", () => {
+      if (location.hash.startsWith(LINK)) take(location.hash);
+    });
+  }
+
+  /** Show what an address says. */
+  function take(hash) {
+    Object.assign(values, core.defaults());
+    [model] = Object.keys(about.models);
+    element("lf-link-error").textContent = readAddress(hash);
+    showAll();
+  }
+
   function showAll() {
     element("lf-model").value = model;
     about.numbers.forEach((number) => show(number));
@@ -85,6 +196,7 @@
   }
 
   function reset() {
+    play(null);
     Object.assign(values, core.defaults());
     [model] = Object.keys(about.models);
     element("lf-link-error").textContent = "";
@@ -114,15 +226,16 @@
     const entries = changed.map(({ name }) => `${name}=${values[name]}`);
     if (model !== Object.keys(about.models)[0]) entries.unshift(`model=${model}`);
     const isOurs = location.hash.startsWith(LINK);
-    if (entries.length) history.replaceState(null, "", LINK + entries.join("&"));
-    else if (isOurs) history.replaceState(null, "", location.pathname + location.search);
+    if (entries.length) window.history.replaceState(null, "", LINK + entries.join("&"));
+    else if (isOurs) window.history.replaceState(null, "", location.pathname + location.search);
   }
 
   /** Take what the address says; returns what is wrong with it, in words. */
-  function readAddress() {
-    if (!location.hash.startsWith(LINK)) return "";
+  function readAddress(hash = location.hash) {
+    if (!hash.startsWith(LINK)) return "";
     const wrong = [];
-    location.hash.slice(LINK.length).split("&").forEach((entry) => {
+    const entries = hash.slice(LINK.length).split("&").filter((entry) => entry !== "");
+    entries.forEach((entry) => {
       const [name, text = ""] = entry.split("=");
       const number = about.numbers.find((one) => one.name === name);
       if (name === "model" && Object.hasOwn(about.models, text)) model = text;
@@ -168,6 +281,7 @@
     settling = setTimeout(() => {
       element("lf-spoken").textContent = text;
       keepInAddress();
+      remember();
     }, SETTLED_AFTER);
   }
 
@@ -212,6 +326,8 @@
     });
     figures.prepare(goTo);
     about.numbers.forEach(connect);
+    about.numbers.forEach(connectTools);
+    share();
     element("lf-model").addEventListener("change", (event) => {
       model = event.target.value;
       request();
@@ -219,6 +335,7 @@
     element("lf-reset").addEventListener("click", reset);
     element("lf-download").addEventListener("click", download);
     element("lf-link-error").textContent = readAddress();
+    remember();
     showAll();
   }
 

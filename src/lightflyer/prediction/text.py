@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 _TWO_DIGITS = 4.0  # first digit of half a band below which two of its digits are told
+_SMALL_LIFT = 0.01  # over weight, below which two decimals would show zero
 _LONGEST_BAR = 24  # characters
 _ROOM_OF_WEIGHT = 1.05
 _FAR_STRONGER = 3.0  # times the available light, from which on the strongest is not told
@@ -190,8 +191,9 @@ def _ranges(
 
 
 def _most_lift(prediction: "Prediction", bands: Bands = _NONE) -> str:
-    lift = round(float(prediction.best.values["lift_over_weight"]), 2) + 0.0  # and never -0.00
-    most = _with_band(lift, bands.get("best.lift_over_weight"), ".2f")
+    lift = float(prediction.best.values["lift_over_weight"])
+    form = ".2f" if abs(lift) >= _SMALL_LIFT else ".1g"
+    most = _with_band(lift, bands.get("best.lift_over_weight"), form)
     return f"{most} of its weight, at {_place_text(prediction, prediction.best.coordinate)}"
 
 

@@ -15,7 +15,7 @@ _MENDED = {
     # what scrolls sideways must be reached by keys
     "<pre>": '<pre tabindex="0">',
     '<div class="math-wrapper': '<div tabindex="0" class="math-wrapper',
-    '<th class="head"></th>': "<td></td>",
+    '<th class="head"><p></p></th>': "<td></td>",
     '<div class="table-wrapper': '<div tabindex="0" class="table-wrapper',
 }
 

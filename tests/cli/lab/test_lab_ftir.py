@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import lightflyer as lf
 from lightflyer.config.reader import read_flyer_file
 from lightflyer.lab.synthetic.ftir import true_transmittance
 
@@ -20,7 +21,13 @@ def test_jcamp_to_record(examples, lab):
     (folder / "film.toml").write_text(FILM, encoding="utf-8")
     code, _, err = lab("ftir", "film.jdx", "--out", "o", "--film", "film.toml")
     assert (code, err) == (0, "")
-    assert {path.suffix for path in (folder / "o").iterdir()} == {".json", ".nc", ".png", ".svg"}
+    names = {path.name for path in (folder / "o").iterdir()}
+    assert names == {"emissivity.csv", *(f"ftir.{end}" for end in ("json", "nc", "png", "svg"))}
+    table = lf.lab.read_spectrum(folder / "film.jdx")
+    rows = np.loadtxt(folder / "o" / "emissivity.csv", delimiter=",", skiprows=1)
+    assert rows[:, 0] == pytest.approx(table.wavenumber / 100.0)
+    assert rows[:, 0] * rows[:, 1] == pytest.approx(1e4)
+    assert rows[:, 2] == pytest.approx(1.0 - table.value, abs=1e-5)
     found = json.loads((folder / "o" / "ftir.json").read_text(encoding="utf-8"))
     said = "film.toml: the computed spectrum extrapolates Ge: hold beyond 0.4 µm to 15 µm"
     assert said in found["warnings"]

@@ -44,6 +44,8 @@ def ftir_command(
     band: str = "900 ± 400 cm^-1",
     temperatures: str = "300 K,400 K,441 K,500 K",
     accuracy: str | None = None,
+    air: Path | None = None,
+    straight_line: str | None = None,
     film: Path | None = None,
     out: Path | None = None,
     update: Path | None = None,
@@ -83,6 +85,13 @@ def ftir_command(
     accuracy
         Standard uncertainty of the ordinate, such as "0.5 %" of full scale: photometric error,
         zero level, and drift between background and sample. Default: 1 %, assumed.
+    air
+        Spectrum of transmittance of air alone: a background with more of it over one with less,
+        at the same resolution. Its lines of carbon dioxide and water vapour are taken out of the
+        other spectra, each gas by as much as leaves them smoothest.
+    straight_line
+        Ranges in which spectra are replaced by a straight line between their ends, such as
+        "2280-2400 cm^-1, 655-680 cm^-1" for carbon dioxide.
     film
         TOML file with the layers of a film; draws its computed spectrum.
     out
@@ -115,6 +124,8 @@ def ftir_command(
         read(one, quantity="reflectance", spectrum=reflectance_spectrum, collection=collection)
         for one in ([] if reflectance is None else [reflectance])
     ]
+    clean = partial(_without_lines, air, straight_line)
+    spectra, mirrors = ([clean(one) for one in group] for group in (spectra, mirrors))
     result = reduce_ftir(
         spectra, mirrors,
         band=_ends(band),
@@ -144,7 +155,20 @@ def ftir_command(
         [*_read_parts([*spectra, *mirrors]), *ftir_parts(result), *warning_lines(warnings)],
         out=out, figures=figures, json_output=json_output,
         update=updater(update, values, "ftir", sources, insist=insist),
+        tables={"emissivity.csv": result.table_text()},
     )  # fmt: skip
+
+
+def _without_lines(
+    air: Path | None, straight_line: str | None, one: "MeasuredSpectrum"
+) -> "MeasuredSpectrum":
+    """A spectrum without the lines of the air, and straight where the user says so."""
+    from lightflyer.lab.ftir.air import parse_ranges, with_straight_lines, without_air
+    from lightflyer.lab.readers.spectrum_data import read_spectrum
+
+    if air is not None:
+        one = without_air(one, read_spectrum(air, quantity="transmittance"))
+    return one if straight_line is None else with_straight_lines(one, parse_ranges(straight_line))
 
 
 def _require_radiating(result: "Ftir") -> None:

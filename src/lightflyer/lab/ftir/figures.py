@@ -40,7 +40,9 @@ def spectra(
         ax.plot(one.wavenumber[::step] / PER_CENTIMETRE, one.value[::step], ls=style, lw=1,
                 color=PALETTE[number % len(PALETTE)],
                 label=f"{one.quantity}, {one.source}")  # fmt: skip
-    wavenumber, value = _mean_emissivity(result)
+    wavenumber, value = result.emissivity_spectrum()
+    step = max(1, len(wavenumber) // _MOST_POINTS)
+    wavenumber, value = wavenumber[::step], value[::step]
     name = "emissivity" if result.reflectances else "1 − transmittance, bound of the emissivity"
     ax.plot(wavenumber / PER_CENTIMETRE, value, color=PALETTE[len(drawn) % len(PALETTE)], lw=1,
             label=name)  # fmt: skip
@@ -57,19 +59,6 @@ def spectra(
     _wavelength_axis(ax)
     legend_below(ax, most=2)
     return ax
-
-
-def _mean_emissivity(result: "Ftir") -> tuple[np.ndarray, np.ndarray]:
-    """One less the mean transmittance and reflectance, where all spectra have data."""
-    every = [*result.spectra, *result.reflectances]
-    low, high = max(s.wavenumber[0] for s in every), min(s.wavenumber[-1] for s in every)
-    at = result.spectra[0].wavenumber
-    at = at[(at >= low) & (at <= high)]
-    at = at[:: max(1, len(at) // _MOST_POINTS)]
-    kept = np.ones_like(at)
-    for group in filter(None, (result.spectra, result.reflectances)):
-        kept = kept - np.mean([np.interp(at, one.wavenumber, one.value) for one in group], axis=0)
-    return at, kept
 
 
 def _black_body(result: "Ftir", ax: Axes) -> None:

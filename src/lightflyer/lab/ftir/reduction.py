@@ -109,6 +109,29 @@ class Ftir(PrintedResult):
             found[temperature] = (inside * low, 1.0 - inside * (1.0 - high))
         return found
 
+    def emissivity_spectrum(self) -> tuple[np.ndarray, np.ndarray]:
+        """Wavenumber [1/m] and emissivity, or its upper bound, where all spectra have data."""
+        low, high = _common_range([*self.spectra, *self.reflectances])
+        at = self.spectra[0].wavenumber
+        at = at[(at >= low) & (at <= high)]
+        rest = np.ones_like(at)
+        for group in filter(None, (self.spectra, self.reflectances)):
+            values = [np.interp(at, one.wavenumber, one.value) for one in group]
+            rest = rest - np.mean(values, axis=0)
+        return at, rest
+
+    def table_text(self) -> str:
+        """Spectrum of the emissivity, or of its upper bound, as a table of commas."""
+        at, value = self.emissivity_spectrum()
+        name = "emissivity" if self.reflectances else "emissivity at most"
+        spread = self.accuracy * np.sqrt(1.0 + bool(self.reflectances))
+        rows = [
+            f"{one / PER_CENTIMETRE:.8g},{1e6 / one:.8g},{share:.6g},{spread:.2g}"
+            for one, share in zip(at, value, strict=True)
+        ]
+        head = f"wavenumber [cm^-1],wavelength [um],{name},standard uncertainty of the scale"
+        return "\n".join([head, *rows]) + "\n"
+
     def text_parts(self) -> Parts:
         from lightflyer.lab.ftir.text import ftir_parts
 
@@ -346,5 +369,9 @@ def to_dataset(result: Ftir) -> "xr.Dataset":
                 dimension, one.value,
                 {"units": "1", "long_name": one.quantity, "file": one.source} | _metadata_of(one),
             )  # fmt: skip
+    at, value = result.emissivity_spectrum()
+    name = "emissivity" if result.reflectances else "emissivity_upper_bound"
+    variables["wavenumber"] = ("wavenumber", at / PER_CENTIMETRE, {"units": "cm-1"})
+    variables[name] = ("wavenumber", value, {"units": "1", "long_name": name.replace("_", " ")})
     files = [one.source for one in (*result.spectra, *result.reflectances)]
     return dataset("infrared spectra", variables, files, warnings=result.warnings)

@@ -1,0 +1,113 @@
+r"""Lines of carbon dioxide and water vapour, taken out of infrared spectra.
+
+The path between the measurement of the background and that of the sample loses or gains air. With
+the transmittance :math:`\tau_a` of some air, the film's own is :math:`\tau\,\tau_a^{-c}`. The
+amount :math:`c` of each gas is the one that leaves the smoothest spectrum: that with the least
+squares of the differences between neighbouring points, which lines are large in and films are not.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.units import parse
+from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
+
+GASES = {
+    "CO₂": ((600.0, 740.0), (2250.0, 2400.0)),
+    "water vapour": ((1250.0, 2050.0), (3400.0, 4000.0)),
+}
+"""Where each gas of the air has lines that a metre of it shows [1/cm]."""
+
+_LEAST_LINES = 1e-3  # rms of the differences of the air's absorbance, over that of the film's noise
+_LEAST_POINTS = 20
+_ROUNDS = 4  # of the amount, which enters the exponent
+_EDGE = 5  # points that an end of a straight line is the mean of
+_RANGE = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.].*?)\s*$")
+
+
+def without_air(spectrum: MeasuredSpectrum, air: MeasuredSpectrum) -> MeasuredSpectrum:
+    """A spectrum without the lines of the air; ``air``: transmittance of air alone."""
+    if air.quantity != "transmittance":
+        raise ParameterError(f"{air.source}: shows {air.quantity}, not transmittance of air")
+    if np.any(air.value <= 0.0):
+        raise ParameterError(f"{air.source}: its transmittance is not above zero everywhere")
+    at, value, said = spectrum.wavenumber, spectrum.value.copy(), []
+    lines = -np.log(np.interp(at, air.wavenumber, air.value))
+    covered = (at >= air.wavenumber[0]) & (at <= air.wavenumber[-1])
+    for gas, ranges in GASES.items():
+        inside = covered & _within(
+            at, [(PER_CENTIMETRE * a, PER_CENTIMETRE * b) for a, b in ranges]
+        )
+        if inside.sum() < _LEAST_POINTS:
+            continue
+        amount, error = _amount(spectrum.value, lines, inside)
+        if not np.isfinite(amount):
+            continue
+        value[inside] *= np.exp(amount * lines[inside])
+        said.append(f"{gas}: {amount:.3g} ± {error:.1g} times the lines of {air.source} taken out")
+    if not said:
+        raise ParameterError(f"{air.source}: has no lines of air where {spectrum.source} has data")
+    return replace(spectrum, value=value, notes=(*spectrum.notes, *said))
+
+
+def _amount(value: np.ndarray, lines: np.ndarray, inside: np.ndarray) -> tuple[float, float]:
+    """Amount of a gas and its standard error."""
+    both = inside[1:] & inside[:-1]
+    amount, error = 0.0, np.nan
+    for _ in range(_ROUNDS):
+        clean = value * np.exp(amount * lines)
+        step, slope = np.diff(clean)[both], np.diff(lines)[both]
+        slope = slope * (0.5 * (clean[1:] + clean[:-1]))[both]
+        power = float(slope @ slope)
+        noise = float(np.std(step))
+        if not power > (_LEAST_LINES * noise) ** 2 * slope.size:
+            return np.nan, np.nan
+        amount -= float(slope @ step) / power
+        error = noise / np.sqrt(power)
+    return amount, error
+
+
+def parse_ranges(text: str) -> list[tuple[float, float]]:
+    """Ranges of wavenumbers such as ``"2280-2400 cm^-1, 655-680 cm^-1"`` [1/m]."""
+    found = []
+    for part in filter(str.strip, text.split(",")):
+        match = _RANGE.match(part)
+        if match is None:
+            raise ConfigurationError(
+                f'--straight-line: "{part.strip()}" is no range; write "2280-2400 cm^-1"'
+            )
+        try:
+            low, high = (parse(f"{end} {match[3]}", "m^-1").value for end in match.groups()[:2])
+        except ConfigurationError as error:
+            raise ConfigurationError(f"--straight-line: {error}") from None
+        if not low < high:
+            raise ConfigurationError(f'--straight-line: "{part.strip()}" is empty')
+        found.append((low, high))
+    if not found:
+        raise ConfigurationError(f'--straight-line "{text}" has no range in it')
+    return found
+
+
+def with_straight_lines(
+    spectrum: MeasuredSpectrum, ranges: Sequence[tuple[float, float]]
+) -> MeasuredSpectrum:
+    """A spectrum that is straight within ranges [1/m]."""
+    at, value = spectrum.wavenumber, spectrum.value.copy()
+    for low, high in ranges:
+        inside = (at >= low) & (at <= high)
+        before, after = np.flatnonzero(at < low)[-_EDGE:], np.flatnonzero(at > high)[:_EDGE]
+        if not (inside.any() and before.size and after.size):
+            ends = " to ".join(f"{end / PER_CENTIMETRE:g}" for end in (low, high))
+            raise ParameterError(f"{spectrum.source}: {ends} cm^-1 is not within its data")
+        ends = [(at[one].mean(), spectrum.value[one].mean()) for one in (before, after)]
+        value[inside] = np.interp(at[inside], *zip(*ends, strict=True))
+    return replace(spectrum, value=value)
+
+
+def _within(at: np.ndarray, ranges: Sequence[tuple[float, float]]) -> np.ndarray:
+    return np.any([(at >= low) & (at <= high) for low, high in ranges], axis=0)

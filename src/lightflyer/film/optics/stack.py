@@ -1,7 +1,8 @@
 """A film as layers, top to bottom."""
 
 import dataclasses
-from typing import Literal, TypeAlias
+from collections.abc import Callable
+from typing import Any, Literal, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -12,7 +13,12 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked, Length, OpenFraction, Roughness, Thickness
 from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import Medium
-from lightflyer.film.optics.transfer_matrix import StackOptics, Structure, structured_optics
+from lightflyer.film.optics.transfer_matrix import (
+    StackOptics,
+    Structure,
+    ellipsometric_angles,
+    structured_optics,
+)
 from lightflyer.program.entry_point import entry_point
 
 Side: TypeAlias = Literal["top", "bottom"]
@@ -242,22 +248,35 @@ class Film(Checked):
         """Reflectance, transmittance and absorptance for light from one side."""
         # Light interferes in coherent layers with parallel faces, up to about ten wavelengths
         # thick. Differentiable in the thicknesses, the media's parameters and the angle.
-        require_range("incidence", incidence, 0.0, GRAZING)
         film = self if side == "top" else self.flip()
+        optics: StackOptics = film._with_media(structured_optics, wavelength, incidence)
+        if film.homogeneous() is not film:
+            optics = optics.merge_layers([len(one.sheets) for one in film.layers])
+        return optics if self.open_fraction is None else optics.with_holes(self.open_fraction)
+
+    def ellipsometry(
+        self, wavelength: np.ndarray | float, incidence: Numeric, side: Side = "top"
+    ) -> Numeric:
+        """Cos 2Ψ, sin 2Ψ cos Δ and sin 2Ψ sin Δ of the reflected light, shape (3, ...) [1]."""
+        film = self if side == "top" else self.flip()
+        return film._with_media(ellipsometric_angles, wavelength, incidence)
+
+    def _with_media(
+        self, function: Callable[..., Any], wavelength: np.ndarray | float, incidence: Numeric
+    ) -> Any:
+        """A function of the sheets' indices and thicknesses, for light from above."""
+        require_range("incidence", incidence, 0.0, GRAZING)
         wavelength = np.asarray(wavelength, float)
         require_positive(wavelength=wavelength)
-        sheets = film.homogeneous()
+        sheets = self.homogeneous()
         n, k = sheets.index(wavelength)
         trailing = (1,) * max(wavelength.ndim, np.ndim(incidence))
         shape = (n.shape[0], *(1,) * (len(trailing) - wavelength.ndim), *wavelength.shape)
         thickness = sheets.thickness.reshape(-1, *trailing)
         structure = sheets.structure(wavelength, len(trailing))
-        optics = structured_optics(
+        return function(
             n.reshape(shape), k.reshape(shape), thickness, wavelength, incidence, structure
         )
-        if sheets is not film:
-            optics = optics.merge_layers([len(one.sheets) for one in film.layers])
-        return optics if self.open_fraction is None else optics.with_holes(self.open_fraction)
 
 
 def _column(values: list[Numeric]) -> Numeric:

@@ -194,6 +194,45 @@ def transfer(
     """:func:`stack_optics` for use inside other compiled functions."""
     # With ``inside`` false the absorptances of layers are left out, as an array without rows,
     # unless interfaces are rough: what is scattered is what is missing beside them.
+    group = _grouped(n, k, thickness, wavelength, incidence, structure, inside=inside)
+    shares = [jnp.stack(pair) for pair in zip(*group.shares(), strict=True)]
+    reflected, passed, absorbed = shares[0], shares[1], jnp.swapaxes(shares[2], 0, 1)
+    scattered: Numeric = 0.0
+    if group.kappa is not None:
+        scattered = 1.0 - reflected - passed - absorbed.sum(axis=0)
+    return StackOptics(reflected, passed, absorbed, scattered)
+
+
+@entry_point
+def ellipsometric_angles(
+    n: Numeric,
+    k: Numeric,
+    thickness: Numeric,
+    wavelength: Numeric,
+    incidence: Numeric,
+    structure: Structure,
+) -> Numeric:
+    r"""Cos 2Ψ, sin 2Ψ cos Δ and sin 2Ψ sin Δ of the light that a stack reflects, (3, ...)."""
+    # .. math:: r_p/r_s=\tan\Psi\,e^{i\Delta} in the convention of [Fujiwara2007]_ ch. 3.2, in which
+    # fields go as e^{+iωt} and Δ of a clear mirror is 180° at normal incidence. Fields here go as
+    # e^{-iωt}, and those of p polarisation are tangential. Light that has been through an
+    # incoherent layer is not counted: it is elsewhere on the detector, or scattered at the back.
+    group = _grouped(n, k, thickness, wavelength, incidence, structure, inside=False)
+    (a, b), (c, d) = (one.ratio for one in group.first())
+    s, p = magnitude((a, b)), magnitude((c, d))
+    return jnp.stack([s - p, -2.0 * (a * c + b * d), 2.0 * (a * d - b * c)]) / (s + p)
+
+
+def _grouped(
+    n: Numeric,
+    k: Numeric,
+    thickness: Numeric,
+    wavelength: Numeric,
+    incidence: Numeric,
+    structure: Structure | None,
+    *,
+    inside: bool,
+) -> "_Grouped":
     structure = Structure() if structure is None else structure
     n, k, thickness, wavelength = (jnp.asarray(one) for one in (n, k, thickness, wavelength))
     above, (below_n, below_k) = jnp.asarray(structure.above), structure.below
@@ -207,13 +246,7 @@ def transfer(
         layers.exponent[0].shape[1:], outside.magnetic[0].shape, substrate.normal[0].shape,
         wavelength.shape, () if kappa is None else kappa.shape[1:],
     )  # fmt: skip
-    group = _Grouped(outside, layers, substrate, kappa, structure.coherent, shape, inside)
-    shares = [jnp.stack(pair) for pair in zip(*group.shares(), strict=True)]
-    reflected, passed, absorbed = shares[0], shares[1], jnp.swapaxes(shares[2], 0, 1)
-    scattered: Numeric = 0.0
-    if kappa is not None:
-        scattered = 1.0 - reflected - passed - absorbed.sum(axis=0)
-    return StackOptics(reflected, passed, absorbed, scattered)
+    return _Grouped(outside, layers, substrate, kappa, structure.coherent, shape, inside)
 
 
 class _Grouped(NamedTuple):
@@ -258,6 +291,14 @@ class _Grouped(NamedTuple):
             )
             for number in (0, 1)
         ]
+
+    def first(self) -> tuple[Fields, Fields]:
+        """What the layers above the first incoherent one do to the light, s, then p."""
+        end = next(iter(self.thick), self.layers.exponent[0].shape[0])
+        below = self._medium(end) if self.thick else self.substrate
+        kappa = None if self.kappa is None else self.kappa[: end + 1]
+        part = self.layers.cut(0, end)
+        return respond(self.outside, part, below, kappa, self.shape, inside=False)
 
     def _medium(self, number: int) -> HalfSpace:
         one: HalfSpace = jax.tree.map(lambda part: part[number], self.layers.half)

@@ -1,13 +1,12 @@
 """A sample, its spectra and the numbers to be fitted, from a sample file."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import numpy as np
 import pydantic
-from pydantic import Field, ValidationInfo
+from pydantic import Field
 
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
@@ -15,15 +14,16 @@ from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Fraction,
     Incidence,
-    Length,
     Quantity,
 )
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
-from lightflyer.files.toml_file import FileKind, file_beside, place_of, read_file
+from lightflyer.files.toml_file import FileKind, place_of, read_file
 from lightflyer.film.layer_section import LayerSection
 from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.film.sample_section import SampleSection
+from lightflyer.lab.optics.ellipsometry import ORDINATES, EllipsometrySection
+from lightflyer.lab.optics.measured_file import MeasuredFile
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.raw import Ordinate
 from lightflyer.lab.readers.spectrum_data import read_spectrum
@@ -97,7 +97,9 @@ class FilmSpectrum:
     @property
     def label(self) -> str:
         """Quantity and file in words."""
-        return f"{self.spectrum.quantity}, {Path(self.spectrum.source).name}"
+        angle = self.incidence / RADIANS_PER_DEGREE
+        at = f" at {angle:.4g}°" if self.spectrum.quantity in ORDINATES else ""
+        return f"{self.spectrum.quantity}{at}, {Path(self.spectrum.source).name}"
 
 
 @dataclass(frozen=True)
@@ -123,30 +125,17 @@ class FreeSection(Section):
     same: tuple[str, ...] = ()
 
 
-class SpectrumSection(Section):
+class SpectrumSection(MeasuredFile):
     """An entry of ``spectra``."""
 
-    file: str
     ordinate: Ordinate | None = None
-    columns: str | None = None
     scale: Literal["%", "1"] | None = None
     spectrum: str | None = None
     collection: Literal["specular", "diffuse", "total"] | None = None
     incidence: Incidence = Measured(0.0)
     polarisation: Polarisation = "none"
-    side: Side = "top"
-    shortest: Length | None = None
-    longest: Length | None = None
     scale_accuracy: Fraction | None = None
     zero_accuracy: Fraction | None = None
-
-    @pydantic.field_validator("file")
-    @classmethod
-    def _beside(cls, name: str, info: ValidationInfo) -> str:
-        path = file_beside(name, info)
-        if not Path(path).is_file():
-            raise ConfigurationError("there is no such file")
-        return path
 
     def read(self) -> FilmSpectrum:
         """The spectrum, within its limits."""
@@ -158,34 +147,41 @@ class SpectrumSection(Section):
                       for one in (self.scale_accuracy, self.zero_accuracy))  # fmt: skip
         incidence = float(self.incidence.value) * RADIANS_PER_DEGREE
         return FilmSpectrum(
-            self._within(found), incidence, self.polarisation, self.side, *accuracies
+            self.within(found), incidence, self.polarisation, self.side, *accuracies
         )
-
-    def _within(self, found: MeasuredSpectrum) -> MeasuredSpectrum:
-        shortest = 0.0 if self.shortest is None else self.shortest.value
-        longest = np.inf if self.longest is None else self.longest.value
-        inside = (found.wavelength >= shortest) & (found.wavelength <= longest)
-        if np.count_nonzero(inside) < 2:
-            ends = 1e9 * found.wavelength[[-1, 0]]
-            raise ConfigurationError(
-                f"{self.file}: has no points between shortest and longest; its data extend from "
-                f"{ends[0]:.5g} to {ends[1]:.5g} nm"
-            )
-        return replace(found, wavenumber=found.wavenumber[inside], value=found.value[inside])
 
 
 class SampleFile(Section):
-    """A sample file: ``[film]``, ``free`` and ``spectra``."""
+    """A sample file: ``[film]``, ``free``, and ``spectra`` or ``ellipsometry``."""
 
     free: Annotated[tuple[FreeSection, ...], Field(min_length=1)]
-    spectra: Annotated[tuple[SpectrumSection, ...], Field(min_length=1)]
+    spectra: tuple[SpectrumSection, ...] = ()
+    ellipsometry: tuple[EllipsometrySection, ...] = ()
     film: SampleSection
+
+    @pydantic.model_validator(mode="after")
+    def _measured(self) -> "SampleFile":
+        if not (self.spectra or self.ellipsometry):
+            raise ConfigurationError(
+                "there is nothing measured: give [[spectra]] or [[ellipsometry]]"
+            )
+        return self
+
+    def read(self) -> Iterator[FilmSpectrum]:
+        """Everything measured."""
+        for one in self.spectra:
+            yield one.read()
+        for angles in self.ellipsometry:
+            for spectrum, incidence in angles.read():
+                accuracy = float(angles.accuracy.value)
+                yield FilmSpectrum(spectrum, incidence, "none", angles.side, 0.0, accuracy)
 
 
 def _keys_of(section: str, document: Any) -> list[str]:  # noqa: ARG001
     parts = [part for part in section.split(".") if not part.isdigit()]
     kinds: dict[tuple[str, ...], type[Section]] = {
         (): SampleFile, ("free",): FreeSection, ("spectra",): SpectrumSection,
+        ("ellipsometry",): EllipsometrySection,
         ("film",): SampleSection, ("film", "layers"): LayerSection,
     }  # fmt: skip
     kind = kinds.get(tuple(part for part in parts if part))
@@ -230,7 +226,7 @@ def read_sample(path: str | Path) -> OpticsSample:
         assert isinstance(changed, SampleSection)
         return changed.film()
 
-    spectra = tuple(one.read() for one in file.spectra)
+    spectra = tuple(file.read())
     measured = (one.spectrum for one in spectra)
     require_distinct([(one.source, (one.wavenumber, one.value)) for one in measured])
     sample = OpticsSample(build, free, spectra, section, str(path), same)

@@ -20,6 +20,7 @@ from lightflyer.core.extras import extra
 from lightflyer.core.types import Numeric
 from lightflyer.film.optics.stack import Film, Side
 from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample
+from lightflyer.lab.optics.ellipsometry import ORDINATES
 from lightflyer.lab.spectrum_noise import point_noise
 from lightflyer.program.entry_point import entry_point
 
@@ -103,10 +104,16 @@ def _shares(film: Film, spectra: Sequence[FilmSpectrum], side: Side) -> dict[int
     incidence = np.concatenate(
         [np.full(len(one.spectrum.wavelength), one.incidence) for one in mine.values()]
     )
-    optics, first, found = film.optics(wavelength, incidence, side), 0, {}
+    asked = {one.spectrum.quantity for one in mine.values()}
+    optics: Any = film.optics(wavelength, incidence, side) if asked - {*ORDINATES} else None
+    angles: Any = film.ellipsometry(wavelength, incidence, side) if asked & {*ORDINATES} else None
+    first, found = 0, {}
     for number, one in mine.items():
         points = slice(first, first + len(one.spectrum.wavelength))
         first = points.stop
+        if one.spectrum.quantity in ORDINATES:
+            found[number] = angles[ORDINATES.index(one.spectrum.quantity), points]
+            continue
         share = getattr(optics, one.spectrum.quantity)[:, points]
         weight = _POLARISATIONS[one.polarisation]
         found[number] = weight[0] * share[0] + weight[1] * share[1]

@@ -21,11 +21,13 @@ from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum
 # as fractions, or as per cent that the header does not mark
 _SHARE = Quantity("", -20.0, 150.0)
 _ABSORBANCE = Quantity("", -1.0, 1000.0)
-_TO_WAVENUMBER: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+AXES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "wavenumber": lambda wavenumber: wavenumber,
     "wavelength": lambda wavelength: 1.0 / wavelength,
     "photon_energy": lambda energy: energy / (PLANCK * SPEED_OF_LIGHT),
 }
+"""Columns that say where a point is, and the wavenumber [1/m] that each gives."""
+
 _WORKBOOKS = (".xlsx", ".xlsm")
 
 COLUMNS = (
@@ -127,7 +129,7 @@ def read_spectrum(
 def _from_table(table: Table, as_written: Table, options: ReadOptions) -> RawSpectrum:
     """Spectrum of a table, whose header may mark the ordinate as per cent."""
     numbers = table.numbers
-    axes = [name for name in _TO_WAVENUMBER if name in numbers]
+    axes = [name for name in AXES if name in numbers]
     if len(axes) != 1:
         raise ConfigurationError(
             f"{table.source}: needs one column wavenumber, wavelength or photon_energy"
@@ -141,7 +143,7 @@ def _from_table(table: Table, as_written: Table, options: ReadOptions) -> RawSpe
     value, written = numbers[chosen[0]], as_written.numbers[chosen[0]]
     marked = not np.array_equal(value, written) and np.allclose(100.0 * value, written)
     return RawSpectrum(
-        _TO_WAVENUMBER[axes[0]](numbers[axes[0]]) / PER_CENTIMETRE,
+        AXES[axes[0]](numbers[axes[0]]) / PER_CENTIMETRE,
         written if marked else value,
         "cm-1", f"{chosen[0]} [%]" if marked else chosen[0], SpectrumMetadata("table"),
         notes=tuple(table.notes), rejected=tuple(table.rejected),

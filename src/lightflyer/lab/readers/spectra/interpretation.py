@@ -1,7 +1,7 @@
 """From a spectrum as it stands in its file to transmittance or reflectance over wavenumber."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -37,7 +37,7 @@ class MeasuredSpectrum:
     """Transmittance or reflectance over wavenumber."""
 
     source: str  #: Name of the file
-    quantity: Ordinate
+    quantity: Ordinate | Literal["N", "C", "S"]  #: The last three of an ellipsometer
     wavenumber: np.ndarray  #: shape (n,); increasing [1/m]
     value: np.ndarray  #: shape (n,); [1]
     rejected: tuple[Rejected, ...] = ()  #: Rejected rows of its file

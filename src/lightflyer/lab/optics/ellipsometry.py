@@ -1,0 +1,75 @@
+r"""Measured Ψ and Δ as three ordinates that have no jumps.
+
+.. math:: N = \cos 2\Psi,\qquad C = \sin 2\Psi\cos\Delta,\qquad S = \sin 2\Psi\sin\Delta
+
+with :math:`r_p/r_s=\tan\Psi\,e^{i\Delta}`. They are fitted as transmittance and reflectance are.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, Fraction, Incidence, Quantity
+from lightflyer.core.units import Measured
+from lightflyer.files.table import Table, read_table
+from lightflyer.files.table_layout import Column
+from lightflyer.lab.optics.measured_file import MeasuredFile
+from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+from lightflyer.lab.readers.spectrum_data import AXES, COLUMNS
+
+ORDINATES = ("N", "C", "S")
+
+_ANGLE = Quantity("deg", 0.0, 90.0)
+_COLUMNS = (
+    *(column for column in COLUMNS if column.name in AXES),
+    Column("psi", _ANGLE, ("Ψ",), required=True, suggested_unit="deg"),
+    Column("delta", Quantity("deg", -360.0, 360.0), ("Δ",), required=True, suggested_unit="deg"),
+    Column("incidence", _ANGLE, ("angle", "aoi", "angle_of_incidence"), suggested_unit="deg"),
+)
+
+
+class EllipsometrySection(MeasuredFile):
+    """An entry of ``ellipsometry``."""
+
+    incidence: Incidence | None = None
+    #: Standard uncertainty that all points of N, of C and of S have in common [1]; the default is
+    #: an assumption, 0.06° of Ψ
+    accuracy: Fraction = Measured(0.002)
+
+    def read(self) -> Iterator[tuple[MeasuredSpectrum, float]]:
+        """Spectra of N, C and S with their incidence [rad], for each one in the file."""
+        table = read_table(self.file, _COLUMNS, layout=self.columns)
+        angles = self._angles(table)
+        axes = [name for name in AXES if name in table.numbers]
+        if len(axes) != 1:
+            raise ConfigurationError(f"{self.file}: needs one column of {', '.join(AXES)}")
+        wavenumber = AXES[axes[0]](table.numbers[axes[0]])
+        double, delta = (
+            factor * RADIANS_PER_DEGREE * table.numbers[name]
+            for name, factor in (("psi", 2.0), ("delta", 1.0))
+        )
+        values = np.cos(double), np.sin(double) * np.cos(delta), np.sin(double) * np.sin(delta)
+        for angle in np.unique(angles):
+            here = np.flatnonzero(angles == angle)
+            here = here[np.argsort(wavenumber[here])]
+            if np.any(np.diff(wavenumber[here]) == 0.0):
+                raise ConfigurationError(
+                    f"{self.file}: has a wavelength twice at {angle:g} deg; the column incidence "
+                    "tells angles apart"
+                )
+            for name, value in zip(ORDINATES, values, strict=True):
+                spectrum = MeasuredSpectrum(
+                    self.file, name, wavenumber[here], value[here], tuple(table.rejected)
+                )
+                yield self.within(spectrum), float(angle) * RADIANS_PER_DEGREE
+
+    def _angles(self, table: Table) -> np.ndarray:
+        """Incidence of each row [deg]."""
+        given = table.numbers.get("incidence")
+        if (given is None) is (self.incidence is None):
+            state = "has a column incidence; leave incidence out" if self.incidence else (
+                'has no column incidence; write incidence = "70 deg"'
+            )  # fmt: skip
+            raise ConfigurationError(f"{self.file}: {state}")
+        return np.full(len(table), self.incidence.value) if given is None else given  # type: ignore[union-attr]

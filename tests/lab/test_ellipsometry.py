@@ -1,0 +1,118 @@
+"""Ψ and Δ: the stack by tmm, in the convention of instruments, and fits of them."""
+
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.film.optics.transfer_matrix import Structure, ellipsometric_angles
+from lightflyer.lab.optics.data import read_sample
+from lightflyer.lab.optics.fit import fit_optics
+
+tmm = pytest.importorskip("tmm")
+
+A, B = 1.45, 0.0035  # of the oxide, Cauchy [1, µm²]
+SILICON = 3.858 + 0.018j  # at 632.8 nm
+THICKNESS, SILICA = 120e-9, (1.50, 0.004)
+
+
+def angles_by_tmm(index, thickness, below, incidence, wavelength):
+    """Ψ and Δ [rad]; tmm measures Δ from 180° in the other direction."""
+    found = tmm.ellips([1, *index, below], [np.inf, *thickness, np.inf], incidence, wavelength)
+    return found["psi"], np.pi - found["Delta"]
+
+
+@pytest.mark.parametrize("incidence", [0.3, 1.1, 1.35])
+def test_as_another_package_computes_them(incidence):
+    index, thickness, below = [2.1 + 0.3j, 1.5 + 0.001j], [30e-9, 500e-9], 1.52 + 0.0j
+    n, k = (np.array([getattr(one, part) for one in index])[:, None] for part in ("real", "imag"))
+    structure = Structure(1.0, (below.real, below.imag))
+    found = ellipsometric_angles(
+        n, k, np.array(thickness)[:, None], np.array([500e-9]), incidence, structure
+    )
+    psi, delta = angles_by_tmm(index, thickness, below, incidence, 500e-9)
+    own = np.cos(2 * psi), np.sin(2 * psi) * np.cos(delta), np.sin(2 * psi) * np.sin(delta)
+    assert np.ravel(found) == pytest.approx(own, abs=1e-12)
+
+
+def test_oxide_on_silicon_lowers_delta_from_180_degrees():
+    """What every ellipsometer shows at 70°: some 2.9° for each of the first nanometres."""
+    shown = []
+    for thickness in (1e-12, 1e-9, 2e-9):
+        n, c, s = ellipsometric_angles(
+            np.array([[1.46]]), np.array([[0.0]]), np.array([[thickness]]), np.array([632.8e-9]),
+            np.radians(70.0), Structure(1.0, (SILICON.real, SILICON.imag)),
+        )  # fmt: skip
+        shown.append((np.degrees(0.5 * np.arccos(n)), np.degrees(np.arctan2(s, c))))
+    psi, delta = np.array(shown)[..., 0].T
+    assert psi[0] == pytest.approx(10.4, abs=0.05)
+    assert delta[0] == pytest.approx(179.2, abs=0.05)
+    assert np.diff(delta) == pytest.approx([-2.9, -2.9], abs=0.1)
+
+
+def write_sample(folder, rng, noise=0.05, header="wavelength [nm],psi [deg],delta [deg],aoi [deg]"):
+    """A polymer's film on glass, by tmm, with noise of Ψ and Δ [deg]."""
+    lines = [header]
+    for angle in (60.0, 70.0):
+        for wavelength in np.arange(400.0, 900.0, 10.0):
+            micrometres = 1e-3 * wavelength
+            film, glass = A + 0.25 + B / micrometres**2, SILICA[0] + SILICA[1] / micrometres**2
+            pair = angles_by_tmm([film], [THICKNESS], glass, np.radians(angle), 1e-9 * wavelength)
+            psi, delta = np.degrees(pair) + noise * rng.normal(size=2)
+            lines.append(f"{wavelength},{psi:.4f},{delta % 360.0:.4f},{angle}")
+    (folder / "psi-delta.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (folder / "sample.toml").write_text(SAMPLE, encoding="utf-8")
+
+
+SAMPLE = """\
+free = [
+  {number = "layers.0.thickness", lowest = "50 nm", highest = "200 nm"},
+  {number = "layers.0.dispersion.cauchy.a", lowest = 1.5, highest = 2.0},
+]
+
+[[ellipsometry]]
+file = "psi-delta.csv"
+accuracy = "0.05 %"
+
+[film]
+layers = [
+  {dispersion = {cauchy = {a = 1.6, b = "0.0035 um^2"}}, thickness = "100 nm"},
+]
+substrate = {dispersion = {cauchy = {a = 1.5, b = "0.004 um^2"}}}
+"""
+
+
+def test_thickness_and_index_of_a_film(tmp_path, rng):
+    write_sample(tmp_path, rng)
+    sample = read_sample(tmp_path / "sample.toml")
+    assert [one.label for one in sample.spectra[:2]] == [
+        "N at 60°, psi-delta.csv", "C at 60°, psi-delta.csv"
+    ]  # fmt: skip
+    fit = fit_optics(sample, starts=4)
+    thickness, index = fit.numbers.values()
+    assert thickness.interval[0] < THICKNESS < thickness.interval[1]
+    assert thickness.value == pytest.approx(THICKNESS, rel=3e-3)
+    assert index.interval[0] < A + 0.25 < index.interval[1]
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (('file = "psi-delta.csv"', 'file = "psi-delta.csv"\nincidence = "70 deg"'), "leave inc"),
+        (('[[ellipsometry]]\nfile = "psi-delta.csv"\naccuracy = "0.05 %"\n', ""), "nothing meas"),
+        (('"psi-delta.csv"', '"none.csv"'), "there is no such file"),
+        (('accuracy = "0.05 %"', "accurcy = 1"), 'did you mean "?accuracy'),
+    ],
+)
+def test_mistakes(tmp_path, rng, change, says):
+    write_sample(tmp_path, rng)
+    text = SAMPLE.replace(*change)
+    assert text != SAMPLE
+    (tmp_path / "sample.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(lf.ConfigurationError, match=says):
+        read_sample(tmp_path / "sample.toml")
+
+
+def test_an_incidence_must_be_known(tmp_path, rng):
+    write_sample(tmp_path, rng, header="wavelength [nm],psi [deg],delta [deg],other")
+    with pytest.raises(lf.ConfigurationError, match='write incidence = "70 deg"'):
+        read_sample(tmp_path / "sample.toml")

@@ -4,6 +4,7 @@ import jax
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.special import dawsn
 
 import lightflyer as lf
 from lightflyer import film
@@ -14,7 +15,9 @@ from lightflyer.film.media.dispersion import (
     Formula,
     Lorentz,
     TaucLorentz,
+    cody_lorentz,
     drude,
+    gaussian,
     lorentz,
     tauc_lorentz,
 )
@@ -64,6 +67,46 @@ def test_lorentz_real_part_is_the_transform_of_its_imaginary_part():
     for energy in (0.5, 1.9, 4.0):
         found = lorentz(energy * EV, strength, centre * EV, broadening * EV)
         assert found[0] == pytest.approx(kramers_kronig(imaginary, energy, 0.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("energy", [0.3, 1.05, 1.7, 3.1, 6.0])
+def test_cody_lorentz_real_part_is_the_transform_of_its_imaginary_part(energy):
+    amplitude, centre, broadening, gap, transition = numbers = 80.0, 3.5, 2.3, 1.1, 0.9
+
+    def imaginary(x):
+        """Equations of Ferlauto and others, without the tail."""
+        above = max(x - gap, 0.0) ** 2
+        peak = amplitude * centre * broadening * x
+        lorentzian = peak / ((x**2 - centre**2) ** 2 + (broadening * x) ** 2)
+        return above / (above + transition**2) * lorentzian
+
+    found = cody_lorentz(energy * EV, *(one * EV for one in numbers))
+    assert found[1] == pytest.approx(imaginary(energy), rel=1e-12)
+    assert found[0] == pytest.approx(kramers_kronig(imaginary, energy, gap), rel=1e-7)
+
+
+@pytest.mark.parametrize("energy", [0.02, 0.11, 0.13, 0.5, 3.0])
+def test_gaussian_real_part_is_the_transform_of_its_imaginary_part(energy):
+    strength, centre, width = 0.8, 0.12, 0.03  # a polymer's band
+
+    def imaginary(x):
+        sigma = width / (2.0 * np.sqrt(np.log(2.0)))
+        both = ((x - centre) / sigma) ** 2, ((x + centre) / sigma) ** 2
+        return strength * (np.exp(-both[0]) - np.exp(-both[1]))
+
+    sigma = width / (2.0 * np.sqrt(np.log(2.0)))
+    known = dawsn((energy + centre) / sigma) - dawsn((energy - centre) / sigma)
+    found = gaussian(energy * EV, strength, centre * EV, width * EV)
+    assert found[1] == pytest.approx(imaginary(energy), rel=1e-12, abs=1e-300)
+    assert found[0] == pytest.approx(2.0 * strength / np.sqrt(np.pi) * known, rel=1e-12)
+    if energy < 1.0:
+        scaled = kramers_kronig(imaginary, energy, 0.0)
+        assert found[0] == pytest.approx(scaled, rel=1e-6)
+
+
+def test_the_half_width_of_a_gaussian_is_its_broadening():
+    half = gaussian(0.135 * EV, 1.0, 0.12 * EV, 0.03 * EV)[1]
+    assert half == pytest.approx(0.5, rel=1e-9)
 
 
 def test_free_carriers_are_a_lorentz_oscillator_without_a_restoring_force():

@@ -3,8 +3,10 @@ from .media.catalogue import material as material
 from .media.catalogue import material_names as material_names
 from .media.database import search_pages as search_pages
 from .media.dispersion import Cauchy as Cauchy
+from .media.dispersion import CodyLorentz as CodyLorentz
 from .media.dispersion import Drude as Drude
 from .media.dispersion import Formula as Formula
+from .media.dispersion import Gaussian as Gaussian
 from .media.dispersion import Lorentz as Lorentz
 from .media.dispersion import TaucLorentz as TaucLorentz
 from .media.effective_media import Rule as Rule

@@ -32,8 +32,11 @@ from lightflyer.core.quantity import (
 from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, require_covered
 from lightflyer.film.media.pairs import Pair, root
+from lightflyer.numerics.dawson import dawson
 from lightflyer.program.entry_point import entry_point
 
+_NODES = [0.5 * (1.0 + np.polynomial.legendre.leggauss(80)[0]),
+          0.5 * np.polynomial.legendre.leggauss(80)[1]]  # fmt: skip
 _NEAR_GAP = 1e-150  # relative: at the gap itself x² ln|x| is zero
 
 
@@ -106,6 +109,53 @@ def _tauc_lorentz_real(e: Numeric, c: Numeric, g: Numeric) -> Numeric:
     return terms / (jnp.pi * zeta)
 
 
+@entry_point
+def gaussian(
+    energy: Numeric, amplitude: Numeric, centre: Numeric, broadening: Numeric
+) -> tuple[Numeric, Numeric]:
+    """Permittivity of a Gaussian band; ``broadening``: its full width at half height."""
+    # .. math:: \varepsilon_2 = A\,[e^{-(E-E_0)^2/\sigma^2} - e^{-(E+E_0)^2/\sigma^2}],\qquad
+    #     \varepsilon_1 = \frac{2A}{\sqrt\pi}\left[D\left(\frac{E+E_0}\sigma\right)
+    #     - D\left(\frac{E-E_0}\sigma\right)\right]
+    #
+    # with Dawson's function D. Source: [Meneses2006]_.
+    sigma = broadening / (2.0 * np.sqrt(np.log(2.0)))
+    near, far = (energy - centre) / sigma, (energy + centre) / sigma
+    real = 2.0 / np.sqrt(np.pi) * (dawson(far) - dawson(near))
+    return amplitude * real, amplitude * (jnp.exp(-(near**2)) - jnp.exp(-(far**2)))
+
+
+@entry_point
+def cody_lorentz(
+    energy: Numeric, amplitude: Numeric, centre: Numeric, broadening: Numeric, gap: Numeric,
+    transition: Numeric,
+) -> tuple[Numeric, Numeric]:  # fmt: skip
+    """Permittivity of an amorphous semiconductor with a constant dipole at its gap."""
+
+    # .. math:: \varepsilon_2 = \frac{(E-E_g)^2}{(E-E_g)^2+E_p^2}\,
+    #     \frac{A E_0\Gamma E}{(E^2-E_0^2)^2+\Gamma^2E^2}\quad(E>E_g)
+    #
+    # of [Ferlauto2002]_, without the tail below the gap. The other part is its Kramers-Kronig
+    # integral, in which the pole is subtracted, by Gauss-Legendre nodes beyond the gap.
+    def absorbed(e: Numeric) -> Numeric:
+        above = jnp.maximum(e - gap, 0.0) ** 2
+        peak = amplitude * centre * broadening * e
+        shape = above / (above + transition**2)
+        return shape * peak / ((e**2 - centre**2) ** 2 + (broadening * e) ** 2)
+
+    here, square, real = absorbed(energy), energy**2, jnp.zeros_like(energy)
+    share, weight = _NODES
+    for at, part in zip(share, weight, strict=True):
+        e = gap + centre * at / (1.0 - at)
+        apart = e**2 - square
+        safe = jnp.where(apart == 0.0, 1.0, apart)
+        step = part * centre / (1.0 - at) ** 2
+        real = real + step * jnp.where(apart == 0.0, 0.0, (e * absorbed(e) - energy * here) / safe)
+    safe = jnp.where(energy == gap, 1.0, jnp.abs(gap - energy))
+    pole = here * jnp.log((gap + energy) / safe)
+    return (2.0 * real + pole) / np.pi, here
+
+
 class Term(Checked):
     """A term of a permittivity, which obeys causality by itself."""
 
@@ -176,6 +226,46 @@ class TaucLorentz(Term):
 
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
         return tauc_lorentz(energy, self.amplitude, self.energy, self.broadening, self.gap)
+
+
+class Gaussian(Term):
+    """A Gaussian band, such as a polymer's in the infrared; see :func:`gaussian`.
+
+    Attributes
+    ----------
+    amplitude : array
+        Imaginary part at the centre [1].
+    energy, broadening : array
+        [J], or a text such as ``"0.09 eV"``.
+    """
+
+    amplitude: OscillatorStrength
+    energy: PhotonEnergy
+    broadening: PhotonEnergy
+
+    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
+        return gaussian(energy, self.amplitude, self.energy, self.broadening)
+
+
+class CodyLorentz(Term):
+    """Interband absorption of an amorphous semiconductor; see :func:`cody_lorentz`.
+
+    Attributes
+    ----------
+    amplitude, energy, broadening, gap, transition : array
+        [J], or a text such as ``"1.2 eV"``.
+    """
+
+    amplitude: PhotonEnergy
+    energy: PhotonEnergy
+    broadening: PhotonEnergy
+    gap: EnergyGap
+    transition: PhotonEnergy
+
+    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
+        return cody_lorentz(
+            energy, self.amplitude, self.energy, self.broadening, self.gap, self.transition
+        )
 
 
 class Cauchy(Checked):

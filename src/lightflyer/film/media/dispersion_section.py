@@ -13,7 +13,15 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
-from lightflyer.film.media.dispersion import Cauchy, Drude, Formula, Lorentz, TaucLorentz
+from lightflyer.film.media.dispersion import (
+    Cauchy,
+    CodyLorentz,
+    Drude,
+    Formula,
+    Gaussian,
+    Lorentz,
+    TaucLorentz,
+)
 from lightflyer.film.media.medium import Extrapolation
 
 
@@ -33,6 +41,14 @@ class DrudeSection(Section, of=Drude):
     """An entry of ``drude``."""
 
 
+class GaussianSection(Section, of=Gaussian):
+    """An entry of ``gaussian``."""
+
+
+class CodyLorentzSection(Section, of=CodyLorentz):
+    """An entry of ``cody_lorentz``."""
+
+
 class DispersionSection(Section):
     """``dispersion``: Cauchy's formula, or a permittivity of a constant and terms."""
 
@@ -46,24 +62,31 @@ class DispersionSection(Section):
     tauc_lorentz: Annotated[tuple[TaucLorentzSection, ...], Field(max_length=10)] = ()
     lorentz: Annotated[tuple[LorentzSection, ...], Field(max_length=50)] = ()
     drude: Annotated[tuple[DrudeSection, ...], Field(max_length=5)] = ()
+    gaussian: Annotated[tuple[GaussianSection, ...], Field(max_length=50)] = ()
+    cody_lorentz: Annotated[tuple[CodyLorentzSection, ...], Field(max_length=10)] = ()
     shortest: Length | None = None
     longest: Length | None = None
 
     @pydantic.model_validator(mode="after")
     def _one_kind(self) -> "DispersionSection":
-        terms = bool(self.tauc_lorentz or self.lorentz or self.drude)
-        if terms is (self.cauchy is not None):
+        if bool(self._terms) is (self.cauchy is not None):
             raise ConfigurationError(
-                "dispersion needs either cauchy, or terms: tauc_lorentz, lorentz, drude"
+                "dispersion needs either cauchy, or terms: tauc_lorentz, cody_lorentz, lorentz, "
+                "gaussian, drude"
             )
         self.medium("the layer", Extrapolation.ERROR)  # raises where the line is known
         return self
 
+    @property
+    def _terms(self) -> tuple[Section, ...]:
+        return (
+            *self.tauc_lorentz, *self.lorentz, *self.drude, *self.gaussian, *self.cody_lorentz
+        )  # fmt: skip
+
     def medium(self, name: str, policy: Extrapolation) -> Formula:
         """The medium."""
-        terms = (*self.tauc_lorentz, *self.lorentz, *self.drude)
         return Formula(
-            name, tuple(term.make() for term in terms), self.permittivity.value,
+            name, tuple(term.make() for term in self._terms), self.permittivity.value,
             None if self.cauchy is None else self.cauchy.make(), extrapolation=policy,
             shortest=0.0 if self.shortest is None else float(self.shortest.value),
             longest=np.inf if self.longest is None else float(self.longest.value),

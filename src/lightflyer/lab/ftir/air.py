@@ -104,8 +104,9 @@ def with_straight_lines(
         if not (inside.any() and before.size and after.size):
             ends = " to ".join(f"{end / PER_CENTIMETRE:g}" for end in (low, high))
             raise ParameterError(f"{spectrum.source}: {ends} cm^-1 is not within its data")
-        ends = [(at[one].mean(), spectrum.value[one].mean()) for one in (before, after)]
-        value[inside] = np.interp(at[inside], *zip(*ends, strict=True))
+        both = before, after
+        places, levels = ([float(of[one].mean()) for one in both] for of in (at, spectrum.value))
+        value[inside] = np.interp(at[inside], places, levels)
     return replace(spectrum, value=value)
 
 

@@ -6,6 +6,7 @@ with :math:`r_p/r_s=\tan\Psi\,e^{i\Delta}`. They are fitted as transmittance and
 """
 
 from collections.abc import Iterator
+from typing import Literal
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from lightflyer.lab.optics.measured_file import MeasuredFile
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectrum_data import AXES, COLUMNS
 
-ORDINATES = ("N", "C", "S")
+ORDINATES: tuple[Literal["N", "C", "S"], ...] = ("N", "C", "S")
 
 _ANGLE = Quantity("deg", 0.0, 90.0)
 _COLUMNS = (

@@ -10,6 +10,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from lightflyer.files.drawing import BAND, LINES, figure_for, legend_below, new_figure
 from lightflyer.files.palette import GREY, PALETTE
 from lightflyer.film.media.medium import MICROMETRE
+from lightflyer.lab.optics.ellipsometry import ORDINATES
 
 if TYPE_CHECKING:
     from lightflyer.lab.optics.fit import FittedSpectrum, OpticsFit
@@ -34,7 +35,8 @@ def spectra(result: "OpticsFit", ax: Axes) -> Axes:
     ax.plot([], [], "-", lw=1.2, color=GREY, label="fitted")
     values = [part for one in result.spectra for part in (one.reading, one.measured.spectrum.value)]
     ax.set_ylim(min(0.0, *(one.min() for one in values)), max(one.max() for one in values) * 1.05)
-    ax.set_ylabel("fraction of the light [1]")
+    angles = any(one.measured.spectrum.quantity in ORDINATES for one in result.spectra)
+    ax.set_ylabel(f"fraction of the light{', or N, C, S' if angles else ''} [1]")
     _axis(ax)
     legend_below(ax, most=2)
     return ax

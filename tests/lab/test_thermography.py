@@ -349,3 +349,13 @@ def test_a_picture_is_no_thermal_image(tmp_path, content):
     path.write_bytes(content)
     with pytest.raises(lf.ConfigurationError, match=r"a\.jpg: is not a radiometric FLIR image"):
         read_thermal_image(path)
+
+
+def test_units_of_a_light_meter_are_of_one_kind(tmp_path):
+    path = tmp_path / "meter.csv"
+    path.write_text("incident [W],reflected [mW],transmitted [V]\n1.7,271,1\n", encoding="utf-8")
+    with pytest.raises(lf.ConfigurationError, match="units of one kind"):
+        lf.lab.read_readings(path, lf.lab.LIGHT)
+    path.write_text("incident [W],reflected [mW],transmitted [mW]\n1.7,271,9\n", encoding="utf-8")
+    found, _ = lf.lab.read_readings(path, lf.lab.LIGHT)
+    assert found.values[:3, 0] == pytest.approx([1.7, 0.271, 0.009])

@@ -91,7 +91,9 @@ def _plain(text: str) -> str:
 
 def _calculator_link(flyer: Published) -> str:
     link = calculator_hash(flyer)
-    return f' The <a href="../calculator.html{escape(link)}">calculator</a> shows it.' if link else ""
+    return (
+        f' The <a href="../calculator.html{escape(link)}">calculator</a> shows it.' if link else ""
+    )
 
 
 def _band(flyer: Published) -> str:

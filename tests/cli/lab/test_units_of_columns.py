@@ -68,6 +68,18 @@ COMMANDS = {
             "diameter [cm]": ("mm", Decimal(10)), "floor_gap [mm]": ("cm", Decimal("0.1")),
         },
     }),
+    "lab tac  ": ("tac-reduced.txt --gauge gauge.csv", {
+        "gauge.csv": {"shown [Pa]": ("hPa", 1 / CENTI), "pressure [Pa]": ("kPa", 1 / MILLI)},
+    }),
+    "lab optics ": ("angles.toml --starts 1", {
+        "psi-delta.csv": {"photon_energy [eV]": ("meV", MILLI), "psi [deg]": ("mdeg", MILLI),
+                          "delta [deg]": ("mdeg", MILLI), "incidence [deg]": ("mdeg", MILLI)},
+    }),
+    "film ": ("lines.toml", {
+        "permittivity.csv": {"wavenumber [cm^-1]": ("m^-1", CENTI)},
+        "energies.csv": {"photon_energy [eV]": ("meV", MILLI)},
+        "frequencies.csv": {"frequency [THz]": ("GHz", MILLI)},
+    }),
     "film": ("film.toml", {
         "index.csv": {"wavelength [um]": ("nm", MILLI)},
         "lamp.csv": {"wavelength [nm]": ("um", 1 / MILLI)},
@@ -78,6 +90,32 @@ OTHER_FILES = {
     "camera.csv": "wavelength [um],response\n7,0\n8,1\n13,0.9\n14,0\n",
     "index.csv": "wavelength [um],n,k\n0.2,1.9,0.3\n1,1.7,0.1\n10,1.6,0.2\n100,1.5,0.4\n",
     "lamp.csv": "wavelength [nm],irradiance\n400,1\n600,3\n800,0.5\n",
+    "gauge.csv": "shown [Pa],pressure [Pa]\n0.01,0.011\n1,1.2\n200,190\n",
+    "psi-delta.csv": "photon_energy [eV],psi [deg],delta [deg],incidence [deg]\n"
+    + "".join(
+        f"{energy},{36 - 3 * energy + 0.1 * (n % 3)},{95 + 9 * energy},65\n"
+        for n, energy in enumerate((1.5, 1.8, 2.1, 2.4, 2.7, 3.0))
+    ),
+    "angles.toml": """free = [{number = "layers.0.thickness"}]
+[[ellipsometry]]
+file = "psi-delta.csv"
+[film]
+layers = [{dispersion = {cauchy = {a = 1.6}}, thickness = "100 nm"}]
+substrate = {dispersion = {cauchy = {a = 1.5}}}
+""",
+    "permittivity.csv": "wavenumber [cm^-1],permittivity_real,permittivity_imaginary\n"
+    "50,2.4,0.2\n1000,2.5,0.3\n40000,2.6,0.5\n",
+    "energies.csv": "photon_energy [eV],n,k\n0.01,1.6,0.2\n1,1.5,0.01\n6,1.7,0.4\n",
+    "frequencies.csv": "frequency [THz],n,k\n1,1.6,0.2\n300,1.5,0.01\n1500,1.7,0.4\n",
+    "lines.toml": """[film]
+layers = [
+  {material = "permittivity.csv", thickness = "80 nm", density = "2 g/cm^3"},
+  {material = "energies.csv", thickness = "50 nm", density = "2 g/cm^3"},
+  {material = "frequencies.csv", thickness = "90 nm", density = "2 g/cm^3"},
+]
+tac_top = 0.8
+tac_bottom = 0.9
+""",
     "film.toml": """[film]
 layers = [{material = "index.csv", thickness = "80 nm", density = "2 g/cm^3"}]
 spectrum = "lamp.csv"
@@ -151,3 +189,19 @@ def test_a_column_in_another_unit_changes_no_result(reduced, command, file, colu
     assert found.keys() == expected.keys()
     for place, value in expected.items():
         assert math.isclose(found[place], value, rel_tol=1e-6, abs_tol=1e-9), place
+
+
+def test_all_columns_of_a_light_meter_in_another_unit(run, examples):
+    folder = examples("thermography")
+    command = ("lab", "thermography", "light-meter.csv", "--light-meter", "--draws", "1000")
+    _, expected, _ = run(*command, "--json")
+    text = (folder / "light-meter.csv").read_text(encoding="utf-8")
+    for name in ("incident", "reflected", "transmitted", "dark"):
+        column = next(one for one in re.split("[,;\n]", text) if one.startswith(name))
+        text = in_other_unit(text, column, "mW/m^2", MILLI)
+    (folder / "light-meter.csv").write_text(text, encoding="utf-8")
+    code, found, errors = run(*command, "--json")
+    assert code == 0, errors
+    pairs = zip(numbers_in(json.loads(found)), numbers_in(json.loads(expected)), strict=True)
+    for (place, value), (_, other) in pairs:
+        assert place.startswith(".read") or math.isclose(value, other, rel_tol=1e-6), place

@@ -104,10 +104,17 @@ class Readings:
     warnings: tuple[str, ...] = ()
 
 
-def columns_of(method: Method) -> tuple[Column, ...]:
-    """Columns of a table of readings, each with its standard uncertainty."""
+_OF_LIGHT = ("", "W/m^2", "W", "V", "A")  # units of what light meters show
+
+
+def columns_of(method: Method, unit: str | None = None) -> tuple[Column, ...]:
+    """Columns of a table of readings, each with its standard uncertainty; ``unit``: of all."""
     readings = [
-        Column(name, quantity, _ALIASES.get(name, ()))
+        Column(
+            name,
+            quantity if unit is None else dataclasses.replace(quantity, unit=unit),
+            _ALIASES.get(name, ()),
+        )
         for name, quantity in zip(method.readings, method.quantities, strict=True)
     ]
     return tuple(column for one in readings for column in (one, one.uncertainty()))
@@ -148,7 +155,7 @@ def read_readings(
     ConfigurationError
         One line that names file and line or column.
     """
-    table = read_table(path, columns_of(method), layout=columns)
+    table = _read(path, method, columns)
     given = _check(given or {}, method)
     if method == LIGHT and "dark" not in table.numbers:
         given.setdefault("dark", Measured(0.0, 0.0))
@@ -166,6 +173,22 @@ def read_readings(
     places = tuple(f"{path}:{line}" for line in table.lines)
     _require_possible(readings, places)
     return dataclasses.replace(readings, places=places), table
+
+
+def _read(path: str | Path, method: Method, layout: str | None) -> Table:
+    """The table; a light meter's readings may have any unit, but one of the same kind."""
+    if method != LIGHT:
+        return read_table(path, columns_of(method), layout=layout)
+    for unit in _OF_LIGHT:
+        try:
+            return read_table(path, columns_of(method, unit), layout=layout)
+        except ConfigurationError as error:
+            if "of the wrong kind" not in str(error):
+                raise
+    kinds = ", ".join(unit for unit in _OF_LIGHT if unit)
+    raise ConfigurationError(
+        f"{path}: a light meter's columns need units of one kind, {kinds}, or none"
+    )
 
 
 def given_readings(

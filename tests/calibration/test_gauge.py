@@ -36,6 +36,15 @@ def test_what_is_no_calibration_is_refused(tmp_path, rows):
         read_gauge(tmp_path / "gauge.csv")
 
 
+def test_a_gauge_in_a_wrong_unit_is_said(tmp_path):
+    (tmp_path / "gauge.csv").write_text(TABLE.replace("mTorr", "Pa"), encoding="utf-8")
+    gauge = read_gauge(tmp_path / "gauge.csv")
+    with pytest.raises(lf.ConfigurationError, match="is within its calibration; check the units"):
+        gauge.correct(np.array([1e-3, 0.5]))
+    assert "pressure over shown = 0.2 is unlikely" in gauge.correct(np.array([2.0]))[1][0]
+    assert "pressure over shown = 1000 is unlikely" in Gauge(1000.0).correct(np.ones(1))[1][0]
+
+
 @pytest.mark.parametrize("factor", [0.0, -1.0, np.nan])
 def test_an_impossible_factor_is_refused(factor):
     with pytest.raises(lf.ParameterError, match="gauge_factor"):

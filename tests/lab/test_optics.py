@@ -126,6 +126,21 @@ def test_layer_on_a_substrate_computed_by_tmm(cauchy):
     assert not cauchy.predictions  # a film on a substrate is no flyer
 
 
+def test_what_a_sample_left_in_the_cache_is_not_read_for_another(tmp_path, monkeypatch):
+    monkeypatch.setenv("LIGHTFLYER_CACHE", str(tmp_path))
+    thick, thin = (cauchy_sample(thickness) for thickness in (900e-9, 300e-9))
+    OpticalModel(thick).shares(np.full(len(thick.free), 0.4))
+    middle = np.full(len(thin.free), 0.4)
+    spectra = tuple(
+        replace(one, spectrum=replace(one.spectrum, wavenumber=0.9 * one.spectrum.wavenumber))
+        for one in thin.spectra
+    )
+    other = OpticalModel(replace(thin, spectra=spectra)).shares(middle)[0]
+    monkeypatch.setenv("LIGHTFLYER_CACHE", "off")
+    known = OpticalModel(replace(thin, spectra=spectra)).shares(middle)[0]
+    np.testing.assert_allclose(np.concatenate(other), np.concatenate(known), rtol=1e-12)
+
+
 def test_orders_of_interference_are_other_minima(cauchy):
     """Wrong fringe orders are minima too; these spectra exclude them, and the result has them."""
     assert len(cauchy.rivals) >= 1

@@ -7,10 +7,12 @@ import numpy as np
 
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.quantity import Pressure
+from lightflyer.core.quantity import Pressure, Quantity
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 
+_FACTOR = Quantity(likely=(0.1, 10.0), known="gauges in other gases show 0.1 to 6 of the pressure")
+_RATIO = Quantity(likely=(0.3, 3.0), known="calibrations move a gauge by less")
 _COLUMNS = (
     Column("shown", Pressure, ("reading", "indicated", "gauge", "display"), required=True),
     Column("pressure", Pressure, ("p", "true", "reference"), required=True),
@@ -33,16 +35,24 @@ class Gauge:
 
     def correct(self, shown: np.ndarray) -> tuple[np.ndarray, list[str]]:
         """Pressures for what is shown, shape (m,) [Pa], and what must be known of them."""
+        doubts = [_FACTOR.unlikely(self.factor)]
         if self.shown is None or self.pressure is None:
-            return self.factor * shown, []
+            return self.factor * shown, [f"pressure over shown = {one}" for one in doubts if one]
         # straight in logarithms; beyond the ends the ratio is that of the end
         ratio = np.interp(np.log(shown), np.log(self.shown), np.log(self.pressure / self.shown))
         beyond = int(np.sum((shown < self.shown[0]) | (shown > self.shown[-1])))
-        said = [
+        if beyond == shown.size:
+            raise ConfigurationError(
+                f"{self.source}: no pressure that the gauge showed, {shown.min():.3g} to "
+                f"{shown.max():.3g} Pa, is within its calibration; check the units"
+            )
+        doubts.append(_RATIO.unlikely(self.pressure / self.shown))
+        said = [f"{self.source}: pressure over shown = {one}" for one in doubts if one]
+        said += [
             f"{beyond} pressure{'s are' if beyond > 1 else ' is'} beyond the gauge's calibration, "
             f"{self.source}, {self.shown[0]:.3g} to {self.shown[-1]:.3g} Pa; its end holds there"
-        ]
-        return self.factor * shown * np.exp(ratio), said if beyond else []
+        ] * bool(beyond)
+        return self.factor * shown * np.exp(ratio), said
 
 
 def read_gauge(path: str | Path | None, factor: float = 1.0) -> Gauge:

@@ -1,6 +1,7 @@
 """Numbers of many records of the lab bench in one table."""
 
 import json
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -50,7 +51,7 @@ def collect_records(folders: Sequence[str | Path]) -> list[Entry]:
             names = ", ".join(f"{name}.json" for name in COMMANDS)
             raise ConfigurationError(f"{folder}: has no record of the lab bench ({names})")
         found += [entry for path in records for entry in _entries(path)]
-    return found
+    return list(dict.fromkeys(found))
 
 
 def _entries(path: Path) -> Iterator[Entry]:
@@ -59,7 +60,7 @@ def _entries(path: Path) -> Iterator[Entry]:
         warnings = len(content["warnings"])
         for name, estimate in _estimates(content, ()):
             yield Entry(str(path.parent), path.stem, ", ".join(name), estimate, warnings)
-    except (ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError):
         raise ConfigurationError(f"{path}: is no record of lightflyer, or damaged") from None
 
 
@@ -69,8 +70,8 @@ def _estimates(content: Any, name: tuple[str, ...]) -> Iterator[tuple[tuple[str,
         return
     if {"value", "interval_95"} <= content.keys():
         low, high = content["interval_95"]
-        ends = (-float("inf") if low is None else low, float("inf") if high is None else high)
-        yield name, Estimate(content["value"], ends, content.get("unit", ""))
+        ends = (-math.inf if low is None else float(low), math.inf if high is None else float(high))
+        yield name, Estimate(float(content["value"]), ends, str(content.get("unit", "")))
         return
     for key, part in content.items():
         yield from _estimates(part, (*name, key))

@@ -15,6 +15,7 @@ from lightflyer.cli.lab.shared import (
 )
 from lightflyer.cli.options import Json, Seed, Whole, only_with
 from lightflyer.cli.output import print_json, printer
+from lightflyer.core.errors import ParameterError
 from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
@@ -87,6 +88,7 @@ def roughness_command(
     from lightflyer.lab.readers.height_map import read_height_map
     from lightflyer.lab.readers.masks import mask_as_png, read_mask
     from lightflyer.lab.record import require_distinct
+    from lightflyer.lab.surface.particles import THRESHOLD
     from lightflyer.lab.surface.reduction import mean_parameters, roughness, summary, to_dataset
     from lightflyer.lab.surface.text import means_parts, roughness_parts
 
@@ -96,6 +98,8 @@ def roughness_command(
         "flatten_order": flatten_order, "seed": seed,
         "height_accuracy": optional_share("--height-accuracy", height_accuracy),
     }  # fmt: skip
+    if mask != "auto" and threshold != THRESHOLD:
+        raise ParameterError(f"--threshold is for --mask auto; with {mask} it does nothing")
     width = None if size is None else quantity("--size", size, "m").value
     maps = [read_height_map(file, size=width, unit=unit, channel=channel) for file in files]
     require_distinct([(one.source, one.height) for one in maps])

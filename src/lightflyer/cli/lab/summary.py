@@ -41,7 +41,9 @@ def summary_command(
     names = sorted({one.quantity for one in entries})
     entries = [one for one in entries if (quantity or "") in one.quantity]
     if not entries:
-        raise ConfigurationError(f"no quantity contains {quantity}; found: {', '.join(names)}")
+        raise ConfigurationError(f"no quantity contains {quantity}; found: {'; '.join(names)}")
+    if out is not None and out.is_dir():
+        raise ConfigurationError(f"{out}: is a folder; name a table, such as {out / 'runs.csv'}")
     if out is not None:
         with output_directory(out.parent, shared=True) as stage:
             stage(out.name).write_text(table_text(entries), encoding="utf-8")

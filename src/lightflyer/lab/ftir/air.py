@@ -34,6 +34,8 @@ def without_air(spectrum: MeasuredSpectrum, air: MeasuredSpectrum) -> MeasuredSp
     """A spectrum without the lines of the air; ``air``: transmittance of air alone."""
     if air.quantity != "transmittance":
         raise ParameterError(f"{air.source}: shows {air.quantity}, not transmittance of air")
+    if np.array_equal(air.value, spectrum.value):
+        raise ParameterError(f"{air.source}: has the same data as {spectrum.source}; it is no air")
     if np.any(air.value <= 0.0):
         raise ParameterError(f"{air.source}: its transmittance is not above zero everywhere")
     at, value, said = spectrum.wavenumber, spectrum.value.copy(), []

@@ -21,6 +21,7 @@ from lightflyer.lab.readers.spectrum_data import AXES, COLUMNS
 
 ORDINATES: tuple[Literal["N", "C", "S"], ...] = ("N", "C", "S")
 
+_GRAZING = 90.0
 _ANGLE = Quantity("deg", 0.0, 90.0)
 _COLUMNS = (
     *(column for column in COLUMNS if column.name in AXES),
@@ -52,6 +53,11 @@ class EllipsometrySection(MeasuredFile):
         )
         values = np.cos(double), np.sin(double) * np.cos(delta), np.sin(double) * np.sin(delta)
         for angle in np.unique(angles):
+            if not 0.0 < angle < _GRAZING:
+                raise ConfigurationError(
+                    f"{self.file}: incidence = {angle:g} deg must be above 0 and below 90 deg; at "
+                    "normal incidence Ψ and Δ tell nothing"
+                )
             here = np.flatnonzero(angles == angle)
             here = here[np.argsort(wavenumber[here])]
             if np.any(np.diff(wavenumber[here]) == 0.0):

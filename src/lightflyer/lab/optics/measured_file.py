@@ -36,6 +36,8 @@ class MeasuredFile(Section):
         """The points between ``shortest`` and ``longest``."""
         shortest = 0.0 if self.shortest is None else self.shortest.value
         longest = np.inf if self.longest is None else self.longest.value
+        if len(found.value) < 2:
+            raise ConfigurationError(f"{self.file}: has one point; a spectrum needs two or more")
         inside = (found.wavelength >= shortest) & (found.wavelength <= longest)
         if np.count_nonzero(inside) < 2:
             ends = 1e9 * found.wavelength[[-1, 0]]

@@ -43,7 +43,13 @@ class OpticalModel:
         self._spectra = sample.spectra
         self._low = np.array([one.lowest for one in sample.free])
         self._width = np.array([one.highest for one in sample.free]) - self._low
-        self._compiled = entry_point(jax.jacfwd(self._twice, has_aux=True))
+
+        # a function of this model's own: a method would be kept for later processes by its name,
+        # and the film and the wavelengths of another sample would be read in place of these
+        def twice(position: Numeric) -> tuple[list[Numeric], list[Numeric]]:
+            return self._twice(position)
+
+        self._compiled = entry_point(jax.jacfwd(twice, has_aux=True))
         self._last: tuple[bytes, tuple[list[np.ndarray], list[np.ndarray]]] | None = None
 
     def film(self, position: Numeric) -> Film:

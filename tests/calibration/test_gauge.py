@@ -16,8 +16,8 @@ def test_a_calibration_is_met_at_its_points_and_straight_between(tmp_path):
     # halfway between 10 and 1000 mTorr in logarithms: the geometric mean
     assert found == pytest.approx([0.2, 1.5, np.sqrt(1.5 * 200.0), 200.0])
     assert said == []
-    found, said = gauge.correct(np.array([1e-4, 2.0]) * torr)
-    assert found == pytest.approx([0.02, 400.0])
+    found, said = gauge.correct(np.array([1e-4, 1e-2, 2.0]) * torr)
+    assert found == pytest.approx([0.02, 1.5, 400.0])
     assert said[0].startswith("2 pressures are beyond the gauge's calibration")
 
 

@@ -120,6 +120,29 @@ def test_address_holds_the_design(page, browser, site):
     assert (page.input_value(DIAMETER), page.input_value("#at")) == ("3.3 cm", "76 km")
 
 
+def test_a_move_is_undone_by_button_and_browser(page):
+    for diameter in ("3 cm", "4 cm"):
+        type_into(page, DIAMETER, diameter)
+        until(page, f"location.hash.includes('flyer.diameter={diameter.replace(' ', '+')}')")
+    page.click("#undo")
+    until(page, "location.hash.includes('flyer.diameter=3+cm')")
+    settled(page)
+    assert page.input_value(DIAMETER) == "3 cm"
+    page.go_back()
+    until(page, "!location.hash.includes('flyer.diameter=3+cm')")
+    settled(page)
+    assert page.input_value(DIAMETER) == "2 cm"
+
+
+def test_an_address_holds_what_is_looked_at(page):
+    page.click("#tab-sensitivity")
+    until(page, "location.hash.endsWith('&looks=sensitivity')")
+    address = page.url.partition("#")[2]
+    start(page, address)
+    assert page.get_attribute("#tab-sensitivity", "aria-selected") == "true"
+    assert page.is_hidden("#mistakes")
+
+
 @pytest.mark.parametrize("address", ["nonsense", "flyer.x.y=1&flyer.x=2", "pin={", "a.b=%ff"])
 def test_wrong_address_is_one_visible_line(page, address):
     start(page, address)
@@ -132,7 +155,7 @@ def test_mistake_is_told_beside_its_field_and_figures_stay(page):
     page.fill(DIAMETER, "2 xm")
     page.wait_for_selector(f"{DIAMETER}[aria-invalid=true]")
     assert 'unit "xm" is unknown' in page.inner_text("#wrong-flyer\\.diameter")
-    assert "mistakes must be mended" in page.inner_text("#status")
+    assert "Fix the marked field" in page.inner_text("#status")
     type_into(page, DIAMETER, "2 cm")
     assert not page.is_visible("#mistakes")
 

@@ -24,6 +24,7 @@ from lightflyer.explorer.state import View, plain, to_toml
 from lightflyer.files.toml_file import parse_toml, validate
 from lightflyer.film.optics.spectra import am0
 from lightflyer.lab.levitation.data import read_lift_offs
+from lightflyer.prediction.text import verdict_lines
 
 
 @pytest.fixture
@@ -163,10 +164,33 @@ def test_force_models_side_by_side_are_those_of_compare(workplace, document, mon
     monkeypatch.setattr(jobs, "models_for", lambda _: ["lu2023", "free-molecular", "schafer2025"])
     found = job("models", workplace, document)
     lines = found["sources"]["curves"]
-    assert lines["name"] == ["lu2023", "free-molecular"]
+    assert lines["name"] == ["lu2023", "lu2023", "free-molecular", "free-molecular"]
+    assert lines["alpha"] == [0.35, 1.0, 0.35, 1.0]
+    faint, strong = (sum(value is not None for value in ys) for ys in lines["ys"][2:])
+    assert strong == 0 < faint  # nothing that flies is at a Knudsen number above ten
     assert any("left out: schafer2025" in text for text in found["warnings"])
     own = lf.predict(workplace.design(document)).easiest.values["levitation_irradiance"]
     assert min(value for value in lines["ys"][0] if value) == pytest.approx(own, rel=1e-2)
+
+
+def test_the_verdict_is_that_of_the_command_line(workplace, document):
+    shown = pages.ANSWERS["predict"](workplace, {"document": document})["verdict"]
+    own = prediction_of(workplace.design(document))
+    assert shown["state"] == ("flies" if own.verdict.survives else "hot")
+    assert shown["lines"] == list(verdict_lines(own))[1:]
+    document["flyer"]["diameter"] = "50 cm"
+    heavy = pages.ANSWERS["predict"](workplace, {"document": document})["verdict"]
+    assert heavy["state"] == "not"
+    assert heavy["lines"][0].startswith("It does not fly")
+
+
+def test_a_mission_begins_where_the_flyer_carries_most_under_the_sun(workplace, document):
+    asked = {"document": document, "section": "mission", "tag": "given"}
+    given = pages.ANSWERS["switch"](workplace, asked)["document"]
+    best = prediction_of(workplace.design(document)).verdict.best
+    assert given["mission"]["altitude"] == f"{best.coordinate / 1e3:.1f} km"
+    assert "irradiance" not in given["environment"]
+    workplace.mission(given)  # which a file with this content would be
 
 
 def named(content):

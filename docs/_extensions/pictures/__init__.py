@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from importlib import resources
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -19,6 +20,7 @@ from lightflyer.files.palette import style_sheet
 
 _HERE = Path(__file__).parent
 _SCRIPT = "rise.js"
+_DRAWN = "schematic.css"  # of the explorer, whose drawings these pages show
 
 
 def _directive(draw: Callable[[], str]) -> type[Directive]:
@@ -54,6 +56,8 @@ def _write(app: Sphinx) -> None:
     unless_light = 'body:not([data-theme="light"])'
     sheet = style_sheet('body[data-theme="dark"]', unless_light)
     (folder / "palette.css").write_text(sheet, encoding="utf-8")
+    explorer = resources.files("lightflyer.explorer") / "static"
+    (folder / _DRAWN).write_text((explorer / _DRAWN).read_text(encoding="utf-8"), encoding="utf-8")
     for name in ("pictures.css", _SCRIPT):
         shutil.copyfile(_HERE / name, folder / name)
     app.config.html_static_path.append(str(folder))
@@ -75,6 +79,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_directive("flyer-drawing", FlyerDrawing)
     app.add_directive("architecture", _directive(architecture.html))
     app.add_css_file("palette.css", priority=100)
+    app.add_css_file(_DRAWN)
     app.add_css_file("pictures.css")
     app.connect("builder-inited", _write)
     app.connect("html-page-context", _load)

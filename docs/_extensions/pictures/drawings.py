@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
 from html import escape
+from importlib import resources
 
 from lightflyer.cli.commands.init import templates
 from lightflyer.core.units import scale_and_offset
@@ -20,18 +20,6 @@ _ROCKET = 10.0  # that was proposed to carry a kilogram [m]
 
 def _line(x1: float, y1: float, x2: float, y2: float, style: str) -> str:
     return f'<line class="{style}" x1="{x1:g}" y1="{y1:g}" x2="{x2:g}" y2="{y2:g}"/>'
-
-
-def _arrow(x1: float, y1: float, x2: float, y2: float, style: str) -> str:
-    """A line with a head at its end; its style names the head's colour too."""
-    long = ((x2 - x1) ** 2 + (y2 - y1) ** 2) ** 0.5
-    u, v = (x2 - x1) / long, (y2 - y1) / long
-    back, side = (7.0, 3.5) if "lf-lift" not in style else (11.0, 7.0)
-    base = x2 - back * u, y2 - back * v
-    left = base[0] - side * v, base[1] + side * u
-    right = base[0] + side * v, base[1] - side * u
-    head = " ".join(f"{x:.1f},{y:.1f}" for x, y in ((x2, y2), left, right))
-    return _line(x1, y1, *base, style) + f'<polygon class="{style}" points="{head}"/>'
 
 
 def _rect(x: float, y: float, width: float, height: float, style: str) -> str:
@@ -56,74 +44,6 @@ def _svg(content: str, width: float, height: float, label: str) -> str:
     )
 
 
-def _sun(*places: float) -> str:
-    return "".join(_arrow(x - 14, 6, x, 34, "lf-sun") for x in places)
-
-
-def _disk() -> str:
-    film = _rect(20, 78, 150, 5, "lf-film")
-    above = _arrow(48, 46, 56, 74, "lf-cold") + _arrow(60, 74, 67, 52, "lf-hot")
-    below = _arrow(50, 112, 58, 87, "lf-cold") + _arrow(62, 87, 78, 142, "lf-hot")
-    words = _text(84, 66, "leave slower", "start") + _text(86, 108, "leave faster", "start")
-    return _sun(38, 130) + film + above + below + words + _arrow(222, 120, 222, 44, "lf-lift")
-
-
-def _pieces(y: float, style: str) -> str:
-    return "".join(_rect(30 + 32 * at, y, 20, 4, style) for at in range(5))
-
-
-def _sandwich() -> str:
-    posts = "".join(_line(x, 62, x, 92, "lf-post") for x in (40, 104, 168))
-    through = "".join(_arrow(x, 44, x, 132, "lf-hot") for x in (56, 120))
-    cold = "".join(_arrow(x, 34, x, 58, "lf-cold") for x in (56, 120))
-    words = _text(192, 54, "clear, cold", "start") + _text(192, 116, "dark, warm", "start")
-    lift = _arrow(222, 98, 222, 62, "lf-lift")
-    films = _pieces(58, "lf-clear") + _pieces(92, "lf-film")
-    return _sun(40, 150) + posts + films + through + cold + words + lift
-
-
-def _plate() -> str:
-    walls = "".join(
-        _line(x, 62, x, 96, "lf-post") for at in range(5) for x in (30 + 32 * at, 50 + 32 * at)
-    )
-    through = "".join(_arrow(x, 40, x, 132, "lf-hot") for x in (56, 120))
-    words = _text(192, 54, "clear, cold", "start") + _text(192, 118, "dark, warm", "start")
-    lift = _arrow(222, 100, 222, 62, "lf-lift")
-    films = _pieces(58, "lf-clear") + _pieces(96, "lf-film")
-    return _sun(40, 150) + walls + films + through + words + lift
-
-
-def _hollow() -> str:
-    wall = (
-        '<path class="lf-porous" d="M86.3 118.1A46 46 0 1 1 123.7 118.1"/>'
-        '<path class="lf-porous lf-inside" d="M88.8 112.6A40 40 0 1 1 121.2 112.6"/>'
-    )
-    inward = "".join(
-        _arrow(*ends, "lf-cold")
-        for ends in ((40, 50, 66, 64), (170, 50, 144, 64), (34, 92, 62, 86), (176, 92, 148, 86))
-    )
-    jet = _arrow(105, 96, 105, 146, "lf-hot")
-    words = _text(120, 146, "jet", "start") + _text(105, 80, "warm", "middle")
-    return _sun(78, 132) + wall + inward + jet + words + _arrow(212, 120, 212, 50, "lf-lift")
-
-
-def _balloon() -> str:
-    envelope = '<path class="lf-envelope" d="M94 124.7A46 46 0 1 1 116 124.7"/>'
-    words = (
-        _text(105, 76, "warm air,")
-        + _text(105, 92, "lighter than")
-        + _text(105, 108, "the air around")
-    )
-    return _sun(60, 150) + envelope + words + _arrow(212, 120, 212, 50, "lf-lift")
-
-
-_SCHEMATICS: dict[str, tuple[Callable[[], str], str]] = {
-    "disk": (_disk, "A film seen from its edge. Molecules leave its lower face faster."),
-    "sandwich": (_sandwich, "Two perforated films. Gas streams down through their holes."),
-    "plate": (_plate, "Two films joined by channels. Gas streams down through them."),
-    "hollow": (_hollow, "A hollow sphere. Gas enters through its wall, leaves as a jet below."),
-    "balloon": (_balloon, "A balloon, open below, with warm air inside."),
-}
 _CARDS = (
     ("disk", "Disk", "flyers.html", "2 cm; 50 to 90 km",
      "One film. Its lower face warms molecules better than its upper one."),
@@ -141,9 +61,9 @@ is a balloon, flies (docs/what-can-fly-where.md), and what it is."""
 
 
 def of_kind(kind: str) -> str:
-    """How a kind works, as a picture."""
-    draw, label = _SCHEMATICS[kind]
-    return _svg(draw(), _WIDTH, _HEIGHT, label)
+    """How a kind works, as the explorer shows it too."""
+    file = resources.files("lightflyer.explorer") / "static" / f"kind-{kind}.svg"
+    return file.read_text(encoding="utf-8")
 
 
 def size(kind: str) -> float:

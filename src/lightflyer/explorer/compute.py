@@ -21,6 +21,7 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
 from lightflyer.prediction.prediction import Prediction, predict_design, search_grid
+from lightflyer.prediction.text import verdict_lines
 from lightflyer.uncertainty.propagation import PredictionUncertainty, propagate
 
 KEPT = 48  # Predictions that are kept: those of the designs that somebody looks at
@@ -147,6 +148,15 @@ def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) 
         found.append(reading)
     found += [_own(prediction.setup, name) for name in ("own_mass", "areal_density")]
     return found
+
+
+def verdict_of(prediction: Prediction, uncertainty: PredictionUncertainty | None) -> dict[str, Any]:
+    """The verdict in sentences, and whether the flyer ``flies``, is too ``hot`` or does ``not``."""
+    lines = list(verdict_lines(prediction, {} if uncertainty is None else uncertainty.bands))
+    found = prediction.verdict
+    melts = found.survives is False or found.limit == "film"
+    state = "not" if not prediction.bands else "hot" if melts else "flies"
+    return {"state": state, "lines": lines[1:]}
 
 
 _SHORT = {

@@ -21,10 +21,12 @@ from lightflyer.explorer.compute import (
     prediction_of,
     readings,
     uncertainty_of,
+    verdict_of,
 )
 from lightflyer.explorer.maps import Choices, payload_map, variable_numbers, words_of
 from lightflyer.explorer.state import Document, Workplace
-from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from lightflyer.files.drawing import EXTRAPOLATED
+from lightflyer.files.palette import BLUE, GREEN, GREY, LESS, MORE, ORANGE, PURPLE, SKY, VERMILION
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.film.optics.spectra import planck
 from lightflyer.film.report.summary import FilmSummary
@@ -41,7 +43,7 @@ _MICROMETRE, _HOUR, _KILOMETRE = 1e-6, 3600.0, 1e3
 _TEMPERATURES = np.array([250.0, 300.0, 350.0, 400.0])
 _HEAT = 300.0  # K, of the black body behind a spectrum
 _BEHIND = 0.45  # height of the shaded spectra
-_MODEL_COLOURS = (BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)  # vermilion is the light available
+_MODEL_COLOURS = (BLUE, GREEN, PURPLE, VERMILION, SKY, GREY)  # orange is the light available
 _DASHES = ("solid", "dashed", "dotdash", "dotted")
 
 
@@ -98,6 +100,7 @@ def bands(workplace: Workplace, document: Document, choices: Choices) -> dict[st
     return {
         "figures": view.bands(uncertainty),
         "readings": [reading.__dict__ for reading in found],
+        "verdict": verdict_of(prediction_of(design), uncertainty),
         "note": note,
         "warnings": [] if uncertainty is None else list(uncertainty.warnings),
     }
@@ -140,21 +143,24 @@ def _models_data(found: Any, left_out: list[str]) -> dict[str, Any]:
     where = found.coordinate
     factor = coordinate_factor(where)
     looks = [(colour, dash) for dash in _DASHES for colour in _MODEL_COLOURS]
-    lines: dict[str, list[Any]] = {"xs": [], "ys": [], "colour": [], "name": [], "dash": []}
+    columns = ("xs", "ys", "colour", "name", "dash", "alpha")
+    lines: dict[str, list[Any]] = {column: [] for column in columns}
     legend, words = [], []
     for one, (colour, dash) in zip(found.flyers, looks, strict=False):
         needed = one.table["levitation_irradiance"]
-        for column, entry in zip(
-            lines, (found.coordinates * factor, needed, colour, one.name, dash), strict=True
-        ):
-            lines[column].append(entry)
+        inside = np.where(one.table["covered"] > 0.0, needed, np.nan)
+        for light, alpha in ((needed, view.FAINT), (inside, 1.0)):
+            entries = (found.coordinates * factor, light, colour, one.name, dash, alpha)
+            for column, entry in zip(columns, entries, strict=True):
+                lines[column].append(entry)
         legend.append(view.Line(one.name, colour, dash))
         easiest = one.prediction.easiest
         if easiest is not None:
             least = easiest.values["levitation_irradiance"]
             words.append(f"{one.name}: at least {least:.4g} W/m²")
     available = float(found.flyers[0].setup.environment.radiation.irradiance)
-    legend.append(view.Line("available", VERMILION, "dashed"))
+    legend.append(view.Line("available", ORANGE, "dashed"))
+    legend.append(view.Line(EXTRAPOLATED, GREY, "area"))
     every = np.concatenate([*lines["ys"], [available]])
     finite = every[np.isfinite(every) & (every > 0.0)]
     low = view.round_down(0.7 * float(finite.min()))
@@ -281,14 +287,14 @@ def _bars(
             "bars": {
                 "name": labels,
                 "value": values,
-                "colour": [BLUE if value > 0.0 else VERMILION for value in values],
+                "colour": [MORE if value > 0.0 else LESS for value in values],
                 "text": texts,
             }
         },
         x=(-reach, reach),
         y=(0.0, 1.0),
         labels=(f"change of the {SENSITIVE[output]} [%] for +1 % of", ""),
-        legend=(view.Line("grows with it", BLUE, "area"), view.Line("falls", VERMILION, "area")),
+        legend=(view.Line("grows with it", MORE, "area"), view.Line("falls", LESS, "area")),
         words=f"Sensitivity of the {SENSITIVE[output]} at {at}: {largest}. By central differences "
         f"of {100.0 * STEP:g} %.",
         factors=labels,
@@ -311,6 +317,10 @@ def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[
     spans = day_and_night(dataset)
     nights = [(begin / _HOUR, end / _HOUR) for begin, end, is_day in spans if not is_day]
     end = float(dataset.end_elapsed) / _HOUR, float(dataset.end_altitude) / _KILOMETRE
+    ended = f"The flyer {dataset.attrs['end']} after {end[0]:.4g} h, at {end[1]:.4g} km."
+    lowest = prediction_of(flight.design).verdict.lowest_release
+    if lowest is not None and end[1] * _KILOMETRE < lowest:
+        ended += f" That is below {lowest / _KILOMETRE:.4g} km, from where on light lifts it."
     warnings = [text for text in dataset.attrs["warnings"].split("; ") if text]
     return view.figure_data(
         {
@@ -330,7 +340,7 @@ def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[
         y=view.round_range(altitude),
         labels=("time since the release [h]", "altitude [km]"),
         legend=(view.Line("flyer", BLUE), view.Line("night", GREY, "area")),
-        words=f"The flyer {dataset.attrs['end']} after {end[0]:.4g} h, at {end[1]:.4g} km.",
+        words=ended,
         warnings=warnings,
         assumptions=dataset.attrs["assumptions"].split("; "),
     )

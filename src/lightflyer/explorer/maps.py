@@ -238,8 +238,8 @@ def _explain(over: str, scales: _Scales, where: Coordinate) -> dict[str, Any]:
                 BLUE,
                 "area",
             ),
-            view.Line("star: optimum", ORANGE, "area"),
-            view.Line("cross: this design", VERMILION, "area"),
+            view.Line("star: optimum", ORANGE, "star"),
+            view.Line("cross: this design", VERMILION, "cross"),
         ),
         "tips": [
             (words_of(over), f"@x{{0.0000}} {scales.unit}"),

@@ -21,6 +21,7 @@ from lightflyer.explorer.compute import (
     quick,
     readings,
     values_at,
+    verdict_of,
 )
 from lightflyer.explorer.compute import (
     warm as warm_up,
@@ -41,12 +42,15 @@ from lightflyer.explorer.state import (
     to_toml,
     to_url,
 )
+from lightflyer.files.palette import ON_PAGES, SERIES_ON_DARK
 from lightflyer.flyer.section import FlyerSection
 
 Answer = dict[str, Any]
 
 _KEY = re.compile(r"^(?:\[([a-z][\w.]*)\]|([a-z]\w*(?:\.\w+)+)|the section \[(\w+)\])")
 _NEEDS = re.compile(r"^\[([\w.]+)\] needs ([\w, ]+)$")
+_STATIC = Path(__file__).parent / "static"
+_KILOMETRE = 1e3  # [m]
 _LONGEST = 500  # characters of a message: it may quote what the user gave
 
 
@@ -87,6 +91,9 @@ def grammar_of_page(workplace: Workplace, largest_upload: int) -> Answer:
         "most_pins": MOST_PINS,
         "pin_colours": list(view.PIN_COLOURS),
         "file": workplace.name,
+        "palette": [[light.lower(), dark.lower()] for light, dark in ON_PAGES.values()]
+        + [[light.lower(), dark.lower()] for light, dark in SERIES_ON_DARK.items()],
+        "drawn": sorted(path.stem.removeprefix("kind-") for path in _STATIC.glob("kind-*.svg")),
     }
 
 
@@ -127,9 +134,22 @@ def _form_of(document: Document, at: str = "", pins: tuple[Document, ...] = ()) 
 
 def _switch(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     """The document with another alternative of a section."""
-    del workplace
     section, tag = str(content.get("section", "")), str(content.get("tag", ""))
-    return _form_of(switch_alternative(document_of(content), section, tag))
+    changed = switch_alternative(document_of(content), section, tag)
+    if section == MISSION and tag:
+        _begin_at_best(workplace, changed)
+    return _form_of(changed)
+
+
+def _begin_at_best(workplace: Workplace, document: Document) -> None:
+    """Release a flyer where it flies best, under the sun of its date and place."""
+    for key in ("irradiance", "incidence"):
+        document.get("environment", {}).pop(key, None)
+    design = workplace.design({k: v for k, v in document.items() if k != MISSION})
+    found = prediction_of(design)
+    if found.bands and found.coordinate.name == "altitude":
+        best = found.verdict.best or found.best
+        document[MISSION]["altitude"] = f"{best.coordinate / _KILOMETRE:.1f} km"
 
 
 def _view_of(content: Mapping[str, Any]) -> View:
@@ -205,6 +225,7 @@ def _predict(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     return {
         "summary": prediction.summary(),
         "readings": [asdict(one) for one in readings(prediction, None)],
+        "verdict": verdict_of(prediction, None),
         "figures": view.marks(prediction),
         "place": _place(design, (prediction.verdict.best or prediction.best).coordinate),
         "rows": view.rows(found),

@@ -20,7 +20,17 @@ from bokeh.models import (
 from bokeh.palettes import Cividis256
 from bokeh.plotting import figure
 
-from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from lightflyer.explorer.view import FAINT
+from lightflyer.files.palette import (
+    AVAILABLE,
+    BLUE,
+    GREEN,
+    GREY,
+    LIMIT,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+)
 
 Scale = Literal["log", "linear", "auto"]
 Mode = Literal["mouse", "vline"]
@@ -109,8 +119,8 @@ def _coordinate_figure(name: str, along: Scale, up: Scale, *outputs: str) -> tup
     return pane, _empty("curve", "x", *outputs)
 
 
-def _level(pane: Any) -> None:
-    pane.line("x", "y", source=_empty("level", "x", "y"), line_color=VERMILION, line_width=_LINE,
+def _level(pane: Any, colour: str = AVAILABLE) -> None:
+    pane.line("x", "y", source=_empty("level", "x", "y"), line_color=colour, line_width=_LINE,
               line_dash="dashed")  # fmt: skip
 
 
@@ -120,9 +130,11 @@ def _best(pane: Any) -> None:
 
 
 def _irradiance(along: Scale) -> Any:
-    pane, source = _coordinate_figure("irradiance", along, LOGARITHMIC, "needed")
+    pane, source = _coordinate_figure("irradiance", along, LOGARITHMIC, "needed", "inside")
     _level(pane)
-    line = pane.line("x", "needed", source=source, line_color=BLUE, line_width=_LINE)
+    pane.line("x", "inside", source=source, line_color=BLUE, line_width=_LINE)
+    line = pane.line("x", "needed", source=source, line_color=BLUE, line_width=_LINE,
+                     line_alpha=FAINT)  # fmt: skip
     points = _empty("points", "x", "y", "low", "high", "sample")
     pane.segment("x", "low", "x", "high", source=points, line_color=PURPLE, line_width=1.5)
     dots = pane.scatter("x", "y", source=points, marker="diamond", size=9, fill_color=PURPLE,
@@ -136,7 +148,7 @@ def _irradiance(along: Scale) -> Any:
 
 def _temperature(along: Scale) -> Any:
     pane, source = _coordinate_figure("temperature", along, LINEAR, "flyer", "gas")
-    _level(pane)
+    _level(pane, LIMIT)
     pane.multi_line("xs", "ys", source=_empty("nodes", "xs", "ys", "colour"), line_color="colour",
                     line_width=_LINE)  # fmt: skip
     pane.line("x", "gas", source=source, line_color=GREY, line_width=_LINE, line_dash="dotted")
@@ -147,8 +159,10 @@ def _temperature(along: Scale) -> Any:
 
 
 def _payload(along: Scale) -> Any:
-    pane, source = _coordinate_figure("payload", along, LINEAR, "payload")
-    line = pane.line("x", "payload", source=source, line_color=BLUE, line_width=_LINE)
+    pane, source = _coordinate_figure("payload", along, LINEAR, "payload", "inside")
+    pane.line("x", "inside", source=source, line_color=BLUE, line_width=_LINE)
+    line = pane.line("x", "payload", source=source, line_color=BLUE, line_width=_LINE,
+                     line_alpha=FAINT)  # fmt: skip
     pane.hspan(0.0, line_color=GREY, line_width=1.0)
     _best(pane)
     _hover(pane, [line], [("", "@x{0.00}"), ("payload", "@payload{0.0000}")], "vline")
@@ -181,9 +195,10 @@ def _map(along: Scale) -> Any:
 
 def _models(along: Scale) -> Any:
     pane = _figure("models", along, LOGARITHMIC)
+    source = _empty("curves", "xs", "ys", "colour", "name", "dash", "alpha")
     lines = pane.multi_line(
-        "xs", "ys", source=_empty("curves", "xs", "ys", "colour", "name", "dash"),
-        line_color="colour", line_width=_LINE, line_dash="dash",
+        "xs", "ys", source=source, line_color="colour", line_width=_LINE, line_dash="dash",
+        line_alpha="alpha",
     )  # fmt: skip
     _level(pane)
     _hover(pane, [lines], [("", "@name"), ("at", "$data_x{0.0}"), ("", "$data_y{0,0.0} W/m²")],

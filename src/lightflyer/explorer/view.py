@@ -14,7 +14,17 @@ import numpy as np
 from lightflyer.design.outputs import OUTPUTS, outputs_of
 from lightflyer.environment.base import Coordinate
 from lightflyer.explorer.compute import Quick, coordinate_factor, pretty_unit
-from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from lightflyer.files.drawing import EXTRAPOLATED
+from lightflyer.files.palette import (
+    AVAILABLE,
+    BLUE,
+    GREEN,
+    GREY,
+    LIMIT,
+    ORANGE,
+    PURPLE,
+    SKY,
+)
 from lightflyer.prediction.prediction import Prediction
 from lightflyer.uncertainty.propagation import PredictionUncertainty
 
@@ -25,6 +35,7 @@ _ROOM = 1.15  # between the highest value and the top of a figure
 _ROUND = (1.0, 2.0, 5.0, 10.0)
 _STEPS = 20  # a range ends at multiples of about so many parts of it
 _ROWS = 13  # of a table beside a figure
+FAINT = 0.35  # opacity of curves outside the range of force model or gas
 _WIDEST = 300.0  # of a ratio beyond which a figure shows no further decades
 NODE_COLOURS = (ORANGE, PURPLE, GREEN, SKY)
 PIN_COLOURS = (GREEN, PURPLE, ORANGE, SKY)
@@ -192,14 +203,18 @@ def _irradiance(setup: Any, x: np.ndarray, table: Mapping[str, Any], axis: _Axis
         least = f"The least is {finite.min():.4g} W/m² at {place:.4g}."
     return figure_data(
         {
-            "curve": {"x": x, "needed": needed},
+            "curve": {"x": x, "needed": needed, "inside": _covered(needed, table)},
             "level": {"x": np.array(axis[0]), "y": np.full(2, available)},
             "best": _lowest(x, needed),
         },
         x=axis[0],
         y=(low, high),
         labels=(axis[1], "irradiance [W/m²]"),
-        legend=(Line("needed to levitate", BLUE), Line("available", VERMILION, "dashed")),
+        legend=(
+            Line("needed to levitate", BLUE),
+            Line("available", AVAILABLE, "dashed"),
+            *_faint_entry(table),
+        ),
         tips=[("needed", "@needed{0,0.0} W/m²")],
         words=f"Irradiance needed to levitate over {axis[1]}; {available:.4g} W/m² is available. "
         f"{least}",
@@ -225,7 +240,7 @@ def _temperature(
         several["colour"].append(colour)
         legend.append(Line(name.removeprefix("temperature_").replace("_", " "), colour))
     if math.isfinite(level):
-        legend.append(Line("film bears", VERMILION, "dashed"))
+        legend.append(Line("film bears", LIMIT, "dashed"))
     hottest = np.nanmax(table["temperature"])
     return figure_data(
         {
@@ -250,15 +265,28 @@ def _payload(x: np.ndarray, table: Mapping[str, Any], axis: _Axis) -> dict[str, 
     high = round_up(_ROOM * most * scale) if most > 0.0 else high
     low = max(low, -0.15 * high) if most > 0.0 else low
     return figure_data(
-        {"curve": {"x": x, "payload": values}, "best": _lowest(x, -values, -1.0)},
+        {
+            "curve": {"x": x, "payload": values, "inside": _covered(values, table)},
+            "best": _lowest(x, -values, -1.0),
+        },
         x=axis[0],
         y=(low, high),
         labels=(axis[1], f"largest payload [{unit}]"),
-        legend=(Line("largest payload", BLUE),),
+        legend=(Line("largest payload", BLUE), *_faint_entry(table)),
         tips=[("payload", f"@payload{{0.0000}} {unit}")],
         words=f"Largest payload over {axis[1]}: at most {most * scale:.4g} {unit}.",
         scale=scale,
     )
+
+
+def _covered(values: np.ndarray, table: Mapping[str, Any]) -> np.ndarray:
+    """Values where force model and gas are within their ranges, NaN elsewhere."""
+    return np.where(table["covered"] > 0.0, values, np.nan)
+
+
+def _faint_entry(table: Mapping[str, Any]) -> list[Line]:
+    """Entry of a legend for what is extrapolated, where anything is."""
+    return [] if np.all(table["covered"] > 0.0) else [Line(EXTRAPOLATED, GREY, "area")]
 
 
 def _lowest(x: np.ndarray, values: np.ndarray, sign: float = 1.0) -> dict[str, np.ndarray]:

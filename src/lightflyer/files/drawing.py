@@ -41,6 +41,7 @@ DOTS_PER_INCH = 150  # Of a PNG where nothing else is asked
 
 _POINTS_PER_INCH = 72.0
 _WIDTH, _HEIGHT = 6.0, 4.2  # of axes [inch], unless a style sheet gives a size of figures
+_PAGE = 9.0  # width of several axes [inch]: letters are legible where a page makes it its width
 _LINE = 1.35  # height of a line of text, in font sizes
 _TIGHT, _ROOMY = 1.0, 2.7  # decades up to which a logarithmic axis has labels between decades
 _MANTISSAS = {_TIGHT: (1, 2, 3, 5, 7), _ROOMY: (1, 2, 5), np.inf: (1,)}
@@ -97,6 +98,7 @@ def new_figure(
     )
     if given != usual:
         across, up = given[0] / _WIDTH, given[1] / _HEIGHT
+    width = min(width, _PAGE / columns)
     figure = _Figure(figsize=(columns * width * across, height * up), layout="constrained")
     figure.subplots(rows, columns)
     if mpl.rcParams["axes.prop_cycle"] == mpl.rcParamsDefault["axes.prop_cycle"]:
@@ -203,6 +205,9 @@ def legend_below(
             borderaxespad=0.0,
             frameon=False,
             ncols=number,
+            columnspacing=1.2,
+            handlelength=1.7,
+            handletextpad=0.6,
             fontsize="small",
             title=title,
             title_fontsize="small",
@@ -233,6 +238,9 @@ def shared_legend(
             loc="outside lower center",
             frameon=False,
             ncols=number,
+            columnspacing=1.2,
+            handlelength=1.7,
+            handletextpad=0.6,
             fontsize="small",
             title=title,
             title_fontsize="small",

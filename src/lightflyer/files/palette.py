@@ -31,6 +31,15 @@ ON_PAGES = {
 }
 """Colours of meanings on light and on dark pages; style sheets call them ``--lf-<meaning>``."""
 
+SERIES_ON_DARK = {
+    BLUE: SKY,
+    VERMILION: "#FF8B4A",
+    GREEN: "#2DC79A",
+    GREY: "#9AA3AD",
+    SKY: "#A6D8F5",
+}
+"""Colours of series on a dark page, of those that would be too dark there."""
+
 
 def style_sheet(dark: str, unless_light: str = "") -> str:
     """Custom properties of all meanings.

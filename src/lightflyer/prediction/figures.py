@@ -35,7 +35,7 @@ _RISE = 7.0  # of a text from its point [points]
 _ROOM = 0.12  # of the range, drawn beyond the best
 _WHOLE = 100.0  # W/m², from which on an irradiance is written without decimals
 _BELOW = 0.4  # of the least irradiance, drawn below it
-_WITH_LEGEND = 4.6  # height of a figure [inch]
+_WITH_LEGEND = 5.0  # height of a figure [inch]
 _NODE_COLOURS = (ORANGE, SKY, PURPLE, GREEN)
 
 

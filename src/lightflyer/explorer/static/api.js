@@ -17,7 +17,7 @@ export async function ask(name, content, signal) {
     return await answer.json();
   } catch (error) {
     if (error.name === "AbortError") throw error;
-    return { errors: [{ key: "", text: "the explorer does not answer: is it still running in its terminal?" }] };
+    return { lost: true, errors: [{ key: "", text: "The explorer does not answer: is it still running in its terminal?" }] };
   }
 }
 

@@ -9,7 +9,7 @@ function color(name) {
 }
 
 export class Figures {
-  constructor() { this.kind = null; this.data = new Map(); this.onTap = null; }
+  constructor() { this.kind = null; this.data = new Map(); this.onTap = null; this.dark = new Map(); this.made = new WeakMap(); }
 
   // Make all figures for a kind of surroundings; says whether they are new, and empty.
   async prepare(logarithmic) {
@@ -40,6 +40,8 @@ export class Figures {
   // Colours of text, axes and ground, light or dark.
   dress() {
     if (!this.plots) return;
+    for (const plot of this.plots.values()) this.recolour(plot);
+    for (const [name, data] of this.data) this.put(name, data);
     const [ink, quiet, card, grid] = ["--ink", "--quiet", "--card", "--grid"].map(color);
     const size = `${Math.round(0.8 * parseFloat(getComputedStyle(document.documentElement).fontSize))}px`;
     for (const plot of this.plots.values()) {
@@ -60,6 +62,26 @@ export class Figures {
     }
   }
 
+  // The page's colour of one that the package draws with.
+  shade(colour) {
+    const isDark = document.documentElement.dataset.theme === "dark";
+    return isDark ? this.dark.get(String(colour).toLowerCase()) ?? colour : colour;
+  }
+
+  // Lines and areas keep what they were made with, and show its shade.
+  recolour(plot) {
+    for (const { glyph } of plot.renderers) {
+      if (!glyph) continue;
+      const own = this.made.get(glyph) ?? {};
+      this.made.set(glyph, own);
+      for (const part of ["line_color", "fill_color"]) {
+        const value = glyph[part]?.value ?? glyph[part];
+        own[part] ??= typeof value === "string" && value.startsWith("#") ? value : null;
+        if (own[part]) glyph.setv({ [part]: this.shade(own[part]) });
+      }
+    }
+  }
+
   // Put data into a figure; what they do not name stays.
   put(name, data) {
     const before = this.data.get(name) ?? {};
@@ -70,7 +92,7 @@ export class Figures {
     const find = (wanted) => plot.document.get_model_by_name(wanted);
     for (const [source, columns] of Object.entries(data.sources ?? {})) {
       const found = find(source);
-      if (found) found.data = Object.fromEntries(Object.entries(columns).map(([key, column]) => [key, numbers(column)]));
+      if (found) found.data = Object.fromEntries(Object.entries(columns).map(([key, column]) => [key, key === "colour" ? column.map((one) => this.shade(one)) : numbers(column)]));
     }
     if (data.x) plot.x_range.setv({ start: data.x[0], end: data.x[1] });
     if (data.factors) plot.y_range.factors = data.factors;
@@ -96,7 +118,7 @@ export class Figures {
     const place = figure.querySelector(".plot");
     place.setAttribute("role", "img");
     place.setAttribute("aria-label", data.words ?? "");
-    figure.querySelector(".legend").replaceChildren(...(data.legend ?? []).map(entry));
+    figure.querySelector(".legend").replaceChildren(...(data.legend ?? []).map((line) => entry({ ...line, colour: this.shade(line.colour) })));
     const words = figure.querySelector(".said");
     if (words) words.textContent = data.words ?? "";
   }
@@ -110,6 +132,7 @@ function numbers(column) {
   return Float64Array.from(column, (value) => (value === null ? NaN : value));
 }
 
+const MARKS = { cross: "M8 5H18M13 0V10", star: "M13 0L14.5 3.6L18 3.8L15.3 6.1L16.2 10L13 7.8L9.8 10L10.7 6.1L8 3.8L11.5 3.6Z" };
 const DASHES = { dashed: "6 4", dotted: "2 3", dashdot: "7 3 2 3", dotdash: "2 3 7 3" };
 
 function entry(line) {
@@ -118,7 +141,7 @@ function entry(line) {
   sample.setAttribute("viewBox", "0 0 26 10");
   sample.setAttribute("aria-hidden", "true");
   const stroke = document.createElementNS(space, "path");
-  stroke.setAttribute("d", "M0 5H26");
+  stroke.setAttribute("d", MARKS[line.dash] ?? "M0 5H26");
   stroke.setAttribute("stroke", line.colour);
   stroke.setAttribute("stroke-width", line.dash === "area" ? "10" : "3");
   if (line.dash === "area") stroke.setAttribute("stroke-opacity", "0.4");

@@ -204,6 +204,12 @@ export class Form {
     }
   }
 
+  // What a field is called, with the part that it stands in.
+  title(dotted) {
+    const label = this.fields.get(dotted)?.row.querySelector("label")?.textContent;
+    return label ? `${dotted.split(".").slice(0, -1).join(" ")}, ${label}` : "";
+  }
+
   value(dotted) {
     let here = this.document;
     for (const key of dotted.split(".")) here = here?.[key];

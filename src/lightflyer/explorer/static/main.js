@@ -22,15 +22,20 @@ class Explorer {
       change: (section, tag) => this.change(section, tag),
     });
     for (const figure of document.querySelectorAll(".figures figure")) frame(figure, (what) => this.tabs.download(what));
+    this.figures.dark = new Map(grammar.palette);
+    this.steps = 0; // of the history that are this page's
     this.tabs = new Tabs(this);
     this.figures.onTap = (x, y) => this.goTo(x, y);
   }
 
   // ---- what the page holds ----
 
+  // The address is that of the design, then what the page looks at: see "address".
   async open(question) {
-    const answer = await ask("open", question);
-    this.take(answer, answer.errors ?? []);
+    const { url = "", looked } = apart(question.url);
+    const answer = await ask("open", { ...question, ...(question.url === undefined ? {} : { url }) });
+    if (looked) this.tabs.look(looked);
+    await this.take(answer, answer.errors ?? []);
   }
 
   async take(answer, told = []) {
@@ -60,6 +65,7 @@ class Explorer {
     const answer = await ask("switch", { document: this.document, section, tag });
     if (answer.errors) return this.mistakes(answer.errors);
     this.show(answer);
+    if (section === "mission" && tag) this.told = [];
     await this.move();
   }
 
@@ -113,6 +119,7 @@ class Explorer {
     }
     this.mistakes([...(answer.errors ?? []), ...(this.told ?? [])]);
     this.wrong = !answer.figures;
+    this.lost = answer.lost === true;
     document.body.classList.toggle("stale", this.wrong);
     if (answer.url !== undefined) this.address(answer.url);
     if (!answer.figures) return;
@@ -131,7 +138,7 @@ class Explorer {
   // Nothing moves any more: first the numbers, then what takes longer.
   async rest() {
     const { version } = this;
-    if (this.wrong) { this.say("mistakes must be mended first; the figures show the design before"); return; }
+    if (this.wrong) { this.say(this.lost ? "The explorer does not answer. Figures show the last design that it computed." : "Fix the marked field. Figures show the last valid design."); return; }
     this.say("computing", true);
     if (this.took > HEAVY) {
       await new Promise((go) => { setTimeout(go, REST_OF_HEAVY); });
@@ -159,6 +166,7 @@ class Explorer {
       if (last.result) {
         for (const [name, data] of Object.entries(last.result.figures)) this.figures.put(name, data);
         this.showReadings(last.result.readings);
+        this.showVerdict(last.result.verdict);
         at("bands").textContent = [last.result.note, ...last.result.warnings].join(" ");
       }
       if (last.errors) at("bands").textContent = `Bands: ${last.errors.map((one) => one.text).join("; ")}`;
@@ -168,11 +176,36 @@ class Explorer {
     }
   }
 
-  // Browsers refuse to change the address at every move of a slider.
+  // Browsers refuse to change the address at every move of a slider. A row of moves is one step
+  // back, which the browser's own button and "Undo" take.
   address(url) {
     this.url = url;
     clearTimeout(this.addressing);
-    this.addressing = setTimeout(() => history.replaceState(null, "", `#${url}`), REST);
+    this.addressing = setTimeout(() => {
+      const here = `#${url}${this.tabs.looked()}`;
+      if (here === location.hash) return;
+      const isDesign = apart(location.hash.slice(1)).url !== url;
+      if (isDesign && this.began && !this.returning) {
+        history.pushState(null, "", here);
+        this.steps += 1;
+      } else history.replaceState(null, "", here);
+      this.began = true;
+      this.returning = false;
+      at("undo").disabled = this.steps === 0;
+    }, REST);
+  }
+
+  undo() {
+    if (!this.steps) return;
+    this.steps -= 1;
+    history.back();
+  }
+
+  returned() {
+    const url = location.hash.slice(1);
+    if (apart(url).url === this.url) return;
+    this.returning = true;
+    this.open({ url });
   }
 
   // ---- what it shows ----
@@ -186,19 +219,40 @@ class Explorer {
     this.form.showMistakes(list);
     const place = at("mistakes");
     place.hidden = list.length === 0;
-    const texts = [...new Set(list.map((one) => one.text))];
+    const texts = [...new Set(list.map(({ key, text }) => named(this.form.title(key), key, text)))];
     fill(place, texts.length > 1 ? make("ul", {}, ...texts.map((text) => make("li", {}, text))) : make("p", {}, texts[0] ?? ""));
   }
 
   showReadings(list) {
     fill(at("readings"), ...list.map((one) => make("div", { "data-reading": one.name },
       make("dt", {}, one.label), make("dd", {}, one.text), ...(one.spread ? [make("dd", { class: "spread" }, one.spread)] : []))));
-    at("brief").textContent = [list[0], list[2]].filter(Boolean).map((one) => one.text).join(" · ");
+    const payload = list.find(({ name }) => name.endsWith("payload_mg"));
+    at("brief").textContent = [list[0], payload].filter(Boolean).map((one) => one.text).join(" · ");
+  }
+
+  showVerdict({ state, lines }) {
+    at("verdict").hidden = false;
+    at("verdict").dataset.state = state;
+    fill(at("verdict-lines"), ...lines.map((text) => make("li", {}, text)));
+    this.showSchematic(this.tags.flyer);
+  }
+
+  // A drawing of the package's own, fetched once a kind.
+  async showSchematic(tag) {
+    const kind = String(tag ?? "").split(" ")[0];
+    if (at("schematic").dataset.kind === kind) return;
+    at("schematic").dataset.kind = kind;
+    fill(at("schematic"));
+    const answer = this.grammar.drawn.includes(kind) ? await fetch(`static/kind-${kind}.svg`) : null;
+    if (!answer?.ok || at("schematic").dataset.kind !== kind) return;
+    const drawing = new DOMParser().parseFromString(await answer.text(), "image/svg+xml");
+    fill(at("schematic"), document.importNode(drawing.documentElement, true));
   }
 
   showResults(answer) {
     this.summary = answer.summary;
     this.showReadings(answer.readings);
+    this.showVerdict(answer.verdict);
     for (const [name, data] of Object.entries(answer.figures)) this.figures.put(name, data);
     if (!at("at").value.trim()) this.showPlace(answer.place);
     at("description").textContent = answer.description;
@@ -302,7 +356,7 @@ class Explorer {
 
 function themed(explorer) {
   const root = document.documentElement, button = at("theme");
-  const show = () => button.setAttribute("aria-pressed", root.dataset.theme === "dark");
+  const show = () => { button.textContent = root.dataset.theme === "dark" ? "Light" : "Dark"; };
   button.addEventListener("click", () => {
     root.dataset.theme = root.dataset.theme === "dark" ? "light" : "dark";
     try { localStorage.setItem("lightflyer-theme", root.dataset.theme); } catch { /* storage may be off */ }
@@ -320,6 +374,18 @@ function slidePlace(explorer) {
   explorer.moved(performance.now());
 }
 
+// What an address has: the design, and after it what the page looks at.
+function apart(text = "") {
+  const [url, looked] = text.split("&looks=");
+  return { url, looked };
+}
+
+// A mistake with the name of its field.
+function named(title, key, text) {
+  if (!title) return text;
+  return text.startsWith(key) ? `${title}${text.slice(key.length)}` : `${title}: ${text}`;
+}
+
 async function begin() {
   const grammar = await get("api/grammar");
   fill(at("materials"), ...grammar.materials.map((name) => make("option", { value: name })));
@@ -335,7 +401,12 @@ async function begin() {
   at("open-file").addEventListener("change", (event) => explorer.openFile(event.target));
   at("points-file").addEventListener("change", (event) => explorer.openPoints(event.target));
   at("points-clear").addEventListener("click", () => explorer.clearPoints());
-  addEventListener("hashchange", () => { if (location.hash.slice(1) !== explorer.url) explorer.open({ url: location.hash.slice(1) }); });
+  at("undo").addEventListener("click", () => explorer.undo());
+  addEventListener("keydown", (event) => {
+    const isUndo = (event.ctrlKey || event.metaKey) && event.key === "z" && !event.shiftKey;
+    if (isUndo && event.target.type !== "text") { event.preventDefault(); explorer.undo(); }
+  });
+  addEventListener("hashchange", () => explorer.returned());
   await explorer.open({ url: location.hash.slice(1) });
   document.body.dataset.ready = "1";
 }

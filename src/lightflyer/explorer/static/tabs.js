@@ -6,6 +6,7 @@ const TABS = [
   ["map", "Map of payload"], ["models", "Force models"], ["film", "Film"],
   ["sensitivity", "Sensitivity"], ["mission", "Mission"], ["pins", "Pinned designs"], ["files", "Files and Python"],
 ];
+const FEW = 2; // notes that stand open
 const JOBS = new Set(["map", "models", "film", "sensitivity"]);
 
 export class Tabs {
@@ -39,19 +40,20 @@ export class Tabs {
     const figure = make("figure", { "data-figure": name }, make("figcaption", {}, make("h3", {}, title)));
     panel.append(figure);
     frame(figure, (what) => this.download(what), { tall: name === "map" || name === "sensitivity", said: true });
-    panel.append(make("ul", { class: "warnings", id: `job-warnings-${name}` }));
+    panel.append(make("details", { class: "notes", id: `job-notes-${name}`, hidden: true }, make("summary"),
+      make("ul", { class: "warnings", id: `job-warnings-${name}` })));
   }
 
   build_map(panel) {
     panel.append(make("div", { class: "chooser" },
-      make("label", {}, "Over ", make("select", { id: "map-over", onchange: (event) => { this.choices.over = event.target.value; this.compute("map"); } })),
+      make("label", {}, "Over ", make("select", { id: "map-over", onchange: (event) => this.choose("over", event.target.value, "map") })),
       make("button", { type: "button", id: "to-optimum", disabled: true, onclick: () => this.explorer.goTo(...this.optimum) }, "Go to the optimum"),
       make("span", { class: "quiet" }, "Click a point of the map to go there.")));
   }
 
   build_sensitivity(panel) {
     panel.append(make("div", { class: "chooser" }, make("label", {}, "Of the ",
-      make("select", { id: "sensitive", onchange: (event) => { this.choices.output = event.target.value; this.compute("sensitivity"); } }))));
+      make("select", { id: "sensitive", onchange: (event) => this.choose("output", event.target.value, "sensitivity") }))));
   }
 
   build_mission(panel) {
@@ -91,7 +93,21 @@ export class Tabs {
       panel.hidden = one !== name;
     }
     if (focus) this.panels.get(name).tab.focus();
+    if (this.explorer.url !== undefined) this.explorer.address(this.explorer.url);
     this.refresh();
+  }
+
+  // What is looked at, for the address; taken from one by "look".
+  looked() {
+    const chosen = Object.entries(this.choices).filter(([, value]) => value).map(([name, value]) => `,${name}:${value}`);
+    return this.active === "map" && !chosen.length ? "" : `&looks=${this.active}${chosen.join("")}`;
+  }
+
+  look(text) {
+    const [name, ...chosen] = text.split(",");
+    this.flown = true; // the address says what to look at, not the design
+    this.choices = Object.fromEntries(chosen.map((one) => one.split(":")).filter(([key]) => ["over", "output"].includes(key)));
+    if (this.panels.has(name)) this.select(name, false);
   }
 
   key(event) {
@@ -105,6 +121,12 @@ export class Tabs {
   // The design has come to rest, or another tab is shown.
   refresh() {
     if (JOBS.has(this.active) && this.explorer.version && this.fresh.get(this.active) !== this.explorer.version) this.compute(this.active);
+  }
+
+  choose(choice, value, name) {
+    this.choices[choice] = value;
+    this.explorer.address(this.explorer.url);
+    this.compute(name);
   }
 
   stop() { this.running?.abort(); }
@@ -152,7 +174,12 @@ export class Tabs {
     figure.classList.toggle("outdated", this.fresh.get(name) !== this.explorer.version);
     if (result.factors) figure.querySelector(".plot").classList.toggle("tall", result.factors.length > 6);
     this.explorer.figures.put(name, result);
-    fill(at(`job-warnings-${name}`), ...(result.warnings ?? []).map((text) => make("li", {}, text)));
+    const warnings = result.warnings ?? [];
+    const notes = at(`job-notes-${name}`);
+    notes.hidden = warnings.length === 0;
+    notes.open = warnings.length <= FEW;
+    notes.querySelector("summary").textContent = `${warnings.length} notes on where this holds`;
+    fill(at(`job-warnings-${name}`), ...warnings.map((text) => make("li", {}, text)));
     if (name === "map") {
       this.map = result;
       this.optimum = [result.best[0] * result.across, result.best[1] * result.up];
@@ -166,6 +193,7 @@ export class Tabs {
 
   showMission(form, document) {
     const given = document.mission !== undefined;
+    if (given && !this.flown) { this.flown = true; this.select("mission", false); }
     if (given) form.showMission(at("mission-fields"), document); else fill(at("mission-fields"));
     at("mission-add").hidden = given;
     at("mission-fly").hidden = at("mission-remove").hidden = !given;

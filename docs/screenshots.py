@@ -60,8 +60,8 @@ def explore(browser: Browser) -> None:
     with explorer() as address:
         page = browser.new_page(viewport={"width": 1280, "height": 900}, color_scheme="light")
         page.goto(address)
-        page.wait_for_function("() => !document.body.classList.contains('busy')", timeout=COMPUTED)
-        page.wait_for_selector("#panels canvas, #panels .bk-Figure", timeout=COMPUTED)
+        page.wait_for_selector("body[data-banded]", timeout=COMPUTED)
+        page.wait_for_selector("#job-map[hidden]", state="attached", timeout=COMPUTED)
         page.wait_for_timeout(3000)
         keep(page, "explorer")
         keep(page, "explorer-map", ".card.more")

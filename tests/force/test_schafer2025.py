@@ -478,10 +478,10 @@ def test_what_is_outside_the_models_range():
     flyer = make(gap=3e-4, open_fraction=0.97)
     open_, wide = MODEL.diagnostics(flyer, state_at(3.0), 300.0)
     assert open_.startswith("open_fraction is 0.97 at 3 Pa, above 0.95")
-    assert wide.startswith("gap is 10 times hole_radius: fewer molecules pass both membranes")
+    assert wide.startswith("the gap is wide beside the holes, 10 times hole_radius: fewer")
     assert WIDE.diagnostics(flyer, state_at(3.0), 300.0) == (open_,)
     (narrow,) = WIDE.diagnostics(make(gap=5e-5, hole_radius=3e-5), state_at(3.0), 300.0)
-    assert narrow.startswith("gap is 1.67 times hole_radius: transmission = wide is for")
+    assert narrow.startswith("the gap is 1.67 times hole_radius: transmission = wide is for")
 
 
 def test_published_device_levitates_as_far_as_its_supports_let_it():

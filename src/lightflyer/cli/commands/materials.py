@@ -1,5 +1,6 @@
 """``lightflyer materials``: the library of materials for layers, and the pages to search."""
 
+import re
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
@@ -14,6 +15,9 @@ if TYPE_CHECKING:
 
 _GIGA = 1e-9
 _SHOWN = 40  # pages that a search prints
+_IN_FULL = 3  # materials and pages up to which it prints all that is known of them
+_RANGE = 16  # characters of a range of wavelengths
+_ELEMENT = re.compile(r"[A-Z][a-z]?")
 
 
 def materials_command(
@@ -40,7 +44,8 @@ def materials_command(
     described = [_describe(one) for one in known]
     pages: list[DatabasePage] = []
     if search is not None:
-        pages = search_pages(search)
+        found = search_pages(search)
+        pages = sorted(found, key=lambda page: not _ELEMENT.fullmatch(page.formula.split()[0]))
         words = set(search.lower().split())
         described = [entry for entry in described if words <= _words(entry)]
     if json_output:
@@ -48,6 +53,9 @@ def materials_command(
         print_json({"materials": described} | listed)
         return
     console = printer()
+    if search is not None and len(described) + len(pages) > _IN_FULL:
+        _show_short(described, pages)
+        return
     for entry in described:
         console.print(_table(entry))
     if search is not None:
@@ -134,21 +142,32 @@ def _rows(width: int = 10) -> Table:
     return rows
 
 
+def _show_short(described: list[dict[str, Any]], pages: "list[DatabasePage]") -> None:
+    """A line for each material of the package, then for each page, elements first."""
+    console, shown = printer(), [_page(page) for page in pages[:_SHOWN]]
+    rows = Table(box=None, padding=(0, 1), show_header=False)
+    rows.add_column(style="bold", no_wrap=True)
+    rows.add_column(no_wrap=True, min_width=_RANGE)
+    rows.add_column(no_wrap=True, overflow="ellipsis")
+    for entry in (*described, *shown):
+        ends = "–".join(f"{end:.3g}" for end in entry["wavelength_range_um"])
+        rows.add_row(entry["name"], f"{ends} µm", entry.get("title") or entry["description"])
+    console.print(rows)
+    left = len(pages) - len(shown)
+    more = f"{left} more pages of refractiveindex.info have it: give more words; " if left else ""
+    console.print(f"{more}few are shown with sources and densities; --json has all")
+
+
 def _show_pages(pages: "list[DatabasePage]", search: str) -> None:
     console = printer()
-    shown = [_page(page) for page in pages[:_SHOWN]]
+    shown = [_page(page) for page in pages]
     width = max((len(entry["name"]) for entry in shown), default=0)
     for entry in shown:
         console.print(_page_table(entry, width))
-    if not pages:
-        console.print(f'no page of refractiveindex.info has "{search}"')
-    elif len(pages) > len(shown):
-        console.print(
-            f"{len(pages) - len(shown)} more pages of refractiveindex.info have it: give more "
-            "words, or --json for all"
-        )
-    else:
+    if pages:
         console.print(f"{len(pages)} page{'s' * (len(pages) > 1)} of refractiveindex.info")
+    else:
+        console.print(f'no page of refractiveindex.info has "{search}"')
 
 
 def _page_table(entry: dict[str, Any], width: int) -> Table:

@@ -143,7 +143,8 @@ function entry(line) {
   const stroke = document.createElementNS(space, "path");
   stroke.setAttribute("d", MARKS[line.dash] ?? "M0 5H26");
   stroke.setAttribute("stroke", line.colour);
-  stroke.setAttribute("stroke-width", line.dash === "area" ? "10" : "3");
+  stroke.setAttribute("stroke-width", { area: "10", star: "0" }[line.dash] ?? "3");
+  stroke.setAttribute("fill", line.dash === "star" ? line.colour : "none");
   if (line.dash === "area") stroke.setAttribute("stroke-opacity", "0.4");
   if (DASHES[line.dash]) stroke.setAttribute("stroke-dasharray", DASHES[line.dash]);
   sample.append(stroke);

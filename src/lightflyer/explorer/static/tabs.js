@@ -178,7 +178,7 @@ export class Tabs {
     const notes = at(`job-notes-${name}`);
     notes.hidden = warnings.length === 0;
     notes.open = warnings.length <= FEW;
-    notes.querySelector("summary").textContent = `${warnings.length} notes on where this holds`;
+    notes.querySelector("summary").textContent = `Where this holds: ${warnings.length} ${warnings.length === 1 ? "note" : "notes"}`;
     fill(at(`job-warnings-${name}`), ...warnings.map((text) => make("li", {}, text)));
     if (name === "map") {
       this.map = result;

@@ -36,8 +36,8 @@ Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
 """What becomes of molecules at a face; unknown is the middle of the next two."""
 
 _IN_WORDS = {
-    "unknown": "walls: unknown, the middle of Maxwell's and of accommodated ones; half of their "
-    "difference, with or without that of collisions, is the 95 % error",
+    "unknown": "walls: the mean of Maxwell's and of fully accommodated ones; half their "
+    "difference is taken as the 95 % error",
     "maxwell": "walls: Maxwell's, a share TAC of the molecules leaves at the temperature of the "
     "face, the rest is reflected",
     "accommodated": "walls: accommodated, all molecules leave a face at one temperature",

@@ -67,12 +67,12 @@ def sandwich_remarks(flyer: Sandwich, transmission: Transmission) -> Iterator[st
     ratio = np.asarray(flyer.gap) / flyer.hole_radius
     if transmission == "aligned" and np.max(ratio) > WIDE_GAP:
         yield (
-            f"gap is {np.max(ratio):.3g} times hole_radius: fewer molecules pass both membranes "
-            "than transmission = aligned takes, in a wide gap open_fraction/(2 − open_fraction) of "
-            "them; transmission = wide is for that"
+            f"the gap is wide beside the holes, {np.max(ratio):.3g} times hole_radius: fewer "
+            "molecules pass both membranes than transmission = aligned takes; use "
+            "transmission = wide"
         )
     if transmission == "wide" and np.min(ratio) < WIDE_GAP:
         yield (
-            f"gap is {np.min(ratio):.3g} times hole_radius: transmission = wide is for a gap much "
-            "wider than the holes"
+            f"the gap is {np.min(ratio):.3g} times hole_radius: transmission = wide is for a gap "
+            "much wider than the holes"
         )

@@ -1,7 +1,7 @@
 r"""What a tilted flyer does against the wind: its horizontal force and its speed through the air.
 
-The force stands on the faces, so that a tilt :math:`\beta` turns it sideways. A flyer that holds
-its altitude with it moves through the air at :math:`U`, where
+The force is perpendicular to the faces, so that a tilt :math:`\beta` turns it sideways. A flyer
+that holds its altitude with it moves through the air at :math:`U`, where
 
 .. math::
     D_t(U\cos\beta) = W\sin\beta, \qquad F = W\cos\beta + D_n(U\sin\beta)

@@ -123,7 +123,7 @@ def day_and_night(dataset: "xr.Dataset") -> list[tuple[float, float, bool]]:
 
 
 def _light(dataset: "xr.Dataset") -> tuple[float, list[dict[str, Any]]]:
-    """Hours of light, and each night with the altitudes at its begin and end."""
+    """Hours of light, and each night with the altitudes at its start and end."""
     spans = day_and_night(dataset)
     hours = sum(end - begin for begin, end, is_day in spans if is_day) / SECONDS_AN_HOUR
     altitude, elapsed = dataset.altitude.values, dataset[ELAPSED].values

@@ -73,14 +73,16 @@ def test_the_same_data_twice_are_refused(name, run, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["tac", "tac-reduced.txt", "--diameter", "-3 mm"], '--diameter: "-3 mm" is negative'),
+        (["tac", "tac-reduced.txt", "--diameter", "-3 mm"], '--diameter: "-3 mm" is not positive'),
+        (["tac", "tac-reduced.txt", "--diameter", "24 ± 30 mm"], "is not known by its ±"),
+        (["tac", "tac-reduced.txt", "--ambient", "-300 °C"], "is below absolute zero"),
         (["tac", "tac-reduced.txt", "--gauge-accuracy", "-5 %"], "--gauge-accuracy"),
         (["tac", "tac-reduced.txt", "--diameter", "24"], 'write "24 mm"'),
         (["tac", "tac-reduced.txt", "--ambient", "22"], 'write "22 °C"'),
         (["tac", "tac-reduced.txt", "--wall", "1 cm"], "is inside the heater"),
         (["tac", "tac-reduced.txt", "--wall", "12 mm"], "is inside the heater"),
         (["levitation", "flyer.toml"], "flyer.toml: is a TOML file"),
-        (["roughness", "flyer.toml", "--size", "-1 um"], '--size: "-1 um" is negative'),
+        (["roughness", "flyer.toml", "--size", "-1 um"], '--size: "-1 um" is not positive'),
         (["levitation", "flyer.toml", "--draws", "1.5"], '"1.5" is not a whole number'),
         (["thermography"], "or also --hotplate, --lower, --upper, --ambient"),
     ],

@@ -183,9 +183,10 @@ def parse(text: str | float, unit: str, usual: str = "") -> Measured:
             "long"
         )
     if not isinstance(text, str):
+        plain = _finite(Measured(float(text)), str(text))
         if unit:
             raise _no_unit(text, text, unit, usual)
-        return _finite(Measured(float(text)), str(text))
+        return plain
     first, *rest = _SEPARATOR.split(text)
     if len(rest) > 1:
         raise ConfigurationError(f'"{text}" has more than one ±')

@@ -51,7 +51,7 @@ def test_mask_rows_and_accuracy_are_options(examples, lab):
         (["map.txt"], 'map.txt: its heights have no unit; state it by --unit "nm"'),
         (["map.txt", "--unit", "nm"], 'map.txt: has no width; state it by --size "10 um"'),
         (["map.txt", "--unit", "nm", "--size", "10"], '--size: "10" has no unit; write "10 um"'),
-        (["map.txt", "--unit", "nm", "--size", "-1 um"], '--size: "-1 um" is negative'),
+        (["map.txt", "--unit", "nm", "--size", "-1 um"], '--size: "-1 um" is not positive'),
         (["map.txt", "--height-accuracy", "2 nm"], "--height-accuracy: "),
         (
             [

@@ -28,7 +28,10 @@ Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]
 _USUAL = {"--diameter": "mm", "--wall": "cm", "--size": "um", "--at": "nm", "--band": "cm^-1"}
 """Units that messages propose, where they are not those of SI."""
 
-_NEVER_NEGATIVE = ("K", "m", "Pa", "W/m^2", "m^-1")
+_IMPOSSIBLE = {
+    "K": "below absolute zero", "m": "not positive",
+    **dict.fromkeys(("Pa", "W/m^2", "m^-1"), "negative"),
+}  # fmt: skip
 
 Insist = Annotated[bool, Parameter(negative=())]
 """Whether --update also writes what is most likely of a wrong unit."""
@@ -44,8 +47,8 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
         found = parse(text if unit else number_or_text(text), unit, _USUAL.get(option, ""))
     except ConfigurationError as error:
         raise ConfigurationError(f"{option}: {error}") from None
-    if unit in _NEVER_NEGATIVE and found.value < 0.0:
-        raise ConfigurationError(f'{option}: "{text}" is negative')
+    if unit in _IMPOSSIBLE and (found.value < 0.0 or (unit == "m" and found.value == 0.0)):
+        raise ConfigurationError(f'{option}: "{text}" is {_IMPOSSIBLE[unit]}')
     return found
 
 

@@ -212,6 +212,8 @@ def _stated_value(
     if temperature is not None:
         found["temperature"] = difference("--temperature-accuracy", temperature, "K")
     width, spread = (None, None) if diameter is None else quantity("--diameter", diameter, "m")
+    if spread is not None and width is not None and spread >= width:
+        raise ConfigurationError(f'--diameter "{diameter}" is not known by its ±')
     return width, found if spread is None else found | {"diameter": spread}
 
 

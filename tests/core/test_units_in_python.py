@@ -271,3 +271,28 @@ def test_correlations_of_a_design_of_objects_belong_together():
         lf.design.ObjectDesign(setup, dict.fromkeys(names, 0.01), pairs)
     spreads = lf.design.ObjectDesign(setup, {"flyer.radius": "0.5 mm", top: "1 %"}).uncertainties
     assert spreads == pytest.approx({"flyer.radius": 5e-4, top: 0.01})
+
+
+@pytest.mark.parametrize(
+    ("function", "says"),
+    [
+        (lambda: lf.lab.fit_tac(None), "run must be of class TacRun, not NoneType"),
+        (lambda: lf.lab.levitation_curve("x"), "points must be of class LiftOffs, not str"),
+        (lambda: lf.lab.roughness(np.ones((20, 20))), "source must be of class HeightMap"),
+        (lambda: lf.lab.read_tac(5), "path must be a path, not int"),
+        (lambda: lf.lab.read_spectrum(b"x.csv"), "path must be a path, not bytes"),
+        (lambda: lf.calibration.Gauge("1.7"), "a gauge has one factor"),
+        (lambda: lf.calibration.Gauge(1.0, np.ones(2)), "both shown and pressure or neither"),
+        (lambda: lf.Disk(FILM, np.ma.masked_array([0.01, 0.02], [0, 1])), "radius = nan"),
+    ],
+)
+def test_objects_of_another_class_are_one_sentence(function, says):
+    with pytest.raises(lf.ParameterError, match=says):
+        function()
+
+
+@pytest.mark.parametrize("altitudes", [[70e3, 72e3], (70e3, 72e3), np.array([70e3, 72e3])])
+def test_a_sweep_takes_numbers_as_arrays(altitudes):
+    over = {"altitude": altitudes}
+    found = lf.sweep(lf.Disk(FILM, 0.01), lf.Earth(), lf.Lu2023(), over=over, outputs=["pressure"])
+    np.testing.assert_allclose(found.pressure, lf.Earth().state(np.array(altitudes)).pressure)

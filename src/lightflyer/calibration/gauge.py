@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.core.checks import require_positive
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Pressure, Quantity
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
+from lightflyer.program.arguments import reads_units
 
 _FACTOR = Quantity(likely=(0.1, 10.0), known="gauges in other gases show 0.1 to 6 of the pressure")
 _RATIO = Quantity(likely=(0.3, 3.0), known="calibrations move a gauge by less")
@@ -31,6 +32,10 @@ class Gauge:
     source: str = ""  #: File of the calibration
 
     def __post_init__(self) -> None:
+        one = np.asarray(self.factor)
+        whole = (self.shown is None) is (self.pressure is None)
+        if one.ndim or one.dtype.kind not in "iuf" or not whole:
+            raise ParameterError("a gauge has one factor, and both shown and pressure or neither")
         require_positive(gauge_factor=self.factor)
 
     def correct(self, shown: np.ndarray) -> tuple[np.ndarray, list[str]]:
@@ -55,6 +60,7 @@ class Gauge:
         return self.factor * shown * np.exp(ratio), said
 
 
+@reads_units
 def read_gauge(path: str | Path | None, factor: float = 1.0) -> Gauge:
     """Read the calibration of a gauge: a table of what it showed and what the pressure was.
 

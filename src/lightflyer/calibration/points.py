@@ -32,6 +32,7 @@ from lightflyer.core.quantity import (
 from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.files.table_rows import Rejected
+from lightflyer.program.arguments import reads_units
 
 _SCALED = Quantity("Pa*m", likely=(0.01, 0.5), known="the paper's disks in air have 0.09")
 
@@ -253,6 +254,7 @@ def log_uncertainty(
     return spread
 
 
+@reads_units
 def read_points(
     path: str | Path,
     *,

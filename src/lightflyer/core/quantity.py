@@ -103,6 +103,8 @@ class Quantity:
             return value
         if hasattr(value, "index") or not hasattr(value, "dtype"):  # pandas has both
             value = _array_of(value)
+        if isinstance(value, np.ma.MaskedArray):
+            value = np.ma.filled(value.astype(float), np.nan)
         if not any(np.issubdtype(value.dtype, kind) for kind in (np.floating, np.integer)):
             raise ParameterError(f"{name} must be {_a_number(self.unit)}")
         return value

@@ -23,12 +23,12 @@ class Entry(NamedTuple):
     warnings: int  # of its record
 
 
-def collect_records(folders: Sequence[str | Path]) -> list[Entry]:
+def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Entry]:
     """Every number with an interval in the records of folders and of what lies in them.
 
     Parameters
     ----------
-    folders : sequence of str or path
+    folders : str, path, or sequence of these
 
     Returns
     -------
@@ -41,7 +41,7 @@ def collect_records(folders: Sequence[str | Path]) -> list[Entry]:
         If a folder does not exist or has no record, or a record is damaged.
     """
     found: list[Entry] = []
-    for folder in map(Path, folders):
+    for folder in map(Path, [folders] if isinstance(folders, str | Path) else folders):
         if not folder.is_dir():
             raise ConfigurationError(f"{folder}: is not a folder")
         records = sorted(

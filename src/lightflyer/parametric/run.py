@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from lightflyer.compute.chunks import CHUNK, Chunks
 from lightflyer.compute.devices import find_devices
 from lightflyer.compute.evaluation import Evaluator
@@ -133,9 +135,10 @@ def sweep(
         as their attributes (``"flyer.radius"``, ``"force.c_fm"``); and ``"altitude"``, or whatever
         the environment's coordinate is. Values are texts with units, lists of them, ranges
         ``{"from": "1 cm", "to": "5 cm", "points": 9}``, distributions
-        ``{"distribution": "normal", "mean": ..., "standard_deviation": ...}``, one-dimensional
-        arrays in SI units (angles of a flyer file in degrees), or :class:`xarray.DataArray` of any
-        dimensions in these units. Where one of these is backed by Dask, so is the result.
+        ``{"distribution": "normal", "mean": ..., "standard_deviation": ...}``, lists of numbers and
+        one-dimensional arrays in SI units (angles of a flyer file in degrees), or
+        :class:`xarray.DataArray` of any dimensions in these units. Where one of these is backed
+        by Dask, so is the result.
     outputs : str or sequence of str
         Names of the outputs.
     method, points, seed
@@ -177,7 +180,7 @@ def sweep(
     """
     design = as_design(what, environment, model)
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-    entries = read_entries(design, over, names)
+    entries = read_entries(design, {name: _plain(entry) for name, entry in over.items()}, names)
     if any(hasattr(entry, "dims") for entry in entries.values()):
         if out is not None or scheduler is not None:
             raise ConfigurationError("out and scheduler take ranges and lists, not DataArrays")
@@ -192,6 +195,12 @@ def sweep(
     if scheduler is not None:
         raise ConfigurationError("a scheduler computes into a folder; give out as well")
     return in_memory(study, device)
+
+
+def _plain(entry: Any) -> Any:
+    """A list of numbers as an array, which has no unit; in a file it would be refused."""
+    plain = type(entry) in (list, tuple) and all(type(one) in (int, float) for one in entry)
+    return np.asarray(entry, float) if plain and entry else entry
 
 
 def in_memory(study: Study, device: str | None = None) -> "xr.Dataset":

@@ -3,7 +3,10 @@
 import inspect
 from collections.abc import Callable
 from functools import wraps
-from typing import Any, ParamSpec, TypeVar
+from os import PathLike
+from pathlib import Path
+from types import NoneType
+from typing import Any, ParamSpec, TypeVar, get_args, get_origin
 
 import jax
 import numpy as np
@@ -40,6 +43,7 @@ class Reader:
         self._function, self._refuse = function.__name__.lstrip("_"), refuse
         parameters = inspect.signature(function).parameters
         self._names = tuple(parameters)
+        self._kinds = {name: _kinds_of(one.annotation) for name, one in parameters.items()}
         found = {name: quantity_of(one.annotation) for name, one in parameters.items()}
         self._quantities = {name: one for name, one in found.items() if one is not None}
 
@@ -58,6 +62,10 @@ class Reader:
         return plain, named
 
     def _read(self, name: str, value: Any) -> Any:
+        if (kinds := self._kinds.get(name)) and not isinstance(value, kinds):
+            said = " or ".join(kind.__name__ for kind in kinds if kind is not NoneType)
+            wanted = "a path" if PathLike in kinds else f"of class {said}"
+            raise ParameterError(f"{name} must be {wanted}, not {type(value).__name__}")
         quantity = self._quantities.get(name)
         if quantity is not None and value is not None:
             return quantity.number(name, value)
@@ -69,6 +77,15 @@ class Reader:
                 f"{self._function}() takes numbers in SI units, not {name} = {value!s:.60}"
             )
         return plain
+
+
+def _kinds_of(annotation: Any) -> tuple[type, ...]:
+    """Classes that an annotation names, of paths and of this package; none where it has others."""
+    kinds = get_args(annotation) or (annotation,)
+    if not all(isinstance(one, type) and get_origin(one) is None for one in kinds):
+        return ()
+    known = any(one is Path or one.__module__.startswith("lightflyer") for one in kinds)
+    return tuple(PathLike if one is Path else one for one in kinds) if known else ()
 
 
 def _is_numeric(value: Any) -> bool:

@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, get_args
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -10,7 +10,14 @@ import numpy as np
 
 from lightflyer.core.checks import is_traced, require_positive, require_range
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.quantity import Checked, Length, OpenFraction, Roughness, Thickness
+from lightflyer.core.quantity import (
+    Checked,
+    Length,
+    OpenFraction,
+    Roughness,
+    Thickness,
+    require_fit,
+)
 from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import Medium
 from lightflyer.film.optics.transfer_matrix import (
@@ -248,7 +255,7 @@ class Film(Checked):
         """Reflectance, transmittance and absorptance for light from one side."""
         # Light interferes in coherent layers with parallel faces, up to about ten wavelengths
         # thick. Differentiable in the thicknesses, the media's parameters and the angle.
-        film = self if side == "top" else self.flip()
+        film = self._seen_from(side)
         optics: StackOptics = film._with_media(structured_optics, wavelength, incidence)
         if film.homogeneous() is not film:
             optics = optics.merge_layers([len(one.sheets) for one in film.layers])
@@ -258,8 +265,13 @@ class Film(Checked):
         self, wavelength: np.ndarray | float, incidence: Numeric, side: Side = "top"
     ) -> Numeric:
         """Cos 2Ψ, sin 2Ψ cos Δ and sin 2Ψ sin Δ of the reflected light, shape (3, ...) [1]."""
-        film = self if side == "top" else self.flip()
+        film = self._seen_from(side)
         return film._with_media(ellipsometric_angles, wavelength, incidence)
+
+    def _seen_from(self, side: Side) -> "Film":
+        if side not in get_args(Side):
+            raise ParameterError(f'side "{side}" is unknown; choose top or bottom')
+        return self if side == "top" else self.flip()
 
     def _with_media(
         self, function: Callable[..., Any], wavelength: np.ndarray | float, incidence: Numeric
@@ -268,6 +280,7 @@ class Film(Checked):
         require_range("incidence", incidence, 0.0, GRAZING)
         wavelength = np.asarray(wavelength, float)
         require_positive(wavelength=wavelength)
+        require_fit({"wavelength": wavelength.shape, "incidence": np.shape(incidence)})
         sheets = self.homogeneous()
         n, k = sheets.index(wavelength)
         trailing = (1,) * max(wavelength.ndim, np.ndim(incidence))

@@ -22,6 +22,7 @@ from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
 from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother
 from lightflyer.lab.record import dataset, joint_warnings
+from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,6 +96,7 @@ class Comparison(PrintedResult):
         )
 
 
+@reads_units
 def levitation_curve(
     points: LiftOffs,
     *,

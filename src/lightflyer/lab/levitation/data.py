@@ -14,6 +14,7 @@ from lightflyer.calibration.points import (
 )
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.table import Table
+from lightflyer.program.arguments import reads_units
 
 COLUMNS = LEVITATION_COLUMNS
 """Columns of a file of levitation points, the same as for a calibration."""
@@ -41,6 +42,7 @@ class LiftOffs:
         return gap is not None and diameter is not None and gap < diameter
 
 
+@reads_units
 def read_lift_offs(
     path: str | Path, *, columns: str | None = None, gauge: Gauge | None = None
 ) -> tuple[list[LiftOffs], Table]:

@@ -28,6 +28,7 @@ from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.raw import Ordinate
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 from lightflyer.lab.record import require_distinct
+from lightflyer.program.arguments import reads_units
 
 Polarisation = Literal["s", "p", "none"]
 
@@ -195,6 +196,7 @@ SAMPLE_FILE = FileKind(
 )  # fmt: skip
 
 
+@reads_units
 def read_sample(path: str | Path) -> OpticsSample:
     """Read a sample file and the spectra that it names.
 

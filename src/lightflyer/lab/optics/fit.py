@@ -29,6 +29,7 @@ from lightflyer.lab.optics.model import OpticalModel, Problem, select_covered
 from lightflyer.lab.optics.search import STARTS, Fit, Scatter, intervals, search
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
 from lightflyer.lab.record import dataset
+from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -149,6 +150,7 @@ def _fitted_json(one: FittedSpectrum) -> dict[str, Any]:
     }
 
 
+@reads_units
 def fit_optics(
     sample: OpticsSample,
     *,

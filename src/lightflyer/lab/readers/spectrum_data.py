@@ -17,6 +17,7 @@ from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum as Me
 from lightflyer.lab.readers.spectra.interpretation import ReadOptions, interpret_spectrum
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE as PER_CENTIMETRE
 from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumMetadata
+from lightflyer.program.arguments import reads_units
 
 # as fractions, or as per cent that the header does not mark
 _SHARE = Quantity("", -20.0, 150.0)
@@ -50,6 +51,7 @@ _AS_WRITTEN = tuple(
 )  # fmt: skip
 
 
+@reads_units
 def read_spectrum(
     path: str | Path,
     *,

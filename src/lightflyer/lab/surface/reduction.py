@@ -10,13 +10,14 @@ above the mean,
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
 from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.quantity import Fraction
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.readers.height_map import NANOMETRE, HeightMap
@@ -32,6 +33,7 @@ from lightflyer.lab.surface.particles import (
     find_particles,
 )
 from lightflyer.lab.surface.texture import Texture, texture_of
+from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -130,6 +132,7 @@ def surface_parameters(height: np.ndarray) -> np.ndarray:
     return np.array([rms, np.abs(deviation).mean(), skewness, kurtosis])
 
 
+@reads_units
 def roughness(
     source: HeightMap,
     *,
@@ -138,7 +141,7 @@ def roughness(
     order: int = 2,
     flatten: Flatten = "none",
     flatten_order: int = 0,
-    height_accuracy: float | None = None,
+    height_accuracy: Fraction | None = None,
     seed: int = 0,
 ) -> Roughness:
     """Roughness of a map, without its particles and holes and with them.
@@ -177,6 +180,11 @@ def roughness(
     contains what another place would differ by, the power that levelling takes, and the accuracy
     of the heights.
     """
+    for name, value in (("order", order), ("flatten_order", flatten_order)):
+        if not isinstance(value, int | np.integer):
+            raise ParameterError(f"{name} = {value!r} is not a whole number")
+    if flatten not in get_args(Flatten):
+        raise ParameterError(f'flatten = "{flatten}" is unknown; choose none or rows')
     require_range("threshold", threshold, 1.0)
     require_range("order", order, 0, 5)
     require_range("flatten_order", flatten_order, 0, 1)
@@ -187,7 +195,8 @@ def roughness(
     raw = raw if rows is None else flatten_rows(raw, rows)
     whole = level(raw, missing, order)
     nothing = np.zeros(raw.shape, bool)
-    if isinstance(mask, np.ndarray):
+    if not isinstance(mask, str):
+        mask = np.asarray(mask)
         _require_fitting(source, mask)
         found = Objects(level(raw, mask | missing, order), mask, nothing)
     elif mask == "none":
@@ -221,11 +230,13 @@ def roughness(
 
 
 def _require_fitting(source: HeightMap, mask: np.ndarray) -> None:
+    if mask.dtype != bool:
+        raise ParameterError(f"a mask is an array of bool, not of {mask.dtype}")
     if mask.shape != source.height.shape:
-        sizes = " and the map ".join(
-            f"{one.shape[1]} x {one.shape[0]}" for one in (mask, source.height)
+        sizes = (" x ".join(map(str, one.shape[::-1])) for one in (mask, source.height))
+        raise ConfigurationError(
+            f"{source.source}: the mask has {' and the map '.join(sizes)} pixels"
         )
-        raise ConfigurationError(f"{source.source}: the mask has {sizes} pixels")
     if mask.mean() > MOST_MASKED:
         raise ConfigurationError(f"{source.source}: more than {MOST_MASKED:.0%} is masked")
 

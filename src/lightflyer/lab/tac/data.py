@@ -175,6 +175,7 @@ def _not_heated(
     }
 
 
+@reads_units
 def read_resistance_calibration(path: str | Path) -> ResistanceThermometer:
     """Read a calibration of the heater's resistance, and fit a straight line to it.
 

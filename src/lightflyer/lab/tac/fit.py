@@ -22,7 +22,8 @@ import numpy as np
 
 from lightflyer.core import constants
 from lightflyer.core.checks import require_positive, require_range
-from lightflyer.core.errors import ConfigurationError, LightflyerError
+from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterError
+from lightflyer.core.quantity import Fraction, Length
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
@@ -228,9 +229,9 @@ def heater_power(
 def fit_tac(
     run: TacRun,
     *,
-    diameter: float = LU2023_HEATER_DIAMETER,
+    diameter: Length = LU2023_HEATER_DIAMETER,
     tolerance: float = 1.0,
-    emissivity: float | None = None,
+    emissivity: Fraction | None = None,
     law: AbstractHeatLaw = KINETIC_LAW,
     gas: AbstractGas = AIR,
     accuracy: TacAccuracy | None = None,
@@ -285,6 +286,8 @@ def fit_tac(
     ----------
     [Lu2023]_ supplement, Eqs. (3)-(14).
     """
+    if np.ndim(diameter):
+        raise ParameterError("diameter must be one number: that of the heater")
     require_positive(diameter=diameter, tolerance=tolerance)
     require_range("emissivity", emissivity, 0.0, 1.0)
     accuracy = accuracy or TacAccuracy()

@@ -15,6 +15,7 @@ from lightflyer.core.units import Measured
 from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.lab.thermography.camera import UNCOOLED, CameraBand
+from lightflyer.program.arguments import reads_units
 
 EVENLY = 3.0**-0.5
 """Standard deviation of an error evenly distributed between ± one limit, over that limit [1]."""
@@ -120,6 +121,7 @@ def columns_of(method: Method, unit: str | None = None) -> tuple[Column, ...]:
     return tuple(column for one in readings for column in (one, one.uncertainty()))
 
 
+@reads_units
 def read_readings(
     path: str | Path,
     method: Method,

@@ -33,7 +33,7 @@ BAND, INTERVAL = "95 % band", "95 % interval"
 """What shaded bands and error bars are, in legends."""
 
 TOO_HOT = "hotter than its film bears"  # What hatched ranges are
-EXTRAPOLATED = "faint: outside the model's range"  # What faint ranges are
+EXTRAPOLATED = "faint: extrapolated"  # What faint ranges are
 
 FORMATS = ("png", "svg", "pdf")  # Endings of the files that :func:`save` writes
 OWN_STYLES = ("column",)  # Style sheets of the package: a journal's column of 8.6 cm
@@ -42,6 +42,7 @@ DOTS_PER_INCH = 150  # Of a PNG where nothing else is asked
 _POINTS_PER_INCH = 72.0
 _WIDTH, _HEIGHT = 6.0, 4.2  # of axes [inch], unless a style sheet gives a size of figures
 _PAGE = 9.0  # width of several axes [inch]: letters are legible where a page makes it its width
+_OF_COLUMN = 0.95  # that a legend may take: the axes above it are not in the middle
 _LINE = 1.35  # height of a line of text, in font sizes
 _TIGHT, _ROOMY = 1.0, 2.7  # decades up to which a logarithmic axis has labels between decades
 _MANTISSAS = {_TIGHT: (1, 2, 3, 5, 7), _ROOMY: (1, 2, 5), np.inf: (1,)}
@@ -98,7 +99,8 @@ def new_figure(
     )
     if given != usual:
         across, up = given[0] / _WIDTH, given[1] / _HEIGHT
-    width = min(width, _PAGE / columns)
+    else:
+        width = min(width, _PAGE / columns)
     figure = _Figure(figsize=(columns * width * across, height * up), layout="constrained")
     figure.subplots(rows, columns)
     if mpl.rcParams["axes.prop_cycle"] == mpl.rcParamsDefault["axes.prop_cycle"]:
@@ -194,7 +196,7 @@ def legend_below(
     below = ScaledTranslation(0.0, -_depth(ax) / _POINTS_PER_INCH, figure.dpi_scale_trans)
     room = ax.get_subplotspec()
     columns = 1 if room is None else room.get_gridspec().ncols
-    width = figure.get_figwidth() * figure.dpi / columns
+    width = _OF_COLUMN * figure.get_figwidth() * figure.dpi / columns
     renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
     for number in range(-(-len(handles) // rows), 0, -1):
         legend = ax.legend(

@@ -111,7 +111,7 @@ def _shade_bands(prediction: "Prediction", ax: Axes) -> None:
     """Shade where the flyer levitates, and hatch where its film does not survive that."""
     factor, usable = across(prediction), prediction.verdict.usable
     for index, (low, high) in enumerate(prediction.bands):
-        label = "levitates in the available light" if index == 0 else None
+        label = "levitates in this light" if index == 0 else None
         ax.axvspan(factor * low, factor * high, color=GREEN, alpha=0.15, lw=0, label=label)
         inside = [edge for part in usable if low <= part[0] <= high for edge in part]
         ends = [low, *inside, high]

@@ -174,7 +174,7 @@ def test_inputs_know_units_faces_and_ranges():
     )
     inputs = uncertain_inputs(uncertain.design())
     assert inputs.names == ["flyer.diameter", "film.emittance", "environment.incidence"]
-    setup, tangents = inputs.setup_and_tangents()
+    setup, tangents = inputs.setup_and_tangents
     assert setup.flyer.radius == pytest.approx(0.01)
     assert tangents[0].flyer.radius == pytest.approx(0.5)
     assert tangents[1].flyer.film.emittance_top == pytest.approx(1.0)
@@ -204,7 +204,7 @@ def test_a_build_that_is_not_linear_is_followed():
     }
     file = lf.FlyerFile.model_construct(**sections)
     inputs = uncertain_inputs(file.design())
-    _, (tangent,) = inputs.setup_and_tangents()
+    _, (tangent,) = inputs.setup_and_tangents
     assert tangent.flyer.radius == pytest.approx(-2.0 * 0.3 * 0.01)  # d/dw of r(1 − w²)
     samples = np.array([[0.1], [0.5]])
     radii = np.ravel(inputs.setup_of(samples).flyer.radius)

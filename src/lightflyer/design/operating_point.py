@@ -19,9 +19,21 @@ from lightflyer.statics.balance import Equilibrium, equilibrium
 from lightflyer.statics.bands import Band, levitation_bands, scan, widest
 from lightflyer.statics.equations import FlightEquations
 from lightflyer.statics.levitation import Levitation, levitate
-from lightflyer.statics.sinking import longest_night, sinks_level
+from lightflyer.statics.sinking import (
+    Sinking,
+    in_the_dark,
+    night_length,
+    night_places,
+    sinking,
+    sinks_level,
+)
 
 _LOOKS = 101  # places of the first look for the largest payload
+
+
+def sinks_at_night(setup: Setup) -> bool:
+    """Whether there is a way down for the flyer, and a steady speed on it."""
+    return setup.environment.coordinate.name == "altitude" and sinks_level(setup.flyer)
 
 
 def _list_names(names: Iterable[str]) -> str:
@@ -102,6 +114,13 @@ class OperatingPoint:
         """Light, temperature and load at which the flyer just levitates."""
         found = levitate(self.flyer, self.state, self.setup.model, throw=False)
         self._note(found)
+        return found
+
+    @cached_property
+    def sinking(self) -> Sinking:
+        """How fast it sinks in the dark."""
+        dark = in_the_dark(self.setup.environment.state(self.coordinate))
+        found: Sinking = sinking(FlightEquations(self.flyer, dark, self.setup.model))
         return found
 
     @cached_property
@@ -204,14 +223,15 @@ class OperatingPoint:
     def longest_night(self) -> Any:
         """Time to sink in the dark from its place of rest to the lower edge of the band [s]."""
         setup, band = self.setup, self.band
-        if setup.environment.coordinate.name != "altitude" or not sinks_level(self.flyer):
+        if not sinks_at_night(setup):
             return jnp.nan
         low, high = setup.searched
         start, end = (
             jnp.where(self.rest.exists, edge, other)
             for edge, other in ((band.upper, high), (band.lower, low))
         )
-        night = longest_night(self.flyer, setup.environment, setup.model, start, end)
+        speed = OperatingPoint(setup, night_places(start, end)).sinking.speed
+        night = night_length(start, end, speed)
         return jnp.where(self.rest.exists, night, jnp.nan)
 
     def at(self, coordinate: Numeric, exists: Any) -> "OperatingPoint":

@@ -13,7 +13,7 @@ import numpy as np
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.core.units import dataset_unit, scale_and_offset
-from lightflyer.design.operating_point import OperatingPoint
+from lightflyer.design.operating_point import OperatingPoint, sinks_at_night
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
 from lightflyer.flyer.base import AbstractFlyer
@@ -25,6 +25,12 @@ from lightflyer.statics.balance import require_converged
 # units for larger values, by the one that is shown otherwise
 _LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
 _MANY = 1e4  # digits before the point, as a number, from which a larger unit is shown
+
+LEVITATION, NIGHT = "levitation_", "night_"
+"""How the names of those outputs begin that are solved apart from the balance in the light."""
+
+NIGHT_SPEED = "night_speed"  # Steady speed of sinking in the dark, of tables alone [m/s]
+
 _FEW = 10  # places without a solution that leave a result of use, at most,
 _SMALL_SHARE = 0.03  # or this share of them
 
@@ -500,13 +506,22 @@ def tabulate(setup: Setup, coordinate: Numeric, irradiance: Numeric) -> dict[str
     """Everything a prediction tabulates, at each coordinate under its irradiance."""
     case, known = OperatingPoint(setup, coordinate, irradiance), outputs_of(setup)
     values = {name: known[name].value(case) for name in predicted_names(setup)}
-    # what needs no levitation is believed though that failed
-    values |= {"balanced": case.balance.converged, "imbalance": jnp.abs(case.balance.residual)}
-    values |= {"converged": case.converged, "residual": case.residual}
+    solved = {"": case.balance, LEVITATION: case.levitation}
+    if sinks_at_night(setup):
+        solved[NIGHT] = case.sinking
+        values[NIGHT_SPEED] = case.sinking.speed
+    for group, found in solved.items():
+        values[group + "converged"] = found.converged
+        values[group + "residual"] = jnp.abs(found.residual)
     return {name: value + jnp.zeros_like(coordinate) for name, value in values.items()}
 
 
 tabulate_places = elementwise_entry_point(tabulate)  # The same as an entry point
+
+
+def group_of(name: str) -> str:
+    """What an output of a table is solved with: how its name begins."""
+    return next((group for group in (LEVITATION, NIGHT) if name.startswith(group)), "")
 
 
 def table_of(
@@ -517,20 +532,25 @@ def table_of(
     tabulated: Callable[..., dict[str, Any]] = tabulate_places,
 ) -> dict[str, np.ndarray]:
     """Some outputs at coordinates (n,) under irradiances (n,), NaN where they are not solved."""
-    # raises where more than a few are not
-    needs = {name: name.startswith("levitation_") for name in names}
-    both = ("converged", "residual") if any(needs.values()) else ()
-    table = only(tabulated, (*names, "balanced", "imbalance", *both))(
-        setup, coordinates, irradiance
-    )
-    solved = table["converged" if both else "balanced"] >= 0.5
-    if np.sum(~solved) > max(_FEW, _SMALL_SHARE * solved.size):
-        status = np.where(solved, int(SolverStatus.CONVERGED), int(SolverStatus.TOLERANCE_MISSED))
-        require_converged("prediction", status, table["residual" if both else "imbalance"])
-    if solved.all():
-        return {name: table[name] for name in names}
-    known = {True: solved, False: table["balanced"] >= 0.5}
-    return {name: np.where(known[needs[name]], table[name], np.nan) for name in names}
+    # Raises where more than a few are not. All outputs of a group are computed, not those named
+    # alone: few programs then serve all questions.
+    groups = {group_of(name) for name in names}
+    at_night = (NIGHT_SPEED,) if sinks_at_night(setup) else ()
+    known = (*predicted_names(setup), *at_night)
+    asked = [name for name in known if group_of(name) in groups]
+    asked += [group + ending for group in sorted(groups) for ending in ("converged", "residual")]
+    table = only(tabulated, asked)(setup, coordinates, irradiance)
+    solved = {group: table[group + "converged"] >= 0.5 for group in groups}
+    for group, good in solved.items():
+        if np.sum(~good) > max(_FEW, _SMALL_SHARE * good.size):
+            status = np.where(good, int(SolverStatus.CONVERGED), int(SolverStatus.TOLERANCE_MISSED))
+            require_converged("prediction", status, table[group + "residual"])
+    return {
+        name: table[name]
+        if solved[group_of(name)].all()
+        else np.where(solved[group_of(name)], table[name], np.nan)
+        for name in names
+    }
 
 
 def predicted_names(setup: Setup) -> tuple[str, ...]:

@@ -10,14 +10,16 @@ import enum
 import math
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.custom_derivatives import SymbolicZero
 from jax.typing import ArrayLike
 
 from lightflyer.program.tracing import with_parameters
@@ -290,12 +292,29 @@ def _attach(
     return root
 
 
-@_attach.defjvp
+@partial(_attach.defjvp, symbolic_zeros=True)
 def _move(
-    residual: Callable[..., Array], primals: tuple[Array, ...], tangents: tuple[Array, ...]
+    residual: Callable[..., Array], primals: tuple[Array, ...], tangents: tuple[Any, ...]
 ) -> tuple[Array, Array]:
     (start, *parameters), (_, *changes) = primals, tangents
     root = _attach(residual, start, *parameters)
     _, slope = _with_slope(lambda point: residual(point, *parameters), root)
-    _, change = jax.jvp(partial(residual, root), tuple(parameters), tuple(changes))
-    return root, -change / slope
+    return root, -change_with(partial(residual, root), parameters, changes) / slope
+
+
+def change_with(
+    function: Callable[..., Any], parameters: Sequence[Any], changes: Sequence[Any]
+) -> Any:
+    """Change of a function with its parameters; those that do not change are no work."""
+    moving = [n for n, change in enumerate(changes) if not isinstance(change, SymbolicZero)]
+
+    def of_moving(*values: Any) -> Any:
+        whole = list(parameters)
+        for n, value in zip(moving, values, strict=True):
+            whole[n] = value
+        return function(*whole)
+
+    values = tuple(parameters[n] for n in moving)
+    if not moving:
+        return jax.tree.map(jnp.zeros_like, function(*parameters))
+    return jax.jvp(of_moving, values, tuple(changes[n] for n in moving))[1]

@@ -21,6 +21,7 @@ from lightflyer.numerics.rootfind import (
     MAXIMUM_STEPS,
     RELATIVE_TOLERANCE,
     RootOutcome,
+    change_with,
 )
 from lightflyer.program.tracing import with_parameters
 
@@ -88,13 +89,13 @@ def _attach(
     return root
 
 
-@_attach.defjvp
+@partial(_attach.defjvp, symbolic_zeros=True)
 def _move(
     equations: Callable[..., Unknowns], primals: tuple[Any, ...], tangents: tuple[Any, ...]
 ) -> tuple[Unknowns, Unknowns]:
     (start, *parameters), (_, *changes) = primals, tangents
     root = _attach(equations, start, *parameters)
-    _, moved = jax.jvp(partial(equations, root), tuple(parameters), tuple(changes))
+    moved = change_with(partial(equations, root), parameters, changes)
     _, linear = jax.linearize(lambda point: equations(point, *parameters), root)
     return root, _invert(linear, tuple(-entry for entry in moved))
 

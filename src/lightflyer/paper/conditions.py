@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from lightflyer.core import constants
-from lightflyer.design.outputs import tabulate
+from lightflyer.design.outputs import LEVITATION, tabulate
 from lightflyer.design.setup import Setup
 from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
 from lightflyer.environment.chamber import Chamber
@@ -148,9 +148,12 @@ def behaviour(
     given = (diameter, pressure, gas_temperature, irradiance, incidence)
     arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in given))
     table = in_batches(batch, [array.ravel() for array in arrays], POINTS)
-    converged = table.pop("converged") > 0.5
-    status = np.where(converged, int(SolverStatus.CONVERGED), int(SolverStatus.TOLERANCE_MISSED))
-    require_converged("the paper's model", status, table.pop("residual"))
+    for group in ("", LEVITATION):
+        converged = table.pop(group + "converged") > 0.5
+        status = np.where(
+            converged, int(SolverStatus.CONVERGED), int(SolverStatus.TOLERANCE_MISSED)
+        )
+        require_converged("the paper's model", status, table.pop(group + "residual"))
     return {name: values.reshape(arrays[0].shape) for name, values in table.items()}
 
 

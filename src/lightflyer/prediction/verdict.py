@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from lightflyer.design.diagnostics import shape_failures
+from lightflyer.design.operating_point import sinks_at_night
+from lightflyer.design.outputs import NIGHT_SPEED
 from lightflyer.prediction.edges_and_optima import coolness, find_usable
 from lightflyer.prediction.evaluator import Evaluator, Place, Rows
 from lightflyer.statics.grid_refinement import crossing
-from lightflyer.statics.sinking import longest_night, sinks_level
+from lightflyer.statics.sinking import night_length, night_places
 
 if TYPE_CHECKING:
     from lightflyer.prediction.prediction import Prediction
@@ -98,7 +100,7 @@ def verdict_of(prediction: "Prediction") -> Verdict:
         carries_afloat=rest is not None and best is found.best,
         lowest_release=lower if drifts and lower > found.coordinates[0] else None,
         rest=rest,
-        longest_night=_longest_night(found, lower, rest),
+        longest_night=_longest_night(evaluate, found, lower, rest),
         survives=survives,
         strongest_light=strongest,
         strongest_rest=strongest_rest,
@@ -135,12 +137,14 @@ def _usable(
     return usable, place if usable else None
 
 
-def _longest_night(found: "Prediction", lower: float, rest: Place | None) -> float | None:
-    setup = found.setup
-    if rest is None or lower <= found.coordinates[0] or not sinks_level(setup.flyer):
+def _longest_night(
+    evaluate: Evaluator, found: "Prediction", lower: float, rest: Place | None
+) -> float | None:
+    if rest is None or lower <= found.coordinates[0] or not sinks_at_night(found.setup):
         return None
-    night = longest_night(setup.flyer, setup.environment, setup.model, rest.coordinate, lower)
-    return float(night)
+    ends = np.float64(rest.coordinate), np.float64(lower)
+    speed = evaluate(night_places(*ends), names=(NIGHT_SPEED,))[NIGHT_SPEED]
+    return float(night_length(*ends, speed))
 
 
 def _covered(evaluate: Evaluator, found: "Prediction") -> list[tuple[float, float]]:

@@ -25,7 +25,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import wraps
+from functools import cache, wraps
 from typing import Any, Literal, NamedTuple, ParamSpec, TypeVar
 
 import jax
@@ -122,8 +122,15 @@ def only(
     function: Callable[P, dict[str, Any]], names: Sequence[str]
 ) -> Callable[P, dict[str, Any]]:
     """Some of the outputs that an entry point returns by name; the others cost nothing."""
+    return _only(function, tuple(names))
+
+
+@cache
+def _only(
+    function: Callable[P, dict[str, Any]], names: tuple[str, ...]
+) -> Callable[P, dict[str, Any]]:
     runner: _Runner = function.runner  # type: ignore[attr-defined]
-    return _public(function, runner.only(tuple(names)))
+    return _public(function, runner.only(names))
 
 
 def is_entry_point(function: Any) -> bool:
@@ -168,6 +175,12 @@ class _Traced(NamedTuple):
         program = with_outputs(self.program, [places[name] for name in names])
         return _Traced(program, lambda leaves: dict(zip(names, leaves, strict=True)))
 
+    def serves(self, widened: tuple[bool, ...]) -> bool:
+        """Whether inputs that are single in the program may be given as arrays."""
+        return not any(widened) or self.program.prepare_once(
+            widened, lambda program: serves_many(program, widened)
+        )
+
 
 class _Runner:
     """Runs a function by the way that costs least."""
@@ -181,22 +194,19 @@ class _Runner:
         self._spent: dict[Any, float] = {}  # time that NumPy took, by the shapes of a call
         self._run: dict[Program, tuple[float, float]] = {}  # calls a piece, work an element
         self._compiled = jax.jit(self._run_in_double)
-        self._narrowed: dict[tuple[str, ...], _Runner] = {}
         self._whole: _Runner | None = None
         self._names: tuple[str, ...] = ()
 
     def only(self, names: tuple[str, ...]) -> "_Runner":
         """What runs the function for some of its outputs, from the same traces."""
-        if names not in self._narrowed:
 
-            def some(*args: Any, **kwargs: Any) -> dict[str, Any]:
-                found = self._function(*args, **kwargs)
-                return {name: found[name] for name in names}
+        def some(*args: Any, **kwargs: Any) -> dict[str, Any]:
+            found = self._function(*args, **kwargs)
+            return {name: found[name] for name in names}
 
-            narrowed = _Runner(some, elementwise=self._elementwise, way=self._way)
-            narrowed._whole, narrowed._names = self, names
-            self._narrowed[names] = narrowed
-        return self._narrowed[names]
+        narrowed = _Runner(some, elementwise=self._elementwise, way=self._way)
+        narrowed._whole, narrowed._names = self, names
+        return narrowed
 
     def __call__(self, args: list[Any], kwargs: dict[str, Any]) -> Any:
         leaves, structure = jax.tree.flatten((tuple(args), kwargs))
@@ -280,23 +290,20 @@ class _Runner:
         for may_trace in (False, True):  # a trace that fails takes as long as one that does not
             for pattern, widened in patterns:
                 found = self._program(structure, pattern, types, may_trace=may_trace)
-                serves = found is not None and (
-                    not any(widened) or serves_many(found.program, widened)
-                )
-                if serves:
+                if found is not None and found.serves(widened):
                     return found
         return None
 
     def _patterns(
         self, structure: Any, shapes: tuple[tuple[int, ...], ...]
-    ) -> Iterator[tuple[tuple[tuple[Length, ...], ...], list[bool]]]:
+    ) -> Iterator[tuple[tuple[tuple[Length, ...], ...], tuple[bool, ...]]]:
         """Shapes to trace for, the most general first, and which of them stand for longer ones."""
         # Lengths are symbols: all, then the commonest, then none. Before that, numbers of a flyer
         # or its surroundings may be single though there are many, where the function takes an array
         # beside them: what a prediction traces then serves Monte Carlo, too.
         elements = self._elements(structure, shapes)
         beside = {n for n in _beside(structure, len(shapes)) if shapes[n] == elements}
-        widened = [shape == elements and n not in beside for n, shape in enumerate(shapes)]
+        widened = tuple(shape == elements and n not in beside for n, shape in enumerate(shapes))
         if beside:
             pattern: tuple[tuple[Length, ...], ...] = tuple(
                 SYMBOLS[:1] if n in beside else () if widened[n] else shape
@@ -310,7 +317,7 @@ class _Runner:
             pattern = tuple(
                 tuple(symbols.get(length, length) for length in shape) for shape in shapes
             )
-            yield pattern, [False] * len(shapes)
+            yield pattern, (False,) * len(shapes)
 
     def _program(
         self,

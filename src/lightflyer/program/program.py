@@ -7,8 +7,8 @@ when the program runs.
 
 import ast
 import hashlib
-import io
 import json
+import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 ROWS = "n0"  # Symbol of the axis along which elements lie
-FORMAT = 1  # Version of the form in which programs are written
+FORMAT = 2  # Version of the form in which programs are written
 Length: TypeAlias = int | str  # Number of elements along an axis, or an expression of symbols
 
 
@@ -66,7 +66,7 @@ class Program:
     output_types: tuple[str, ...]  # Types of the elements of the outputs, as NumPy writes them
     # Values with :data:`ROWS` as their one axis, of those that no arithmetic makes
     rows: frozenset[int] = frozenset()
-    _prepared: dict[str, Any] = field(default_factory=dict, repr=False)
+    _prepared: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     @cached_property
     def size(self) -> int:
@@ -84,11 +84,11 @@ class Program:
         single = {number for number, shape in inputs if not shape}
         return single | {number for number, array in self.constants.items() if not array.ndim}
 
-    def prepare_once(self, backend: str, prepare: "Callable[[Program], Any]") -> Any:
-        """What a backend makes of the program, made once."""
-        if backend not in self._prepared:
-            self._prepared[backend] = prepare(self)
-        return self._prepared[backend]
+    def prepare_once(self, what: Any, prepare: "Callable[[Program], Any]") -> Any:
+        """What follows from the program, such as what a backend makes of it, made once."""
+        if what not in self._prepared:
+            self._prepared[what] = prepare(self)
+        return self._prepared[what]
 
     def lengths(self, shapes: Sequence[tuple[int, ...]]) -> dict[str, int]:
         """Values of the symbols, for inputs of some shapes."""
@@ -100,21 +100,21 @@ class Program:
         return found
 
     def to_bytes(self, salt: bytes = b"") -> bytes:
-        """The program in a file's form: a hash, then operations in JSON and constants."""
+        """The program as a file has it: a hash, operations in JSON, the bytes of constants."""
         tree = {
             "format": FORMAT,
             "body": _block_as_data(self.body),
-            "constants": list(self.constants),
+            "constants": [
+                [number, array.dtype.str, array.shape] for number, array in self.constants.items()
+            ],
             "input_shapes": self.input_shapes,
             "output_shapes": self.output_shapes,
             "output_types": self.output_types,
             "rows": sorted(self.rows),
         }
-        text = np.frombuffer(json.dumps(tree).encode(), np.uint8)
-        stream = io.BytesIO()
-        arrays = {f"c{number}": array for number, array in self.constants.items()}
-        np.savez(stream, program=text, **arrays)  # type: ignore[arg-type]
-        content = stream.getvalue()
+        text = json.dumps(tree, separators=(",", ":")).encode()
+        arrays = b"".join(array.tobytes() for array in self.constants.values())
+        content = len(text).to_bytes(4, "little") + text + arrays
         return hashlib.sha256(salt + content).digest() + content
 
     @classmethod
@@ -123,11 +123,16 @@ class Program:
         digest, content = content[:32], content[32:]
         if hashlib.sha256(salt + content).digest() != digest:
             raise ValueError("the program is damaged")
-        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            tree = json.loads(arrays["program"].tobytes())
-            if tree["format"] != FORMAT:
-                raise ValueError("the program is of another format")
-            constants = {number: arrays[f"c{number}"] for number in tree["constants"]}
+        place = 4 + int.from_bytes(content[:4], "little")
+        tree = json.loads(content[4:place])
+        if tree["format"] != FORMAT:
+            raise ValueError("the program is of another format")
+        constants = {}
+        for number, kind, shape in tree["constants"]:
+            count = math.prod(shape)
+            array = np.frombuffer(content, kind, count, place).reshape(shape)
+            constants[number] = array
+            place += array.nbytes
         return cls(
             body=_block_of_data(tree["body"]),
             constants=constants,

@@ -1,14 +1,15 @@
 """Search for the dimmest light that carries a load, where the force need not grow with the light.
 
 The force is looked at in more and more light until it carries the load, and at its peak if it never
-does. From there on a bracketed search goes back to where force and load are equal. All of it is one
-loop, in which every element goes its own way: the force contains a heat balance, and compiling that
-costs more than running it.
+does: where its slope changes its sign, a cubic says where and how high that is. From there on a
+bracketed search goes back to where force and load are equal. All of it is one loop, in which every
+element goes its own way: the force contains a heat balance, and compiling that costs more than
+running it. Each balance begins where the last one leads, by its own derivative.
 """
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple, TypeAlias, TypeVar
 
 import equinox as eqx
 import jax
@@ -30,19 +31,33 @@ from lightflyer.statics.balance import imbalances, solve_balance
 from lightflyer.statics.equations import FlightEquations, total
 
 _DIMMEST = 1e-5  # light looked at after darkness, over the brightest
-_STEPS = 15  # in equal ratios from there to the brightest
+_STEPS = 8  # in equal ratios from there to the brightest
 _RATIO = _DIMMEST ** (-1.0 / _STEPS)
+_HOPE = 0.5  # share of the load that a cubic must expect at a peak for a look there
+_STEEPEST = 2.0  # power of the light with which an unknown is taken to grow, at most
 
 # what an element looks at: darkness is 0, then come the lights
 _AT_BRIGHTEST = _STEPS + 1
-_AT_PEAK = _AT_BRIGHTEST + 1
+_AT_PEAK = _AT_BRIGHTEST + 2  # of two looks the last
 _IN_BRACKET = _AT_PEAK + 1
 _AT_ROOT = _IN_BRACKET + 1
 _DONE = _AT_ROOT + 1
 
 T = TypeVar("T")
-Look = Callable[[Array, tuple[Array, ...]], tuple[Array, Array, tuple[Array, ...]]]
-"""Force, slope and unknowns in a light, from the unknowns in another one."""
+Unknowns: TypeAlias = tuple[Array, ...]
+Balanced: TypeAlias = tuple[Array, Unknowns]
+"""Force and unknowns of a heat balance, or their slopes over the light."""
+
+Look = Callable[[Array, Unknowns], tuple[Balanced, Balanced]]
+"""What a light leads to, and its slopes; the unknowns are about those in it."""
+
+
+class Knot(eqx.Module):
+    """A force in a light."""
+
+    light: Array  # [W/m²]
+    force: Array  # [N]
+    slope: Array  # Over the logarithm of the light [N]
 
 
 class LeastLight(eqx.Module):
@@ -54,12 +69,12 @@ class LeastLight(eqx.Module):
     light: Array
     force: Array  # Where the force carried the load first, or was strongest [N]
     carries: Array  # Whether some light carries the load
-    unknowns: tuple[Array, ...]  # Of the heat balance in the light looked at last
-    before: tuple[Array, Array]  # Forces in the last two lights [N]
-    # Largest force between two smaller ones [N], and the light where a parabola through them has
-    # its vertex [W/m²]
-    peak: Array
-    vertex: Array
+    # Of the heat balance in the light looked at last in the end, before that about those in the
+    # light to be looked at
+    unknowns: Unknowns
+    rising: Knot  # The last look at which the force grew with the light
+    peak: tuple[Knot, Knot]  # Looks on both sides of the highest peak so far
+    height: Array  # Force that is expected there [N]
     bracket: BracketSearch
 
     @property
@@ -132,24 +147,20 @@ def _force_in(
     equations: FlightEquations,
     shape: tuple[int, ...],
     light: Array,
-    guess: tuple[Array, ...],
-) -> tuple[Array, Array, tuple[Array, ...]]:
-    """Force in a light [N], its slope [N m²/W] and the unknowns; ``guess``: of those."""
+    guess: Unknowns,
+) -> tuple[Balanced, Balanced]:
+    """Force in a light [N] and the unknowns, and how they change with it; ``guess``: of those."""
     balance = equations.trace_balance(shape)
 
-    def force(light: Array) -> tuple[Array, tuple[Array, ...]]:
+    def force(light: Array) -> Balanced:
         unknowns, _ = solve_balance(equations, balance, equations.powers(light), shape, guess)
         return jnp.broadcast_to(equations.upward_force(unknowns), shape), unknowns
 
-    found: tuple[Array, Array, tuple[Array, ...]] = jax.jvp(
-        force, (light,), (jnp.ones_like(light),), has_aux=True
-    )
+    found: tuple[Balanced, Balanced] = jax.jvp(force, (light,), (jnp.ones_like(light),))
     return found
 
 
-def find_least_light(
-    look: Look, brightest: Array, load: Array, unknowns: tuple[Array, ...]
-) -> LeastLight:
+def find_least_light(look: Look, brightest: Array, load: Array, unknowns: Unknowns) -> LeastLight:
     """Find the dimmest light in which a force carries a load; ``unknowns``: in darkness, about."""
     brightest, load = jnp.broadcast_arrays(brightest, load)
 
@@ -166,24 +177,25 @@ def find_least_light(
     return end
 
 
-def _start(brightest: Array, unknowns: tuple[Array, ...]) -> LeastLight:
+def _start(brightest: Array, unknowns: Unknowns) -> LeastLight:
     nothing = jnp.zeros_like(brightest)
+    darkness = Knot(nothing, nothing, nothing)
     return LeastLight(
         stage=jnp.zeros(brightest.shape, np.int32),
         light=nothing,
         force=nothing,
         carries=jnp.zeros(brightest.shape, bool),
         unknowns=tuple(jnp.broadcast_to(one, brightest.shape) for one in unknowns),
-        before=(nothing, nothing),
-        peak=jnp.full_like(brightest, -jnp.inf),
-        vertex=brightest,
+        rising=darkness,
+        peak=(darkness, darkness),
+        height=jnp.full_like(brightest, -jnp.inf),
         bracket=BracketSearch.within(nothing, brightest, brightest),
     )
 
 
 def _advance(at: LeastLight, look: Look, brightest: Array, load: Array) -> LeastLight:
     """The search after a look at its light."""
-    force, slope, unknowns = look(at.light, at.unknowns)
+    (force, unknowns), (slope, changes) = look(at.light, at.unknowns)
     looking, searching = at.stage <= _AT_PEAK, at.stage == _IN_BRACKET
     carries = looking & (force >= load)
     begins = carries & (at.light > 0.0)
@@ -193,22 +205,43 @@ def _advance(at: LeastLight, look: Look, brightest: Array, load: Array) -> Least
         BracketSearch.within(SMALLEST_SHARE * at.light, at.light, at.light * load / force),
         _select(searching, at.bracket.advance(residual, newton, geometric_middle), at.bracket),
     )
-    peak, vertex = _peak(at, force)
-    goes_on = looking & ~carries & (at.stage < _AT_PEAK)
+    rising, peak, height = _peaks(at, Knot(at.light, force, at.light * slope))
+    vertex, _ = _vertex(*peak)
+    # a peak that is far too low is not looked at
+    hopeless = (at.stage >= _AT_BRIGHTEST) & ~(height > _HOPE * load)
+    goes_on = looking & ~carries & ~hopeless & (at.stage < _AT_PEAK)
     brighter = jnp.where(at.stage == 0, _DIMMEST * brightest, _RATIO * at.light)
-    strongest = jnp.where(peak > force, vertex, at.light)
-    brighter = jnp.where(at.stage == _AT_BRIGHTEST, strongest, brighter)
+    brighter = jnp.where(at.stage >= _AT_BRIGHTEST, vertex, brighter)
+    stage = _next_stage(at, carries | (looking & hopeless), begins, bracket.active)
+    light = jnp.where(begins | searching, bracket.point, jnp.where(goes_on, brighter, at.light))
+    ended = stage == _DONE
     return LeastLight(
-        stage=_next_stage(at, carries, begins, bracket.active),
-        light=jnp.where(begins | searching, bracket.point, jnp.where(goes_on, brighter, at.light)),
+        stage=stage,
+        light=light,
         force=jnp.where(looking, force, at.force),
         carries=at.carries | carries,
-        unknowns=_select(at.stage == _DONE, at.unknowns, unknowns),
-        before=(at.before[1], force),
+        unknowns=_select(
+            at.stage == _DONE,
+            at.unknowns,
+            _select(ended, unknowns, _ahead(at.light, light, unknowns, changes)),
+        ),
+        rising=rising,
         peak=peak,
-        vertex=vertex,
+        height=height,
         bracket=bracket,
     )
+
+
+def _ahead(light: Array, following: Array, unknowns: Unknowns, changes: Unknowns) -> Unknowns:
+    """Unknowns in another light, about: each is taken as a power of the light."""
+    ratio = jnp.where(light > 0.0, following / jnp.where(light > 0.0, light, 1.0), 1.0)
+    found = []
+    for value, change in zip(unknowns, changes, strict=True):
+        power = light * change / jnp.where(value == 0.0, 1.0, value)
+        grown = value * ratio ** jnp.clip(power, -_STEEPEST, _STEEPEST)
+        line = value + change * (following - light)
+        found.append(jnp.where((light > 0.0) & (value != 0.0), grown, line))
+    return tuple(found)
 
 
 def _next_stage(at: LeastLight, carries: Array, begins: Array, active: Array) -> Array:
@@ -218,15 +251,31 @@ def _next_stage(at: LeastLight, carries: Array, begins: Array, active: Array) ->
     return jnp.where(begins, _IN_BRACKET, after).astype(np.int32)
 
 
-def _peak(at: LeastLight, force: Array) -> tuple[Array, Array]:
-    """The largest force between two smaller ones so far, and the light of a parabola's vertex."""
-    two_before, before = at.before
-    bend = two_before - 2.0 * before + force
-    offset = 0.5 * (two_before - force) / jnp.where(bend == 0.0, 1.0, bend)
-    vertex = at.light * _RATIO ** (jnp.clip(offset, -1.0, 1.0) - 1.0)
-    three_lights = (at.stage > 2) & (at.stage <= _AT_BRIGHTEST)  # none of them darkness
-    higher = three_lights & (bend < 0.0) & (before > at.peak)
-    return jnp.where(higher, before, at.peak), jnp.where(higher, vertex, at.vertex)
+def _peaks(at: LeastLight, here: Knot) -> tuple[Knot, tuple[Knot, Knot], Array]:
+    """What a search knows of peaks after a look."""
+    scans, closes_in = (at.stage > 0) & (at.stage <= _AT_BRIGHTEST), at.stage > _AT_BRIGHTEST
+    rises = here.slope > 0.0
+    _, height = _vertex(at.rising, here)
+    higher = scans & (at.rising.slope > 0.0) & ~rises & (height > at.height)
+    left, right = at.peak
+    left = _select(higher, at.rising, _select(closes_in & rises, here, left))
+    right = _select(higher | (closes_in & ~rises), here, right)
+    rising = _select(scans & rises, here, at.rising)
+    return rising, (left, right), jnp.where(higher, height, at.height)
+
+
+def _vertex(left: Knot, right: Knot) -> tuple[Array, Array]:
+    """Light and height of the peak of a cubic over the light's logarithm, between two looks."""
+    ratio = right.light / jnp.where(left.light > 0.0, left.light, 1.0)
+    ratio = jnp.where(ratio > 1.0, ratio, _RATIO)  # of stand-ins
+    width = jnp.log(ratio)
+    gain, first, last = right.force - left.force, width * left.slope, width * right.slope
+    # of the cubic's derivative, which goes from ``first`` to ``last`` along the way from 0 to 1
+    square, linear = 3.0 * (first + last) - 6.0 * gain, 6.0 * gain - 4.0 * first - 2.0 * last
+    root = jnp.sqrt(jnp.maximum(linear**2 - 4.0 * square * first, 0.0)) - linear
+    way = jnp.clip(2.0 * first / jnp.where(root > 0.0, root, 1.0), 0.0, 1.0)
+    height = left.force + way * (first + way * (0.5 * linear + way * square / 3.0))
+    return left.light * ratio**way, height
 
 
 def _select(condition: Array, first: T, second: T) -> T:

@@ -1,6 +1,7 @@
 """How fast a flyer sinks or climbs where drag balances its weight and lift."""
 
 from collections.abc import Callable
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -14,7 +15,12 @@ from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
+from lightflyer.numerics.rootfind import (
+    RootOutcome,
+    SolverStatus,
+    bracketed_power_newton,
+    implicit_root,
+)
 from lightflyer.program.arguments import reads_units
 from lightflyer.program.entry_point import elementwise_entry_point
 from lightflyer.statics.balance import require_converged, solve_equilibrium
@@ -27,6 +33,18 @@ _BRACKET = (1e-6, 1.0 + 1e-6)
 
 _NODES = 64  # Points of Gauss's quadrature over the altitude, for the time of a descent
 _NODES_OF_NIGHT = 24  # The same within a band of altitudes, good to 1e-4
+
+
+class Sinking(eqx.Module):
+    """Steady speeds of sinking, converged or not."""
+
+    speed: Array  # Downward positive, through the gas [m/s]
+    status: Array  # Why the search ended
+    residual: Numeric  # Of the heat balance [1]
+
+    @property
+    def converged(self) -> Array:
+        return self.status == SolverStatus.CONVERGED
 
 
 def steady_speed(drag: Callable[[Array], Array], force: Array) -> tuple[Array, RootOutcome]:
@@ -111,13 +129,12 @@ def sinking_speed(
     if model is None:
         require_record("flyer", (AbstractFlyer,), flyer)
         require_record("state", (EnvironmentState,), state)
-        speed, status = _sinking_cold(flyer, state)
-        residual: Numeric = 0.0
+        found = _sinking_cold(flyer, state)
     else:
-        speed, status, residual = _sinking(FlightEquations(flyer, state, model))
+        found = sinking(FlightEquations(flyer, state, model))
     if throw:
-        require_converged("sinking speed", status, residual)
-    return speed
+        require_converged("sinking speed", found.status, found.residual)
+    return found.speed
 
 
 def _require_level(flyer: AbstractFlyer) -> None:
@@ -127,17 +144,18 @@ def _require_level(flyer: AbstractFlyer) -> None:
 
 
 @elementwise_entry_point
-def _sinking_cold(flyer: AbstractFlyer, state: EnvironmentState) -> tuple[Array, Array]:
+def _sinking_cold(flyer: AbstractFlyer, state: EnvironmentState) -> Sinking:
     unknowns = (jnp.zeros(()),) * (len(flyer.nodes) + len(flyer.flows))
-    return _steady(flyer, state, unknowns, flyer.buoyancy(state, unknowns))
+    return Sinking(*_steady(flyer, state, unknowns, flyer.buoyancy(state, unknowns)), 0.0)
 
 
 @elementwise_entry_point
-def _sinking(equations: FlightEquations) -> tuple[Array, Array, Array]:
+def sinking(equations: FlightEquations) -> Sinking:
+    """Steady speed of a level flyer that is as warm as its light makes it."""
     balance = solve_equilibrium(equations)
     lift = equations.upward_force(balance.unknowns)
     speed, status = _steady(equations.flyer, equations.state, balance.unknowns, lift)
-    return speed, jnp.maximum(status, balance.status), balance.residual
+    return Sinking(speed, jnp.maximum(status, balance.status), balance.residual)
 
 
 def _steady(
@@ -236,22 +254,30 @@ def sinks_level(flyer: AbstractFlyer) -> bool:
     return not tilted and type(flyer).drag is not AbstractFlyer.drag
 
 
-def longest_night(
-    flyer: AbstractFlyer,
-    environment: AbstractEnvironment,
-    model: AbstractForceModel,
-    start: Numeric,
-    end: Numeric,
-) -> Array:
-    """Time to sink in the dark from one altitude to another, shape () or (n,) [s].
+def night_places(start: Numeric, end: Numeric) -> Any:
+    """Altitudes whose speeds give the time of a descent, shape (..., 24) [m]; ends (...)."""
+    nodes, _ = np.polynomial.legendre.leggauss(_NODES_OF_NIGHT)
+    return 0.5 * ((start - end)[..., None] * nodes + (start + end)[..., None])
 
-    Infinite for a flyer that stays up. Unlike :func:`settling_time` it can be traced. ``start`` and
-    ``end`` () or (n, 1).
+
+def night_length(start: Numeric, end: Numeric, speed: Any) -> Any:
+    """Time to sink from one altitude to another [s]; ``speed``: at :func:`night_places`."""
+    # infinite for a flyer that stays up
+    _, weights = np.polynomial.legendre.leggauss(_NODES_OF_NIGHT)
+    xp = speed.__array_namespace__()
+    stays = speed <= 0.0
+    slowness = xp.where(stays, xp.inf, 1.0 / xp.where(stays, 1.0, speed))
+    return 0.5 * (start - end) * xp.sum(weights * slowness, axis=-1)
+
+
+def night_change(ends: Any, speed: Any, change: Any, slope: Any, moves: Any) -> Any:
+    """How :func:`night_length` changes [s].
+
+    ``ends``: start and end, ``moves``: their changes. ``speed``, its ``change`` at each of the
+    :func:`night_places` and its ``slope`` over the altitude: shape (24,).
     """
     nodes, weights = np.polynomial.legendre.leggauss(_NODES_OF_NIGHT)
-    altitudes = 0.5 * (start - end) * nodes + 0.5 * (start + end)
-    state = in_the_dark(environment.state(altitudes))
-    speed = sinking_speed(flyer, state, model, throw=False)
-    sinks = speed > 0.0
-    slowness = jnp.where(sinks, 1.0 / jnp.where(sinks, speed, 1.0), jnp.inf)
-    return jnp.sum(0.5 * (start - end) * weights * slowness, axis=-1)
+    depth, deeper = ends[0] - ends[1], moves[0] - moves[1]
+    shift = 0.5 * (deeper * nodes + moves[0] + moves[1])
+    slower = -(change + slope * shift) / speed**2
+    return 0.5 * np.sum(weights * (deeper / speed + depth * slower))

@@ -1,5 +1,6 @@
 """Derivatives of a prediction's results in its inputs, through the root-finds."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -8,9 +9,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.design.outputs import predicted_names, tabulate_places
-from lightflyer.program.entry_point import entry_point
-from lightflyer.statics.sinking import longest_night
+from lightflyer.design.outputs import NIGHT_SPEED, predicted_names, tabulate_places
+from lightflyer.program.entry_point import entry_point, only
+from lightflyer.statics.sinking import night_change, night_places
 from lightflyer.uncertainty.inputs import Inputs
 
 Table = dict[str, np.ndarray]
@@ -25,11 +26,16 @@ def _along(setup: Any, coordinate: Any, change: Any, coordinate_change: Any) -> 
 
     def outputs(moved: Any, place: Any) -> dict[str, Any]:
         light = jnp.broadcast_to(moved.environment.radiation.irradiance, place.shape)
-        table = tabulate_places(moved, place, light)
-        return {name: table[name] for name in predicted_names(moved)}
+        found: dict[str, Any] = tabulate_places(moved, place, light)
+        return found
 
     direction = change, coordinate_change * jnp.ones_like(coordinate)
-    return jax.jvp(outputs, (setup, coordinate), direction)
+    value, changes = jax.jvp(outputs, (setup, coordinate), direction)
+    return value | {_change_of(name): one for name, one in changes.items()}
+
+
+def _change_of(name: str) -> str:
+    return f"change of {name}"
 
 
 @dataclass(frozen=True)
@@ -75,21 +81,31 @@ class Derivatives:
 
     def night(self, name: str, points: tuple[int, int]) -> np.ndarray:
         """Gradient of the night [s] between places that keep an output's value, shape (k,)."""
-        setup, tangents = self.inputs.setup_and_tangents()
+        edges = self.coordinate[list(points)]
+        (speed,), changes = _directions(self.inputs, night_places(*edges), (NIGHT_SPEED,))
         moving = zip(*(self.level(name, point) for point in points), strict=True)
-        edges = tuple(self.coordinate[list(points)])
-        parts = zip(tangents, moving, strict=True)
-        return np.array([float(_night(setup, edges, tangent, moves)) for tangent, moves in parts])
+        return np.array(
+            [
+                night_change(edges, speed, change, changes[-1, 0], moves)
+                for change, moves in zip(changes[:-1, 0], moving, strict=True)
+            ]
+        )
 
 
-@entry_point
-def _night(setup: Any, edges: Any, change: Any, edge_changes: Any) -> Any:
-    """How the longest night changes with the setup and the edges in one direction [s]."""
-
-    def night(moved: Any, edges: Any) -> Any:
-        return longest_night(moved.flyer, moved.environment, moved.model, *edges)
-
-    return jax.jvp(night, (setup, edges), (change, edge_changes))[1]
+def _directions(
+    inputs: Inputs, coordinate: np.ndarray, names: Sequence[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Outputs, shape (outputs, n), and their derivatives in the k inputs and the coordinate."""
+    # those (k + 1, outputs, n)
+    setup, tangents = inputs.setup_and_tangents
+    still = jax.tree.map(np.zeros_like, setup)
+    directions = [(tangent, 0.0) for tangent in tangents] + [(still, 1.0)]
+    run = only(_along, [*names, *map(_change_of, names)])
+    moves = [run(setup, coordinate, *direction) for direction in directions]
+    return (
+        np.stack([moves[0][name] for name in names]),
+        np.stack([[move[_change_of(name)] for name in names] for move in moves]),
+    )
 
 
 def derivatives(inputs: Inputs, coordinate: np.ndarray) -> Derivatives:
@@ -98,12 +114,10 @@ def derivatives(inputs: Inputs, coordinate: np.ndarray) -> Derivatives:
     # of exact ones: differentiating twice would take far longer to compile.
     step = _COORDINATE_STEP * coordinate
     shifted = np.concatenate([coordinate, coordinate - step, coordinate + step])
-    setup, tangents = inputs.setup_and_tangents()
-    still = jax.tree.map(np.zeros_like, setup)
-    directions = [(tangent, 0.0) for tangent in tangents] + [(still, 1.0)]
-    moves = [_along(setup, shifted, *direction) for direction in directions]
-    value = moves[0][0]
-    change = {name: np.stack([move[name] for _, move in moves]) for name in value}
+    names = predicted_names(inputs.design.setup)
+    values, changes = _directions(inputs, shifted, names)
+    value = dict(zip(names, values, strict=True))
+    change = {name: changes[:, row] for row, name in enumerate(names)}
     count = coordinate.size
     step = np.where(step > 0.0, step, np.nan)  # at sea level there is none
     return Derivatives(

@@ -2,6 +2,7 @@
 
 import warnings
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -95,6 +96,7 @@ class Inputs:
             del numbers[name]
         return self.design.build(numbers, prepared)
 
+    @cached_property
     def setup_and_tangents(self) -> tuple[Any, list[Any]]:
         """Setup at the inputs' values, and its derivative in each of them."""
         structure = jax.tree.structure(self.build(self.values))

@@ -6,7 +6,8 @@ from typing import Any
 import jax
 import numpy as np
 
-from lightflyer.design.outputs import table_of, tabulate
+from lightflyer.design.operating_point import sinks_at_night
+from lightflyer.design.outputs import NIGHT_SPEED, table_of, tabulate
 from lightflyer.environment.base import Coordinate
 from lightflyer.prediction.edges_and_optima import (
     Found,
@@ -20,7 +21,7 @@ from lightflyer.prediction.edges_and_optima import (
 from lightflyer.prediction.evaluator import Table
 from lightflyer.program.entry_point import entry_point
 from lightflyer.statics.grid_refinement import crossing
-from lightflyer.statics.sinking import longest_night, sinks_level
+from lightflyer.statics.sinking import night_length, night_places
 from lightflyer.uncertainty.inputs import Inputs
 
 LOWER, UPPER, MOST_PAYLOAD, LEAST_LIGHT = "lower", "upper", "payload", "levitation_irradiance"
@@ -84,16 +85,13 @@ def _nights(
 ) -> np.ndarray:
     """Time in which each sample sinks from edge to edge in the dark, shape (samples,) [s]."""
     # NaN where it has none; ``edges`` (2, samples)
-    setup = inputs.setup_of(samples)
-    if where.name != "altitude" or not sinks_level(setup.flyer):
+    if not sinks_at_night(inputs.design.setup):
         return np.full(len(samples), np.nan)
-    lower, upper = where.from_axis(edges)[:, :, None]
-    return _night(setup, upper, lower)
-
-
-@entry_point
-def _night(setup: Any, start: Any, end: Any) -> Any:
-    return longest_night(setup.flyer, setup.environment, setup.model, start, end)
+    lower, upper = where.from_axis(edges)
+    known = ~np.isnan(lower)
+    places = night_places(np.where(known, upper, 1.0), np.where(known, lower, 0.0))
+    speed = tabulate_samples(inputs, samples, places, (NIGHT_SPEED,))[NIGHT_SPEED]
+    return night_length(upper, lower, speed)
 
 
 def search_samples(

@@ -7,8 +7,8 @@ First order propagates the covariance :math:`\Sigma` of the inputs through exact
 distributions, cut off where a value is impossible, and repeats the prediction.
 """
 
-from dataclasses import dataclass, field
-from functools import cached_property, partial
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,7 +42,7 @@ FEWEST_SAMPLES = 100
 """Samples below which the ends of a 95 % band mean nothing: two or three lie outside of it."""
 
 COVERAGE = (2.5, 97.5)  # Percentiles of the bands
-BAND_POINTS = 121  # Coordinates at which the bands of the figures are known
+BAND_POINTS = 61  # Coordinates at which the bands of the figures are known
 
 BANDS = (
     "levitation_irradiance",
@@ -56,7 +56,6 @@ BANDS = (
 """Outputs that have bands over the coordinate, besides those of the force model's own."""
 
 _POSITIVE = LEAST_LIGHT  # goes with the inverse of the TACs' difference
-_SLOW = "levitation_"  # how the names of outputs begin that take longest: every other point serves
 _MARGIN = 10  # points of the prediction's table searched beyond the nominal range
 _LIGHT_SPAN = 30.0  # irradiance, over the least, up to which the nominal range reaches
 _SEARCHED_POINTS = 31  # over the whole searched range, besides those of the bands
@@ -76,14 +75,12 @@ class PredictionUncertainty(PrintedResult):
     samples: int
     seed: int
     coordinate: np.ndarray  #: shape (n,); altitude [m] or pressure [Pa] of the bands
+    draws: np.ndarray  #: shape (samples, k); inputs of each sample
     #: The results that are positive, and infinite in samples that have none
     endless: frozenset[str] = frozenset()
     #: The results that are edges of the band in which the flyer flies. First order has no 95 % band
     #: for them: how far they are from linear depends on the margin, which is uncertain too
     edges: frozenset[str] = frozenset()
-    #: shape (n,); 95 % bands of :data:`BANDS` and of the force model's own results, in SI units
-    low: Table = field(default_factory=dict)
-    high: Table = field(default_factory=dict)  #: As ``low``
     warnings: tuple[str, ...] = ()  #: What a reader must know, one line each
 
     def plot(self, what: str | None = None, ax: "Axes | None" = None) -> "Figure":
@@ -98,6 +95,25 @@ class PredictionUncertainty(PrintedResult):
 
         yield from prediction_parts(self.prediction, bands=self.bands)
         yield from band_parts(self.summary())
+
+    @property
+    def low(self) -> Table:
+        """Lower ends of the 95 % bands of outputs at ``coordinate``, shape (n,), in SI units."""
+        return self._ends[0]
+
+    @property
+    def high(self) -> Table:
+        """Upper ends, as ``low``."""
+        return self._ends[1]
+
+    @cached_property
+    def _ends(self) -> tuple[Table, Table]:
+        # computed when a figure or file asks for them: the results above need none
+        names = (*BANDS, *self.prediction.own_names)
+        if not self.samples:
+            return _normal_bands(derivatives(self.inputs, self.coordinate), names)
+        report("bands of the curves")
+        return _quantiles(tabulate_samples(self.inputs, self.draws, self.coordinate, names))
 
     @cached_property
     def bands(self) -> dict[str, tuple[float, float]]:
@@ -215,34 +231,26 @@ def propagate(
         return None
     prediction = predict_design(design) if prediction is None else prediction
     targets, points = find_targets(prediction)
-    grid = _even_grid(prediction) if over is None else np.asarray(over, float)
-    names = (*BANDS, *prediction.own_names)
+    near = _even_grid(prediction)
     report("bands to first order")
-    places = points if samples else np.concatenate([points, grid])
-    slopes = derivatives(inputs, places)
+    slopes = derivatives(inputs, points)
     sampled: dict[str, np.ndarray] = {}
+    draws = np.zeros((0, inputs.values.size))
     told: tuple[str, ...] = ()
     if samples:
         report("bands by Monte Carlo")
         drawn = draw_possible(inputs, samples, seed)
         told = _diagnostics(drawn)
+        draws = drawn.samples
         asked = {target.quantity for target in targets} - {"", NIGHT}
-        wanted = tuple(dict.fromkeys((*names, *sorted(asked))))
+        wanted = tuple(dict.fromkeys((*BANDS, *sorted(asked))))
         whole = search_grid(prediction.setup, _SEARCHED_POINTS)
-        coordinates = np.concatenate([points, grid[:: 2 if over is None else 1], whole])
-        tabulate = partial(tabulate_samples, inputs, drawn.samples)
-        table = tabulate(coordinates, wanted)
+        coordinates = np.concatenate([points, near[::2], whole])
+        table = tabulate_samples(inputs, draws, coordinates, wanted)
         told += _describe_unsolved(table)
         searched, where = (whole[0], whole[-1]), prediction.coordinate
-        found = search_samples(inputs, drawn.samples, coordinates, table, searched, where)
+        found = search_samples(inputs, draws, coordinates, table, searched, where)
         sampled = {target.name: sample_result(target, found, table) for target in targets}
-        shown = slice(points.size, coordinates.size - whole.size)
-        quick = tuple(name for name in names if not name.startswith(_SLOW))
-        bands = _quantiles({name: table[name][:, shown] for name in names})
-        if over is None:
-            bands = _with_points_between(bands, _quantiles(tabulate(grid[1::2], quick)))
-    else:
-        bands = _normal_bands(slopes, names, points.size)
     return PredictionUncertainty(
         prediction=prediction,
         inputs=inputs,
@@ -251,11 +259,10 @@ def propagate(
         sampled=sampled,
         samples=samples,
         seed=seed,
-        coordinate=grid,
+        coordinate=near if over is None else np.asarray(over, float),
+        draws=draws,
         endless=frozenset(target.name for target in targets if target.quantity == _POSITIVE),
         edges=frozenset(target.name for target in targets if target.is_edge),
-        low=bands[0],
-        high=bands[1],
         warnings=told,
     )
 
@@ -350,23 +357,9 @@ def _quantiles(table: Table) -> tuple[Table, Table]:
     return low, high
 
 
-def _with_points_between(
-    even: tuple[Table, Table], odd: tuple[Table, Table]
-) -> tuple[Table, Table]:
-    """Both ends of the bands with the points between those that all outputs have."""
-    # what is not known there, irradiances and temperatures, is the geometric mean of its neighbours
-    whole: tuple[Table, Table] = {}, {}
-    for found, known, between in zip(whole, even, odd, strict=True):
-        for name, values in known.items():
-            row = found[name] = np.empty(2 * values.size - 1)
-            row[::2] = values
-            row[1::2] = between[name] if name in between else np.sqrt(values[:-1] * values[1:])
-    return whole
-
-
-def _normal_bands(slopes: Derivatives, names: tuple[str, ...], first: int) -> tuple[Table, Table]:
+def _normal_bands(slopes: Derivatives, names: tuple[str, ...]) -> tuple[Table, Table]:
     low, high = {}, {}
     for name in names:
-        value, spread = slopes.value[name][first:], slopes.spreads(name)[first:]
+        value, spread = slopes.value[name], slopes.spreads(name)
         low[name], high[name] = _normal_ends(value, spread, positive=name == _POSITIVE)
     return low, high

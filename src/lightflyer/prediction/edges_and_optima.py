@@ -7,6 +7,7 @@ import numpy as np
 
 from lightflyer.prediction.evaluator import Table
 from lightflyer.statics.grid_refinement import (
+    EDGE_TOLERANCE,
     at,
     band_brackets,
     band_count,
@@ -46,19 +47,28 @@ class Usable(NamedTuple):
 
 
 def find_edges_and_optima(
-    tabulate: Tabulate, place: np.ndarray, table: Table, *, widest: bool = False
+    tabulate: Tabulate,
+    place: np.ndarray,
+    table: Table,
+    *,
+    lit: np.ndarray | None = None,
+    widest: bool = False,
+    tolerance: float = EDGE_TOLERANCE,
 ) -> Found:
     """Find all edges and optima between the rows of a table, shape (n, m); ``place`` (n,)."""
+    # ``lit``: places of the rows of the light that it takes, where they are fewer
 
     def objectives(places: np.ndarray) -> np.ndarray:
-        lift, light = (
+        rows = (
             tabulate(places[:, [row]], (name,))[name][:, 0] for row, name in enumerate(_SEARCHED)
         )
-        return _objectives(lift, light)
+        return np.stack([_objective(*pair) for pair in zip(_SEARCHED, rows, strict=True)], axis=1)
 
-    first = _objectives(table[_LIFT], table[_LIGHT])
-    _, before, after = best_of(first)
-    optima, heights = peak(objectives, place[before], place[after])
+    around = []
+    for name, rows in zip(_SEARCHED, (place, place if lit is None else lit), strict=True):
+        _, before, after = best_of(_objective(name, table[name]))
+        around.append((rows[before], rows[after]))
+    optima, heights = peak(objectives, *map(np.stack, zip(*around, strict=True)))
     there = {name: values[0] for name, values in tabulate(optima[None], None).items()}
     optima = np.where(heights > -np.inf, optima, np.nan)
     best, easiest = (
@@ -71,7 +81,7 @@ def find_edges_and_optima(
     def margins(places: np.ndarray) -> np.ndarray:
         return _of_spread(tabulate, places, (_LIFT,))[_LIFT] - 1.0
 
-    edges = _edges(margins, places, lifts >= 1.0, widest=widest)
+    edges = _edges(margins, places, lifts >= 1.0, widest=widest, tolerance=tolerance)
     return Found(edges, optima[0], optima[1], at_best=best, at_easiest=easiest)
 
 
@@ -82,6 +92,7 @@ def find_usable(
     bands: np.ndarray,
     best: tuple[np.ndarray, Table],
     highest: float,
+    tolerance: float = EDGE_TOLERANCE,
 ) -> Usable:
     """Find the parts of bands in which films bear a temperature, and the best place in them."""
     # of all bands, shape (2, bands, m), and of the place of most payload, (m,)
@@ -102,7 +113,7 @@ def find_usable(
     order = np.argsort(columns[0], axis=0, kind="stable")
     places, lifts, heats = (np.take_along_axis(column, order, axis=0) for column in columns)
     usable = (lifts >= 1.0) & (coolness(heats, highest) >= 0.0)
-    parts = _edges(margins, places, usable, settled=bands)
+    parts = _edges(margins, places, usable, settled=bands, tolerance=tolerance)
 
     def payloads(places: np.ndarray) -> np.ndarray:
         return _of_spread(tabulate, places, ("payload",))["payload"]
@@ -135,6 +146,7 @@ def _edges(
     *,
     widest: bool = False,
     settled: Any = (),
+    tolerance: float,
 ) -> np.ndarray:
     """Edges of the bands inside of which a margin is positive, shape (2, bands, m)."""
     # places that are settled are edges already
@@ -148,7 +160,7 @@ def _edges(
             at(part.swapaxes(0, 1), chosen)[:, None] for part in (outside, within, exists, is_open)
         )
     sought = exists & ~is_open & ~np.isin(within, settled)
-    edges = crossing(margins, outside, within, sought)
+    edges = crossing(margins, outside, within, sought, tolerance)
     return np.where(exists, edges, np.nan)
 
 
@@ -164,7 +176,7 @@ def coolness(temperature: np.ndarray, highest: float) -> np.ndarray:
     return np.nan_to_num(1.0 - temperature / highest, nan=-1.0)
 
 
-def _objectives(lift: np.ndarray, light: np.ndarray) -> np.ndarray:
-    """What is largest where the payload is, and where the light is least; shape (n, 2, m)."""
+def _objective(name: str, values: np.ndarray) -> np.ndarray:
+    """What is largest where the payload is, or where the light is least."""
     with np.errstate(divide="ignore"):
-        return np.stack([lift, -np.log(light)], axis=1)
+        return values if name == _LIFT else -np.log(values)

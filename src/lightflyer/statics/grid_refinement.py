@@ -124,7 +124,11 @@ def _vertex(values: np.ndarray, best: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def crossing(
-    function: Function, outside: Numeric, inside: Numeric, wanted: np.ndarray | bool = True
+    function: Function,
+    outside: Numeric,
+    inside: Numeric,
+    wanted: np.ndarray | bool = True,
+    tolerance: float = EDGE_TOLERANCE,
 ) -> np.ndarray:
     """Where each function becomes positive on the way from outside to inside, shape (m,)."""
     # False position, in which the end that stays counts half the next time (Illinois). Columns
@@ -142,7 +146,7 @@ def crossing(
         way = np.where((way > 0.0) & (way < 1.0), way, 0.5)
         found = np.where(sought, outside + way * (inside - outside), found)
         value = function(found[None])[0]
-        sought = sought & ~(np.abs(value) <= EDGE_TOLERANCE)
+        sought = sought & ~(np.abs(value) <= tolerance)
         side = np.where(value >= 0.0, 1.0, -1.0)
         halved = np.where(side == last, 0.5, 1.0)
         enters, last = side > 0.0, side

@@ -35,6 +35,8 @@ film survives, the place of most payload in them, or the place of rest in the st
 HEAT, LEAST_HEAT, PAYLOAD = "temperature", "levitation_temperature", "payload"
 NIGHT = "longest_night"
 
+TOLERANCE = 1e-7  # Of lift over weight, and of heat over a film's limit, at edges of samples
+
 _tabulate_each = entry_point(tabulate)
 
 
@@ -75,7 +77,7 @@ def _strongest_light(
     hot = (coolness(rows[LEAST_HEAT], highest) < 0.0) & known & (places[:, None] > found.easiest)
     first, wanted = hot.argmax(axis=0), hot.any(axis=0) & ~never
     inside = np.where(wanted, np.fmax(places[np.maximum(first - 1, 0)], found.easiest), places[0])
-    place = crossing(cool, places[first], inside, wanted)
+    place = crossing(cool, places[first], inside, wanted, TOLERANCE)
     light = look(place[None, None], (LEAST_LIGHT,))[LEAST_LIGHT][0, 0]
     return place, {LEAST_LIGHT: np.where(wanted, light, np.where(never, 0.0, np.nan))}
 
@@ -95,26 +97,22 @@ def _nights(
 
 
 def search_samples(
-    inputs: Inputs,
-    samples: np.ndarray,
-    coordinate: np.ndarray,
-    table: Table,
-    searched: tuple[float, float],
-    where: Coordinate,
+    inputs: Inputs, samples: np.ndarray, tables: Sequence[tuple[np.ndarray, Table]]
 ) -> dict[str, tuple[np.ndarray, Table]]:
-    """Edges and optima of each sample in a range, of which ``table`` has the ends."""
-    # Coordinate and outputs of each sample, shape (samples,), by what moves a result there.
-    increasing, order = np.unique(coordinate, return_index=True)
-    inside = (searched[0] <= increasing) & (increasing <= searched[1])
-    rows = {name: values[:, order[inside]].T for name, values in table.items()}
-    places = where.to_axis(increasing[inside])
+    """Edges and optima of each sample, of which tables have the rows to begin with."""
+    # Coordinate and outputs of each sample, shape (samples,), by what moves a result there. Each
+    # table has coordinates (n,), increasing, and outputs (samples, n): the first those in the
+    # available light, the second those in the least.
+    where = inputs.design.setup.environment.coordinate
+    places, lit = (where.to_axis(coordinate) for coordinate, _ in tables)
+    rows = {name: values.T for _, table in tables for name, values in table.items()}
 
     def look(places: np.ndarray, names: Names) -> Table:
         each = where.from_axis(np.moveaxis(places, -1, 0).reshape(len(samples), -1))
-        found = tabulate_samples(inputs, samples, each, names or tuple(table))
+        found = tabulate_samples(inputs, samples, each, names or tuple(rows))
         return {name: values.T.reshape(places.shape) for name, values in found.items()}
 
-    found = find_edges_and_optima(look, places, rows, widest=True)
+    found = find_edges_and_optima(look, places, rows, lit=lit, widest=True, tolerance=TOLERANCE)
     edges = found.edges[:, 0]
     there = np.where(np.isnan(edges), places[0], edges)
     hot = look(there[:, None], (HEAT,))[HEAT][:, 0]
@@ -128,11 +126,11 @@ def search_samples(
     highest = inputs.design.setup.flyer.highest_temperature
     if highest is not None:
         best = found.best, found.at_best
-        usable = find_usable(look, places, rows, found.edges, best, float(highest))
+        usable = find_usable(look, places, rows, found.edges, best, float(highest), TOLERANCE)
         ends = widest_of(usable.edges)
         there = np.where(np.isnan(ends[1]), places[0], ends[1])
         least = np.where(np.isnan(ends[1]), np.nan, look(there[None, None], (PAYLOAD,))[PAYLOAD])
         known |= {USABLE_LOWER: (ends[0], {}), USABLE_UPPER: (ends[1], {PAYLOAD: least[0, 0]})}
         known[HELD] = usable.best, usable.at_best
-        known[STRONGEST] = _strongest_light(look, places, rows, found, float(highest))
+        known[STRONGEST] = _strongest_light(look, lit, rows, found, float(highest))
     return {name: (where.from_axis(place), values) for name, (place, values) in known.items()}

@@ -17,6 +17,7 @@ from lightflyer.config.designs import as_design
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
+from lightflyer.design.outputs import LEVITATION, group_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
@@ -245,12 +246,18 @@ def propagate(
         asked = {target.quantity for target in targets} - {"", NIGHT}
         wanted = tuple(dict.fromkeys((*BANDS, *sorted(asked))))
         whole = search_grid(prediction.setup, _SEARCHED_POINTS)
-        coordinates = np.concatenate([points, near[::2], whole])
-        table = tabulate_samples(inputs, draws, coordinates, wanted)
-        told += _describe_unsolved(table)
-        searched, where = (whole[0], whole[-1]), prediction.coordinate
-        found = search_samples(inputs, draws, coordinates, table, searched, where)
-        sampled = {target.name: sample_result(target, found, table) for target in targets}
+        # the least light takes longest, and changes slowly from place to place
+        rows = {False: [points, near[::2], whole], True: [points, whole[::2]]}
+        tables = []
+        for lit, parts in rows.items():
+            names = tuple(name for name in wanted if (group_of(name) == LEVITATION) is lit)
+            coordinates = np.unique(np.concatenate(parts))
+            table = tabulate_samples(inputs, draws, coordinates, names)
+            told += _describe_unsolved(table)
+            tables.append((coordinates, table))
+        inside = [_between(whole[0], whole[-1], *table) for table in tables]
+        found = search_samples(inputs, draws, inside)
+        sampled = {target.name: sample_result(target, found, tables) for target in targets}
     return PredictionUncertainty(
         prediction=prediction,
         inputs=inputs,
@@ -289,13 +296,19 @@ def _diagnostics(drawn: Drawn) -> tuple[str, ...]:
 
 def _describe_unsolved(table: Table) -> tuple[str, ...]:
     """What is missing in the samples, where a balance has no solution within the tolerance."""
-    missing = np.isnan(table["lift_over_weight"]) | np.isnan(table["levitation_irradiance"])
+    missing = np.isnan(table.get("lift_over_weight", table.get(LEAST_LIGHT)))
     if not missing.any():
         return ()
     return (
         f"{100.0 * missing.mean():.2g} % of the Monte Carlo balances missed their tolerance; they "
         "count as places that no light lifts",
     )
+
+
+def _between(low: float, high: float, coordinate: np.ndarray, table: Table) -> tuple[Any, Table]:
+    """The columns of a table, shape (samples, n), at coordinates in a range."""
+    inside = (low <= coordinate) & (coordinate <= high)
+    return coordinate[inside], {name: values[:, inside] for name, values in table.items()}
 
 
 def _central(drawn: np.ndarray, *, endless: bool) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """The results of a prediction, one by one: where each is, and what moves it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +44,7 @@ class Target:
     quantity: str
     scale: float
     point: int
+    coordinate: float
     mover: str = ""
     keeps: str = ""
     at_end: bool = False
@@ -72,9 +74,9 @@ class _Targets:
     def add(self, name: str, value: float, output: str, scale: float) -> None:
         """A result at the last coordinate; one that is not finite is left out."""
         if np.isfinite(value):
-            point, at_end = len(self.points) - 1, self.points[-1] in self.ends
+            point, at = len(self.points) - 1, self.points[-1]
             self.targets.append(
-                Target(name, scale * value, output, scale, point, *self.moved, at_end)
+                Target(name, scale * value, output, scale, point, at, *self.moved, at in self.ends)
             )
 
     def add_coordinate(self, name: str) -> None:
@@ -169,10 +171,14 @@ def spread_of(target: Target, slopes: Derivatives) -> float:
 
 
 def sample_result(
-    target: Target, found: dict[str, tuple[np.ndarray, Table]], table: Table
+    target: Target,
+    found: dict[str, tuple[np.ndarray, Table]],
+    tables: Sequence[tuple[np.ndarray, Table]],
 ) -> np.ndarray:
     """One result in each sample, shape (samples,)."""
     if not target.mover:
-        return target.scale * table[target.quantity][:, target.point]
+        ((coordinate, table),) = (one for one in tables if target.quantity in one[1])
+        column = np.searchsorted(coordinate, target.coordinate)
+        return target.scale * table[target.quantity][:, column]
     coordinate, outputs = found[target.mover]
     return target.scale * (outputs[target.quantity] if target.quantity else coordinate)

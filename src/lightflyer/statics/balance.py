@@ -36,6 +36,7 @@ from lightflyer.files.result_text import Parts, PrintedResult, rows_of
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
+    RELATIVE_TOLERANCE,
     SMALLEST_SHARE,
     RootOutcome,
     SolverStatus,
@@ -203,6 +204,7 @@ def solve_balance(
     powers: tuple[Array, ...],
     shape: tuple[int, ...],
     guess: tuple[Array, ...] | None = None,
+    tolerance: float = RELATIVE_TOLERANCE,
 ) -> tuple[tuple[Array, ...], RootOutcome]:
     """Unknowns at which each node loses what it absorbs; ``powers``: that [W]."""
 
@@ -222,6 +224,7 @@ def solve_balance(
         equation,
         guess or (lambda: flyer.first_guess(equations.state, equally_warm()[0])),
         lower=lower,
+        tolerance=tolerance,
     )
 
 

@@ -34,6 +34,7 @@ _DIMMEST = 1e-5  # light looked at after darkness, over the brightest
 _STEPS = 8  # in equal ratios from there to the brightest
 _RATIO = _DIMMEST ** (-1.0 / _STEPS)
 _HOPE = 0.5  # share of the load that a cubic must expect at a peak for a look there
+_TOLERANCE = 1e-6  # of a balance: the step after it, which is taken, squares what is left
 _STEEPEST = 2.0  # power of the light with which an unknown is taken to grow, at most
 
 # what an element looks at: darkness is 0, then come the lights
@@ -153,7 +154,9 @@ def _force_in(
     balance = equations.trace_balance(shape)
 
     def force(light: Array) -> Balanced:
-        unknowns, _ = solve_balance(equations, balance, equations.powers(light), shape, guess)
+        unknowns, _ = solve_balance(
+            equations, balance, equations.powers(light), shape, guess, _TOLERANCE
+        )
         return jnp.broadcast_to(equations.upward_force(unknowns), shape), unknowns
 
     found: tuple[Balanced, Balanced] = jax.jvp(force, (light,), (jnp.ones_like(light),))

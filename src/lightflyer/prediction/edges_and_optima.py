@@ -8,6 +8,7 @@ import numpy as np
 from lightflyer.prediction.evaluator import Table
 from lightflyer.statics.grid_refinement import (
     EDGE_TOLERANCE,
+    FLAT,
     at,
     band_brackets,
     band_count,
@@ -54,6 +55,7 @@ def find_edges_and_optima(
     lit: np.ndarray | None = None,
     widest: bool = False,
     tolerance: float = EDGE_TOLERANCE,
+    flat: float = FLAT,
 ) -> Found:
     """Find all edges and optima between the rows of a table, shape (n, m); ``place`` (n,)."""
     # ``lit``: places of the rows of the light that it takes, where they are fewer
@@ -68,7 +70,7 @@ def find_edges_and_optima(
     for name, rows in zip(_SEARCHED, (place, place if lit is None else lit), strict=True):
         _, before, after = best_of(_objective(name, table[name]))
         around.append((rows[before], rows[after]))
-    optima, heights = peak(objectives, *map(np.stack, zip(*around, strict=True)))
+    optima, heights = peak(objectives, *map(np.stack, zip(*around, strict=True)), flat=flat)
     there = {name: values[0] for name, values in tabulate(optima[None], None).items()}
     optima = np.where(heights > -np.inf, optima, np.nan)
     best, easiest = (
@@ -93,6 +95,7 @@ def find_usable(
     best: tuple[np.ndarray, Table],
     highest: float,
     tolerance: float = EDGE_TOLERANCE,
+    flat: float = FLAT,
 ) -> Usable:
     """Find the parts of bands in which films bear a temperature, and the best place in them."""
     # of all bands, shape (2, bands, m), and of the place of most payload, (m,)
@@ -122,7 +125,7 @@ def find_usable(
     if within.all():
         return Usable(parts, *best)
     exists = ~np.isnan(parts[0])
-    tops, heights = peak(payloads, *np.where(exists, parts, place[0]))
+    tops, heights = peak(payloads, *np.where(exists, parts, place[0]), flat=flat)
     top, some = at(tops, first_largest(np.where(exists, heights, -np.inf))), exists.any(axis=0)
     place_of_most = np.where(within, best[0], np.where(some, top, np.nan))
     values = _of_spread(tabulate, top[None], None).items()

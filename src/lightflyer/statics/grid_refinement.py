@@ -19,7 +19,7 @@ EDGE_TOLERANCE = 1e-10  # Of lift over weight at an edge; about a micrometre of 
 POINTS = 9  # Places that a look for an optimum takes; nine narrow the search four times
 
 _MOST_LOOKS = 10
-_FLAT = 3e-7  # second difference at a smooth optimum, over its value, that a parabola follows
+FLAT = 3e-7  # second difference at a smooth optimum, over its value, that a parabola follows
 _MOST_STEPS = 60
 
 
@@ -93,7 +93,7 @@ def _rows(count: int, dimensions: int) -> np.ndarray:
 
 
 def peak(
-    function: Function, low: Numeric, high: Numeric, points: int = POINTS
+    function: Function, low: Numeric, high: Numeric, points: int = POINTS, flat: float = FLAT
 ) -> tuple[np.ndarray, np.ndarray]:
     """Place and height of the largest value of each function in a range; ``low``, ``high`` (m,)."""
     low, high = np.broadcast_arrays(*np.atleast_1d(low, high))
@@ -104,7 +104,7 @@ def peak(
         best, before, after = best_of(values)
         way, gain, bend = _vertex(values, best)
         low, high = at(places, before), at(places, after)
-        if not np.any(-bend > _FLAT * np.abs(at(values, best))):
+        if not np.any(-bend > flat * np.abs(at(values, best))):
             break
     return at(places, best) + way * (places[1] - places[0]), at(values, best) + gain
 

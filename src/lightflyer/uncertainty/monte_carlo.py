@@ -36,6 +36,7 @@ HEAT, LEAST_HEAT, PAYLOAD = "temperature", "levitation_temperature", "payload"
 NIGHT = "longest_night"
 
 TOLERANCE = 1e-7  # Of lift over weight, and of heat over a film's limit, at edges of samples
+CLOSE = {"tolerance": TOLERANCE, "flat": 1e-5}  # How closely samples are searched
 
 _tabulate_each = entry_point(tabulate)
 
@@ -112,7 +113,7 @@ def search_samples(
         found = tabulate_samples(inputs, samples, each, names or tuple(rows))
         return {name: values.T.reshape(places.shape) for name, values in found.items()}
 
-    found = find_edges_and_optima(look, places, rows, lit=lit, widest=True, tolerance=TOLERANCE)
+    found = find_edges_and_optima(look, places, rows, lit=lit, widest=True, **CLOSE)
     edges = found.edges[:, 0]
     there = np.where(np.isnan(edges), places[0], edges)
     hot = look(there[:, None], (HEAT,))[HEAT][:, 0]
@@ -126,7 +127,7 @@ def search_samples(
     highest = inputs.design.setup.flyer.highest_temperature
     if highest is not None:
         best = found.best, found.at_best
-        usable = find_usable(look, places, rows, found.edges, best, float(highest), TOLERANCE)
+        usable = find_usable(look, places, rows, found.edges, best, float(highest), **CLOSE)
         ends = widest_of(usable.edges)
         there = np.where(np.isnan(ends[1]), places[0], ends[1])
         least = np.where(np.isnan(ends[1]), np.nan, look(there[None, None], (PAYLOAD,))[PAYLOAD])

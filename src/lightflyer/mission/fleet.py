@@ -22,6 +22,7 @@ from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track, track
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
+from lightflyer.mission.path.single import follow
 from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
 from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
@@ -30,6 +31,7 @@ BATCH = 256
 """Flights that are integrated together: a step costs each of them what the slowest needs."""
 
 MEMBERS = 200  # of an ensemble, unless it says otherwise
+FEW = 4  # Flights up to which each is followed by itself
 _A_DAY = 86_400.0
 _WIND, _RELEASE = 1, 2  # added to the seed, so that one does not follow the other
 _ANOTHER = 7  # any number of flights that no table of a flyer happens to have as its length
@@ -177,22 +179,34 @@ _tracks = entry_point(_integrate, way="xla")  # thousands of steps one after the
 
 
 def fly_all(flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Accuracy) -> Track:
-    """Trajectories of flights; ``elapsed`` (times,); ``elapsed``: times to keep."""
-    size = min(BATCH, flights.count)
-    starts = range(0, flights.count, size)
-    found: list[Track] = []
+    """Trajectories of flights; ``elapsed``: times to keep, shape (times,)."""
+    count = flights.count
+    alone = 1 if count > FEW else count  # so that the first is the same beside however many others
+    found = [follow(*_one(flights, row), limits, elapsed, accuracy) for row in range(alone)]
+    tracks: list[Track] = [jax.tree.map(lambda *rows: np.stack(rows), *found)]
+    size = min(BATCH, count - alone)
+    starts = range(alone, count, max(size, 1))
 
     def compute(start: int) -> Track:
         return _tracks(_take(flights, start, size), limits, elapsed, accuracy)
 
-    report("flying", 0, flights.count, "flights")
-    found.append(compute(0))  # and is compiled once
+    if starts:
+        report("compiling what flies many at once")
+        tracks.append(compute(alone))
     with ThreadPoolExecutor(processors()) as pool:
-        for start, tracks in zip(starts[1:], pool.map(compute, starts[1:]), strict=True):
-            report("flying", start, flights.count, "flights")
-            found.append(tracks)
-    report("flying", flights.count, flights.count, "flights")
-    return jax.tree.map(lambda *parts: np.concatenate(parts)[: flights.count], *found)
+        for start, some in zip(starts[1:], pool.map(compute, starts[1:]), strict=True):
+            report("flying", start, count, "flights")
+            tracks.append(some)
+    report("flying", count, count, "flights")
+    return jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *tracks)
+
+
+def _one(flights: Flights, row: int) -> tuple[Craft, Start]:
+    """Who flies one of the flights, and from where."""
+    varied, start, error = jax.tree.map(
+        lambda leaf: np.asarray(leaf)[row], (flights.varied, flights.starts, flights.wind_errors)
+    )
+    return Craft(eqx.combine(varied, flights.setup), flights.rule, error), start
 
 
 def _take(flights: Flights, start: int, size: int) -> Flights:

@@ -39,6 +39,7 @@ from lightflyer.program.arguments import Reader, align
 from lightflyer.program.numpy_backend import (
     CALL,
     ELEMENT,
+    Bound,
     Meter,
     OutOfTimeError,
     require_supported,
@@ -133,6 +134,17 @@ def _only(
     return _public(function, runner.only(names))
 
 
+def bind(function: Callable[..., R], *given: Any, example: Sequence[Any]) -> Callable[..., R]:
+    """A function of the last arguments of an entry point alone, for very many calls of it.
+
+    They are plain numbers and arrays like those of ``example``. NumPy runs it, and what follows
+    from the arguments ``given`` is computed once.
+    """
+    runner: _Runner = function.runner  # type: ignore[attr-defined]
+    with jax.enable_x64(True):
+        return runner.bind(given, tuple(example))
+
+
 def is_entry_point(function: Any) -> bool:
     """Whether a function was made public by one of the decorators here."""
     return getattr(function, "is_entry_point", False) is True
@@ -222,6 +234,22 @@ class _Runner:
     def _run_in_double(self, *args: Any, **kwargs: Any) -> Any:
         args, kwargs = jax.tree.map(_promote, (args, kwargs))
         return self._function(*args, **kwargs)
+
+    def bind(self, given: tuple[Any, ...], example: tuple[Any, ...]) -> Callable[..., Any]:
+        """The function of its last arguments alone, run by NumPy."""
+        leaves, structure = jax.tree.flatten(((*given, *example), {}))
+        arrays = [_in_double(leaf) for leaf in leaves]
+        traced = self._program(
+            structure,
+            tuple(array.shape for array in arrays),
+            tuple(array.dtype for array in arrays),
+            may_trace=True,
+        )
+        if traced is None:
+            raise UnsupportedError(f"{self._function.__name__} is not among what NumPy runs")
+        first = len(leaves) - len(jax.tree.leaves(example))
+        bound = Bound(traced.program, dict(enumerate(arrays[:first])))
+        return lambda *free: traced.assemble(bound(jax.tree.leaves(free)))
 
     # --- by XLA ---
 

@@ -6,7 +6,7 @@ must see the whole of an array is given its shape and fills it.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -69,6 +69,50 @@ def run(
             found, program.output_shapes, program.output_types, strict=True
         )
     ]
+
+
+class Bound:
+    """A program with some inputs given; what follows from them alone is computed once."""
+
+    def __init__(self, program: Program, given: Mapping[int, Any]):
+        require_supported(program)
+        self._program = program
+        self._free = [n for n in range(len(program.input_shapes)) if n not in given]
+        body, arguments = _without_filling(program), program.body.arguments
+        self._values: Values = [None] * (1 + max(_numbers(program.body), default=0))
+        known = {arguments[place]: np.asarray(value)[()] for place, value in given.items()}
+        known |= {number: array[()] for number, array in program.constants.items()}
+        for number, value in known.items():
+            self._values[number] = value
+        operations, settled = [], set(known)
+        for operation in body.operations:
+            read = {*operation.inputs}.union(*(b.reads() - b.makes() for b in operation.blocks))
+            if read <= settled:
+                settled.update(operation.outputs)
+            else:
+                operations.append(operation)
+        shapes = [np.shape(given.get(n, ())) for n in range(len(program.input_shapes))]
+        self._lengths = program.lengths(shapes)
+        once = [one for one in body.operations if settled.issuperset(one.outputs)]
+        with np.errstate(all="ignore"):
+            _call_all(_steps(body._replace(operations=tuple(once)), frozenset()), self._values,
+                      self._run())  # fmt: skip
+        self._steps = _steps(body._replace(operations=tuple(operations)), frozenset())
+        self._results = body.results
+
+    def _run(self) -> "_Run":
+        run = _Run(self._lengths)
+        run.meter = Meter()
+        return run
+
+    def __call__(self, inputs: Sequence[Any]) -> list[Any]:
+        """Outputs for the other inputs, which may not have lengths that are symbols."""
+        values = self._values.copy()
+        for place, value in zip(self._free, inputs, strict=True):
+            values[self._program.body.arguments[place]] = value
+        with np.errstate(all="ignore"):
+            _call_all(self._steps, values, self._run())
+        return [values[number] for number in self._results]
 
 
 def require_supported(program: Program) -> None:

@@ -45,7 +45,7 @@ def _divide(one: Any, other: Any) -> Any:
 
 
 def _select(which: Any, *cases: Any) -> Any:
-    if np.ndim(which) == 0:
+    if which.ndim == 0:
         return cases[int(which)]
     if len(cases) == 2:
         return np.where(which, cases[1], cases[0])
@@ -188,12 +188,12 @@ def _convert(_: Lengths, value: Any, *, new_dtype: str) -> Any:
 @_rule("broadcast_in_dim")
 def _broadcast(_: Lengths, value: Any, *, axes: list[int], new: list[Length]) -> Any:  # noqa: ARG001
     """A value with axes where it has none yet, of one element: they need not be filled."""
-    return np.expand_dims(value, tuple(axes)) if np.ndim(value) else value
+    return np.expand_dims(value, tuple(axes)) if value.ndim else value
 
 
 @_rule("squeeze")
 def _squeeze(_: Lengths, value: Any, *, dimensions: list[int]) -> Any:
-    return np.squeeze(value, tuple(dimensions)) if np.ndim(value) else value
+    return np.squeeze(value, tuple(dimensions)) if value.ndim else value
 
 
 @_rule("reshape")
@@ -320,7 +320,7 @@ def _whole_reduction(reduce: Callable[..., Any]) -> Callable[..., Any]:
 
 def _idempotent_reduction(reduce: Callable[..., Any]) -> Callable[..., Any]:
     def reduced(_: Lengths, value: Any, *, axes: list[int]) -> Any:
-        return reduce(value, axis=tuple(axes)) if np.ndim(value) else value
+        return reduce(value, axis=tuple(axes)) if value.ndim else value
 
     return reduced
 

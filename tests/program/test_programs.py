@@ -66,7 +66,9 @@ def test_random_designs_of_every_kind_are_those_of_xla(flyers, kind, rng):
     with run_by("xla"):
         theirs = both(design, coordinate, light)
     assert ours.keys() == theirs.keys()
-    for name in ours.keys() - {"residual", "imbalance"}:
+    for name in ours.keys():
+        if name.endswith("residual"):
+            continue  # rounding
         np.testing.assert_allclose(ours[name], theirs[name], rtol=AGREEMENT, err_msg=name)
 
 

@@ -228,7 +228,9 @@ class _Runner:
         way = _forced_way() or self._way
         found = None if way == "xla" else self._by_numpy(arrays, structure, way)
         if found is None:
-            found = jax.tree.map(lambda leaf: np.asarray(leaf)[()], self._by_xla(arrays, structure))
+            with jax.ensure_compile_time_eval():  # numbers are numbers within a trace, too
+                leaves = self._by_xla(arrays, structure)
+            found = jax.tree.map(lambda leaf: np.asarray(leaf)[()], leaves)
         return found
 
     def _run_in_double(self, *args: Any, **kwargs: Any) -> Any:

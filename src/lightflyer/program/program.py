@@ -112,7 +112,7 @@ class Program:
             "output_types": self.output_types,
             "rows": sorted(self.rows),
         }
-        text = json.dumps(tree, separators=(",", ":")).encode()
+        text = json.dumps(tree, separators=(",", ":"), default=operator.index).encode()
         arrays = b"".join(array.tobytes() for array in self.constants.values())
         content = len(text).to_bytes(4, "little") + text + arrays
         return hashlib.sha256(salt + content).digest() + content

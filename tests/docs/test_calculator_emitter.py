@@ -9,10 +9,9 @@ import pytest
 
 from lightflyer.core.precision import float64
 from lightflyer.numerics.system import solve_system
-
-control = pytest.importorskip("calculator.control")
-from calculator.javascript import Tables, number, write_function  # noqa: E402
-from calculator.primitives import UnsupportedError  # noqa: E402
+from lightflyer.program.javascript.writer import Tables, number, write_function
+from lightflyer.program.operations import UnsupportedError
+from lightflyer.program.tracing import trace_numbers
 
 TABLE = np.array([0.0, 0.5, 2.0, 3.0, 7.0])
 MATRIX = np.array([[1.0, -2.0, 0.5], [0.25, 4.0, -1.0], [3.0, 0.125, 2.0]])
@@ -160,8 +159,8 @@ def _points(name):
 
 def _written(function, tables, name="f", count=2):
     with float64():
-        arguments, results = control.trace(function, count)
-    return write_function(name, arguments, results, tables)
+        program = trace_numbers(function, count)
+    return write_function(name, program, tables)
 
 
 @pytest.fixture(scope="module")
@@ -212,7 +211,7 @@ def test_javascript_gives_what_jax_gives(name, computed, expected):
     ("function", "said"),
     [
         (lambda x, y: jax.lax.erf_inv(x) + y, '"erf_inv" is not written'),
-        (lambda x, y: x.astype(jnp.float32) + y, "gives float32"),
+        (lambda x, y: x.astype(jnp.float32) + y, "float32: numbers are"),
         (lambda x, y: jax.lax.complex(x, y), '"complex" is not written'),
         (lambda x, y: x.astype(int) & y.astype(int), "truth values only"),
         (lambda x, y: jax.lax.scan(lambda c, _: (c * y, None), x, None, 1000)[0], "1000 steps"),

@@ -66,7 +66,7 @@ def test_random_designs_of_every_kind_are_those_of_xla(flyers, kind, rng):
     with run_by("xla"):
         theirs = both(design, coordinate, light)
     assert ours.keys() == theirs.keys()
-    for name in ours.keys():
+    for name in ours:
         if name.endswith("residual"):
             continue  # rounding
         np.testing.assert_allclose(ours[name], theirs[name], rtol=AGREEMENT, err_msg=name)

@@ -24,9 +24,8 @@ from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.disk import DiskSection
-
-from .control import trace
-from .javascript import Tables, write_function
+from lightflyer.program.javascript.writer import Tables, write_function
+from lightflyer.program.tracing import trace_numbers
 
 SHOWN = (
     "levitation_irradiance",
@@ -211,9 +210,9 @@ def compile_model(name: str, tables: Tables) -> Compiled:
         return *results, one.converged, *(value for _, value in ranges)
 
     with float64():
-        text = write_function(identifier, *trace(point, len(COMPUTED)), tables)
-        slopes = trace(slopes_of(base), len(COMPUTED))
-        text += write_function(f"{identifier}_slopes", *slopes, tables)
+        text = write_function(identifier, trace_numbers(point, len(COMPUTED)), tables)
+        slopes = trace_numbers(slopes_of(base), len(COMPUTED))
+        text += write_function(f"{identifier}_slopes", slopes, tables)
     return Compiled(name, text, identifier, tuple(looked_at), tuple(notes))
 
 

@@ -506,7 +506,7 @@ def tabulate(setup: Setup, coordinate: Numeric, irradiance: Numeric) -> dict[str
     """Everything a prediction tabulates, at each coordinate under its irradiance."""
     case, known = OperatingPoint(setup, coordinate, irradiance), outputs_of(setup)
     values = {name: known[name].value(case) for name in predicted_names(setup)}
-    solved = {"": case.balance, LEVITATION: case.levitation}
+    solved: dict[str, Any] = {"": case.balance, LEVITATION: case.levitation}
     if sinks_at_night(setup):
         solved[NIGHT] = case.sinking
         values[NIGHT_SPEED] = case.sinking.speed

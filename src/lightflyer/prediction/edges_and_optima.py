@@ -70,7 +70,8 @@ def find_edges_and_optima(
     for name, rows in zip(_SEARCHED, (place, place if lit is None else lit), strict=True):
         _, before, after = best_of(_objective(name, table[name]))
         around.append((rows[before], rows[after]))
-    optima, heights = peak(objectives, *map(np.stack, zip(*around, strict=True)), flat=flat)
+    low, high = (np.stack(ends) for ends in zip(*around, strict=True))
+    optima, heights = peak(objectives, low, high, flat=flat)
     there = {name: values[0] for name, values in tabulate(optima[None], None).items()}
     optima = np.where(heights > -np.inf, optima, np.nan)
     best, easiest = (
@@ -125,7 +126,8 @@ def find_usable(
     if within.all():
         return Usable(parts, *best)
     exists = ~np.isnan(parts[0])
-    tops, heights = peak(payloads, *np.where(exists, parts, place[0]), flat=flat)
+    low, high = np.where(exists, parts, place[0])
+    tops, heights = peak(payloads, low, high, flat=flat)
     top, some = at(tops, first_largest(np.where(exists, heights, -np.inf))), exists.any(axis=0)
     place_of_most = np.where(within, best[0], np.where(some, top, np.nan))
     values = _of_spread(tabulate, top[None], None).items()

@@ -59,6 +59,11 @@ def trace(
         return _Builder().build(closed), jax.tree.structure(result)
 
 
+def trace_numbers(function: Callable[..., Any], count: int) -> Program:
+    """Trace a function of single numbers, in double precision."""
+    return trace(lambda numbers: function(*numbers), [()] * count, [np.dtype(float)] * count)[0]
+
+
 @contextmanager
 def _without_collection() -> Iterator[None]:
     """Context without the collector of garbage, which takes a quarter of a trace's time."""

@@ -296,7 +296,7 @@ def _diagnostics(drawn: Drawn) -> tuple[str, ...]:
 
 def _describe_unsolved(table: Table) -> tuple[str, ...]:
     """What is missing in the samples, where a balance has no solution within the tolerance."""
-    missing = np.isnan(table.get("lift_over_weight", table.get(LEAST_LIGHT)))
+    missing = np.isnan(table[LEAST_LIGHT if LEAST_LIGHT in table else "lift_over_weight"])
     if not missing.any():
         return ()
     return (

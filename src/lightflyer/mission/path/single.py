@@ -67,15 +67,16 @@ def follow(craft: Craft, start: Start, limits: Limits, elapsed: Any, accuracy: A
     length = np.linalg.norm(kept[:, :3], axis=1, keepdims=True)
     with np.errstate(invalid="ignore"):
         position = np.where(np.isfinite(length), kept[:, :3] / length, np.inf)
-    return Track(
-        altitude=kept[:, 3] * ALTITUDE_SCALE,
-        position=position,
-        end_elapsed=np.float64(solver.t if end is None else end[0]),
-        end_altitude=last[3] * ALTITUDE_SCALE,
-        end_position=last[:3] / np.linalg.norm(last[:3]),
-        termination=np.int64(reason),
-        steps=np.int64(steps),
-    )
+    found: dict[str, Any] = {
+        "altitude": kept[:, 3] * ALTITUDE_SCALE,
+        "position": position,
+        "end_elapsed": np.float64(solver.t if end is None else end[0]),
+        "end_altitude": last[3] * ALTITUDE_SCALE,
+        "end_position": last[:3] / np.linalg.norm(last[:3]),
+        "termination": np.int64(reason),
+        "steps": np.int64(steps),
+    }
+    return Track(**found)
 
 
 def _leaves(

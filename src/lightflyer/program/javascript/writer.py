@@ -1,7 +1,5 @@
 """A graph of scalar operations, written as a function in JavaScript."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import string
@@ -10,7 +8,17 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from .graph import CHOICE, OPERATORS, PREFIX, PRIMARY, Loop, Node, Scope
+from lightflyer.program.javascript.emitter import graph_of
+from lightflyer.program.javascript.graph import (
+    CHOICE,
+    OPERATORS,
+    PREFIX,
+    PRIMARY,
+    Loop,
+    Node,
+    Scope,
+)
+from lightflyer.program.program import Program
 
 _LONGEST = 400  # characters of an expression; a longer one gets a name
 _RESERVED = {"do", "if", "in", "for", "let", "new", "try", "var", "NaN"}
@@ -30,13 +38,7 @@ def names() -> Iterator[str]:
 
 
 def number(value: float | bool) -> str:
-    """A constant as JavaScript reads it, to the last bit.
-
-    Examples
-    --------
-    >>> number(0.1), number(-1e-20), number(2.0), number(True), number(math.inf)
-    ('.1', '-1e-20', '2', 'true', 'Infinity')
-    """
+    """A constant as JavaScript reads it, to the last bit."""
     if isinstance(value, bool):
         return str(value).lower()
     if not math.isfinite(value):
@@ -66,20 +68,9 @@ def _table(name: str, values: tuple[Any, ...]) -> str:
     return f"const {name}={listed if flags else f'new Float64Array({listed})'};\n"
 
 
-def write_function(name: str, arguments: list[Node], results: list[Node], tables: Tables) -> str:
-    """Write a function that returns an array of numbers.
-
-    Parameters
-    ----------
-    name : str
-    arguments, results : list of Node
-    tables : Tables
-        Where the constants go that are looked up.
-
-    Returns
-    -------
-    str
-    """
+def write_function(name: str, program: Program, tables: Tables) -> str:
+    """A function of numbers that returns an array of them; ``tables``: where constants go."""
+    arguments, results = graph_of(program)
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _DEEPEST))
     try:
@@ -134,6 +125,8 @@ class _Writer:
             condition, true, false = node.operands
             parts = self._text(condition, CHOICE + 1), self._text(true), self._text(false)
             return "{}?{}:{}".format(*parts), CHOICE
+        if node.operation == "real":
+            return self._expression(node.operands[0])
         if node.operation == "table":
             return f"{self._tables.name(node.data)}[{self._text(node.operands[0])}]", PRIMARY
         sign, precedence, _ = OPERATORS[node.operation]

@@ -5,8 +5,6 @@ lies in the outermost loop in which all its operands exist, so that no loop repe
 change in it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -15,21 +13,11 @@ import numpy as np
 
 
 class Operator(NamedTuple):
-    """How an operation is written in JavaScript, and how NumPy does it.
+    """How an operation is written in JavaScript, and how NumPy does it."""
 
-    Attributes
-    ----------
-    text : str
-        An infix or prefix operator, or the name of a function.
-    precedence : int
-        JavaScript's, higher binds closer; 0 for a function.
-    fold : callable or None
-        The same on NumPy's numbers; None where constants stay to be computed in JavaScript.
-    """
-
-    text: str
-    precedence: int
-    fold: Any
+    text: str  # An infix or prefix operator, or the name of a function
+    precedence: int  # JavaScript's, higher binds closer; 0 for a function
+    fold: Any  # The same on NumPy's numbers
 
 
 PRIMARY, PREFIX, PRODUCT, SUM, ORDER, EQUALITY, AND, OR, CHOICE = 20, 14, 12, 11, 9, 8, 4, 3, 2
@@ -79,6 +67,10 @@ OPERATORS = {
 }
 """All operations but constants, choices, look-ups in tables and what belongs to loops."""
 
+_TRUTH = {"lt", "le", "gt", "ge", "eq", "ne", "and", "or", "not", "is_finite"}
+_WHOLE = {"number", "trunc"}
+_OF_OPERANDS = {"add", "sub", "mul", "rem", "neg", "abs", "sign", "max", "min"}
+
 _SAME = {"add": -0.0, "sub": 0.0, "mul": 1, "div": 1}  # right operands that change nothing
 
 
@@ -91,23 +83,14 @@ class Scope:
 
 @dataclass(frozen=True, eq=False)
 class Node:
-    """One scalar.
+    """One scalar."""
 
-    Attributes
-    ----------
-    operation : str
-        A key of :data:`OPERATORS`, or ``constant``, ``choice``, ``table``, ``variable``,
-        ``result``.
-    operands : tuple of Node
-    data : object
-        Value of a constant, values of a table, place of a loop's result.
-    scope : Scope
-    """
-
+    # A key of :data:`OPERATORS`, or ``constant``, ``choice``, ``table``, ``variable``, ``result``
     operation: str
-    operands: tuple[Node, ...]
-    data: Any
+    operands: "tuple[Node, ...]"
+    data: Any  # Value of a constant, values of a table, place of a loop's result
     scope: Scope
+    kind: str  # ``"f"`` for a real number, ``"i"`` for a whole one, ``"b"`` for a truth value
 
     @property
     def is_constant(self) -> bool:
@@ -139,9 +122,15 @@ class Graph:
         # the text tells 0.0 from -0.0, and finds NaN again
         return self._node("constant", (), plain, key=(type(plain), repr(plain)))
 
-    def variable(self, scope: Scope | None = None) -> Node:
+    def variable(self, kind: str, scope: Scope | None = None) -> Node:
         """A number that a caller gives, or that a loop changes."""
-        return Node("variable", (), None, scope or self._root)
+        return Node("variable", (), None, scope or self._root, kind)
+
+    def real(self, node: Node) -> Node:
+        """A whole number as a real one, which JavaScript does not tell apart."""
+        if node.is_constant:
+            return self.constant(float(node.data))
+        return self._node("real", (node,))
 
     def operation(self, name: str, *operands: Node) -> Node:
         """One of :data:`OPERATORS`."""
@@ -153,6 +142,9 @@ class Graph:
             value, same = operands[1].data, _SAME[name]
             if value == same and math.copysign(1.0, value) == math.copysign(1.0, same):
                 return operands[0]
+        whole = all(operand.kind == "i" for operand in operands)
+        if name == "add" and whole and operands[1].is_constant and operands[1].data == 0:
+            return operands[0]
         if name == "mul" and operands[0].is_constant and operands[0].data == 1:
             return operands[1]
         return self._node(name, operands)
@@ -179,12 +171,15 @@ class Graph:
     def loop(self, start: list[Node], outer: Scope | None) -> Loop:
         """Open a loop; its condition and what follows are to be filled in."""
         scope = Scope((outer or self._root).depth + 1)
-        return Loop(scope, start, [self.variable(scope) for _ in start])
+        return Loop(scope, start, [self.variable(node.kind, scope) for node in start])
 
     def results(self, loop: Loop, outer: Scope | None) -> list[Node]:
         """What the variables of a loop are after it."""
         places = range(len(loop.variables))
-        return [Node("result", (), (loop, place), outer or self._root) for place in places]
+        return [
+            Node("result", (), (loop, place), outer or self._root, loop.start[place].kind)
+            for place in places
+        ]
 
     def _node(
         self, operation: str, operands: tuple[Node, ...], data: Any = None, key: Any = None
@@ -193,5 +188,22 @@ class Graph:
         if key not in self._nodes:
             scopes = (operand.scope for operand in operands)
             scope = max(scopes, key=lambda scope: scope.depth, default=self._root)
-            self._nodes[key] = Node(operation, operands, data, scope)
+            self._nodes[key] = Node(
+                operation, operands, data, scope, _kind(operation, operands, data)
+            )
         return self._nodes[key]
+
+
+def _kind(operation: str, operands: tuple[Node, ...], data: Any) -> str:
+    """Kind of the number that an operation gives."""
+    if operation in ("constant", "table"):
+        value = data[0] if operation == "table" else data
+        return "b" if isinstance(value, bool) else "i" if isinstance(value, int) else "f"
+    if operation in _TRUTH:
+        return "b"
+    if operation in _WHOLE:
+        return "i"
+    if operation == "choice":
+        return operands[1].kind
+    whole = operation in _OF_OPERANDS and all(operand.kind == "i" for operand in operands)
+    return "i" if whole else "f"

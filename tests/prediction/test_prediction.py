@@ -94,9 +94,9 @@ def test_a_few_points_without_a_solution_are_missing(setup, monkeypatch, unsolve
     def with_failures(tabulated, names):
         def run(setup, coordinates, light):
             table = only(tabulated, names)(setup, coordinates, light)
-            if "converged" not in table or coordinates.size != POINTS:
+            if "levitation_converged" not in table or coordinates.size != POINTS:
                 return table
-            return table | {"converged": np.arange(POINTS) >= unsolved}
+            return table | {"levitation_converged": np.arange(POINTS) >= unsolved}
 
         return run
 

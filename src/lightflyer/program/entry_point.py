@@ -228,9 +228,9 @@ class _Runner:
         way = _forced_way() or self._way
         found = None if way == "xla" else self._by_numpy(arrays, structure, way)
         if found is None:
-            with jax.ensure_compile_time_eval():  # numbers are numbers within a trace, too
-                leaves = self._by_xla(arrays, structure)
-            found = jax.tree.map(lambda leaf: np.asarray(leaf)[()], leaves)
+            found = self._by_xla(arrays, structure)
+            if not is_traced(found):  # as it is within another function's trace
+                found = jax.tree.map(lambda leaf: np.asarray(leaf)[()], found)
         return found
 
     def _run_in_double(self, *args: Any, **kwargs: Any) -> Any:

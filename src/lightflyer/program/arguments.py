@@ -5,8 +5,8 @@ from collections.abc import Callable
 from functools import wraps
 from os import PathLike
 from pathlib import Path
-from types import NoneType
-from typing import Any, ParamSpec, TypeVar, get_args, get_origin
+from types import NoneType, UnionType
+from typing import Any, ParamSpec, TypeVar, Union, get_args, get_origin
 
 import jax
 import numpy as np
@@ -81,7 +81,8 @@ class Reader:
 
 def _kinds_of(annotation: Any) -> tuple[type, ...]:
     """Classes that an annotation names, of paths and of this package; none where it has others."""
-    kinds = get_args(annotation) or (annotation,)
+    several = get_origin(annotation) in (Union, UnionType)
+    kinds = get_args(annotation) if several else (annotation,)
     if not all(isinstance(one, type) and get_origin(one) is None for one in kinds):
         return ()
     known = any(one is Path or one.__module__.startswith("lightflyer") for one in kinds)

@@ -33,6 +33,7 @@ def draw(results, experiments):
     draw_light(figure.axes[0], results, experiments)
     draw_saved(figure.axes[1], results, experiments["lu2023"])
     draw_temperature(figure.axes[2], results, experiments["lu2023"])
+    plot.shared_legend(figure, figure.axes[1].get_legend_handles_labels()[0], most=2)
     IMAGES.mkdir(parents=True, exist_ok=True)
     plot.save(figure, [IMAGES / "experiments.png"])
 
@@ -113,7 +114,6 @@ def draw_saved(axes, results, paper):
     axes.set(xlabel="diameter [cm]", ylabel="light saved by germanium [%]", xticks=sizes)
     axes.set_ylim(0.0, 60.0)
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8, loc="lower left")
 
 
 def draw_temperature(axes, results, paper):
@@ -126,8 +126,8 @@ def draw_temperature(axes, results, paper):
             _bands(axes, sizes + 0.08 * (offset - 1), bands, color, None, 1.0, marker)
     melting = number(paper["setting"]["melting"]).value
     axes.axhline(melting, color="black", lw=1, ls="--")
-    axes.annotate("mylar melts", (2.02, melting + 8.0), fontsize=8)
-    axes.annotate("Ge", (4.0, 900.0), ha="center", fontsize=9)
+    axes.annotate("mylar melts", (3.3, melting - 24.0), fontsize=8)
+    axes.annotate("Ge", (3.6, 900.0), ha="center", fontsize=9)
     axes.annotate("CNT", (4.0, 385.0), ha="center", fontsize=9)
     axes.set(xlabel="diameter [cm]", ylabel="film in that light [K]", xticks=sizes)
     axes.grid(alpha=0.3)

@@ -38,6 +38,7 @@ extensions = [
     "accessible",
     "calculator",
     "command_options",
+    "fold",
     "mathml",
     "pictures",
     "published",

@@ -1,4 +1,4 @@
-"""Long pages fold: ``fold: 2`` in a page's front matter leaves two sections open, and folds the rest.
+"""Long pages fold: ``fold: 2`` in a page's front matter leaves two sections open, folds the rest.
 
 Plain ``<details>``: a browser opens them where a link or a search on the page leads into them.
 """

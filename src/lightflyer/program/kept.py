@@ -1,10 +1,12 @@
 """Programs that a later process reads in place of tracing them anew.
 
 A program is found by what it is made from: the function, the static part of its arguments, the
-patterns of the shapes of the rest, the sources and data of this package, and the versions of JAX
-and Equinox. It is kept only where all of that can be named: a function defined within another, or a
-class from somewhere else, is traced anew in each process. A file holds data alone: reading one runs
-nothing.
+patterns of the shapes of the rest, and the sources and data of this package. It is kept only where
+all of that can be named: a function defined within another, or a class from somewhere else, is
+traced anew in each process. A file holds data alone: reading one runs nothing.
+
+Wheels bring the programs of the kinds of flyers that ``lightflyer init`` writes
+(``.ci/keep_programs``).
 """
 
 import hashlib
@@ -19,9 +21,6 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import equinox
-import jax
-
 from lightflyer.core.cache import cache_folder, is_private, make_private
 from lightflyer.program.program import Program
 from lightflyer.program.structure import as_data
@@ -29,6 +28,8 @@ from lightflyer.program.structure import as_data
 LARGEST = 100_000_000
 """Size of all kept programs together [bytes]; those unused for longest go first."""
 
+_PACKAGE = Path(str(resources.files("lightflyer")))
+_SHIPPED = _PACKAGE / "data" / "programs"
 _SOURCES = {".py", ".csv", ".toml", ".txt"}
 _KNOWN = {"builtins", "collections", "copyreg", "equinox", "jax", "jaxlib", "lightflyer", "numpy"}
 _NAMES_PROTOCOL = 2  # the newest in which a pickle names each class in one piece
@@ -43,23 +44,30 @@ class Number(NamedTuple):
 
 def find(function: Callable[..., Any], form: Any) -> tuple[Program, Any] | None:
     """A kept program, with the structure of what it returns as data."""
-    path = _path(function, form)
-    if path is None:
+    key = _key(function, form)
+    if key is None:
         return None
     with suppress(OSError, ValueError, KeyError, TypeError):
-        if is_private(path.parent) and is_private(path):
-            content = path.read_bytes()
-            length = int.from_bytes(content[:4], "little")
-            structure = json.loads(content[4 : 4 + length])
-            found = Program.from_bytes(content[4 + length :], salt=content[: 4 + length])
+        return _read((_SHIPPED / f"{key}.program").read_bytes())
+    path = _path(key)
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        if path is not None and is_private(path.parent) and is_private(path):
+            found = _read(path.read_bytes())
             os.utime(path)  # used now
-            return found, structure
+            return found
     return None
+
+
+def _read(content: bytes) -> tuple[Program, Any]:
+    length = int.from_bytes(content[:4], "little")
+    structure = json.loads(content[4 : 4 + length])
+    return Program.from_bytes(content[4 + length :], salt=content[: 4 + length]), structure
 
 
 def keep(function: Callable[..., Any], form: Any, program: Program, structure: Any) -> None:
     """Write a program where a later process finds it; what cannot be written is not kept."""
-    path = _path(function, form)
+    key = _key(function, form)
+    path = None if key is None else _path(key)
     if path is None:
         return
     with suppress(OSError, TypeError):
@@ -73,9 +81,9 @@ def keep(function: Callable[..., Any], form: Any, program: Program, structure: A
         _make_room(path.parent)
 
 
-def _path(function: Callable[..., Any], form: Any) -> Path | None:
-    where, key = cache_folder(), _key(function, form)
-    return None if where is None or key is None else where / "programs" / f"{key}.program"
+def _path(key: str) -> Path | None:
+    where = cache_folder()
+    return None if where is None else where / "programs" / f"{key}.program"
 
 
 def _key(function: Callable[..., Any], form: Any) -> str | None:
@@ -88,7 +96,7 @@ def _key(function: Callable[..., Any], form: Any) -> str | None:
     if "<" in function.__qualname__ or {name.split(".")[0] for name in modules} - _KNOWN:
         return None
     name = f"{function.__module__}.{function.__qualname__}".encode()
-    return hashlib.sha256(name + description + _versions()).hexdigest()
+    return hashlib.sha256(name + description + _sources()).hexdigest()
 
 
 def _modules(description: bytes) -> Iterator[str]:
@@ -99,13 +107,12 @@ def _modules(description: bytes) -> Iterator[str]:
 
 
 @cache
-def _versions() -> bytes:
-    """What the same description depends on beside itself."""
-    package = Path(str(resources.files("lightflyer")))
-    found = hashlib.sha256(repr((jax.__version__, equinox.__version__)).encode())
-    for path in sorted(package.rglob("*")):
+def _sources() -> bytes:
+    """Hash of this package, on which the same description depends beside itself."""
+    found = hashlib.sha256()
+    for path in sorted(_PACKAGE.rglob("*")):
         if path.suffix in _SOURCES:
-            found.update(str(path.relative_to(package)).encode() + path.read_bytes())
+            found.update(str(path.relative_to(_PACKAGE)).encode() + path.read_bytes())
     return found.digest()
 
 

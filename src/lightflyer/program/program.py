@@ -10,6 +10,7 @@ import hashlib
 import json
 import math
 import operator
+import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -114,7 +115,7 @@ class Program:
         }
         text = json.dumps(tree, separators=(",", ":"), default=operator.index).encode()
         arrays = b"".join(array.tobytes() for array in self.constants.values())
-        content = len(text).to_bytes(4, "little") + text + arrays
+        content = zlib.compress(len(text).to_bytes(4, "little") + text + arrays)
         return hashlib.sha256(salt + content).digest() + content
 
     @classmethod
@@ -123,6 +124,7 @@ class Program:
         digest, content = content[:32], content[32:]
         if hashlib.sha256(salt + content).digest() != digest:
             raise ValueError("the program is damaged")
+        content = zlib.decompress(content)
         place = 4 + int.from_bytes(content[:4], "little")
         tree = json.loads(content[4:place])
         if tree["format"] != FORMAT:

@@ -1,5 +1,7 @@
 """Programs: NumPy gives what XLA gives, arrays have any shape, and what is kept is never stale."""
 
+from dataclasses import replace
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -13,7 +15,7 @@ from lightflyer.design.outputs import tabulate
 from lightflyer.program import entry_point as entry_points
 from lightflyer.program import kept
 from lightflyer.program.entry_point import elementwise_entry_point, entry_point, run_by
-from lightflyer.program.numpy_backend import require_supported, run
+from lightflyer.program.numpy_backend import Bound, require_supported, run
 from lightflyer.program.operations import UnsupportedError
 from lightflyer.program.program import Block, Operation, Program, length_of
 from lightflyer.program.tracing import trace
@@ -194,6 +196,43 @@ def test_a_program_is_data_and_a_flipped_bit_is_seen():
             Program.from_bytes(bytes(damaged), b"salt")
 
 
+def test_whole_numbers_of_numpy_are_written():
+    program = traced(lambda x: jnp.roll(x, 1)[jnp.array([2, 0])], (3,))
+    operation = program.body.operations[0]
+    program = replace(
+        program,
+        body=program.body._replace(
+            operations=(
+                operation._replace(parameters={**operation.parameters, "extra": np.int64(3)}),
+                *program.body.operations[1:],
+            )
+        ),
+    )
+    again = Program.from_bytes(program.to_bytes())
+    assert again.body.operations[0].parameters["extra"] == 3
+
+
+def test_a_bound_program_computes_once_what_is_given():
+    def function(x, y):
+        return jax.lax.while_loop(lambda t: t < 9.0, lambda t: t * jnp.exp(x), y) + jnp.sin(x)
+
+    program = traced(function, (), ())
+    bound = Bound(program, {0: 0.3})
+    for y in (1.0, 4.0, 20.0):
+        assert bound([np.float64(y)]) == run(program, [np.array(0.3), np.array(y)])
+    names = {step[0] for step in bound._steps}
+    assert np.exp not in names
+    assert np.sin not in names
+
+
+def test_a_package_brings_programs_of_its_own(folder, monkeypatch):
+    _answer()
+    monkeypatch.setattr(kept, "_SHIPPED", folder)
+    monkeypatch.setenv("LIGHTFLYER_CACHE", "off")
+    monkeypatch.setattr(entry_points, "trace", None)  # a second trace would fail
+    np.testing.assert_array_equal(_answer()["square"], [1.0, 9.0])
+
+
 def test_lengths_are_arithmetic_and_nothing_else():
     assert length_of("max(n0, 2*n1 - 1)", {"n0": 3, "n1": 5}) == 9
     with pytest.raises((ValueError, KeyError)):
@@ -239,7 +278,7 @@ def test_what_others_can_write_is_not_read(folder, monkeypatch):
 
 def test_a_change_of_the_package_is_another_program(folder, monkeypatch):
     _answer()
-    monkeypatch.setattr(kept, "_versions", lambda: b"after an upgrade")
+    monkeypatch.setattr(kept, "_sources", lambda: b"after an upgrade")
     _answer()
     assert len(list(folder.glob("*.program"))) == 2
 

@@ -1,0 +1,68 @@
+"""One flight, by SciPy, is the same as by diffrax, whatever is kept of it or flies beside it."""
+
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.core.precision import float64
+from lightflyer.mission.path.attitude import Own
+from lightflyer.mission.path.integration import Accuracy, Limits, Start
+from lightflyer.mission.path.motion import Craft
+from lightflyer.mission.path.single import follow
+from lightflyer.mission.path.termination import TerminationReason
+
+FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+RELEASE = lf.Release("75 km", latitude=45.0, longitude=10.0, time="2026-06-21T12:00Z")
+EARTH = lf.Earth(sky=lf.environment.Daylight())
+
+
+@pytest.fixture(scope="module")
+def disk():
+    return lf.Disk(FILM, radius=0.001)
+
+
+def test_a_flight_by_day_is_that_of_diffrax(disk):
+    model, times = lf.FreeMolecular(), np.linspace(0.0, 6.0 * 3600.0, 13)
+    theirs = lf.mission.trajectory(disk, EARTH, model, RELEASE, times, tolerance=1e-11)
+    ours = lf.fly(disk, EARTH, model, release=RELEASE, duration="6 h", every="30 min")
+    np.testing.assert_allclose(ours["altitude"], theirs.altitude, atol=1.0)
+
+
+@pytest.mark.parametrize("every", ["7 min", "3 h"])
+def test_what_is_kept_changes_no_flight(disk, every):
+    flights = [
+        lf.fly(disk, EARTH, lf.FreeMolecular(), release=RELEASE, duration="9 h", every=spacing)
+        for spacing in ("1 h", every)
+    ]
+    one, other = (flight.sel(elapsed=flight.elapsed[-1]) for flight in flights)
+    assert float(one["altitude"]) == float(other["altitude"])
+    assert float(one["longitude"]) == float(other["longitude"])
+
+
+def test_an_ensemble_changes_no_flight(disk):
+    def fly(**more):
+        return lf.fly(
+            disk, EARTH, lf.FreeMolecular(), release=RELEASE, duration="2 h", every="1 h", **more
+        )
+
+    beside = fly(ensemble=lf.mission.Ensemble(members=6, altitude=500.0))
+    np.testing.assert_array_equal(fly()["altitude"], beside["altitude"])
+    # the members, which XLA flies together, begin and end around it
+    ends = beside["ensemble_altitude"].isel(elapsed=-1)
+    assert abs(float(ends.mean() - beside["altitude"][-1])) < 1000.0
+
+
+def test_the_end_is_where_a_limit_is_reached(disk):
+    craft = Craft(lf.Setup(disk, lf.Earth(), lf.FreeMolecular()), Own())
+    with float64():
+        start = RELEASE.start()
+    limits = Limits(74.9e3, 80e3)
+    dark = lf.Setup(disk, lf.Earth(radiation=lf.environment.Radiation(0.0)), lf.FreeMolecular())
+    elapsed = np.linspace(0.0, 7200.0, 5)
+    sunk = follow(Craft(dark, Own()), start, limits, elapsed, Accuracy(1000))
+    assert sunk.termination == TerminationReason.LOWEST_ALTITUDE
+    assert sunk.end_altitude == pytest.approx(limits.lowest, abs=1e-3)
+    assert np.isinf(sunk.altitude[elapsed > sunk.end_elapsed]).all()
+    few = follow(craft, Start(75e3, start.place), Limits(2e4, 1.2e5), elapsed, Accuracy(3))
+    assert few.termination == TerminationReason.STEP_LIMIT
+    assert few.steps == 3

@@ -1,5 +1,6 @@
 """The NetCDF record of a measurement."""
 
+import io
 from collections.abc import Mapping, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
@@ -32,6 +33,14 @@ def require_distinct(measured: Sequence[tuple[str, Any]]) -> None:
             raise ConfigurationError(
                 f"{second}: has the same data as {first}; each measurement may be given once"
             )
+
+
+def csv_text(comments: Sequence[str], columns: Mapping[str, np.ndarray]) -> str:
+    """Columns of numbers as a table of commas, by their headings; arrays of shape (n,)."""
+    text = io.StringIO()
+    text.write("\n".join([*comments, ",".join(columns)]) + "\n")
+    np.savetxt(text, np.column_stack(list(columns.values())), delimiter=",", fmt="%.8g")
+    return text.getvalue()
 
 
 def dataset(

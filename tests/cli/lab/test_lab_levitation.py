@@ -1,6 +1,7 @@
 import json
 from importlib import resources
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -18,6 +19,8 @@ def test_points_to_record_with_model_and_calibration(examples, lab):
     )  # fmt: skip
     assert (code, err) == (0, "")
     assert "Ge 2 cm needs" in out
+    curve = np.loadtxt(folder / "o" / "levitation-curve-1.csv", delimiter=",", skiprows=2)
+    assert np.all((curve[:, 2] <= curve[:, 1]) & (curve[:, 1] <= curve[:, 3]))
     found = json.loads((folder / "o" / "levitation.json").read_text(encoding="utf-8"))
     low, high = found["samples"]["Ge 2 cm"]["minimum_irradiance"]["interval_95"]
     assert low < 983.1 < high  # stands in the file

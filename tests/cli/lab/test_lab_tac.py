@@ -23,7 +23,9 @@ def test_raw_file_to_record_figure_and_flyer_file(examples, lab):
     assert "rejected tac-raw.csv:42: repeats line 41" in out
     assert "reading kinetic, gas air; the same rows give α = " in out
     names = {path.name for path in (folder / "o").iterdir()}
-    assert names == {"tac.json", "tac.nc", "tac.png", "tac.svg"}
+    assert names == {"tac.json", "tac.nc", "tac.png", "tac.svg", "tac-rows-1.csv"}
+    rows = np.loadtxt(folder / "o" / "tac-rows-1.csv", delimiter=",", skiprows=2)
+    assert np.abs(rows[:, 2] / rows[:, 3] - 1.0).max() < 0.05
     found = json.loads((folder / "o" / "tac.json").read_text(encoding="utf-8"))
     for name, truth, unit in (
         ("tac", 0.75, ""), ("area_ratio", 1.22, ""), ("offset", 4.09, "W/(m^2 K)")

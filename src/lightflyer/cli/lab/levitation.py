@@ -147,6 +147,7 @@ def levitation_command(
             *(() if fit is None else fit_parts(fit)), *warning_lines(document["warnings"]),
         ],
         out=out, figures=figures, json_output=json_output,
+        tables=levitation.tables(curves),
         update=updater(update, values, "levitation", files, insist=insist),
     )  # fmt: skip
 

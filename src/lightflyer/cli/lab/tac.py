@@ -173,6 +173,7 @@ def tac_command(
         "tac", document, tac_record.to_dataset(fits, warnings), draw,
         [*read_parts(run.table for run in runs), *parts, *warning_lines(warnings)],
         out=out, figures=figures, json_output=json_output,
+        tables=tac_record.tables(fits),
         update=updater(update, values, f"tac, {reading} reading, in {gas}", files, insist=insist),
     )  # fmt: skip
 

@@ -37,7 +37,7 @@ from lightflyer.lab.ftir.means import (
 )
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
-from lightflyer.lab.record import dataset, require_distinct
+from lightflyer.lab.record import csv_text, dataset, require_distinct
 from lightflyer.lab.spectrum_noise import noise_density
 from lightflyer.program.arguments import reads_units
 
@@ -125,12 +125,11 @@ class Ftir(PrintedResult):
         at, value = self.emissivity_spectrum()
         name = "emissivity" if self.reflectances else "emissivity at most"
         spread = self.accuracy * np.sqrt(1.0 + bool(self.reflectances))
-        rows = [
-            f"{one / PER_CENTIMETRE:.8g},{1e6 / one:.8g},{share:.6g},{spread:.2g}"
-            for one, share in zip(at, value, strict=True)
-        ]
-        head = f"wavenumber [cm^-1],wavelength [um],{name},standard uncertainty of the scale"
-        return "\n".join([head, *rows]) + "\n"
+        columns = {
+            "wavenumber [cm^-1]": at / PER_CENTIMETRE, "wavelength [um]": 1e6 / at, name: value,
+            "standard uncertainty of the scale": np.full(at.shape, spread),
+        }  # fmt: skip
+        return csv_text([], columns)
 
     def text_parts(self) -> Parts:
         from lightflyer.lab.ftir.text import ftir_parts

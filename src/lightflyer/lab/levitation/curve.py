@@ -21,7 +21,7 @@ from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
 from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother
-from lightflyer.lab.record import dataset, joint_warnings
+from lightflyer.lab.record import csv_text, dataset, joint_warnings
 from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
@@ -358,3 +358,17 @@ def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.D
 
 def _attributes(units: str, long_name: str) -> dict[str, str]:
     return {"units": units, "long_name": long_name}
+
+
+def tables(curves: Sequence[LevitationCurve]) -> dict[str, str]:
+    """Curve of each sample with its 95 % band as CSV, by file name."""
+    return {
+        f"levitation-curve-{number}.csv": csv_text(
+            [f"# {one.points.name}; 95 % band"],
+            {
+                "pressure [Pa]": one.pressure, "irradiance [W/m^2]": one.irradiance,
+                "lower [W/m^2]": one.lower, "upper [W/m^2]": one.upper,
+            },
+        )
+        for number, one in enumerate(curves, start=1)
+    }  # fmt: skip

@@ -8,6 +8,7 @@ from scipy.stats import qmc
 
 from lightflyer.core.errors import ConvergenceError
 from lightflyer.lab.estimate import student_factor
+from lightflyer.lab.optics.ellipsometry import ORDINATES, SHARED
 from lightflyer.lab.optics.model import LEAST_ERROR, Problem, Solution
 from lightflyer.numerics.residuals import correlation_length
 
@@ -65,8 +66,10 @@ def scatter_of(problem: Problem, solution: Solution) -> tuple[Scatter, ...]:
         one.spectrum.value - reading for reading, one in zip(readings, problem.spectra, strict=True)
     ]
     alike = [correlation_length(one) for one in residuals]
+    shared = [SHARED if one.spectrum.quantity in ORDINATES else 1.0 for one in problem.spectra]
     lengths = [
-        min(length, one.size / _FEWEST) for one, (length, _) in zip(residuals, alike, strict=True)
+        min(share * length, one.size / _FEWEST)
+        for share, one, (length, _) in zip(shared, residuals, alike, strict=True)
     ]
     independent = [one.size / length for one, length in zip(residuals, lengths, strict=True)]
     lost = min(problem.determined_numbers(solution) / sum(independent), _MOST_LOST)

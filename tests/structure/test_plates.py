@@ -25,7 +25,7 @@ from lightflyer.structure import (
     perforated_share,
     root_stiffness,
     sandwich_stiffness,
-    shear_heights,
+    shear_profile,
     sphere_buckling_pressure,
 )
 
@@ -95,7 +95,7 @@ def test_shear_adds_what_a_membrane_would():
     r = np.geomspace(0.1, 1.0, 20001)
     outside = np.trapezoid((1.0 / r - r) / (2.0 * math.pi), r)
     inside = -0.5 * 0.1**2 / (2.0 * math.pi)
-    ring, edge = shear_heights(1.0, 1.0, 0.1, 1.0)
+    ring, edge = (shear_profile(1.0, 1.0, 0.1, 1.0, at) for at in (0.1, 1.0))
     assert edge == pytest.approx(outside + inside, rel=1e-6)
     assert ring == pytest.approx(inside, rel=1e-12)
 
@@ -189,25 +189,26 @@ def test_a_membrane_rings_at_the_first_zero_of_bessel():
 
 def test_shells_buckle_at_the_classical_pressures():
     # Zoelly (1915) of spheres: 1.21 E (t/R)² of ν = 0.3; Southwell-Windenburg of cylinders
-    sphere = sphere_buckling_pressure(1.0, 1e-3, 7e10, 0.3, knock_down=1.0)
+    film = plate(0.3, 1e-3, 7e10)
+    sphere = sphere_buckling_pressure(1.0, film, knock_down=1.0)
     assert sphere == pytest.approx(1.21 * 7e4, rel=1e-3)
-    cylinder = cylinder_buckling_pressure(1.0, 2.0, 1e-3, 7e10, 0.3, knock_down=1.0)
+    cylinder = cylinder_buckling_pressure(1.0, 2.0, film, knock_down=1.0)
     assert cylinder == pytest.approx(0.918 * 7e10 * 1e-3**2.5 / 2.0, rel=1e-3)
-    assert sphere_buckling_pressure(1.0, 1e-3, 7e10, 0.3) == pytest.approx(0.14 * sphere)
+    assert sphere_buckling_pressure(1.0, film) == pytest.approx(0.14 * sphere)
 
 
 CASES = {
     "free plate": lambda x: free_plate_heights(x, 0.01 * x, 1e-3, 1e-9, 0.3)[1],
     "load": lambda x: load_curvature(x, 0.01 * x, 1e-3, 1e-9, 0.3),
-    "shear": lambda x: shear_heights(1.0, 0.01 * x, 1e-3, 0.1)[1],
+    "shear": lambda x: shear_profile(1.0, 0.01 * x, 1e-3, 0.1, 0.01 * x),
     "held": lambda x: clamped_deflection(10.0 * x, 1e-4, plate()),
     "stretched": lambda x: clamped_deflection(1e5 * x, 1e-4 * x, plate()),
     "buckled": lambda x: clamped_deflection(1e-3 * x, 1e-4 * x, plate(), -1.0),
     "root": lambda x: root_stiffness(Ligaments(1e-4, 1e-5 * x, 1e-7), plate()),
     "frequency": lambda x: free_plate_frequency(0.01 * x, 1e-3, 1e-9, 0.3 * x),
     "drum": lambda x: membrane_frequency(0.01 * x, 1e-3, 1.0 * x),
-    "sphere": lambda x: sphere_buckling_pressure(0.01 * x, 1e-7, 1e11, 0.2 * x),
-    "cylinder": lambda x: cylinder_buckling_pressure(0.01 * x, 0.1, 1e-7 * x, 1e11, 0.2),
+    "sphere": lambda x: sphere_buckling_pressure(0.01 * x, plate(0.2 * x)),
+    "cylinder": lambda x: cylinder_buckling_pressure(0.01 * x, 0.1, plate(0.2, 1e-7 * x)),
 }
 
 

@@ -22,6 +22,7 @@ polymer films shrink and melt near it."""
 TOO_HOT = "the flyer reaches"  # How a diagnostic of heat begins
 
 _FLAT = 0.2  # height of the edge over the radius, from which 5 % of the lift are lost to tilt
+_FAILING = ("deflection", "stress_over_strength", "gap_closed", "load_over_buckling")
 _GAP = 0.5  # share of a gap, from which the force of a flat one means little
 
 _LOOKS = 31  # places within a band that are looked at
@@ -137,10 +138,10 @@ def _shape_diagnostics(flyer: AbstractFlyer) -> Iterator[str]:
 def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:
     """Outputs by which a flyer does not hold its shape where it flies, with words for each."""
     flies = table["lift_over_weight"] >= 1.0
-    known = setup.flyer.known_shape
+    known = [name for name in _FAILING if name in setup.flyer.known_shape]
     largest = {name: float(np.max(table[name], where=flies, initial=0.0)) for name in known}
     rise = largest.get("deflection", 0.0) / float(getattr(setup.flyer, "radius", np.inf))
-    tension, closed = (largest.get(name, 0.0) for name in ("stress_over_strength", "gap_closed"))
+    tension, closed, pressed = (largest.get(name, 0.0) for name in _FAILING[1:])
     told = {
         "deflection": (
             rise > _FLAT,
@@ -153,6 +154,10 @@ def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:
         "gap_closed": (
             closed > _GAP,
             f"the gap does not stay: membranes close {100.0 * closed:.0f} % of it",
+        ),
+        "load_over_buckling": (
+            pressed > 1.0,
+            f"it buckles: what presses it is {pressed:.2g} times what it bears",
         ),
     }
     return {name: words for name, (fails, words) in told.items() if fails}

@@ -26,6 +26,7 @@ from lightflyer.statics.sinking import (
     night_places,
     sinking,
     sinks_level,
+    steady_speed,
 )
 
 _LOOKS = 101  # places of the first look for the largest payload
@@ -136,8 +137,18 @@ class OperatingPoint:
     @cached_property
     def shape(self) -> Shape:
         """How the flyer holds its shape in the available light."""
-        found: Shape = self.flyer.shape(self.state, self.balance.temperatures, self.lift)
+        held = self.flyer.held_pressure
+        pressure = 0.0 if held is None else self.own_results.get(held, 0.0)
+        found: Shape = self.flyer.shape(self.state, self.balance.temperatures, self.lift, pressure)
         return found
+
+    @cached_property
+    def bearable_wind(self) -> Any:
+        """Speed of air along the axis whose drag is the load that the flyer bears where held."""
+        unknowns, flyer, state = self.balance.unknowns, self.flyer, self.state
+        load = jnp.asarray(self.shape.bearable_load)
+        speed, _ = steady_speed(lambda speed: flyer.drag(state, unknowns, speed), load)
+        return speed
 
     @cached_property
     def payload(self) -> Any:

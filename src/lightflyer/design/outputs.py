@@ -286,6 +286,14 @@ _DESIGN = (
         needs_coordinate=False,
     ),
     Output(
+        "area",
+        "m^2",
+        "area seen from above when level",
+        lambda case: case.flyer.area,
+        shown_unit="cm^2",
+        needs_coordinate=False,
+    ),
+    Output(
         "own_mass",
         "kg",
         "mass of the flyer",
@@ -304,16 +312,23 @@ _DESIGN = (
 )
 
 
+_BUCKLES = "load_over_buckling"
+
+
 def _of_shape(name: str, unit: str, long_name: str, **shown: str) -> Output:
     return Output(
         name,
         unit,
         long_name,
         lambda case: getattr(case.shape, name),
-        less_is_better=name != "curvature",  # which has a sign
-        exists=lambda flyer: name in flyer.known_shape,
+        less_is_better=name in ("deflection", "stress_over_strength", "gap_closed", _BUCKLES),
+        exists=_knows(name),
         **shown,  # type: ignore[arg-type]
     )
+
+
+def _knows(name: str) -> Callable[[AbstractFlyer], bool]:
+    return lambda flyer: name in flyer.known_shape
 
 
 _SHAPE = (
@@ -327,6 +342,24 @@ _SHAPE = (
     ),
     _of_shape("stress_over_strength", "", "largest tension in a layer over what that bears"),
     _of_shape("gap_closed", "", "share of the gap that the membranes close between ligaments"),
+    _of_shape(_BUCKLES, "", "compression, or pressure from outside, over that at which it buckles"),
+    _of_shape("buckling_pressure", "Pa", "pressure from outside at which its shell buckles"),
+    _of_shape("lift_kept", "", "lift of the curled flyer over that of a flat one, in thin gas"),
+    _of_shape("lowest_frequency", "Hz", "lowest frequency of the flat flyer, without gas"),
+    Output(
+        "bearable_acceleration",
+        "m/s^2",
+        "acceleration at which a layer breaks, held where the payload hangs",
+        lambda case: case.shape.bearable_load / case.flyer.own_mass,
+        exists=_knows("bearable_load"),
+    ),
+    Output(
+        "bearable_wind",
+        "m/s",
+        "speed of the air along its axis at which a layer breaks, held so",
+        lambda case: case.bearable_wind,
+        exists=_knows("bearable_load"),
+    ),
 )
 
 _BUDGET = (
@@ -383,6 +416,11 @@ OUTPUTS: dict[str, Output] = {
     output.name: output for output in (*_POINT, *_SHAPE, *_BAND, *_VERDICT, *_DESIGN)
 }
 """Outputs that every flyer has, by name, and those of its film where there is one."""
+
+
+def shape_outputs(flyer: AbstractFlyer) -> tuple[str, ...]:
+    """Names of the outputs of how a flyer holds its shape."""
+    return tuple(output.name for output in _SHAPE if output.exists(flyer))
 
 
 def node_outputs(flyer: AbstractFlyer) -> dict[str, Output]:

@@ -19,6 +19,8 @@ from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.properties import FilmProperties, excess_of_growth
 from lightflyer.flyer.bodies import AbstractClosedFlyer
 from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.shape import Shape
+from lightflyer.flyer.shell_shape import OF_SHELLS, Wall, shape_of_sphere
 
 _MOLAR_GAS_CONSTANT = constants.BOLTZMANN * constants.AVOGADRO  # [J/(mol K)]
 
@@ -94,6 +96,7 @@ class Balloon(AbstractClosedFlyer):
     """
 
     nodes: ClassVar[tuple[str, ...]] = ("envelope",)
+    held_pressure: ClassVar[str] = "overpressure"
     lifted_by: ClassVar[str] = "the gas inside, which is warmer or lighter than the air"
     floats: ClassVar[bool] = True
     drag_law: ClassVar[str] = "of a sphere by Cunningham's law, with inertia"
@@ -189,6 +192,25 @@ class Balloon(AbstractClosedFlyer):
         out, within = self.film.emission_growths(state.temperature, excess)
         black = state.radiation.stefan_boltzmann * state.temperature**4
         return (-black * self._absorbed_infrared(state, 0.0, 0.0, out, within),)
+
+    @property
+    def known_shape(self) -> tuple[str, ...]:
+        return () if self.film.laminate is None else (*OF_SHELLS, "lowest_frequency")
+
+    def shape(
+        self,
+        state: EnvironmentState,
+        temperatures: tuple[Array, ...],
+        lift: Array,
+        pressure: Numeric = 0.0,
+    ) -> Shape:
+        if self.film.laminate is None:
+            return super().shape(state, temperatures, lift, pressure)
+        wall = Wall((self.film.laminate,), temperatures)
+        gas = state.gas.density(state.pressure, state.temperature)
+        found = shape_of_sphere(wall, self.radius, None, self.own_mass, pressure, gas)
+        taut = pressure > 0.0  # a slack film resists nothing
+        return found._replace(lowest_frequency=jnp.where(taut, found.lowest_frequency, 0.0))
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum, by the outer face alone [1]."""

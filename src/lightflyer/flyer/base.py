@@ -48,6 +48,7 @@ class AbstractFlyer(Checked):
     flows: ClassVar[tuple[str, ...]] = ()
     drag_law: ClassVar[str] = "of its own"
     lifted_by: ClassVar[str] = "the gas around it"
+    held_pressure: ClassVar[str | None] = None  # The force model's result that its wall holds
     floats: ClassVar[bool] = False  # Whether buoyancy holds it up, and missions let it settle
 
     if TYPE_CHECKING:
@@ -170,9 +171,18 @@ class AbstractFlyer(Checked):
         """What :meth:`shape` knows, by the names of its fields; nothing by default."""
         return ()
 
-    def shape(self, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array) -> Shape:
-        """How it holds its shape at temperatures of its nodes [K] and a lift [N]."""
-        del state, temperatures, lift
+    def shape(
+        self,
+        state: EnvironmentState,
+        temperatures: tuple[Array, ...],
+        lift: Array,
+        pressure: Numeric = 0.0,
+    ) -> Shape:
+        """How it holds its shape at temperatures of its nodes [K] and a lift [N].
+
+        ``pressure``: within over that outside [Pa], the force model's result :attr:`held_pressure`.
+        """
+        del state, temperatures, lift, pressure
         raise ConfigurationError(f"{self.describe()}: its layers are not known as a structure")
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:

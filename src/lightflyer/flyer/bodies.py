@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.types import Numeric
 from lightflyer.core.units import scale_and_offset
 from lightflyer.drag.convex import Outline, convex_diagnostics, convex_drag
@@ -20,13 +21,8 @@ from lightflyer.drag.disk import (
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
-
-
-def hangs_outside(radius: Numeric, hanging_radius: Numeric | None) -> str | None:
-    """That a payload hangs from beside its flyer, in words, or None."""
-    if hanging_radius is not None and np.any(np.asarray(hanging_radius) >= radius):
-        return "hanging_radius must be smaller than the flyer's radius"
-    return None
+from lightflyer.flyer.hanging import THREE_POINTS, Hanging, Held
+from lightflyer.flyer.shape import Bent
 
 
 class AbstractThinFlyer(AbstractFlyer):
@@ -39,6 +35,10 @@ class AbstractThinFlyer(AbstractFlyer):
 
         @property
         def radius(self) -> Numeric: ...
+        @property
+        def hanging_radius(self) -> Numeric | None: ...
+        @property
+        def hanging(self) -> Hanging: ...
 
     @property
     @abc.abstractmethod
@@ -59,6 +59,16 @@ class AbstractThinFlyer(AbstractFlyer):
     def area(self) -> Numeric:
         """Area of the outline, holes included [m²]."""
         return jnp.pi * self.radius**2
+
+    def held(self, state: EnvironmentState) -> Held:
+        """Its masses, and how its payload hangs."""
+        three = self.hanging == THREE_POINTS
+        return Held(self.own_mass, self.payload, state.gravity, self.hanging_radius, three)
+
+    def bent(self, state: EnvironmentState, temperatures: tuple[Array, ...]) -> Bent:
+        """How it curls and carries at temperatures of its nodes [K]."""
+        del state, temperatures
+        raise ConfigurationError(f"{self.describe()}: its layers are not known as a structure")
 
     @property
     def _tacs(self) -> tuple[Numeric, Numeric]:

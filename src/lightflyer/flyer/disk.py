@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
+import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
@@ -12,9 +13,10 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.bodies import AbstractThinFlyer, hangs_outside
+from lightflyer.flyer.bodies import AbstractThinFlyer
+from lightflyer.flyer.hanging import Hanging, hangs_wrongly
 from lightflyer.flyer.section import FlyerSection
-from lightflyer.flyer.shape import Shape, shape_of_film
+from lightflyer.flyer.shape import OF_FILMS, Bent, Shape, bent_film, shape_of_film
 
 
 class Disk(AbstractThinFlyer):
@@ -31,6 +33,8 @@ class Disk(AbstractThinFlyer):
         How the disk lies; None stands for level.
     hanging_radius : array or None
         Of the circle from which the payload hangs [m]; None is the middle.
+    hanging : {"circle", "three points"}
+        Whether it hangs all around the circle, or at three points of it.
 
     Raises
     ------
@@ -48,13 +52,14 @@ class Disk(AbstractThinFlyer):
     lifted_by: ClassVar[str] = "gas that leaves its bottom face with more energy than its top"
     drag_law: ClassVar[str] = "of a thin disk by the kinetic equation, with inertia"
 
-    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(hangs_outside)
+    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(hangs_wrongly)
 
     film: FilmProperties
     radius: Length
     payload: Mass = 0.0
     attitude: Attitude | None = None
     hanging_radius: Distance | None = None
+    hanging: Hanging = eqx.field(static=True, default="circle")
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
@@ -89,15 +94,24 @@ class Disk(AbstractThinFlyer):
 
     @property
     def known_shape(self) -> tuple[str, ...]:
-        return () if self.film.laminate is None else Shape._fields[:-1]
+        return () if self.film.laminate is None else OF_FILMS
 
-    def shape(self, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array) -> Shape:
+    def shape(
+        self,
+        state: EnvironmentState,
+        temperatures: tuple[Array, ...],
+        lift: Array,
+        pressure: Numeric = 0.0,  # noqa: ARG002
+    ) -> Shape:
         if self.film.laminate is None:
             return super().shape(state, temperatures, lift)
-        load = self.payload * state.gravity
-        return shape_of_film(
-            self.film.laminate, self.radius, temperatures[0], load, self.hanging_radius
-        )
+        held = self.held(state)
+        return shape_of_film(self.film.laminate, self.radius, temperatures[0], held, self._tacs)
+
+    def bent(self, state: EnvironmentState, temperatures: tuple[Array, ...]) -> Bent:
+        if self.film.laminate is None:
+            return super().bent(state, temperatures)
+        return bent_film(self.film.laminate, self.radius, temperatures[0], self.held(state))
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum [1]."""

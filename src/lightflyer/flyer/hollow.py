@@ -26,9 +26,16 @@ from lightflyer.files.section import Spelling
 from lightflyer.film.optics.diffraction import narrow_channels
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.bodies import AbstractClosedFlyer
-from lightflyer.flyer.hollow_geometry import FORMS, Form, HollowForm, silhouette_below_horizon
+from lightflyer.flyer.hollow_geometry import (
+    FORMS,
+    Form,
+    HollowForm,
+    silhouette_below_horizon,
+    tube_sizes,
+)
 from lightflyer.flyer.hollow_outline import hollow_outline
 from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.shape import Shape
 from lightflyer.flyer.sheets import (
     DARK,
     Exitance,
@@ -38,6 +45,7 @@ from lightflyer.flyer.sheets import (
     sheet_in_infrared,
     sheet_in_light,
 )
+from lightflyer.flyer.shell_shape import OF_SHELLS, Wall, shape_of_sphere, shape_of_tube
 
 _CENTIMETRE = 1e-2
 
@@ -131,6 +139,7 @@ class HollowBody(AbstractClosedFlyer):
     """
 
     nodes: ClassVar[tuple[str, ...]] = ("inner", "outer")
+    held_pressure: ClassVar[str] = "pressure_difference"
     lifted_by: ClassVar[str] = "a jet of the gas that its wall draws in towards the warmer film"
     drag_law: ClassVar[str] = "of a closed body by its surface and Cunningham's law, with inertia"
     contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
@@ -249,6 +258,36 @@ class HollowBody(AbstractClosedFlyer):
         difference = state.temperature * (inner_excess - outer_excess)
         outward = self.surface * per_kelvin * difference
         return -black * inner + outward, -black * outer - outward
+
+    @property
+    def known_shape(self) -> tuple[str, ...]:
+        if None in (self.outer.laminate, self.inner.laminate):
+            return ()
+        return (*OF_SHELLS, "lowest_frequency") if self.form == "sphere" else OF_SHELLS
+
+    def shape(
+        self,
+        state: EnvironmentState,
+        temperatures: tuple[Array, ...],
+        lift: Array,
+        pressure: Numeric = 0.0,
+    ) -> Shape:
+        if not self.known_shape:
+            return super().shape(state, temperatures, lift, pressure)
+        wall = Wall(
+            (self.outer.laminate, self.inner.laminate),  # type: ignore[arg-type]
+            temperatures[::-1],
+            self.open_fraction,
+            self.wall_thickness,
+        )
+        if self.form == "sphere":
+            gas = state.gas.density(state.pressure, state.temperature)
+            rim = self.outlet_radius
+            # as if the wall went on across the outlet
+            whole = self.own_mass * jnp.pi * self.size**2 / self.surface
+            return shape_of_sphere(wall, 0.5 * self.size, rim, whole, pressure, gas)
+        radius, length = tube_sizes(self.form, self.size, self.outlet_radius)
+        return shape_of_tube(wall, radius, length, self.outlet_radius, pressure)
 
     def diagnostics(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
         """Warns of channels that are too narrow for geometric optics."""

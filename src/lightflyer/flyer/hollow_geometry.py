@@ -204,3 +204,12 @@ FORMS: dict[str, HollowForm] = {
     ),
 }
 """Shapes by name."""
+
+
+def tube_sizes(form: Form, size: Numeric, outlet: Numeric) -> tuple[Numeric, Numeric]:
+    """Mean radius across the side of a rocket or cone, and the side's length [m]."""
+    # a cone counts as the cylinder of its slant and of its mean radius of curvature [NASA-SP-8019]
+    if form == "rocket":
+        return outlet, size
+    slant = jnp.hypot(0.5 * size - outlet, size)
+    return 0.5 * (0.5 * size + outlet) * slant / size, slant

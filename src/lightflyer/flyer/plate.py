@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
+import equinox as eqx
 import numpy as np
 from jax import Array
 
@@ -21,10 +22,11 @@ from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.optics.diffraction import narrow_channels
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.bodies import AbstractThinFlyer, hangs_outside
+from lightflyer.flyer.bodies import AbstractThinFlyer
+from lightflyer.flyer.hanging import Hanging, hangs_wrongly
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.flyer.section import FlyerSection
-from lightflyer.flyer.shape import Core, Shape
+from lightflyer.flyer.shape import OF_SANDWICHES, Bent, Core, Shape
 from lightflyer.flyer.sheets import net_gains, sheet_in_light
 from lightflyer.gas.transmission_probability import slot_transmission
 
@@ -38,6 +40,7 @@ def _contradiction(
     spacing: Numeric,
     wall_thickness: Numeric,
     hanging_radius: Numeric | None,
+    hanging: Hanging,
 ) -> str | None:
     """How sizes contradict each other, or None."""
     if np.any(np.asarray(channel_length) < channel_width):
@@ -46,7 +49,7 @@ def _contradiction(
         return "channel_length and spacing together must not exceed the plate's diameter"
     if np.any(2.0 * np.asarray(wall_thickness) >= spacing):
         return "wall_thickness must be less than half of spacing: neighbouring walls would meet"
-    return hangs_outside(radius, hanging_radius)
+    return hangs_wrongly(radius, hanging_radius, hanging)
 
 
 class Plate(AbstractThinFlyer):
@@ -83,6 +86,8 @@ class Plate(AbstractThinFlyer):
         Shear modulus of the walls [Pa]; None is that of alumina.
     hanging_radius : array or None
         Of the circle from which the payload hangs [m]; None is the middle.
+    hanging : {"circle", "three points"}
+        Whether it hangs all around the circle, or at three points of it.
     areal_density : array or None
         Of the whole plate, where it was weighed [kg/m²]; None takes films and walls together.
 
@@ -126,6 +131,7 @@ class Plate(AbstractThinFlyer):
     areal_density: ArealDensity | None = None
     wall_shear_modulus: Modulus | None = None
     hanging_radius: Distance | None = None
+    hanging: Hanging = eqx.field(static=True, default="circle")
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
@@ -172,6 +178,7 @@ class Plate(AbstractThinFlyer):
             attitude=self.attitude,
             support_density=self.wall_density,
             hanging_radius=self.hanging_radius,
+            hanging=self.hanging,
         )
 
     @property
@@ -203,17 +210,30 @@ class Plate(AbstractThinFlyer):
 
     @property
     def known_shape(self) -> tuple[str, ...]:
-        return () if None in (self.top.laminate, self.bottom.laminate) else Shape._fields
+        return () if None in (self.top.laminate, self.bottom.laminate) else OF_SANDWICHES
 
-    def shape(self, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array) -> Shape:
-        if None in (self.top.laminate, self.bottom.laminate):
-            return super().shape(state, temperatures, lift)
+    def shape(
+        self,
+        state: EnvironmentState,
+        temperatures: tuple[Array, ...],
+        lift: Array,
+        pressure: Numeric = 0.0,  # noqa: ARG002
+    ) -> Shape:
+        return self.sheets.shape_on(self._walls, state, temperatures, lift)
+
+    def bent(self, state: EnvironmentState, temperatures: tuple[Array, ...]) -> Bent:
+        return self.sheets.bent_on(self._walls, state, temperatures)
+
+    @property
+    def _walls(self) -> Core | None:
+        """The channels' walls, None where the films' layers are not known."""
+        if not self.known_shape:
+            return None
         # walls along the shear, half of all, stay plane
         given = self.wall_shear_modulus
         modulus = SHEAR_MODULUS if given is None else given
         shear = 0.5 * self.wall_fraction * modulus * self.height
-        core = Core(shear, 0.5 * self.spacing, self.channel_length + self.spacing)
-        return self.sheets.shape_on(core, state, temperatures, lift)
+        return Core(shear, 0.5 * self.spacing, self.channel_length + self.spacing)
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum, by the outer faces alone [1]."""

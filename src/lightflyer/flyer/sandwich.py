@@ -27,9 +27,19 @@ from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Section, Spelling
 from lightflyer.film.optics.diffraction import narrow_holes
 from lightflyer.film.properties import FilmProperties, excess_of_growth
-from lightflyer.flyer.bodies import AbstractThinFlyer, hangs_outside
+from lightflyer.flyer.bodies import AbstractThinFlyer
+from lightflyer.flyer.hanging import Hanging, hangs_wrongly
 from lightflyer.flyer.section import FlyerSection
-from lightflyer.flyer.shape import Core, Shape, core_of_posts, shape_of_sandwich
+from lightflyer.flyer.shape import (
+    OF_SANDWICHES,
+    Bent,
+    Core,
+    Shape,
+    Sheets,
+    bent_sandwich,
+    core_of_posts,
+    shape_of_sandwich,
+)
 from lightflyer.flyer.sheets import (
     DARK,
     Exitance,
@@ -39,6 +49,7 @@ from lightflyer.flyer.sheets import (
     sheet_in_light,
 )
 from lightflyer.gas.transmission_probability import coaxial_share
+from lightflyer.structure.laminate import Laminate
 from lightflyer.structure.sandwich import Ligaments
 
 
@@ -49,6 +60,7 @@ def _contradiction(
     support_fraction: Numeric,
     ligaments: Ligaments | None,
     hanging_radius: Numeric | None,
+    hanging: Hanging,
 ) -> str | None:
     """How sizes contradict each other, or None."""
     if ligaments is not None and is_concrete(ligaments.covered):
@@ -57,7 +69,7 @@ def _contradiction(
         return "hole_radius must be smaller than the radius of the sandwich"
     if np.any(np.asarray(open_fraction) + support_fraction > 1.0):
         return "open_fraction and support_fraction exceed 1 together; supports stand on film"
-    return hangs_outside(radius, hanging_radius)
+    return hangs_wrongly(radius, hanging_radius, hanging)
 
 
 class Sandwich(AbstractThinFlyer):
@@ -94,6 +106,8 @@ class Sandwich(AbstractThinFlyer):
         share of the area is known.
     hanging_radius : array or None
         Of the circle from which the payload hangs [m]; None is the middle.
+    hanging : {"circle", "three points"}
+        Whether it hangs all around the circle, or at three points of it.
 
     Raises
     ------
@@ -132,6 +146,7 @@ class Sandwich(AbstractThinFlyer):
     support_density: Density | None = None
     ligaments: Ligaments | None = None
     hanging_radius: Distance | None = None
+    hanging: Hanging = eqx.field(static=True, default="circle")
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
@@ -195,30 +210,56 @@ class Sandwich(AbstractThinFlyer):
     @property
     def known_shape(self) -> tuple[str, ...]:
         unknown = None in (self.top.laminate, self.bottom.laminate, self.ligaments)
-        return () if unknown else Shape._fields
+        return () if unknown else OF_SANDWICHES
 
-    def shape(self, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array) -> Shape:
-        top, bottom = self.top.laminate, self.bottom.laminate
-        if top is None or bottom is None or self.ligaments is None:
-            return super().shape(state, temperatures, lift)
-        core = core_of_posts(self.ligaments, (top, bottom), self.gap, self.open_fraction)
-        return self.shape_on(core, state, temperatures, lift)
+    def shape(
+        self,
+        state: EnvironmentState,
+        temperatures: tuple[Array, ...],
+        lift: Array,
+        pressure: Numeric = 0.0,  # noqa: ARG002
+    ) -> Shape:
+        return self.shape_on(self._posts, state, temperatures, lift)
+
+    def bent(self, state: EnvironmentState, temperatures: tuple[Array, ...]) -> Bent:
+        return self.bent_on(self._posts, state, temperatures)
+
+    @property
+    def _posts(self) -> Core | None:
+        """Its ligaments, None where they or the layers are not known."""
+        if not self.known_shape:
+            return None
+        films = self._laminates
+        return core_of_posts(self.ligaments, films, self.gap, self.open_fraction)  # type: ignore[arg-type]
+
+    @property
+    def _laminates(self) -> tuple[Laminate, Laminate]:
+        return self.top.laminate, self.bottom.laminate  # type: ignore[return-value]
 
     def shape_on(
-        self, core: Core, state: EnvironmentState, temperatures: tuple[Array, ...], lift: Array
+        self,
+        core: Core | None,
+        state: EnvironmentState,
+        temperatures: tuple[Array, ...],
+        lift: Array,
     ) -> Shape:
-        """Shape with a core that holds the membranes, whose layers are known."""
-        return shape_of_sandwich(
-            [film.laminate for film in self.faces],  # type: ignore[misc]
-            temperatures,
-            core,
-            self.gap,
-            self.open_fraction,
-            self.radius,
-            self.payload * state.gravity,
-            jnp.abs(lift) / self.area,
-            self.hanging_radius,
-        )
+        """Shape with a core that holds the membranes, where that and their layers are known."""
+        if core is None:
+            return super().shape(state, temperatures, lift)
+        pressure = jnp.abs(lift) / self.area
+        return shape_of_sandwich(self._sheets(core, temperatures), self.held(state), pressure)
+
+    def bent_on(
+        self, core: Core | None, state: EnvironmentState, temperatures: tuple[Array, ...]
+    ) -> Bent:
+        """The same, as it curls and carries."""
+        if core is None:
+            return super().bent(state, temperatures)
+        return bent_sandwich(self._sheets(core, temperatures), self.held(state))
+
+    def _sheets(self, core: Core, temperatures: tuple[Array, ...]) -> Sheets:
+        films = self._laminates
+        return Sheets(films, temperatures, core, self.gap, self.open_fraction, self.radius)
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum, by the outer faces alone [1]."""

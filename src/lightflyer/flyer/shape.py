@@ -1,5 +1,6 @@
 """How flyers of films with known layers hold their shape under stress, heat and loads."""
 
+import math
 from collections.abc import Sequence
 from functools import reduce
 from typing import NamedTuple
@@ -8,61 +9,142 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.structure.curl import Curl, curl_of_film
+from lightflyer.flyer.hanging import HOLD, HangingPlate, Held, hung
+from lightflyer.structure.curl import Curl, curl_of_film, projected_share, tac_within
+from lightflyer.structure.handling import fold_curvature, fold_tension
+from lightflyer.structure.holes import perforated_share, tension_at_holes
 from lightflyer.structure.laminate import (
     Laminate,
     Stiffness,
+    bending_stresses,
     flat_load,
     free_curvature,
     free_strain,
     laminate_stiffness,
     layer_stresses,
 )
-from lightflyer.structure.plates import (
-    clamped_deflection,
-    free_plate_heights,
-    load_curvature,
-    shear_heights,
-)
+from lightflyer.structure.plates import clamped_deflection
 from lightflyer.structure.sandwich import (
     Ligaments,
+    dimpling_load,
     ligament_shear_stiffness,
-    perforated_share,
+    root_moment,
     sandwich_stiffness,
 )
 
-HOLD = 0.01
-"""Radius over the flyer's of what holds a payload in its middle: a drop of glue [1]."""
+_NONE = 1e-30  # in place of no stress to spare [Pa], so that derivatives stay finite
 
 
 class Shape(NamedTuple):
-    """How a flyer holds its shape."""
+    """How a flyer holds its shape; NaN where that is not known."""
 
-    curvature: Numeric  #: The larger of the principal curvatures [1/m]; its edge rises if positive
-    deflection: Numeric  #: How far its edge is from the height of its middle, at most [m]
     #: Largest tension in a layer over what it bears [1]; NaN where no layer's strength is known
     stress_over_strength: Numeric
-    #: Share of the gap by which two membranes come closer between ligaments [1]
-    gap_closed: Numeric = 0.0
+    curvature: Numeric = math.nan  #: The larger one of its principal curvatures [1/m]
+    deflection: Numeric = math.nan  #: How far its edge is from the height of its middle [m]
+    gap_closed: Numeric = math.nan  #: Share of the gap by which two membranes come closer [1]
+    #: Compression, or pressure from outside, over that at which it buckles [1]
+    load_over_buckling: Numeric = math.nan
+    buckling_pressure: Numeric = math.nan  #: Pressure from outside that a shell bears [Pa]
+    lift_kept: Numeric = math.nan  #: Lift of the curled flyer over that of a flat one [1]
+    #: Load beside its payload's that it bears where it is held or carries [N]
+    bearable_load: Numeric = math.nan
+    lowest_frequency: Numeric = math.nan  #: Of a flat flyer, without gas [Hz]
+
+
+OF_FILMS = (
+    *("curvature", "deflection", "stress_over_strength"),
+    *("lift_kept", "bearable_load", "lowest_frequency"),
+)
+OF_SANDWICHES = (*OF_FILMS, "gap_closed", "load_over_buckling")
+
+
+class Bent(NamedTuple):
+    """A thin flyer that curls and carries."""
+
+    curl: Curl
+    plate: HangingPlate
+    load: Numeric  # Weight of the payload [N]
+
+    @property
+    def together(self) -> Curl:
+        """Curl and droop as one."""
+        droop = 2.0 * self.plate.droop * self.load / jnp.asarray(self.plate.radius) ** 2
+        return Curl(self.curl.largest + droop, self.curl.smallest + droop)
+
+    @property
+    def rise(self) -> Array:
+        """How far the edge is from the height of the middle, at most the radius [m]."""
+        # Curl and droop add up though one may be upward and the other downward: their forms differ.
+        # Of an arc this is within 3 % up to where its ends stand upright.
+        radius = jnp.asarray(self.plate.radius)
+        curled = 0.5 * jnp.abs(self.curl.largest) * radius**2
+        shallow = curled + self.plate.droop * self.load
+        return shallow / jnp.sqrt(1.0 + (shallow / radius) ** 2)
+
+    def lift_kept(self, tacs: tuple[Numeric, Numeric] | None = None) -> Array:
+        """Lift over a flat flyer's, by light and force that go with the area seen from above [1].
+
+        ``tacs``: of top and bottom face, where the force goes with their difference.
+        """
+        share = projected_share(self.together, self.plate.radius)
+        if tacs is None:
+            return share**2
+        top, bottom = (jnp.asarray(tac) for tac in tacs)
+        up = self.together.largest > 0.0
+        within = (
+            jnp.where(up, tac_within(top, share), top),
+            jnp.where(up, bottom, tac_within(bottom, share)),
+        )
+        same = top == bottom
+        change = (within[1] - within[0]) / jnp.where(same, 1.0, bottom - top)
+        return share**2 * jnp.where(same, jnp.nan, change)
+
+    def heights(self, at: Numeric) -> Array:
+        """Height over the middle, in the direction of most curl, while it is small [m]."""
+        return 0.5 * self.curl.largest * at**2 + self.load * self.plate.rise(at)
+
+
+def bent_film(film: Laminate, radius: Numeric, temperature: Numeric, held: Held) -> Bent:
+    """A round film that curls and carries."""
+    stiffness = laminate_stiffness(film)
+    curl = curl_of_film(free_curvature(film, temperature), stiffness, radius)
+    plate = hung(held, radius, HOLD * radius, stiffness.plate, stiffness.poisson)
+    return Bent(curl, plate, held.load)
 
 
 def shape_of_film(
     film: Laminate,
     radius: Numeric,
     temperature: Numeric,
-    load: Numeric,
-    hanging: Numeric | None = None,
+    held: Held,
+    tacs: tuple[Numeric, Numeric] | None = None,
 ) -> Shape:
-    """Shape of a round film; its payload [N] hangs from a circle of a radius ``hanging`` [m]."""
-    stiffness, strain = laminate_stiffness(film), free_strain(film, temperature)
-    curl = curl_of_film(free_curvature(film, temperature), stiffness, radius)
-    plate = stiffness.plate, stiffness.poisson
-    ring = _ring(hanging, HOLD * radius)
-    bent = load_curvature(load, radius, ring, *plate)
-    curvatures = curl.largest + bent, curl.smallest + bent
-    droop = _range(free_plate_heights(load, radius, ring, *plate))
-    stresses = layer_stresses(film, temperature, (strain, strain), curvatures)
-    return Shape(curl.largest, _rise(curl, droop, radius), _most_strained([film], [stresses]))
+    """Shape of a round film; ``tacs`` of its top and bottom face."""
+    bent = bent_film(film, radius, temperature, held)
+    plate, strain = bent.plate, free_strain(film, temperature)
+    own = layer_stresses(film, temperature, (strain, strain), tuple(bent.curl))
+    # What it carries bends it as a plate, or folds it at the hold, whichever strains less.
+    tension, membrane = held.load / plate.perimeter, laminate_stiffness(film).membrane
+    shares, loads = [], []
+    for layer, stress, bending in zip(film.layers, own, bending_stresses(film), strict=True):
+        if layer.strength is None:
+            continue
+        margin = jnp.maximum(layer.strength - stress, _NONE)
+        as_plate = bending * (1.0 + layer.poisson) * plate.load_curvature
+        pulled = layer.modulus / membrane
+        folded = pulled * tension + bending * fold_curvature(tension, plate.stiffness)
+        folds_at = plate.perimeter * fold_tension(margin, pulled, bending, plate.stiffness)
+        shares.append((stress + jnp.minimum(as_plate * held.load, folded)) / layer.strength)
+        loads.append(jnp.maximum(margin / as_plate, folds_at) - held.load)
+    return Shape(
+        stress_over_strength=most(shares),
+        curvature=bent.curl.largest,
+        deflection=bent.rise,
+        lift_kept=bent.lift_kept(tacs),
+        bearable_load=_least_load(loads),
+        lowest_frequency=plate.frequency(held),
+    )
 
 
 class Core(NamedTuple):
@@ -71,100 +153,131 @@ class Core(NamedTuple):
     shear: Numeric  # Shear stiffness of the whole [N/m]
     free_radius: Numeric  # Of the widest circle of film that it leaves free [m]
     spacing: Numeric  # Between its parts [m]
+    root_moment: Numeric = 0.0  # In a film at a post's end, over the shear force [m]
 
 
 def core_of_posts(
     ligaments: Ligaments, films: Sequence[Laminate], gap: Numeric, open_fraction: Numeric
 ) -> Core:
     """Posts between films with holes; these hold the posts' ends."""
-    shear = ligament_shear_stiffness(ligaments, gap, *_faces(films, open_fraction))
-    return Core(shear, ligaments.free_radius, ligaments.spacing)
+    shear = ligament_shear_stiffness(ligaments, gap, *faces_of(films, open_fraction))
+    return Core(shear, ligaments.free_radius, ligaments.spacing, root_moment(ligaments))
 
 
-def shape_of_sandwich(
-    films: Sequence[Laminate],
-    temperatures: Sequence[Numeric],
-    core: Core,
-    gap: Numeric,
-    open_fraction: Numeric,
-    radius: Numeric,
-    load: Numeric,
-    pressure: Numeric,
-    hanging: Numeric | None = None,
-) -> Shape:
-    """Shape of two membranes with holes and a core; films and temperatures are top and bottom.
+class Sheets(NamedTuple):
+    """Two films with holes, top and bottom, and what holds them apart."""
 
-    ``load``: weight of the payload [N]; ``pressure``: of the lift, borne by either membrane [Pa];
-    ``hanging``: radius of the circle from which the payload hangs [m].
-    """
-    share = perforated_share(open_fraction)
-    top, bottom = faces = _faces(films, open_fraction)
-    thick = sum(layer.thickness for layer in films[1].layers)
-    distance = gap + thick - bottom.neutral + top.neutral
-    whole = sandwich_stiffness(top, bottom, distance)
-    arms = distance - whole.neutral, -whole.neutral  # heights over what bending does not strain
-    loads = [flat_load(film, heat) for film, heat in zip(films, temperatures, strict=True)]
-    tensions = [share * tension for tension, _ in loads]
+    films: Sequence[Laminate]
+    temperatures: Sequence[Numeric]  # [K]
+    core: Core
+    gap: Numeric  # [m]
+    open_fraction: Numeric
+    radius: Numeric  # [m]
+
+    @property
+    def faces(self) -> list[Stiffness]:
+        """Stiffness of both films with their holes."""
+        return faces_of(self.films, self.open_fraction)
+
+    @property
+    def distance(self) -> Numeric:
+        """Between the neutral heights of both films [m]."""
+        top, bottom = self.faces
+        thick = sum(layer.thickness for layer in self.films[1].layers)
+        return self.gap + thick - bottom.neutral + top.neutral
+
+    @property
+    def whole(self) -> Stiffness:
+        """Stiffness of both as one."""
+        top, bottom = self.faces
+        return sandwich_stiffness(top, bottom, self.distance)
+
+    @property
+    def arms(self) -> tuple[Numeric, Numeric]:
+        """Heights of both over what bending does not strain [m]."""
+        return self.distance - self.whole.neutral, -self.whole.neutral
+
+    @property
+    def tensions(self) -> list[Array]:
+        """Of both, held flat [N/m]."""
+        share = perforated_share(self.open_fraction)
+        pairs = zip(self.films, self.temperatures, strict=True)
+        return [share * flat_load(film, heat)[0] for film, heat in pairs]
+
+
+def bent_sandwich(sheets: Sheets, held: Held) -> Bent:
+    """Two membranes that curl and carry as one."""
+    whole, share = sheets.whole, perforated_share(sheets.open_fraction)
     moment = sum(
-        share * own + tension * arm
-        for (_, own), tension, arm in zip(loads, tensions, arms, strict=True)
+        share * flat_load(film, heat)[1] + tension * arm
+        for film, heat, tension, arm in zip(
+            sheets.films, sheets.temperatures, sheets.tensions, sheets.arms, strict=True
+        )
     )
-    curl = curl_of_film(moment / whole.bending, whole, radius)
-    ring = _ring(hanging, jnp.maximum(core.spacing, HOLD * radius))
-    bent_by_one = free_plate_heights(1.0, radius, ring, whole.plate, whole.poisson)
-    sheared = shear_heights(1.0, radius, ring, core.shear)
-    together = _range([one + other for one, other in zip(bent_by_one, sheared, strict=True)])
-    alone = _range(free_plate_heights(1.0, radius, ring, top.plate + bottom.plate, whole.poisson))
-    droop = load / (1.0 / together + 1.0 / alone)
-    bent = load_curvature(load, radius, ring, whole.plate, whole.poisson)
-    curvatures = curl.largest + bent, curl.smallest + bent
+    curl = curl_of_film(moment / whole.bending, whole, sheets.radius)
+    hold = jnp.maximum(sheets.core.spacing, HOLD * sheets.radius)
+    alone = sum(face.plate for face in sheets.faces)
+    plate = hung(held, sheets.radius, hold, whole.plate, whole.poisson, sheets.core.shear, alone)
+    return Bent(curl, plate, held.load)
+
+
+def shape_of_sandwich(sheets: Sheets, held: Held, pressure: Numeric) -> Shape:
+    """Shape of two membranes; ``pressure``: of the lift, borne by either [Pa]."""
+    bent, whole, core = bent_sandwich(sheets, held), sheets.whole, sheets.core
+    plate, tensions = bent.plate, sheets.tensions
     mean = -sum(tensions) / whole.stretching
-    stresses, closed = [], jnp.zeros(())
+    carried = plate.load_curvature * held.load
+    # force per width that shears the core where it carries
+    inner = plate.ring / jnp.asarray(sheets.radius)
+    outward = 1.0 if plate.at_three_points else 1.0 - inner**2
+    sheared = outward / plate.perimeter * core.root_moment
+    shares, loads, closed, buckling = [], [], jnp.zeros(()), jnp.zeros(())
     for film, face, heat, arm, tension in zip(
-        films, faces, temperatures, arms, tensions, strict=True
+        sheets.films, sheets.faces, sheets.temperatures, sheets.arms, tensions, strict=True
     ):
-        strains = tuple(mean - curvature * arm for curvature in curvatures)
-        stresses.append(layer_stresses(film, heat, strains, curvatures))
-        held = tension + face.stretching * 0.5 * (strains[0] + strains[1])
-        closed = closed + clamped_deflection(pressure, core.free_radius, face, held)
+        strains = tuple(mean - curvature * arm for curvature in bent.curl)
+        own = layer_stresses(film, heat, strains, tuple(bent.curl), sheets.open_fraction)
+        at_posts = sheared / laminate_stiffness(film).plate  # where films have no holes
+        for layer, stress, bending in zip(film.layers, own, bending_stresses(film), strict=True):
+            if layer.strength is None:
+                continue
+            alike = layer.modulus / (1.0 - layer.poisson) * jnp.abs(arm)
+            alike = (alike + bending * (1.0 + layer.poisson)) * plate.load_curvature
+            per_load = jnp.maximum(
+                tension_at_holes(alike, alike, sheets.open_fraction), bending * at_posts
+            )
+            shares.append((stress + per_load * held.load) / layer.strength)
+            margin = jnp.maximum(layer.strength - stress, _NONE)
+            loads.append(margin / per_load - held.load)
+        bowed = 0.5 * (strains[0] + strains[1])
+        now = tension + face.stretching * bowed
+        closed = closed + clamped_deflection(pressure, core.free_radius, face, now)
+        pressed = face.stretching * jnp.abs(carried * arm) - now
+        buckling = jnp.maximum(buckling, pressed / dimpling_load(core.free_radius, face))
     return Shape(
-        curl.largest, _rise(curl, droop, radius), _most_strained(films, stresses), closed / gap
+        stress_over_strength=most(shares),
+        curvature=bent.curl.largest,
+        deflection=bent.rise,
+        gap_closed=closed / sheets.gap,
+        load_over_buckling=buckling,
+        lift_kept=bent.lift_kept(),
+        bearable_load=_least_load(loads),
+        lowest_frequency=plate.frequency(held),
     )
 
 
-def _ring(hanging: Numeric | None, least: Numeric) -> Numeric:
-    """Radius of the circle from which a payload hangs [m]."""
-    return least if hanging is None else jnp.maximum(hanging, least)
-
-
-def _range(heights: Sequence[Array]) -> Array:
-    """Largest difference between the heights of middle, ring and edge [m]; middle: zero."""
-    ring, edge = heights
-    highest, lowest = jnp.maximum(ring, edge), jnp.minimum(ring, edge)
-    return jnp.maximum(highest, 0.0) - jnp.minimum(lowest, 0.0)
-
-
-def _rise(curl: Curl, droop: Numeric, radius: Numeric) -> Array:
-    """How far the edge is from the height of the middle, at most the radius [m]."""
-    # Curl and droop add up though one may be upward and the other downward: their forms differ. Of
-    # an arc this is within 3 % up to where its ends stand upright.
-    shallow = 0.5 * jnp.abs(curl.largest) * radius**2 + droop
-    return shallow / jnp.sqrt(1.0 + (shallow / radius) ** 2)
-
-
-def _faces(films: Sequence[Laminate], open_fraction: Numeric) -> list[Stiffness]:
+def faces_of(films: Sequence[Laminate], open_fraction: Numeric) -> list[Stiffness]:
     """Stiffness of films with holes."""
     share = perforated_share(open_fraction)
     whole = [laminate_stiffness(film) for film in films]
     return [Stiffness._make([*(share * part for part in one[:-1]), one[-1]]) for one in whole]
 
 
-def _most_strained(films: Sequence[Laminate], stresses: Sequence[tuple[Array, ...]]) -> Array:
-    """Largest tension over strength [1]."""
-    shares = [
-        stress / layer.strength
-        for film, row in zip(films, stresses, strict=True)
-        for layer, stress in zip(film.layers, row, strict=True)
-        if layer.strength is not None
-    ]
+def most(shares: Sequence[Array]) -> Array:
+    """The largest of some, NaN where there is none."""
     return reduce(jnp.maximum, shares) if shares else jnp.full((), jnp.nan)
+
+
+def _least_load(loads: Sequence[Array]) -> Array:
+    found = reduce(jnp.minimum, loads) if loads else jnp.full((), jnp.nan)
+    return jnp.maximum(found, 0.0)

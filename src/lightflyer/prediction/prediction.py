@@ -26,6 +26,7 @@ from lightflyer.design.outputs import (
     node_outputs,
     outputs_of,
     predicted_names,
+    shape_outputs,
 )
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
@@ -165,7 +166,7 @@ class Prediction(PrintedResult):
     def own_names(self) -> tuple[str, ...]:
         """Names of the outputs of its shape, the force model's own, its flows', the budget's."""
         setup = self.setup
-        return (*setup.flyer.known_shape, *model_outputs(setup), *budget_outputs(setup))
+        return (*shape_outputs(setup.flyer), *model_outputs(setup), *budget_outputs(setup))
 
     @cached_property
     def verdict(self) -> Verdict:

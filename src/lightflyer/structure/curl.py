@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
+from lightflyer.structure.closed_form import closed_form
 from lightflyer.structure.laminate import Stiffness
 
 _EDGE_FREE = 192.0  # of a round film with a free edge: its energy of stretching is E t K² πR⁶/384
@@ -24,7 +24,7 @@ class Curl(NamedTuple):
         return jnp.asarray(self.largest != self.smallest)
 
 
-@entry_point
+@closed_form
 def critical_curvature(stiffness: Stiffness, radius: Numeric) -> Array:
     r"""Curvature of the dish beyond which a free round film rolls up in one direction [1/m]."""
     # .. math:: \kappa_c = \sqrt{\frac{192\,D(1-\nu)}{E t R^4}}
@@ -33,7 +33,7 @@ def critical_curvature(stiffness: Stiffness, radius: Numeric) -> Array:
     return jnp.sqrt(_EDGE_FREE * stiffness.twisting / stiffness.membrane) / radius**2
 
 
-@entry_point
+@closed_form
 def curl_of_film(curvature: Numeric, stiffness: Stiffness, radius: Numeric) -> Curl:
     r"""Curl of a round film whose small pieces have a curvature.
 
@@ -77,3 +77,27 @@ def curl_of_film(curvature: Numeric, stiffness: Stiffness, radius: Numeric) -> C
     smallest = jnp.where(rolled, 1.0 / (mean + spread), dish)
     sign = jnp.sign(curvature) * critical
     return Curl(sign * largest, sign * smallest)
+
+
+@closed_form
+def projected_share(curl: Curl, radius: Numeric) -> Array:
+    r"""Area of a curled film seen from above over that of the flat one, at least [1]."""
+    # .. math:: \langle\cos\vartheta\rangle \ge \frac1{\sqrt{1+\langle s^2\rangle}},
+    #     \qquad \langle s^2\rangle = \tfrac14(\kappa_1^2+\kappa_2^2)R^2
+    #
+    # of the mean square slope; Jensen's inequality, an equality to the first term in it.
+    slope = 0.25 * (curl.largest**2 + curl.smallest**2) * jnp.asarray(radius) ** 2
+    return 1.0 / jnp.sqrt(1.0 + slope)
+
+
+@closed_form
+def tac_within(tac: Numeric, projected: Numeric) -> Array:
+    r"""Thermal accommodation coefficient of a hollow face, over its opening [1].
+
+    ``tac``: of the flat face; ``projected``: area of the opening over that of the face.
+    """
+    # .. math:: \alpha' = \frac{\alpha}{1-(1-\alpha)(1-\varphi)}
+    #
+    # Free molecules meet the face again unless they leave by the opening; exact for a spherical cap
+    # with diffuse reflection, of which every part sees the opening under φ.
+    return tac / (1.0 - (1.0 - jnp.asarray(tac)) * (1.0 - projected))

@@ -22,7 +22,8 @@ from lightflyer.core.quantity import (
     Thickness,
 )
 from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
+from lightflyer.structure.closed_form import closed_form
+from lightflyer.structure.holes import tension_at_holes
 
 ROOM_TEMPERATURE = 293.15  # at which stresses of layers are stated [K]
 
@@ -100,7 +101,7 @@ class Stiffness(NamedTuple):
         return 2.0 / (1.0 / self.stretching + 1.0 / self.shearing)
 
 
-@entry_point
+@closed_form
 def laminate_stiffness(film: Laminate) -> Stiffness:
     """Stiffness of a film of layers."""
     alike, bending, neutral = _moments(film, _biaxial)
@@ -108,7 +109,7 @@ def laminate_stiffness(film: Laminate) -> Stiffness:
     return Stiffness(alike, bending, opposite, twisting, neutral)
 
 
-@entry_point
+@closed_form
 def flat_load(film: Laminate, temperature: Numeric) -> tuple[Array, Array]:
     """Tension [N/m] and moment [N] that hold a film flat at its length at 293.15 K.
 
@@ -122,7 +123,7 @@ def flat_load(film: Laminate, temperature: Numeric) -> tuple[Array, Array]:
     return tension, moment
 
 
-@entry_point
+@closed_form
 def free_curvature(film: Laminate, temperature: Numeric) -> Array:
     """Curvature of a small free film, alike in all directions [1/m]; its edge rises if positive."""
     # An exact result of linear theory. Source: [FreundSuresh2003]_ ch. 2.
@@ -130,38 +131,57 @@ def free_curvature(film: Laminate, temperature: Numeric) -> Array:
     return moment / laminate_stiffness(film).bending
 
 
-@entry_point
+@closed_form
 def free_strain(film: Laminate, temperature: Numeric) -> Array:
     """Strain of a free film at its neutral height, from its length at 293.15 K [1]."""
     return -flat_load(film, temperature)[0] / laminate_stiffness(film).stretching
 
 
-@entry_point
+@closed_form
 def layer_stresses(
     film: Laminate,
     temperature: Numeric,
     strains: tuple[Numeric, Numeric],
     curvatures: tuple[Numeric, Numeric],
+    open_fraction: Numeric = 0.0,
 ) -> tuple[Array, ...]:
-    """Largest tension in each layer, by principal strains [1] and curvatures of the film [Pa]."""
+    """Largest tension in each layer, by principal strains [1] and curvatures of the film [Pa].
+
+    With an ``open_fraction`` the film has holes, and the tension is that at their edges.
+    """
     # The strains are those at the neutral height, [1/m] of the curvatures in the same order.
-    stiffness, (first, second) = laminate_stiffness(film), curvatures
+    neutral = laminate_stiffness(film).neutral
     found = []
     for layer, height in zip(film.layers, film.heights, strict=True):
+        held = _held_stress(layer, temperature)
         in_plane = layer.modulus / (1.0 - layer.poisson**2)
-        # an edge that rises shortens what is above the neutral height
-        ends = (
-            _held_stress(layer, temperature)
-            + in_plane * (strain + layer.poisson * across - (one + layer.poisson * other) * arm)
-            for strain, across, one, other in (
-                (*strains, first, second),
-                (*strains[::-1], second, first),
+        ends = []
+        for side in (-0.5, 0.5):
+            # an edge that rises shortens what is above the neutral height
+            arm = height + side * layer.thickness - neutral
+            one, other = (
+                strain - curvature * arm
+                for strain, curvature in zip(strains, curvatures, strict=True)
             )
-            for side in (-0.5, 0.5)
-            for arm in (height + side * layer.thickness - stiffness.neutral,)
-        )
+            stresses = (
+                held + in_plane * (one + layer.poisson * other),
+                held + in_plane * (other + layer.poisson * one),
+            )
+            ends.append(tension_at_holes(*stresses, open_fraction))
         found.append(reduce(jnp.maximum, ends))
     return tuple(found)
+
+
+@closed_form
+def bending_stresses(film: Laminate) -> tuple[Array, ...]:
+    """Stress at the further face of each layer over a curvature in one direction [Pa m]."""
+    neutral = laminate_stiffness(film).neutral
+    return tuple(
+        layer.modulus
+        / (1.0 - layer.poisson**2)
+        * (jnp.abs(height - neutral) + 0.5 * layer.thickness)
+        for layer, height in zip(film.layers, film.heights, strict=True)
+    )
 
 
 def _biaxial(layer: Lamina) -> Numeric:

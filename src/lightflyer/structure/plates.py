@@ -1,20 +1,22 @@
-"""Round plates and membranes under loads: how far they bend, and how they ring."""
+"""Round plates and membranes under loads: how far they bend."""
 
 import math
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 from jax.scipy.special import xlogy
 
 from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
+from lightflyer.structure.closed_form import closed_form
 from lightflyer.structure.laminate import Stiffness
 
 _PLATE = 64.0  # of a clamped round plate: p = 64 D w/b⁴ [TimoshenkoWoinowskyKrieger1959]
 _TENSION = 4.0  # of a round membrane: p = 4 N w/b²
 _MEMBRANE = (8.0 / 3.0 * 1.015, 8.0 / 3.0 * 0.247)  # of one that stretches [SmallNix1992]
 _SMALLEST = 1e-77  # [m²], in place of nothing
-_LOWEST_MEMBRANE = 2.404825557695773  # the first zero of the Bessel function J₀
+_WAVES = np.arange(3.0, 39.0, 3.0)  # around a plate that hangs at three points
+_SIGNS = np.resize([-1.0, 1.0], _WAVES.size)  # halfway between them
 
 
 def _bent(inner: Numeric, poisson: Numeric) -> Array:
@@ -23,11 +25,11 @@ def _bent(inner: Numeric, poisson: Numeric) -> Array:
     return within / (1.0 + poisson)
 
 
-@entry_point
-def free_plate_heights(
-    load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric
-) -> tuple[Array, Array]:
-    r"""How far ring and edge of a round plate rise over its middle, under a load on the ring.
+@closed_form
+def free_plate_profile(
+    load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric, at: Numeric
+) -> Array:
+    r"""How far a round plate rises over its middle at distances from it, under a load on a ring.
 
     Parameters
     ----------
@@ -41,34 +43,75 @@ def free_plate_heights(
         Bending stiffness of the plate [N m].
     poisson : array, shape (...)
         Its Poisson's ratio [1].
+    at : array, shape (...)
+        Distances from the middle [m].
 
     Returns
     -------
-    ring, edge : array, broadcast shape
+    array, broadcast shape
         [m]
 
     Notes
     -----
     Exact for small deflections. A load in the middle lifts the edge by
     :math:`\frac{7+3\nu}{1+\nu}\frac{PR^2}{64\pi D}`. A film much thinner than it bends folds
-    instead, and resists about as much. Three points in place of the ring bend it more: see
-    ``studies/structure``.
+    instead, and resists about as much.
 
     References
     ----------
     [TimoshenkoWoinowskyKrieger1959]_ ch. 3
     """
-    inner = ring / jnp.asarray(radius)
-    square, log = inner**2, -xlogy(inner**2, inner)  # of the ring
-    size, bent = load * radius**2 / (math.pi * stiffness), _bent(inner, poisson)
-    outside = 0.125 * (1.0 - square - log)
+    inner, way = ring / jnp.asarray(radius), at / jnp.asarray(radius)
+    further, square = jnp.maximum(way, inner), way**2
+    within = square**2 / 64.0 + 0.5 * _bent(inner, poisson) * square
+    beyond = further**2 - inner**2 - xlogy(inner**2, further) + xlogy(inner**2, inner)
+    size = load * radius**2 / (math.pi * stiffness)
+    return size * (within + 0.125 * (beyond - xlogy(square, further)))
+
+
+@closed_form
+def free_plate_heights(
+    load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric
+) -> tuple[Array, Array]:
+    """How far ring and edge of such a plate rise over its middle [m]."""
+    plate = load, radius, ring, stiffness, poisson
+    return free_plate_profile(*plate, ring), free_plate_profile(*plate, radius)
+
+
+@closed_form
+def three_point_heights(
+    load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric
+) -> tuple[Array, Array, Array, Array]:
+    """How far such a plate rises over its middle if the load is at three points of the ring [m].
+
+    At a point and halfway between two, on the ring; likewise at the edge.
+    """
+    # The ring's solution, and a sum over waves cos mφ, m = 3, 6, … Each is that of a point load in
+    # an endless plate, R² ln R, with A rᵐ + B rᵐ⁺², which frees the edge of moment and shear.
+    inner, m = ring / jnp.asarray(radius), jnp.asarray(_WAVES)
+    a, nu = inner[..., None], jnp.asarray(poisson)[..., None]
+    power = a**m
+    second = -(1.0 - nu) / (3.0 + nu) * power * (1.0 / m - a**2 / (m + 1.0))
+    edges = (
+        power / (m * (m - 1.0)) * ((m - 2.0) * (m - 1.0) + nu * (2.0 - m - m**2))
+        - power * a**2 * (1.0 - nu)
+        + second * ((m + 2.0) * (m + 1.0) + nu * (m + 2.0 - m**2))
+    )
+    first = -edges / ((1.0 - nu) * m * (m - 1.0))
+    on_ring = 2.0 * a**2 / (m * (m**2 - 1.0)) + first * power + second * power * a**2
+    on_edge = power / (m * (m - 1.0)) - power * a**2 / (m * (m + 1.0)) + first + second
+    size = -load * radius**2 / (8.0 * math.pi * stiffness)
+    ring_height, edge_height = free_plate_heights(load, radius, ring, stiffness, poisson)
+    sign = jnp.asarray(_SIGNS)
     return (
-        size * (square**2 / 64.0 + 0.5 * bent * square + 0.125 * log),
-        size * (1.0 / 64.0 + 0.5 * bent + outside),
+        ring_height + size * jnp.sum(on_ring, axis=-1),
+        ring_height + size * jnp.sum(sign * on_ring, axis=-1),
+        edge_height + size * jnp.sum(on_edge, axis=-1),
+        edge_height + size * jnp.sum(sign * on_edge, axis=-1),
     )
 
 
-@entry_point
+@closed_form
 def load_curvature(
     load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric
 ) -> Array:
@@ -77,16 +120,31 @@ def load_curvature(
     return load / (math.pi * stiffness) * (_bent(inner, poisson) - 0.25 * jnp.log(inner))
 
 
-@entry_point
-def shear_heights(
-    load: Numeric, radius: Numeric, ring: Numeric, shear_stiffness: Numeric
-) -> tuple[Array, Array]:
-    """What shear adds to the rise of such a plate's ring and edge [m]; stiffness [N/m]."""
-    inner, size = ring / jnp.asarray(radius), load / (2.0 * math.pi * shear_stiffness)
-    return -0.5 * size * inner**2, size * (-jnp.log(inner) - 0.5)
+@closed_form
+def shear_profile(
+    load: Numeric, radius: Numeric, ring: Numeric, shear_stiffness: Numeric, at: Numeric
+) -> Array:
+    """What shear adds to the rise of such a plate [m]; stiffness [N/m], ring wider than a point."""
+    way, inner = at / jnp.asarray(radius), ring / jnp.asarray(radius)
+    size = load / (2.0 * math.pi * shear_stiffness)
+    return size * (jnp.log(jnp.maximum(way, inner) / inner) - 0.5 * way**2)
 
 
-@entry_point
+@closed_form
+def three_point_shear(
+    load: Numeric, radius: Numeric, ring: Numeric, shear_stiffness: Numeric, hold: Numeric
+) -> Array:
+    """By how much more three points of a ring sink than a ring does, by shear [m].
+
+    ``hold``: radius of each point [m].
+    """
+    # the sum of waves of a point load and its image beyond the free edge, cos mφ, m = 3, 6, …
+    near, image = 1.0 - jnp.asarray(hold) / ring, (ring / jnp.asarray(radius)) ** 2
+    waves = -(jnp.log(1.0 - near**3) + jnp.log(1.0 - image**3)) / 3.0
+    return load / (2.0 * math.pi * shear_stiffness) * waves
+
+
+@closed_form
 def clamped_deflection(
     pressure: Numeric, radius: Numeric, stiffness: Stiffness, tension: Numeric = 0.0
 ) -> Array:
@@ -138,20 +196,3 @@ def _largest_root(linear: Numeric, cubic: Numeric, load: Numeric) -> Array:
     lone = jnp.cosh(jnp.arccosh(jnp.where(three, 2.0, steep)) / 3.0)
     buckled = jnp.where(three, folded, lone)
     return width * jnp.where(ratio >= 0.0, jnp.sinh(jnp.arcsinh(steep) / 3.0), buckled)
-
-
-@entry_point
-def free_plate_frequency(
-    radius: Numeric, areal_density: Numeric, stiffness: Numeric, poisson: Numeric
-) -> Array:
-    """Lowest frequency of a free round plate [Hz], whose edge then bends as a saddle."""
-    # Ritz's method with (1, r²) r² cos 2φ: 0.4 % above the exact frequency [Leissa1969].
-    across = (19.0 + poisson) / 5.0
-    square = 480.0 * (across - jnp.sqrt(across**2 - 0.2 * (3.0 + poisson) * (1.0 - poisson)))
-    return jnp.sqrt(square * stiffness / areal_density) / (2.0 * math.pi * radius**2)
-
-
-@entry_point
-def membrane_frequency(radius: Numeric, areal_density: Numeric, tension: Numeric) -> Array:
-    """Lowest frequency of a round membrane that is held at its edge [Hz]; ``tension`` [N/m]."""
-    return _LOWEST_MEMBRANE / (2.0 * math.pi * radius) * jnp.sqrt(tension / areal_density)

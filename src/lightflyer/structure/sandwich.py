@@ -11,9 +11,10 @@ from jax import Array
 
 from lightflyer.core.quantity import Checked, Length, Modulus, Thickness
 from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
+from lightflyer.structure.closed_form import closed_form
 from lightflyer.structure.laminate import Stiffness
 
+_CLAMPED_BUCKLING = 3.831705970207512**2
 _CELL = {"hexagonal": 0.5 * math.sqrt(3.0), "square": 1.0}  # area over the square of the spacing
 
 
@@ -84,17 +85,7 @@ class Ligaments(Checked):
         return far * self.spacing - self.radius
 
 
-@entry_point
-def perforated_share(open_fraction: Numeric) -> Array:
-    r"""Stiffness of a film with round holes over that of a whole one [1]."""
-    # .. math:: \frac{1-\beta}{1+2\beta}
-    #
-    # The bound of isotropic films by Hashin and Shtrikman, which holes in a triangular pattern
-    # nearly reach; it does not depend on Poisson's ratio. Source: [Hashin1965]_
-    return (1.0 - jnp.asarray(open_fraction)) / (1.0 + 2.0 * open_fraction)
-
-
-@entry_point
+@closed_form
 def sandwich_stiffness(top: Stiffness, bottom: Stiffness, distance: Numeric) -> Stiffness:
     """Stiffness of two films whose distance stays [m]; neutral: over the lower film's own."""
 
@@ -110,7 +101,7 @@ def sandwich_stiffness(top: Stiffness, bottom: Stiffness, distance: Numeric) -> 
     )
 
 
-@entry_point
+@closed_form
 def root_stiffness(ligaments: Ligaments, film: Stiffness) -> Array:
     r"""Moment over angle at which a film holds the end of a post [N m]."""
     # .. math:: k = \frac{4\pi D}{\ln(1/\rho) - (1-\rho^2)(3-\rho^2)/4}, \qquad \rho = a/b
@@ -123,7 +114,7 @@ def root_stiffness(ligaments: Ligaments, film: Stiffness) -> Array:
     return 4.0 * math.pi * film.plate / open_ring
 
 
-@entry_point
+@closed_form
 def ligament_shear_stiffness(
     ligaments: Ligaments, height: Numeric, top: Stiffness, bottom: Stiffness
 ) -> Array:
@@ -136,3 +127,22 @@ def ligament_shear_stiffness(
     posts = height / (12.0 * ligaments.modulus * inertia)
     roots = 0.25 / root_stiffness(ligaments, top) + 0.25 / root_stiffness(ligaments, bottom)
     return ligaments.number_density / (posts + roots)
+
+
+@closed_form
+def root_moment(ligaments: Ligaments) -> Array:
+    r"""Moment per width in a film at the end of a post, over the shear force per width [m]."""
+    # Of the shear force Q the film at either end of a post bends by M = Q/(2n), which at the
+    # post's edge, in the solution of :func:`root_stiffness`, is
+    #
+    # .. math:: M_r = \frac{(1-\rho^2)M}{2\pi a}
+    share = ligaments.radius / ligaments.cell_radius
+    around = 4.0 * math.pi * ligaments.radius * ligaments.number_density
+    return (1.0 - share**2) / around
+
+
+@closed_form
+def dimpling_load(radius: Numeric, film: Stiffness) -> Array:
+    """Compression alike in all directions at which a film buckles within a held circle [N/m]."""
+    # The first zero of the Bessel function J₁, squared, D/b² [TimoshenkoWoinowskyKrieger1959].
+    return _CLAMPED_BUCKLING * film.plate / radius**2

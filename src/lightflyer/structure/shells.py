@@ -6,41 +6,48 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
+from lightflyer.structure.closed_form import closed_form
+from lightflyer.structure.laminate import Stiffness
 
 SPHERE_KNOCK_DOWN = 0.14  # share of the classical pressure that built spheres bear [NASA-SP-8032]
 CYLINDER_KNOCK_DOWN = 0.75  # and cylinders under lateral pressure [NASA-SP-8007]
+_RING = 3.0  # of a ring, or the free end of a tube: p = 3 D/R³ [TimoshenkoGere1961]
+_CYLINDER = math.pi * math.sqrt(6.0) / 9.0 * 12.0**0.75
 
 
-@entry_point
+@closed_form
 def sphere_buckling_pressure(
-    radius: Numeric,
-    thickness: Numeric,
-    modulus: Numeric,
-    poisson: Numeric,
-    knock_down: Numeric = SPHERE_KNOCK_DOWN,
+    radius: Numeric, stiffness: Stiffness, knock_down: Numeric = SPHERE_KNOCK_DOWN
 ) -> Array:
     r"""Pressure at which a thin sphere buckles [Pa]."""
-    # .. math:: p = \gamma\,\frac{2E}{\sqrt{3(1-\nu^2)}}\left(\frac tR\right)^2
+    # .. math:: p = \gamma\,\frac{4\sqrt{D\,Et}}{R^2}
     #
-    # Source: [NASA-SP-8032]_
-    slender = jnp.asarray(thickness) / radius
-    return knock_down * 2.0 * modulus / jnp.sqrt(3.0 * (1.0 - poisson**2)) * slender**2
+    # which is 2Et²/(R²√(3(1-ν²))) of one layer. Source: [NASA-SP-8032]_
+    rigid = jnp.sqrt(stiffness.plate * stiffness.membrane)
+    return knock_down * 4.0 * rigid / jnp.asarray(radius) ** 2
 
 
-@entry_point
+@closed_form
 def cylinder_buckling_pressure(
     radius: Numeric,
     length: Numeric,
-    thickness: Numeric,
-    modulus: Numeric,
-    poisson: Numeric,
+    stiffness: Stiffness,
     knock_down: Numeric = CYLINDER_KNOCK_DOWN,
 ) -> Array:
     r"""Lateral pressure at which a thin cylinder, held round at its ends, buckles [Pa]."""
-    # .. math:: p = \gamma\,\frac{\pi\sqrt6}{9(1-\nu^2)^{3/4}}\,
-    #     \frac{E\,t^{5/2}}{L\,R^{3/2}}
+    # .. math:: p = \gamma\,5.51\,\frac{D^{3/4}(Et)^{1/4}}{L\,R^{3/2}}
     #
     # of moderate length. Source: [NASA-SP-8007]_
-    of_material = math.pi * math.sqrt(6.0) / 9.0 * modulus / (1.0 - poisson**2) ** 0.75
-    return knock_down * of_material * jnp.asarray(thickness) ** 2.5 / (length * radius**1.5)
+    rigid = stiffness.plate**0.75 * stiffness.membrane**0.25
+    return knock_down * _CYLINDER * rigid / (length * jnp.asarray(radius) ** 1.5)
+
+
+@closed_form
+def rim_buckling_pressure(radius: Numeric, opening: Numeric, plate: Numeric) -> Array:
+    """Pressure at which a shell buckles around an opening with a free rim [Pa]; an estimate.
+
+    ``radius``: of the shell, ``opening``: of the opening [m]; ``plate``: bending stiffness [N m].
+    """
+    # That of the free end of a long tube, whose opening is as wide as the tube; a shell bends over
+    # the opening's radius, and its tension by pressure goes with the shell's.
+    return _RING * plate / (radius * jnp.asarray(opening) ** 2)

@@ -1,0 +1,183 @@
+"""Plates that carry a payload on a circle, or at three points of one."""
+
+import math
+from collections.abc import Sequence
+from functools import reduce
+from typing import Literal, NamedTuple, TypeAlias
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.structure.plates import (
+    free_plate_heights,
+    free_plate_profile,
+    load_curvature,
+    shear_profile,
+    three_point_heights,
+    three_point_shear,
+)
+from lightflyer.structure.vibrations import (
+    UMBRELLA_PLACES,
+    free_plate_frequency,
+    free_shear_frequency,
+    umbrella_frequency,
+)
+
+HOLD = 0.01
+"""Radius over the flyer's of what holds a payload: a drop of glue [1]."""
+
+Hanging: TypeAlias = Literal["circle", "three points"]
+THREE_POINTS: Hanging = "three points"
+
+
+def hangs_wrongly(radius: Numeric, hanging_radius: Numeric | None, hanging: Hanging) -> str | None:
+    """What is wrong with how a payload hangs, in words, or None."""
+    if hanging_radius is None:
+        needs = "three points are on a circle: give its hanging_radius"
+        return needs if hanging == THREE_POINTS else None
+    if np.any(np.asarray(hanging_radius) >= radius):
+        return "hanging_radius must be smaller than the flyer's radius"
+    if hanging == THREE_POINTS and np.any(np.asarray(hanging_radius) <= HOLD * np.asarray(radius)):
+        return f"three points need a hanging_radius above {HOLD:g} of the flyer's radius"
+    return None
+
+
+class Held(NamedTuple):
+    """Masses of a flyer, and how its payload hangs."""
+
+    own_mass: Numeric  # [kg]
+    payload: Numeric  # [kg]
+    gravity: Numeric  # [m/s²]
+    radius: Numeric | None = None  # Of the circle from which it hangs [m]; None is the middle
+    at_three_points: bool = False
+
+    @property
+    def load(self) -> Numeric:
+        """Weight of the payload [N]."""
+        return self.payload * self.gravity
+
+
+class HangingPlate(NamedTuple):
+    """A round plate with a free edge, and where it holds what it carries."""
+
+    radius: Numeric  # [m]
+    ring: Numeric  # Radius of the circle, in the middle that of the hold [m]
+    hold: Numeric  # Radius of each of three points [m]
+    at_three_points: bool
+    stiffness: Numeric  # In bending [N m]
+    poisson: Numeric
+    shear: Numeric | None = None  # Stiffness [N/m]; None for a film
+    faces: "HangingPlate | None" = None  # Both films, as they bend if they slide on each other
+
+    def rise(self, at: Numeric) -> Array:
+        """Height over the middle per load on the circle, at distances [m] from it [m/N]."""
+        bent = free_plate_profile(1.0, self.radius, self.ring, self.stiffness, self.poisson, at)
+        if self.shear is not None:
+            bent = bent + shear_profile(1.0, self.radius, self.ring, self.shear, at)
+        return bent * self._together
+
+    @property
+    def droop(self) -> Array:
+        """Largest difference of its heights per load [m/N]."""
+        return self._droop * self._together
+
+    @property
+    def load_curvature(self) -> Array:
+        """Curvature where it carries, per load [1/(m N)]."""
+        if self.at_three_points:  # each as in the middle of a plate that ends at the edge
+            around = self.radius - self.ring
+            return load_curvature(1.0 / 3.0, around, self.hold, self.stiffness, self.poisson)
+        return load_curvature(1.0, self.radius, self.ring, self.stiffness, self.poisson)
+
+    @property
+    def perimeter(self) -> Numeric:
+        """Of what holds the load [m]."""
+        around = 3.0 * self.hold if self.at_three_points else self.ring
+        return 2.0 * math.pi * around
+
+    def frequency(self, held: Held) -> Array:
+        """Lowest frequency: of a saddle, or of plate and payload against each other [Hz]."""
+        density = held.own_mass / (math.pi * jnp.asarray(self.radius) ** 2)
+        if self.shear is None or self.faces is None:
+            saddle = self._bending_frequency(density)
+        else:
+            sheared = free_shear_frequency(self.radius, density, self.shear)
+            bent = self._bending_frequency(density)
+            faces = self.faces._bending_frequency(density)
+            # Dunkerley's rule of compliances in series; stiffnesses side by side add up
+            saddle = jnp.sqrt(1.0 / (1.0 / bent**2 + 1.0 / sheared**2) + faces**2)
+        wide = self._with_axis()
+        profile = wide.rise(wide.radius * jnp.asarray(UMBRELLA_PLACES))
+        umbrella = umbrella_frequency(profile, self.rise(self.ring), held.own_mass, held.payload)
+        return jnp.minimum(saddle, umbrella)
+
+    @property
+    def _droop(self) -> Array:
+        plate = 1.0, self.radius, self.ring, self.stiffness, self.poisson
+        ring, edge = free_plate_heights(*plate)
+        heights = [ring, edge]
+        if self.at_three_points:
+            heights = list(three_point_heights(*plate))
+        if self.shear is not None:
+            on_ring, on_edge = (
+                shear_profile(1.0, self.radius, self.ring, self.shear, at)
+                for at in (self.ring, self.radius)
+            )
+            lower = on_ring
+            if self.at_three_points:
+                lower = on_ring - three_point_shear(
+                    1.0, self.radius, self.ring, self.shear, self.hold
+                )
+            heights = [heights[0] + lower, *(height + on_edge for height in heights[1:])]
+        return _range(heights)
+
+    @property
+    def _together(self) -> Numeric:
+        """Share of the load that faces carry as one [1]."""
+        if self.faces is None:
+            return 1.0
+        alone = self.faces._droop
+        return alone / (alone + self._droop)
+
+    def _bending_frequency(self, density: Numeric) -> Array:
+        return free_plate_frequency(self.radius, density, self.stiffness, self.poisson)
+
+    def _with_axis(self) -> "HangingPlate":
+        """The same with an axis more in every number."""
+
+        def longer(number: Numeric) -> Array:
+            return jnp.asarray(number)[..., None]
+
+        return self._replace(
+            radius=longer(self.radius),
+            ring=longer(self.ring),
+            hold=longer(self.hold),
+            stiffness=longer(self.stiffness),
+            poisson=longer(self.poisson),
+            shear=None if self.shear is None else longer(self.shear),
+            faces=None if self.faces is None else self.faces._with_axis(),
+        )
+
+
+def hung(
+    held: Held,
+    radius: Numeric,
+    hold: Numeric,
+    stiffness: Numeric,
+    poisson: Numeric,
+    shear: Numeric | None = None,
+    faces: Numeric | None = None,
+) -> HangingPlate:
+    """A plate by its numbers; ``hold``: radius that it holds at least [m]; see HangingPlate."""
+    ring = hold if held.radius is None else jnp.maximum(held.radius, hold)
+    shared = radius, ring, hold, held.at_three_points
+    alone = None if faces is None else HangingPlate(*shared, faces, poisson)
+    return HangingPlate(*shared, stiffness, poisson, shear, alone)
+
+
+def _range(heights: Sequence[Array]) -> Array:
+    """Largest difference of heights; that of the middle is zero."""
+    highest, lowest = reduce(jnp.maximum, heights), reduce(jnp.minimum, heights)
+    return jnp.maximum(highest, 0.0) - jnp.minimum(lowest, 0.0)

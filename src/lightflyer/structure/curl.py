@@ -82,12 +82,12 @@ def curl_of_film(curvature: Numeric, stiffness: Stiffness, radius: Numeric) -> C
 @closed_form
 def projected_share(curl: Curl, radius: Numeric) -> Array:
     r"""Area of a curled film seen from above over that of the flat one, at least [1]."""
-    # .. math:: \langle\cos\vartheta\rangle \ge \frac1{\sqrt{1+\langle s^2\rangle}},
-    #     \qquad \langle s^2\rangle = \tfrac14(\kappa_1^2+\kappa_2^2)R^2
+    # .. math:: \langle\cos\vartheta\rangle \ge 1 - \tfrac12\langle\vartheta^2\rangle,
+    #     \qquad \langle\vartheta^2\rangle = \tfrac14(\kappa_1^2+\kappa_2^2)R^2
     #
-    # of the mean square slope; Jensen's inequality, an equality to the first term in it.
-    slope = 0.25 * (curl.largest**2 + curl.smallest**2) * jnp.asarray(radius) ** 2
-    return 1.0 / jnp.sqrt(1.0 + slope)
+    # by the angle ϑ to the horizontal; the first term of its series is a bound.
+    square = 0.25 * (curl.largest**2 + curl.smallest**2) * jnp.asarray(radius) ** 2
+    return jnp.maximum(1.0 - 0.5 * square, 0.0)
 
 
 @closed_form

@@ -6,6 +6,8 @@ from jax import Array
 from lightflyer.core.types import Numeric
 from lightflyer.structure.closed_form import closed_form
 
+_ALIKE, _APART = -1.2, -1.77  # powers of the solid share, of stresses alike and apart
+
 
 @closed_form
 def perforated_share(open_fraction: Numeric) -> Array:
@@ -20,10 +22,14 @@ def perforated_share(open_fraction: Numeric) -> Array:
 @closed_form
 def tension_at_holes(first: Numeric, second: Numeric, open_fraction: Numeric) -> Array:
     r"""Largest tension in a film [Pa], whose whole parts would have two principal stresses [Pa]."""
-    # .. math:: \sigma = \frac{3\sigma_1-\sigma_2}{1+2\beta}
+    # .. math:: \sigma = \frac{1-\beta}{1+2\beta}\left(\frac{\sigma_1+\sigma_2}{(1-\beta)^{1.2}}
+    #     + \frac{2|\sigma_1-\sigma_2|}{(1-\beta)^{1.77}}\right)
     #
-    # Kirsch's for a lone hole; for alike stresses Lamé's ring of the hole's share of the area. A
-    # bound where holes are many (studies/structure); corners of slots have more.
-    larger, smaller = jnp.maximum(first, second), jnp.minimum(first, second)
-    share = jnp.asarray(open_fraction)
-    return jnp.where(share > 0.0, (3.0 * larger - smaller) / (1.0 + 2.0 * share), larger)
+    # At a lone hole Kirsch's 3σ₁ - σ₂. The powers are fitted to finite elements of holes in a
+    # triangular pattern (studies/structure): 4 % too much to 1.5 % too little up to β = 0.6.
+    # Corners of slots have more.
+    share, larger = jnp.asarray(open_fraction), jnp.maximum(first, second)
+    solid = 1.0 - share
+    alike, apart = first + second, 2.0 * jnp.abs(first - second)
+    peak = alike * solid**_ALIKE + apart * solid**_APART
+    return jnp.where(share > 0.0, perforated_share(share) * peak, larger)

@@ -13,7 +13,18 @@ from lightflyer.config.designs import as_design
 from lightflyer.explorer.compute import prediction_of, readings
 from lightflyer.prediction.text import verdict_lines
 
-KINDS = ("balloon", "chamber", "earth", "hollow", "laden", "layers", "mars", "plate", "sandwich")
+KINDS = (
+    "balloon",
+    "chamber",
+    "earth",
+    "hollow",
+    "laden",
+    "layers",
+    "ligaments",
+    "mars",
+    "plate",
+    "sandwich",
+)
 FILM = {"areal_density": "1 g/m^2", "tac_top": 0.75, "tac_bottom": 0.95,
         "absorptance": 0.75, "highest_temperature": "520 K"}  # fmt: skip
 

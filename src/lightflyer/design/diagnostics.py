@@ -23,6 +23,7 @@ TOO_HOT = "the flyer reaches"  # How a diagnostic of heat begins
 
 _FLAT = 0.2  # height of the edge over the radius, from which 5 % of the lift are lost to tilt
 _FAILING = ("deflection", "stress_over_strength", "gap_closed", "load_over_buckling")
+_BUCKLED = {True: "a membrane wrinkles between its holds", False: "its shell buckles"}
 _GAP = 0.5  # share of a gap, from which the force of a flat one means little
 
 _LOOKS = 31  # places within a band that are looked at
@@ -142,6 +143,7 @@ def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:
     largest = {name: float(np.max(table[name], where=flies, initial=0.0)) for name in known}
     rise = largest.get("deflection", 0.0) / float(getattr(setup.flyer, "radius", np.inf))
     tension, closed, pressed = (largest.get(name, 0.0) for name in _FAILING[1:])
+    thin = "deflection" in known
     told = {
         "deflection": (
             rise > _FLAT,
@@ -157,7 +159,7 @@ def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:
         ),
         "load_over_buckling": (
             pressed > 1.0,
-            f"it buckles: what presses it is {pressed:.2g} times what it bears",
+            f"{_BUCKLED[thin]}: what presses it is {pressed:.2g} times what it bears",
         ),
     }
     return {name: words for name, (fails, words) in told.items() if fails}

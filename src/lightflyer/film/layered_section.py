@@ -280,7 +280,15 @@ class LayeredFilmSection(FilmSection):
     def bounds(
         self, incidence: float = 0.0, *, passing: bool = True
     ) -> dict[str, tuple[FilmProperties, FilmProperties]]:
-        return self.compute_properties(incidence, passing=passing).bounds
+        found = self.compute_properties(incidence, passing=passing).bounds
+        laminate = self._laminate()
+        return {
+            name: (
+                dataclasses.replace(lower, laminate=laminate),
+                dataclasses.replace(upper, laminate=laminate),
+            )
+            for name, (lower, upper) in found.items()
+        }
 
     def warnings(self, incidence: float = 0.0, *, passing: bool = True) -> tuple[str, ...]:
         computed = self.compute_properties(incidence, passing=passing).warnings

@@ -100,9 +100,9 @@ class Bent(NamedTuple):
         change = (within[1] - within[0]) / jnp.where(same, 1.0, bottom - top)
         return share**2 * jnp.where(same, jnp.nan, change)
 
-    def heights(self, at: Numeric) -> Array:
-        """Height over the middle, in the direction of most curl, while it is small [m]."""
-        return 0.5 * self.curl.largest * at**2 + self.load * self.plate.rise(at)
+    def droop(self, at: Numeric) -> Array:
+        """Height over the middle at a distance from it that its payload gives it [m]."""
+        return self.load * self.plate.rise(at)
 
 
 def bent_film(film: Laminate, radius: Numeric, temperature: Numeric, held: Held) -> Bent:

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.precision import float64
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.outputs import OUTPUTS, node_outputs
 from lightflyer.files.drawing import (
@@ -21,7 +22,9 @@ from lightflyer.files.drawing import (
     plain_decades,
 )
 from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.prediction.evaluator import POINTS, Evaluator
+from lightflyer.structure.figures import draw_cross_section
 
 if TYPE_CHECKING:
     from lightflyer.prediction.prediction import Prediction
@@ -36,6 +39,8 @@ _ROOM = 0.12  # of the range, drawn beyond the best
 _WHOLE = 100.0  # W/m², from which on an irradiance is written without decimals
 _BELOW = 0.4  # of the least irradiance, drawn below it
 _WITH_LEGEND = 5.0  # height of a figure [inch]
+_CUT = 3.0  # height of a figure of a flyer cut through [inch]
+_ALONG = 201  # places along a film
 _NODE_COLOURS = (ORANGE, SKY, PURPLE, GREEN)
 
 
@@ -295,11 +300,28 @@ def temperature_map(prediction: "Prediction", ax: Axes) -> Axes:
     return ax
 
 
+def shape(prediction: "Prediction", ax: Axes) -> Axes:
+    """Draw a thin flyer cut through its middle, to scale, where it carries most."""
+    flyer, place = prediction.setup.flyer, prediction.verdict.best or prediction.best
+    assert isinstance(flyer, AbstractThinFlyer)  # the caller has looked
+    nodes = node_outputs(flyer) or ("temperature",)
+    state = prediction.setup.environment.state(place.coordinate)
+    places = np.linspace(0.0, float(flyer.radius), _ALONG)
+    temperatures: tuple[Any, ...] = tuple(place.values[name] for name in nodes)
+    with float64():
+        bent = flyer.bent(state, temperatures)
+        curvature, droop = float(bent.curl.largest), np.asarray(bent.droop(places))
+        hangs = float(bent.plate.ring) if float(flyer.payload) else None
+    gap = float(getattr(flyer, "gap", getattr(flyer, "height", 0.0)))
+    return draw_cross_section(ax, places, curvature, droop, gap=gap, hanging=hangs)
+
+
 PANELS: "dict[str, Callable[[Prediction, Axes], Axes]]" = {
     "irradiance": irradiance,
     "temperature": temperature,
     "payload": payload,
     "map": temperature_map,
+    "shape": shape,
 }
 """What can be drawn of a prediction, by name."""
 
@@ -308,7 +330,11 @@ def panels(
     prediction: "Prediction", what: str | None, ax: Axes | None
 ) -> tuple[Figure, Iterator[tuple[str, Axes]]]:
     """A figure with some of :data:`PANELS` drawn, and which of its axes shows what."""
-    there = [name for name in PANELS if name != "map" or prediction.map is not None]
+    absent = {
+        "map": prediction.map is None,
+        "shape": "deflection" not in prediction.setup.flyer.known_shape,
+    }
+    there = [name for name in PANELS if not absent.get(name, False)]
     if what is not None and what not in there:
         raise ParameterError(f'plot: what = "{what}": choose from {", ".join(there)}')
     if what is None and ax is not None:
@@ -348,4 +374,7 @@ def prediction_figures(prediction: "Prediction") -> dict[str, Figure]:
     if prediction.map is not None:
         figures["temperature-map"] = new_figure(height=_WITH_LEGEND)
         temperature_map(prediction, figures["temperature-map"].axes[0])
+    if "deflection" in prediction.setup.flyer.known_shape:
+        figures["shape"] = new_figure(height=_CUT)
+        shape(prediction, figures["shape"].axes[0])
     return figures

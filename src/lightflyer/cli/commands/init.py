@@ -42,6 +42,9 @@ _OTHERS = {
     "optimise-film": Template(
         "study-optimise-film.toml", "study.toml", ("optimise {} --write best.toml",)
     ),
+    "optimise-structure": Template(
+        "study-optimise-structure.toml", "study.toml", ("optimise {} --write best.toml",)
+    ),
     "sensitivity": Template(
         "study-sensitivity.toml", "study.toml", ("sensitivity {} --out sensitivity",)
     ),
@@ -97,9 +100,10 @@ def init(
         What it is. Flyer files: earth (a disk over Earth), laden (a smaller one that survives,
         for what it carries), chamber (the disk in a vacuum chamber),
         mars (the disk over Mars), layers (a film given by its layers), sandwich (two perforated
-        membranes over Earth), plate (nanocardboard in the chamber), balloon (a solar balloon over
-        Earth), hollow (a sphere that pumps gas, over Earth). A mission: mission. Studies: sweep,
-        optimise, sensitivity. Measurements: points (of levitation, to calibrate with);
+        membranes over Earth), ligaments (the same on posts, which may sag and tear), plate
+        (nanocardboard in the chamber), balloon (a solar balloon over Earth), hollow (a sphere that
+        pumps gas, over Earth). A mission: mission. Studies: sweep, optimise, optimise-film,
+        optimise-structure, sensitivity. Measurements: points (of levitation, to calibrate with);
         "lightflyer lab example" writes those of the lab bench.
     model
         Force model of a flyer file, in place of its own: lu2023 (the paper's fit), kinetic,

@@ -1,29 +1,28 @@
-"""How published flyers hold their shape, and up to which size each kind does.
+"""How published flyers hold their shape, and the size from which structure is the limit.
 
-Writes ``flyers.json`` and docs/images/structure.png; two minutes.
+Writes ``flyers.json`` and docs/images/structure.png; five minutes.
 """
 
 import dataclasses
 import json
 import math
-from functools import partial
+import tempfile
 from pathlib import Path
 
-import jax.numpy as jnp
 import numpy as np
-from scipy.optimize import brentq
 
 import lightflyer as lf
+from lightflyer.cli.commands.init import templates
 from lightflyer.files import drawing as plot
+from lightflyer.files import palette
 from lightflyer.film.media.mechanics import NUMBERS, mechanics_of
-from lightflyer.flyer.shape import Core, core_of_posts, shape_of_film, shape_of_sandwich
+from lightflyer.flyer.hanging import Held
+from lightflyer.flyer.shape import Core, Sheets, core_of_posts, shape_of_film, shape_of_sandwich
 from lightflyer.structure import (
     Lamina,
     Laminate,
     Ligaments,
-    free_plate_frequency,
     laminate_stiffness,
-    ligament_shear_stiffness,
     perforated_share,
     sandwich_stiffness,
 )
@@ -31,11 +30,13 @@ from lightflyer.structure import (
 HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"
 ROOM, GRAVITY = 293.15, 9.8
-SAMPLES, SEED = 400, 0
+SAMPLES, SEED = 200, 0
 DENSITY = {"Al2O3": 3000.0, "PET": 1390.0, "Ge": 5323.0, "Cr": 7150.0}
 WARMER = 10.0  # [K] of the lower film of a sandwich, about that of levitation
-FLAT = 0.2  # height of the edge over the radius up to which 4 % to 8 % of the lift are lost
-DIAMETERS = np.geomspace(1e-3, 1.0, 61)
+FLAT, GAP_LEFT = 0.2, 0.5  # where a prediction warns: edge over radius, closed share of a gap
+SPREAD = 0.68  # radius of the circle from which a payload hangs, over the flyer's
+DIAMETERS = np.geomspace(2e-3, 1.0, 31)
+PAYLOADS = np.geomspace(1e-3, 1e3, 91)  # over the flyer's own mass
 BULK, ALUMINA_POISSON = 1.4e11, 0.24
 
 FILMS = {  # layers, top to bottom, by name and thickness [m]
@@ -72,179 +73,190 @@ def areal_density(name):
     return sum(DENSITY[material] * thickness for material, thickness in FILMS[name])
 
 
-def film_kind(name, payload):
-    """Areal density and shape of a disk; ``payload``: over the disk's own mass."""
-    density = areal_density(name)
+@dataclasses.dataclass(frozen=True)
+class Kind:
+    """A kind of flyer: its films, what holds them apart, its template, and the size built."""
 
-    def shape(numbers, radius):
-        load = payload * math.pi * radius**2 * density * GRAVITY
-        return shape_of_film(laminate(name, numbers), radius, ROOM, load)
+    films: tuple[str, ...]
+    template: str
+    built: float  # [m]
+    reported: str
+    posts: Ligaments | None = None
+    walls: Core | None = None
+    gap: float = 0.0
+    open_fraction: float = 0.0
+    core_density: float = 0.0  # [kg/m²]
 
-    return density, shape
+    @property
+    def density(self):
+        """Areal density [kg/m²]."""
+        solid = 1.0 - self.open_fraction
+        return solid * sum(map(areal_density, self.films)) + self.core_density
+
+    def shape(self, numbers, radius, payload, hanging=None, gravity=GRAVITY):
+        """Shape with a payload over its own mass; ``hanging``: circle [m]."""
+        own = self.density * math.pi * radius**2
+        held = Held(own, payload * own, gravity, hanging)
+        films = [laminate(name, numbers) for name in self.films]
+        if len(films) == 1:
+            return shape_of_film(films[0], radius, ROOM, held)
+        core = self.walls
+        if core is None:
+            posts = dataclasses.replace(self.posts, modulus=numbers["Al2O3", "modulus"])
+            core = core_of_posts(posts, films, self.gap, self.open_fraction)
+        sheets = Sheets(films, (ROOM, ROOM + WARMER), core, self.gap, self.open_fraction, radius)
+        return shape_of_sandwich(sheets, held, (1.0 + payload) * self.density * gravity)
+
+    def holds(self, numbers, radius, payload):
+        """Whether it stays flat, whole and open with a payload that hangs from a circle."""
+        found = self.shape(numbers, radius, payload, SPREAD * radius)
+        flat = found.deflection <= FLAT * radius
+        whole = ~(np.asarray(found.stress_over_strength) > 1.0)
+        return np.asarray(flat & whole & ~(np.asarray(found.gap_closed) > GAP_LEFT))
 
 
-def double_kind(names, posts, gap, open_fraction, core_density, walls, payload):
-    """Areal density and shape of a sandwich or plate; ``payload``: over its own mass."""
-    density = (1.0 - open_fraction) * sum(map(areal_density, names)) + core_density
-
-    def shape(numbers, radius):
-        films = [laminate(name, numbers) for name in names]
-        core = walls
-        if walls is None:
-            core = core_of_posts(
-                dataclasses.replace(posts, modulus=numbers["Al2O3", "modulus"]), films, gap,
-                open_fraction,
-            )  # fmt: skip
-        area = math.pi * radius**2
-        load = payload * area * density * GRAVITY
-        pressure = (1.0 + payload) * density * GRAVITY
-        heats = ROOM, ROOM + WARMER
-        return shape_of_sandwich(films, heats, core, gap, open_fraction, radius, load, pressure)
-
-    return density, shape
-
-
-POSTS = Ligaments(1e-4, 1e-5, 1e-7)  # the template's guess
-GAP, OPEN = 1.25e-4, 0.5
+POSTS = Ligaments(5e-4, 1e-5, 1e-7)  # the template's guess
+GAP = 1.25e-4
 # the nanocardboard of Cortes et al. (2020): rectangles of 50 µm by 500 µm, 50 µm apart, 50 µm high
 WALL_SHARE, PLATE_HEIGHT, PLATE_OPEN = 2 * 5.5e-4 * 5e-8 / (1e-4 * 5.5e-4), 5e-5, 0.4545
 SHEAR = 0.5 * WALL_SHARE * BULK / (2 * (1 + ALUMINA_POISSON)) * PLATE_HEIGHT
-KINDS_AT = {
-    "mylar, 0.5 µm": partial(film_kind, "mylar"),
-    "germanium disk, empty": partial(film_kind, "germanium disk"),
-    "sandwich on posts": partial(
-        double_kind, ("face", "absorbing face"), POSTS, GAP, OPEN,
-        3000.0 * float(POSTS.fraction) * GAP, None,
+KINDS = {
+    "mylar, 0.5 µm": Kind(("mylar",), "earth", 0.04, "levitated; thermal deformation when hot"),
+    "germanium disk": Kind(("germanium disk",), "earth", 0.02, "levitated; curl not reported"),
+    "sandwich on posts": Kind(
+        ("face", "absorbing face"), "ligaments", 0.01, "levitated, made up to 3 cm wide",
+        posts=POSTS, gap=GAP, open_fraction=0.5, core_density=3000.0 * float(POSTS.fraction) * GAP,
     ),
-    "nanocardboard": partial(
-        double_kind, ("thin face", "thin face"), None, PLATE_HEIGHT, PLATE_OPEN,
-        3000.0 * WALL_SHARE * PLATE_HEIGHT, Core(SHEAR, 2.5e-5, 5.5e-4),
+    "nanocardboard": Kind(
+        ("thin face", "thin face"), "plate", 0.008, "levitated; made up to 1 cm wide",
+        walls=Core(SHEAR, 2.5e-5, 5.5e-4), gap=PLATE_HEIGHT, open_fraction=PLATE_OPEN,
+        core_density=3000.0 * WALL_SHARE * PLATE_HEIGHT,
     ),
 }  # fmt: skip
-"""Each kind by its payload over its own mass."""
-
-KINDS = {kind: make(0.0 if "empty" in kind else 1.0) for kind, make in KINDS_AT.items()}
-BUILT = {"mylar, 0.5 µm": 0.04, "germanium disk, empty": 0.02, "sandwich on posts": 0.01,
-         "nanocardboard": 0.008}  # fmt: skip
-"""Diameters of flyers [m] of Lu et al. (2023), Schafer et al. (2025) and Cortes et al. (2020)."""
 
 
-def rises(kind, numbers, diameter):
-    """Height of the edge over the radius."""
-    radius = jnp.asarray(0.5 * diameter)
-    return np.asarray(KINDS[kind][1](numbers, radius).deflection / radius)
+def lifted(kind, folder):
+    """Largest payload over own mass that the force lifts, at each diameter, where it is best."""
+    text, found = templates()[kind.template].read(), []
+    line = next(line for line in text.splitlines() if line.startswith("diameter"))
+    for diameter in DIAMETERS:
+        path = folder / "flyer.toml"
+        path.write_text(text.replace(line, f'diameter = "{1e3 * diameter:g} mm"'), encoding="utf-8")
+        setup = lf.read_flyer_file(path).build()
+        found.append(lf.predict(setup).best.values["relative_payload"])
+    return np.array(found)
 
 
-def largest(kind, numbers):
-    """Diameter up to which a kind stays flat [m], an end of those drawn where it is beyond."""
-    ends = np.log(DIAMETERS[[0, -1]])
+def borne(kind, numbers):
+    """The same that the structure holds; shape (samples, diameters)."""
+    rows = []
+    for diameter in DIAMETERS:
+        holds = kind.holds(numbers, 0.5 * diameter, PAYLOADS)
+        last = np.cumprod(np.atleast_2d(holds), axis=1).sum(axis=1)  # up to the first that fails
+        rows.append(np.where(last > 0, PAYLOADS[np.maximum(last - 1, 0)], 0.0))
+    return np.array(rows).T
 
-    def beyond(size):
-        return float(np.ravel(rises(kind, numbers, np.exp(size)))[0]) - FLAT
 
-    if beyond(ends[0]) > 0.0:
+def crossing(force, structure):
+    """Diameter from which less is borne than lifted [m], infinite where force always ends first."""
+    less = structure < force
+    if not less.any():
+        return math.inf
+    first = int(np.argmax(less))
+    if first == 0:
         return DIAMETERS[0]
-    if beyond(ends[1]) < 0.0:
-        return DIAMETERS[-1]
-    return math.exp(brentq(beyond, *ends))
+    gap = np.log(np.maximum(structure, 0.5 * PAYLOADS[0])) - np.log(np.maximum(force, PAYLOADS[0]))
+    way = gap[first - 1] / (gap[first - 1] - gap[first])
+    return float(np.exp(np.interp(way, [0.0, 1.0], np.log(DIAMETERS[first - 1 : first + 1]))))
 
 
-def borne(kind):
-    """Acceleration over g at which a layer breaks, held in the middle; linear theory."""
-    radius, many = jnp.asarray(0.5 * BUILT[kind]), 1e8  # loads beside which its own stress is none
-    shape = KINDS_AT[kind](many)[1](draw(0), radius)
-    return many / float(shape.stress_over_strength)
-
-
-def frequency(kind):
-    """Lowest frequency of the published size [Hz], free."""
-    radius, numbers = 0.5 * BUILT[kind], draw(0)
-    density = KINDS[kind][0]
-    if kind in ("sandwich on posts", "nanocardboard"):
-        names, gap, share = (
-            (("face", "absorbing face"), GAP, perforated_share(OPEN))
-            if kind == "sandwich on posts"
-            else (("thin face", "thin face"), PLATE_HEIGHT, perforated_share(PLATE_OPEN))
-        )
-        top, bottom = (laminate_stiffness(laminate(name, numbers)) for name in names)
-        whole = sandwich_stiffness(top, bottom, gap)
-        stiffness, poisson = share * whole.plate, whole.poisson
-    else:
-        name = "mylar" if "mylar" in kind else "germanium disk"
-        film = laminate_stiffness(laminate(name, numbers))
-        stiffness, poisson = film.plate, film.poisson
-    return float(free_plate_frequency(radius, density, stiffness, poisson))
+def centimetres(length):
+    """A length in centimetres, None for one that is infinite."""
+    return 1e2 * float(length) if math.isfinite(length) else None
 
 
 def enhancements():
     """Bending stiffness over that of a solid plate of the same mass, of published panels."""
     found, numbers = {}, draw(0)
-    for name, film, height, share, density in (
-        ("Lin et al. (2018), 50 nm, 50 µm", "thin face", PLATE_HEIGHT,
-         perforated_share(PLATE_OPEN), KINDS["nanocardboard"][0]),
-        ("sandwich of the template", "face", GAP, perforated_share(OPEN),
-         KINDS["sandwich on posts"][0]),
-    ):  # fmt: skip
+    for name, film, kind in (
+        ("Lin et al. (2018), 50 nm, 50 µm", "thin face", KINDS["nanocardboard"]),
+        ("sandwich of the template", "face", KINDS["sandwich on posts"]),
+    ):
         one = laminate_stiffness(laminate(film, numbers))
-        plate = float(share * sandwich_stiffness(one, one, height).plate)
-        solid = BULK * (density / 3000.0) ** 3 / 12 / (1 - ALUMINA_POISSON**2)
-        found[name] = {"stiffness [N m]": plate, "over a solid plate": plate / solid}
+        share = perforated_share(kind.open_fraction)
+        plate = float(share * sandwich_stiffness(one, one, kind.gap).plate)
+        solid = BULK * (kind.density / 3000.0) ** 3 / 12 / (1 - ALUMINA_POISSON**2)
+        found[name] = {
+            "stiffness [N m]": plate,
+            "over a solid plate": plate / solid,
+            "areal density [g/m²]": 1e3 * kind.density,
+            "density [kg/m³]": kind.density / kind.gap,
+        }
     return found
+
+
+def plain(shape):
+    """A shape of one flyer in plain numbers."""
+    return {
+        name: number if math.isfinite(number := float(np.ravel(value)[0])) else None
+        for name, value in shape._asdict().items()
+    }
+
+
+def describe(kind, nominal, drawn):
+    """The published size, carrying its own mass from a circle."""
+    radius = 0.5 * kind.built
+    found = plain(kind.shape(nominal, radius, 1.0, SPREAD * radius))
+    own = kind.density * math.pi * radius**2
+    empty = plain(kind.shape(nominal, radius, 0.0))
+    bands = kind.shape(drawn, radius, 1.0, SPREAD * radius)
+    edge = np.ravel(np.asarray(bands.deflection)) / radius
+    return {
+        "areal density [g/m²]": 1e3 * kind.density,
+        "built [cm]": 1e2 * kind.built,
+        "curvature [1/m]": found["curvature"],
+        "edge over radius": found["deflection"] / radius,
+        "95 % band of that": [float(end) for end in np.percentile(edge, (2.5, 97.5))],
+        "stress over strength": found["stress_over_strength"],
+        "gap closed": found["gap_closed"],
+        "compression over buckling": found["load_over_buckling"],
+        "lowest frequency [Hz]": found["lowest_frequency"],
+        "bears, held in its middle [g]": empty["bearable_load"] / own / GRAVITY,
+        "reported": kind.reported,
+    }
 
 
 def main():
     """Compute everything and draw."""
-    with lf.float64():
+    found = {}
+    figure = plot.new_figure(columns=2, rows=2, height=6.4)
+    with lf.float64(), tempfile.TemporaryDirectory() as folder:
         nominal, drawn = draw(0), draw(SAMPLES)
-        figure = plot.new_figure(width=6.6)
-        (ax,) = figure.axes
-        found = {}
-        for number, kind in enumerate(KINDS):
-            style = plot.series_style(number)
-            band = np.percentile(rises(kind, drawn, DIAMETERS), (2.5, 97.5), axis=0)
-            middle = rises(kind, nominal, DIAMETERS)
-            ax.fill_between(1e2 * DIAMETERS, *band, color=style["color"], alpha=0.2, lw=0)
-            ax.plot(1e2 * DIAMETERS, middle, color=style["color"], label=kind)
-            built = BUILT[kind]
-            there = np.ravel(rises(kind, nominal, built))[0]
-            ax.plot(1e2 * built, there, **style, ms=8)
-            shape = KINDS[kind][1](nominal, jnp.asarray(0.5 * built))
-            limits = [
-                largest(
-                    kind,
-                    {
-                        key: value if np.ndim(value) == 0 else value[row, 0]
-                        for key, value in drawn.items()
-                    },
-                )
-                for row in range(SAMPLES)
-            ]
-            found[kind] = {
-                "areal density [g/m²]": 1e3 * KINDS[kind][0],
-                "built [cm]": 1e2 * built,
-                "curvature [1/m]": float(shape.curvature),
-                "edge over radius": float(there),
-                "stress over strength": float(shape.stress_over_strength),
-                "bears, held in the middle [g]": borne(kind),
-                "gap closed": float(shape.gap_closed),
-                "lowest frequency [Hz]": frequency(kind),
-                "flat up to [cm]": 1e2 * largest(kind, nominal),
-                "95 % band [cm]": [1e2 * float(end) for end in
-                                   np.percentile(limits, (2.5, 97.5))],
-            }  # fmt: skip
-        posts = found["sandwich on posts"]
-        faces = [laminate_stiffness(laminate(name, nominal)) for name in ("face", "face")]
-        share = perforated_share(OPEN)
-        soft = [type(face)(*(share * part for part in face[:-1]), face.neutral) for face in faces]
-        posts["shear stiffness [N/m]"] = float(ligament_shear_stiffness(POSTS, GAP, *soft))
-        found["nanocardboard"]["shear stiffness [N/m]"] = SHEAR
+        for ax, (name, kind) in zip(figure.axes, KINDS.items(), strict=True):
+            force = lifted(kind, Path(folder))
+            middle, many = borne(kind, nominal)[0], borne(kind, drawn)
+            limits = [crossing(force, row) for row in many]
+            found[name] = describe(kind, nominal, drawn) | {
+                "structure is the limit from [cm]": centimetres(crossing(force, middle)),
+                "95 % band [cm]": [
+                    centimetres(end) for end in np.percentile(limits, (2.5, 97.5), method="nearest")
+                ],
+            }
+            band = np.percentile(many, (2.5, 97.5), axis=0)
+            ax.plot(1e2 * DIAMETERS, force, color=palette.BLUE, label="lifted by the gas")
+            shown = np.maximum(middle, 1e-9)
+            ax.plot(1e2 * DIAMETERS, shown, color=palette.VERMILION, ls="--",
+                    label="held by its structure")  # fmt: skip
+            ax.fill_between(1e2 * DIAMETERS, *np.maximum(band, 1e-9), color=palette.VERMILION,
+                            alpha=0.2, lw=0, label=plot.BAND)  # fmt: skip
+            ax.axvline(1e2 * kind.built, color=palette.GREY, ls=":", label="built")
+            ax.set(xscale="log", yscale="log", xlabel="diameter [cm]", title=name,
+                   ylim=(1e-2, 1e3), xlim=1e2 * DIAMETERS[[0, -1]],
+                   ylabel="payload over own mass")  # fmt: skip
+            plot.plain_decades(ax.xaxis)
+            plot.plain_decades(ax.yaxis)
         found["stiffness"] = enhancements()
-    ax.axhline(FLAT, color="black", lw=1, ls="--", label="5 % of the lift lost")
-    ax.set(xscale="log", yscale="log", xlabel="diameter [cm]", ylim=(1e-4, 2.0),
-           xlim=1e2 * DIAMETERS[[0, -1]], ylabel="height of the edge over the radius")  # fmt: skip
-    plot.plain_decades(ax.xaxis)
-    plot.plain_decades(ax.yaxis)
-    plot.legend_below(ax)
+    plot.shared_legend(figure, figure.axes[0].get_legend_handles_labels()[0])
     plot.save(figure, [IMAGES / "structure.png"])
     (HERE / "flyers.json").write_text(
         json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"

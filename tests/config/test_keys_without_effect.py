@@ -13,7 +13,7 @@ from lightflyer.design.outputs import predicted_names, table_of
 from lightflyer.files.section import Section
 from lightflyer.program.entry_point import run_by
 
-KINDS = ("earth", "chamber", "mars", "sandwich", "ligaments", "plate", "balloon", "hollow")
+KINDS = ("earth", "chamber", "mars", "sandwich", "plate", "balloon", "hollow")
 BY_UNIT = {
     "m": "3 mm", "K": "350 K", "Pa": "50 Pa", "W/m^2": "70 W/m^2", "deg": "20 deg", "kg": "3 kg",
     "": 0.04, "kg/m^2": "2 g/m^2", "kg/m^3": "2 g/cm^3", "N/m": "100 N/m", "hour": "14 h",

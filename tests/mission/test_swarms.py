@@ -185,7 +185,7 @@ def test_what_cannot_spread_is_refused_in_one_line(flown, arguments, message):
 
 def test_forces_on_a_tethered_flyer_are_in_balance():
     hung = _Hung(own=3e-6, spare=4e-6, thread=1e-7, spacing=0.3, depth=1.0)
-    carried, lengths, tilts = hung.carried_weight(30)
+    carried, (_, lengths, tilts) = hung.carried_weight(30), hung.pulls(30)
     total = 0.0
     for length, tilt in zip(lengths, tilts, strict=True):
         down = hung.own + hung.thread * length
@@ -220,6 +220,24 @@ def test_a_deep_payload_takes_the_spare_lift_of_every_flyer(disk):
     )
     assert heavier.count > found.count
     assert heavier.tether_mass > 0.5e-7 * heavier.count * heavier.depth
+
+
+def test_a_tether_that_is_too_weak_is_named(disk):
+    around = lf.Earth(), lf.Lu2023()
+    # polyethylene of 970 kg/m³; what a fibre bears goes with its section
+    strong, weak = (
+        lf.mission.tethered_swarm(
+            disk, *around, payload=1e-4, altitude=72e3, tether=Tether(7e-9, 970.0, strength)
+        )
+        for strength in (2.7e9, 1e3)
+    )
+    assert strong.largest_pull == pytest.approx(weak.largest_pull)
+    assert weak.largest_pull > 1e3 * 7e-9 / 970.0
+    assert not any("breaks" in text for text in strong.warnings)
+    assert any("breaks at 7.22e-09 N" in text for text in weak.warnings)
+    # its mass by the pull that it bears
+    mass = lf.structure.tether_mass(strong.largest_pull, 1.0, 970.0, 2.7e9, 1.0)
+    assert mass < 7e-9
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from lightflyer.structure import (
     free_plate_heights,
     laminate_stiffness,
     ligament_shear_stiffness,
-    load_curvature,
+    load_curvatures,
     membrane_frequency,
     perforated_share,
     root_stiffness,
@@ -69,7 +69,7 @@ def test_curvature_under_a_load_is_that_of_the_deflection():
     _, edge = free_plate_heights(1.0, 1.0, ring, 1.0, poisson)
 
     # from the ring outwards, by Kirchhoff's equation integrated from the curvature in the middle
-    curvature = load_curvature(1.0, 1.0, ring, 1.0, poisson)
+    curvature, on_ring = load_curvatures(1.0, 1.0, ring, 1.0, poisson)
     r = np.linspace(1e-9, 1.0, 200001)
     pressure = 1.0 / math.pi
     laplacian = 2.0 * curvature + pressure * r**2 / 4.0
@@ -86,6 +86,9 @@ def test_curvature_under_a_load_is_that_of_the_deflection():
         / r
     )
     assert np.trapezoid(slope, r) == pytest.approx(float(edge), rel=1e-4)
+    bent = np.gradient(slope[1:], r[1:])
+    assert bent[np.searchsorted(r, ring) - 50] == pytest.approx(float(on_ring), rel=2e-3)
+    assert np.abs(bent[100:]).max() < 1.002 * max(abs(curvature), abs(on_ring))
     # nothing bends the free edge
     moment = laplacian[-1] - (1.0 - poisson) * slope[-1]
     assert abs(moment) < 1e-4 * curvature
@@ -199,7 +202,7 @@ def test_shells_buckle_at_the_classical_pressures():
 
 CASES = {
     "free plate": lambda x: free_plate_heights(x, 0.01 * x, 1e-3, 1e-9, 0.3)[1],
-    "load": lambda x: load_curvature(x, 0.01 * x, 1e-3, 1e-9, 0.3),
+    "load": lambda x: load_curvatures(x, 0.01 * x, 1e-3, 1e-9, 0.3)[1],
     "shear": lambda x: shear_profile(1.0, 0.01 * x, 1e-3, 0.1, 0.01 * x),
     "held": lambda x: clamped_deflection(10.0 * x, 1e-4, plate()),
     "stretched": lambda x: clamped_deflection(1e5 * x, 1e-4 * x, plate()),

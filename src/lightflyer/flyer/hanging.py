@@ -13,7 +13,7 @@ from lightflyer.core.types import Numeric
 from lightflyer.structure.plates import (
     free_plate_heights,
     free_plate_profile,
-    load_curvature,
+    load_curvatures,
     shear_profile,
     three_point_heights,
     three_point_shear,
@@ -85,11 +85,13 @@ class HangingPlate(NamedTuple):
 
     @property
     def load_curvature(self) -> Array:
-        """Curvature where it carries, per load [1/(m N)]."""
+        """Largest curvature per load, of either sign [1/(m N)]."""
+        plate = 1.0, self.radius, self.ring, self.stiffness, self.poisson
         if self.at_three_points:  # each as in the middle of a plate that ends at the edge
             around = self.radius - self.ring
-            return load_curvature(1.0 / 3.0, around, self.hold, self.stiffness, self.poisson)
-        return load_curvature(1.0, self.radius, self.ring, self.stiffness, self.poisson)
+            plate = 1.0 / 3.0, around, self.hold, self.stiffness, self.poisson
+        middle, on_ring = load_curvatures(*plate)
+        return jnp.maximum(jnp.abs(middle), jnp.abs(on_ring))
 
     @property
     def perimeter(self) -> Numeric:

@@ -21,7 +21,7 @@ from .laminate import layer_stresses as layer_stresses
 from .plates import clamped_deflection as clamped_deflection
 from .plates import free_plate_heights as free_plate_heights
 from .plates import free_plate_profile as free_plate_profile
-from .plates import load_curvature as load_curvature
+from .plates import load_curvatures as load_curvatures
 from .plates import shear_profile as shear_profile
 from .plates import three_point_heights as three_point_heights
 from .plates import three_point_shear as three_point_shear

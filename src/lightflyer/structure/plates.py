@@ -112,12 +112,17 @@ def three_point_heights(
 
 
 @closed_form
-def load_curvature(
+def load_curvatures(
     load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric
-) -> Array:
-    """Curvature in the middle of such a plate [1/m]; the ring must be wider than a point."""
+) -> tuple[Array, Array]:
+    """Curvature of such a plate in its middle, and on its ring across that [1/m].
+
+    The ring must be wider than a point. Curvature is nowhere larger than the larger of the two.
+    """
     inner = ring / jnp.asarray(radius)
-    return load / (math.pi * stiffness) * (_bent(inner, poisson) - 0.25 * jnp.log(inner))
+    middle = _bent(inner, poisson) - 0.25 * jnp.log(inner)
+    size = load / (math.pi * stiffness)
+    return size * middle, size * (middle + 0.1875 * inner**2)
 
 
 @closed_form

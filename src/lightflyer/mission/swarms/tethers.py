@@ -21,7 +21,16 @@ import numpy as np
 
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.quantity import Altitude, Checked, Distance, LinearDensity, Mass
+from lightflyer.core.quantity import (
+    Altitude,
+    Checked,
+    Density,
+    Distance,
+    LinearDensity,
+    Mass,
+    Modulus,
+)
+from lightflyer.core.types import Numeric
 from lightflyer.design.diagnostics import diagnose
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
@@ -49,9 +58,22 @@ class Tether(Checked):
     ----------
     linear_density : array
         Mass over length [kg/m]; a fibre of 3 µm of polyethylene has 7e-9.
+    density : array or None
+        Of its material [kg/m³], for how strong it is; None where that is not asked.
+    strength : array or None
+        Tension at which its material breaks [Pa].
     """
 
     linear_density: LinearDensity = 0.0
+    density: Density | None = None
+    strength: Modulus | None = None
+
+    @property
+    def breaking_load(self) -> Numeric | None:
+        """Pull at which it breaks [N]; None where its material is not known."""
+        if self.density is None or self.strength is None:
+            return None
+        return self.strength * self.linear_density / self.density
 
 
 class _Wanted(Checked):
@@ -74,6 +96,7 @@ class Swarm(PrintedResult):
     depth: float  #: Radius of the layer, and how far the payload hangs below it [m]
     longest_tether: float  #: [m]
     tether_mass: float  #: Of all tethers together [kg]
+    largest_pull: float  #: Of a tether [N]
     largest_tilt: float  #: Of the outermost flyers, outwards [rad]
     warnings: tuple[str, ...]
 
@@ -87,6 +110,7 @@ class Swarm(PrintedResult):
                 "depth of the payload": amount(self.depth, "m", 4),
                 "longest tether": amount(self.longest_tether, "m", 4),
                 "mass of all tethers": amount(self.tether_mass, "kg", 4),
+                "largest pull": amount(self.largest_pull, "N", 4),
                 "largest tilt": f"{math.degrees(self.largest_tilt):.3g}°",
             }
         )
@@ -164,10 +188,12 @@ def tethered_swarm(
         raise ParameterError(
             f"spacing = {between:g} m is less than the diameter of a flyer, {diameter:g} m"
         )
-    thread = (Tether() if tether is None else tether).linear_density
+    tether = Tether() if tether is None else tether
+    thread = tether.linear_density
     hung = _Hung(own, spare, float(thread) * float(state.gravity), between, wanted.depth)
     count = _fewest(hung, float(wanted.payload) * float(state.gravity))
-    _, lengths, tilts = hung.carried_weight(count)
+    pulls, lengths, tilts = hung.pulls(count)
+    pull, limit = float(pulls.max()), tether.breaking_load
     return Swarm(
         count,
         altitude,
@@ -176,8 +202,12 @@ def tethered_swarm(
         hung.depth_of(count),
         float(lengths.max()),
         float(thread) * float(lengths.sum()),
+        pull,
         float(tilts.max()),
-        tuple(_diagnostics(setup, state, between / diameter, float(tilts.max()))),
+        (
+            *_diagnostics(setup, state, between / diameter, float(tilts.max())),
+            *_broken(pull, None if limit is None else float(limit)),
+        ),
     )
 
 
@@ -199,8 +229,13 @@ class _Hung:
         """Depth of the payload below so many."""
         return _STEEPNESS * self.radius(count) if self.depth is None else float(self.depth)
 
-    def carried_weight(self, count: int) -> tuple[float, np.ndarray, np.ndarray]:
-        """Weight that so many carry [N], lengths of their tethers [m], their tilts [rad]."""
+    def carried_weight(self, count: int) -> float:
+        """Weight that so many carry [N]."""
+        pulls, lengths, _ = self.pulls(count)
+        return float(np.sum(pulls * self.depth_of(count) / lengths))
+
+    def pulls(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Pull of each of so many tethers [N], their lengths [m], tilts of the flyers [rad]."""
         # rings of equal area around the middle, one a flyer
         distance = self.radius(count) * np.sqrt((np.arange(count) + 0.5) / count)
         depth = self.depth_of(count)
@@ -209,7 +244,7 @@ class _Hung:
         across = np.square(force) - np.square(hanging * np.sin(angle))
         pull = np.sqrt(np.maximum(across, 0.0)) - hanging * np.cos(angle)
         tilts = np.arcsin(np.clip(pull * np.sin(angle) / force, -1.0, 1.0))
-        return float(np.sum(pull * np.cos(angle))), length, tilts
+        return pull, length, tilts
 
 
 def _fewest(hung: _Hung, weight: float) -> int:
@@ -217,7 +252,7 @@ def _fewest(hung: _Hung, weight: float) -> int:
     if weight <= 0.0:
         raise ParameterError("there is nothing to carry: the payload is zero")
     low, high = 0, 1
-    while hung.carried_weight(high)[0] < weight:
+    while hung.carried_weight(high) < weight:
         low, high = high, 2 * high
         if low > MOST:
             raise ParameterError(
@@ -225,7 +260,7 @@ def _fewest(hung: _Hung, weight: float) -> int:
             )
     while high - low > 1:
         middle = (low + high) // 2
-        low, high = (low, middle) if hung.carried_weight(middle)[0] >= weight else (middle, high)
+        low, high = (low, middle) if hung.carried_weight(middle) >= weight else (middle, high)
     return high
 
 
@@ -236,6 +271,12 @@ def _best_altitude(setup: Setup, place: Place | None) -> float:
     state = setup.environment.state(altitudes, place)
     carried = payload_of(setup.flyer, state, setup.model, throw=False)
     return float(altitudes[int(np.nanargmax(carried))])
+
+
+def _broken(pull: float, limit: float | None) -> list[str]:
+    if limit is None or pull <= limit:
+        return []
+    return [f"a tether is pulled by {pull:.3g} N and breaks at {limit:.3g} N"]
 
 
 def _diagnostics(setup: Setup, state: EnvironmentState, apart: float, tilt: float) -> list[str]:

@@ -87,9 +87,48 @@ def three_points(poisson, ring):
             for x, y in ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5))]  # fmt: skip
     matrix = bending_form(poisson).assemble(basis)
     w = solve(*condense(matrix, load, D=basis.nodal_dofs[0, held]))[basis.nodal_dofs[0]]
+    # by the symmetry of three its tilt is zero over the area
+    corners = mesh.p[:, mesh.t]
+    across = np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], (0, 1, 2), (1, 2, 0)))
+    area = np.bincount(mesh.t.ravel(), np.tile(np.abs(across), 3))
     level = np.column_stack([np.ones(w.size), *mesh.p])
-    w -= level @ np.linalg.lstsq(level, w, rcond=None)[0]
+    root = np.sqrt(area)[:, None]
+    w -= level @ np.linalg.lstsq(root * level, root[:, 0] * w, rcond=None)[0]
     return np.ptp(w)
+
+
+def sandwich_plate(poisson, ring, shear):
+    """Rise of the edge over the middle of the free plate, which also shears: R = D = P = 1."""
+    mesh = MeshLine(np.concatenate([np.linspace(1e-6, ring, 61), np.linspace(ring, 1.0, 121)[1:]]))
+    rise, turn = Basis(mesh, ElementLineP2(), intorder=6), Basis(mesh, ElementLineP2(), intorder=6)
+
+    @BilinearForm
+    def bending(u, v, at):
+        r = at.x[0]
+        a, b, c, d = grad(u)[0], u / r, grad(v)[0], v / r
+        return (a * c + b * d + poisson * (a * d + b * c)) * r + shear * u * v * r
+
+    @BilinearForm
+    def shearing(w, v, at):
+        return shear * grad(w)[0] * grad(v)[0] * at.x[0]
+
+    @BilinearForm
+    def both(w, v, at):  # w the rise, v the turn of the section
+        return -shear * grad(w)[0] * v * at.x[0]
+
+    @LinearForm
+    def pressure(v, at):
+        return v * at.x[0] / np.pi
+
+    load = pressure.assemble(rise)
+    dofs = rise.nodal_dofs[0]
+    load[dofs[int(np.argmin(np.abs(mesh.p[0] - ring)))]] -= 1.0 / (2.0 * np.pi)
+    mixed = both.assemble(rise, turn)
+    matrix = sparse.bmat([[shearing.assemble(rise), mixed.T], [mixed, bending.assemble(turn)]])
+    inner, edge = dofs[int(np.argmin(mesh.p[0]))], dofs[int(np.argmax(mesh.p[0]))]
+    fixed = np.array([inner, rise.N + turn.nodal_dofs[0, int(np.argmin(mesh.p[0]))]])
+    found = solve(*condense(matrix.tocsr(), np.concatenate([load, np.zeros(turn.N)]), D=fixed))
+    return found[edge]
 
 
 def frequency(poisson):
@@ -348,6 +387,9 @@ def main():  # noqa: C901
         rows.append(("holes pulled alike", share, 0.24, alike))
         rows.append(("holes pulled in one direction", share, 0.24, one))
         rows.append(("stiffness with holes", share, 0.24, stiff))
+    for ring in (0.1, 0.5):
+        for shear in (1.0, 10.0, 1e3):
+            rows.append(("sandwich plate", ring, shear, sandwich_plate(0.24, ring, shear)))
     for poisson in (0.24, 0.38):
         rows.append(("frequency", poisson, 0.0, frequency(poisson)))
     for spread in (0.03, 0.1, 0.3, 1.0, 3.0, 10.0):

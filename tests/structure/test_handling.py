@@ -33,11 +33,12 @@ from lightflyer.structure import (
     rod_mass,
     root_moment,
     root_stiffness,
+    shear_profile,
     sphere_frequency,
     tac_within,
     tension_at_holes,
     tether_mass,
-    three_point_heights,
+    three_point_profile,
     three_point_shear,
     umbrella_frequency,
 )
@@ -61,9 +62,17 @@ def solved(problem):
 
 @pytest.mark.parametrize(("poisson", "ring", "droop"), solved("three points"))
 def test_three_points_bend_a_plate_as_finite_elements(poisson, ring, droop):
-    heights = three_point_heights(1.0, 1.0, ring, 1.0, poisson)
-    # the lowest place is near the points, not at them
-    assert np.ptp([0.0, *map(float, heights)]) == pytest.approx(droop, rel=0.02)
+    towards, between = three_point_profile(1.0, 1.0, ring, 1.0, poisson, np.linspace(0.0, 1.0, 101))
+    assert np.ptp([*towards, *between]) == pytest.approx(droop, rel=6e-4)
+    # points and edge alone, of which outputs are made
+    few = three_point_profile(1.0, 1.0, ring, 1.0, poisson, np.array([0.0, ring, 1.0]))
+    assert np.ptp(few) == pytest.approx(droop, rel=4e-3)
+
+
+@pytest.mark.parametrize(("ring", "shear", "rise"), solved("sandwich plate"))
+def test_a_sandwich_bends_and_shears_as_finite_elements(ring, shear, rise):
+    bent = free_plate_profile(1.0, 1.0, ring, 1.0, 0.24, 1.0)
+    assert bent + shear_profile(1.0, 1.0, ring, shear, 1.0) == pytest.approx(rise, rel=2e-4)
 
 
 def test_three_points_shear_a_plate_as_their_waves():
@@ -71,7 +80,14 @@ def test_three_points_shear_a_plate_as_their_waves():
     waves = np.arange(3, 3000, 3)
     near = (1.0 - hold / ring) ** waves
     expected = np.sum((near + (ring / radius) ** (2 * waves)) / waves) / (2.0 * math.pi)
-    assert three_point_shear(1.0, radius, ring, 1.0, hold) == pytest.approx(expected, rel=1e-6)
+    towards, _ = three_point_shear(1.0, radius, ring, 1.0, hold, ring)
+    even = shear_profile(1.0, radius, ring, 1.0, ring)
+    assert even - towards == pytest.approx(expected, rel=1e-6)
+    signs = np.resize([-1.0, 1.0], waves.size)
+    _, between = three_point_shear(1.0, radius, ring, 1.0, hold, 0.4)
+    even = shear_profile(1.0, radius, ring, 1.0, 0.4)
+    shares = ((0.4 / ring) ** waves + (0.4 * ring) ** waves) / waves
+    assert even - between == pytest.approx(np.sum(signs * shares) / (2.0 * math.pi), rel=1e-6)
 
 
 @pytest.mark.parametrize(("share", "_", "peak"), solved("holes pulled alike"))
@@ -320,7 +336,7 @@ def test_a_prediction_of_a_hollow_body_has_its_shape():
 
 
 CASES = {
-    "three points": lambda x: three_point_heights(1.0, 0.01 * x, 6e-3, 1.0, 0.3 * x)[0],
+    "three points": lambda x: three_point_profile(1.0, 0.01 * x, 6e-3, 1.0, 0.3 * x, 6e-3)[0],
     "profile": lambda x: free_plate_profile(1.0, 0.01 * x, 6e-3, 1.0, 0.3 * x, 8e-3),
     "holes": lambda x: tension_at_holes(2.0 * x, 1.0, 0.3 * x),
     "open sphere": lambda x: open_sphere_frequency(0.01, 0.005 * x, 1e-3, 1e-9 * x, 0.3),

@@ -11,11 +11,10 @@ from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.structure.plates import (
-    free_plate_heights,
     free_plate_profile,
     load_curvatures,
     shear_profile,
-    three_point_heights,
+    three_point_profile,
     three_point_shear,
 )
 from lightflyer.structure.vibrations import (
@@ -73,10 +72,12 @@ class HangingPlate(NamedTuple):
 
     def rise(self, at: Numeric) -> Array:
         """Height over the middle per load on the circle, at distances [m] from it [m/N]."""
-        bent = free_plate_profile(1.0, self.radius, self.ring, self.stiffness, self.poisson, at)
-        if self.shear is not None:
-            bent = bent + shear_profile(1.0, self.radius, self.ring, self.shear, at)
-        return bent * self._together
+        return self._on_circle(at) * self._together
+
+    def cut(self, at: Numeric) -> tuple[Array, Array]:
+        """The same towards one of three points, and opposite; alike on a circle."""
+        towards, opposite = self._cut(at)
+        return towards * self._together, opposite * self._together
 
     @property
     def droop(self) -> Array:
@@ -115,25 +116,25 @@ class HangingPlate(NamedTuple):
         umbrella = umbrella_frequency(profile, self.rise(self.ring), held.own_mass, held.payload)
         return jnp.minimum(saddle, umbrella)
 
+    def _on_circle(self, at: Numeric) -> Array:
+        bent = free_plate_profile(1.0, self.radius, self.ring, self.stiffness, self.poisson, at)
+        if self.shear is None:
+            return bent
+        return bent + shear_profile(1.0, self.radius, self.ring, self.shear, at)
+
+    def _cut(self, at: Numeric) -> tuple[Array, Array]:
+        if not self.at_three_points:
+            return (self._on_circle(at),) * 2
+        plate = self.radius, self.ring
+        bent = three_point_profile(1.0, *plate, self.stiffness, self.poisson, at)
+        if self.shear is None:
+            return bent
+        sheared = three_point_shear(1.0, *plate, self.shear, self.hold, at)
+        return bent[0] + sheared[0], bent[1] + sheared[1]
+
     @property
     def _droop(self) -> Array:
-        plate = 1.0, self.radius, self.ring, self.stiffness, self.poisson
-        ring, edge = free_plate_heights(*plate)
-        heights = [ring, edge]
-        if self.at_three_points:
-            heights = list(three_point_heights(*plate))
-        if self.shear is not None:
-            on_ring, on_edge = (
-                shear_profile(1.0, self.radius, self.ring, self.shear, at)
-                for at in (self.ring, self.radius)
-            )
-            lower = on_ring
-            if self.at_three_points:
-                lower = on_ring - three_point_shear(
-                    1.0, self.radius, self.ring, self.shear, self.hold
-                )
-            heights = [heights[0] + lower, *(height + on_edge for height in heights[1:])]
-        return _range(heights)
+        return _range([*self._cut(self.ring), *self._cut(self.radius)])
 
     @property
     def _together(self) -> Numeric:

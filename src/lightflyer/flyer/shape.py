@@ -100,9 +100,13 @@ class Bent(NamedTuple):
         change = (within[1] - within[0]) / jnp.where(same, 1.0, bottom - top)
         return share**2 * jnp.where(same, jnp.nan, change)
 
-    def droop(self, at: Numeric) -> Array:
-        """Height over the middle at a distance from it that its payload gives it [m]."""
-        return self.load * self.plate.rise(at)
+    def cut(self, at: Numeric) -> tuple[Array, Array]:
+        """Heights over the middle at a distance from it that its payload gives it [m].
+
+        Towards one of three points, and opposite.
+        """
+        towards, opposite = self.plate.cut(at)
+        return self.load * towards, self.load * opposite
 
 
 def bent_film(film: Laminate, radius: Numeric, temperature: Numeric, held: Held) -> Bent:

@@ -310,10 +310,12 @@ def shape(prediction: "Prediction", ax: Axes) -> Axes:
     temperatures: tuple[Any, ...] = tuple(place.values[name] for name in nodes)
     with float64():
         bent = flyer.bent(state, temperatures)
-        curvature, droop = float(bent.curl.largest), np.asarray(bent.droop(places))
+        curvature, droops = float(bent.curl.largest), np.array(bent.cut(places))
         hangs = float(bent.plate.ring) if float(flyer.payload) else None
     gap = float(getattr(flyer, "gap", getattr(flyer, "height", 0.0)))
-    return draw_cross_section(ax, places, curvature, droop, gap=gap, hanging=hangs)
+    return draw_cross_section(
+        ax, places, curvature, droops, gap=gap, hanging=hangs, one_side=bent.plate.at_three_points
+    )
 
 
 PANELS: "dict[str, Callable[[Prediction, Axes], Axes]]" = {

@@ -23,7 +23,7 @@ from .plates import free_plate_heights as free_plate_heights
 from .plates import free_plate_profile as free_plate_profile
 from .plates import load_curvatures as load_curvatures
 from .plates import shear_profile as shear_profile
-from .plates import three_point_heights as three_point_heights
+from .plates import three_point_profile as three_point_profile
 from .plates import three_point_shear as three_point_shear
 from .sandwich import Ligaments as Ligaments
 from .sandwich import dimpling_load as dimpling_load

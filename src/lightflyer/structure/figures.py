@@ -16,34 +16,35 @@ def draw_cross_section(
     ax: Axes,
     places: np.ndarray,
     curvature: float,
-    droop: np.ndarray,
+    droops: np.ndarray,
     *,
     gap: float = 0.0,
     hanging: float | None = None,
+    one_side: bool = False,
 ) -> Axes:
     """Draw a flyer to scale, in the direction in which it curls most.
 
-    ``places``: distances from its middle along the film [m], shape (n,), and ``droop``: heights
-    that its payload gives it there [m]; ``curvature`` of its curl [1/m]; ``gap`` between its
-    membranes, and radius of the circle from which a payload is ``hanging`` [m], None without one.
+    ``places``: distances from its middle along the film [m], shape (n,), and ``droops``: heights
+    that its payload gives it there, on the right and on the left [m], shape (2, n); ``curvature``
+    of its curl [1/m]; ``gap`` between its membranes, and radius of the circle from which a payload
+    is ``hanging`` [m], None without one, or on ``one_side`` alone.
     """
     radius = places[-1]
     ax.plot([-1e3 * radius, 1e3 * radius], [0.0, 0.0], color=GREY, lw=0.8, ls=":", label="flat")
-    lower = _arc(places, curvature * places, droop)
-    _both_sides(ax, lower, color=BLUE, label="to scale")
-    if gap > 0.0:
-        slope = np.arctan2(np.gradient(lower[1], places), np.gradient(lower[0], places))
-        _both_sides(ax, lower + gap * np.array([-np.sin(slope), np.cos(slope)]), color=BLUE)
-    highest = 0.5 * abs(curvature) * radius**2 + float(np.ptp(droop))
-    if 0.0 < highest < _SEEN * radius:
-        most = _LARGER * radius / highest
-        decade = 10.0 ** np.floor(np.log10(most))
-        times = decade * max(first for first in (1, 2, 5) if first * decade <= most)
-        flat = np.array([lower[0], times * lower[1]])
-        _both_sides(ax, flat, color=BLUE, lw=1.0, ls="--", label=f"heights × {times:,.0f}")
-    if hanging is not None:
-        ends = np.array([np.interp(hanging, places, axis) for axis in lower])
-        _both_sides(ax, ends[:, None], color=ORANGE, marker="v", ls="", label="payload hangs here")
+    shallow = 0.5 * abs(curvature) * radius**2 + float(np.ptp([0.0, *droops.ravel()]))
+    times = _enlarged(shallow / radius)
+    for side, droop in zip((1.0, -1.0), droops, strict=True):
+        lower = _arc(places, curvature * places, droop) * np.array([[side], [1.0]])
+        name = "_" if side < 0.0 else ""
+        ax.plot(*(1e3 * lower), color=BLUE, label=f"{name}to scale")
+        if gap > 0.0:
+            ax.plot(*(1e3 * (lower + gap * _normals(lower, side))), color=BLUE)
+        if times > 1.0:
+            ax.plot(1e3 * lower[0], 1e3 * times * lower[1], color=BLUE, lw=1.0, ls="--",
+                    label=f"{name}heights × {times:,.0f}")  # fmt: skip
+        if hanging is not None and not (one_side and name):
+            ends = [np.interp(hanging, places, axis) for axis in 1e3 * lower]
+            ax.plot(*ends, color=ORANGE, marker="v", ls="", label=f"{name}payload hangs here")
     around = _ROOM * 1e3 * radius
     low, high = ax.get_ylim()
     ax.set_ylim(min(low, -around), max(high, around))
@@ -54,6 +55,14 @@ def draw_cross_section(
     return ax
 
 
+def _enlarged(height: float) -> float:
+    """How many times larger heights are drawn besides; ``height``: over the radius."""
+    if not 0.0 < height < _SEEN:
+        return 1.0
+    decade = 10.0 ** np.floor(np.log10(_LARGER / height))
+    return float(decade * max(first for first in (1, 2, 5) if first * decade * height <= _LARGER))
+
+
 def _arc(places: np.ndarray, curled: np.ndarray, droop: np.ndarray) -> np.ndarray:
     """Distances from the axis and heights of a film that keeps its length [m], shape (2, n)."""
     angle = curled + np.clip(np.gradient(droop, places), -_UPRIGHT, _UPRIGHT)
@@ -62,8 +71,7 @@ def _arc(places: np.ndarray, curled: np.ndarray, droop: np.ndarray) -> np.ndarra
     return np.concatenate([np.zeros((2, 1)), np.cumsum(ways, axis=1)], axis=1)
 
 
-def _both_sides(ax: Axes, line: np.ndarray, **style: object) -> None:
-    label = style.pop("label", None)
-    across, height = 1e3 * line
-    ax.plot(across, height, label=label, **style)  # type: ignore[arg-type]
-    ax.plot(-across, height, **style)  # type: ignore[arg-type]
+def _normals(line: np.ndarray, side: float) -> np.ndarray:
+    """Directions across a line, upwards where it is flat, shape (2, n)."""
+    along = side * np.gradient(line, axis=1)
+    return np.array([-along[1], along[0]]) / np.hypot(*along)

@@ -79,35 +79,33 @@ def free_plate_heights(
 
 
 @closed_form
-def three_point_heights(
-    load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric
-) -> tuple[Array, Array, Array, Array]:
-    """How far such a plate rises over its middle if the load is at three points of the ring [m].
-
-    At a point and halfway between two, on the ring; likewise at the edge.
-    """
+def three_point_profile(
+    load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric, at: Numeric
+) -> tuple[Array, Array]:
+    """The same with the load at three points of the ring: towards one, and between two [m]."""
     # The ring's solution, and a sum over waves cos mφ, m = 3, 6, … Each is that of a point load in
     # an endless plate, R² ln R, with A rᵐ + B rᵐ⁺², which frees the edge of moment and shear.
-    inner, m = ring / jnp.asarray(radius), jnp.asarray(_WAVES)
-    a, nu = inner[..., None], jnp.asarray(poisson)[..., None]
+    inner, way = jnp.broadcast_arrays(ring / jnp.asarray(radius), at / jnp.asarray(radius))
+    a, x, m = inner[..., None], way[..., None], jnp.asarray(_WAVES)
+    nu = jnp.asarray(poisson)[..., None]
     power = a**m
     second = -(1.0 - nu) / (3.0 + nu) * power * (1.0 / m - a**2 / (m + 1.0))
-    edges = (
+    moment = (
         power / (m * (m - 1.0)) * ((m - 2.0) * (m - 1.0) + nu * (2.0 - m - m**2))
         - power * a**2 * (1.0 - nu)
         + second * ((m + 2.0) * (m + 1.0) + nu * (m + 2.0 - m**2))
     )
-    first = -edges / ((1.0 - nu) * m * (m - 1.0))
-    on_ring = 2.0 * a**2 / (m * (m**2 - 1.0)) + first * power + second * power * a**2
-    on_edge = power / (m * (m - 1.0)) - power * a**2 / (m * (m + 1.0)) + first + second
+    first = -moment / ((1.0 - nu) * m * (m - 1.0))
+    far = jnp.maximum(x, a)
+    near = jnp.minimum(x, a) / far
+    endless = x * a * near ** (m - 1.0) * (1.0 / (m - 1.0) + near**2 / (m + 1.0))
+    endless = endless - (x**2 + a**2) * near**m / m
+    waves = endless + x**m * (first + second * x**2)
     size = -load * radius**2 / (8.0 * math.pi * stiffness)
-    ring_height, edge_height = free_plate_heights(load, radius, ring, stiffness, poisson)
-    sign = jnp.asarray(_SIGNS)
+    even = free_plate_profile(load, radius, ring, stiffness, poisson, at)
     return (
-        ring_height + size * jnp.sum(on_ring, axis=-1),
-        ring_height + size * jnp.sum(sign * on_ring, axis=-1),
-        edge_height + size * jnp.sum(on_edge, axis=-1),
-        edge_height + size * jnp.sum(sign * on_edge, axis=-1),
+        even + size * jnp.sum(waves, axis=-1),
+        even + size * jnp.sum(jnp.asarray(_SIGNS) * waves, axis=-1),
     )
 
 
@@ -137,16 +135,26 @@ def shear_profile(
 
 @closed_form
 def three_point_shear(
-    load: Numeric, radius: Numeric, ring: Numeric, shear_stiffness: Numeric, hold: Numeric
-) -> Array:
-    """By how much more three points of a ring sink than a ring does, by shear [m].
+    load: Numeric,
+    radius: Numeric,
+    ring: Numeric,
+    shear_stiffness: Numeric,
+    hold: Numeric,
+    at: Numeric,
+) -> tuple[Array, Array]:
+    """The same with the load at three points: towards one, and between two [m].
 
     ``hold``: radius of each point [m].
     """
     # the sum of waves of a point load and its image beyond the free edge, cos mφ, m = 3, 6, …
-    near, image = 1.0 - jnp.asarray(hold) / ring, (ring / jnp.asarray(radius)) ** 2
-    waves = -(jnp.log(1.0 - near**3) + jnp.log(1.0 - image**3)) / 3.0
-    return load / (2.0 * math.pi * shear_stiffness) * waves
+    inner, way = ring / jnp.asarray(radius), at / jnp.asarray(radius)
+    near = jnp.minimum(way, inner) / jnp.maximum(way, inner)
+    at_hold, image = jnp.minimum(near, 1.0 - hold / jnp.asarray(ring)), (way * inner) ** 3
+    towards = jnp.log1p(-(at_hold**3)) + jnp.log1p(-image)
+    between = jnp.log1p(near**3) + jnp.log1p(image)
+    size = load / (6.0 * math.pi * shear_stiffness)
+    even = shear_profile(load, radius, ring, shear_stiffness, at)
+    return even + size * towards, even + size * between
 
 
 @closed_form

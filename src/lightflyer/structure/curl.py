@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.structure.closed_form import closed_form
+from lightflyer.program.entry_point import entry_point
 from lightflyer.structure.laminate import Stiffness
 
 _EDGE_FREE = 192.0  # of a round film with a free edge: its energy of stretching is E t K² πR⁶/384
@@ -24,7 +24,7 @@ class Curl(NamedTuple):
         return jnp.asarray(self.largest != self.smallest)
 
 
-@closed_form
+@entry_point
 def critical_curvature(stiffness: Stiffness, radius: Numeric) -> Array:
     r"""Curvature of the dish beyond which a free round film rolls up in one direction [1/m]."""
     # .. math:: \kappa_c = \sqrt{\frac{192\,D(1-\nu)}{E t R^4}}
@@ -33,7 +33,7 @@ def critical_curvature(stiffness: Stiffness, radius: Numeric) -> Array:
     return jnp.sqrt(_EDGE_FREE * stiffness.twisting / stiffness.membrane) / radius**2
 
 
-@closed_form
+@entry_point
 def curl_of_film(curvature: Numeric, stiffness: Stiffness, radius: Numeric) -> Curl:
     r"""Curl of a round film whose small pieces have a curvature.
 
@@ -79,7 +79,7 @@ def curl_of_film(curvature: Numeric, stiffness: Stiffness, radius: Numeric) -> C
     return Curl(sign * largest, sign * smallest)
 
 
-@closed_form
+@entry_point
 def projected_share(curl: Curl, radius: Numeric) -> Array:
     r"""Area of a curled film seen from above over that of the flat one, at least [1]."""
     # .. math:: \langle\cos\vartheta\rangle \ge 1 - \tfrac12\langle\vartheta^2\rangle,
@@ -90,7 +90,7 @@ def projected_share(curl: Curl, radius: Numeric) -> Array:
     return jnp.maximum(1.0 - 0.5 * square, 0.0)
 
 
-@closed_form
+@entry_point
 def tac_within(tac: Numeric, projected: Numeric) -> Array:
     r"""Thermal accommodation coefficient of a hollow face, over its opening [1].
 

@@ -6,12 +6,12 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.structure.closed_form import closed_form
+from lightflyer.program.entry_point import entry_point
 
 _ROD = math.pi**2  # Euler's load of a rod between hinges: π² EI/L²
 
 
-@closed_form
+@entry_point
 def fold_curvature(tension: Numeric, stiffness: Numeric) -> Array:
     r"""Curvature of a strip beside a hold, pulled at a right angle [1/m].
 
@@ -23,7 +23,7 @@ def fold_curvature(tension: Numeric, stiffness: Numeric) -> Array:
     return jnp.sqrt(2.0 * jnp.asarray(tension) / stiffness)
 
 
-@closed_form
+@entry_point
 def fold_tension(
     margin: Numeric, per_tension: Numeric, per_curvature: Numeric, stiffness: Numeric
 ) -> Array:
@@ -36,7 +36,7 @@ def fold_tension(
     return (2.0 * margin / (bent + jnp.sqrt(bent**2 + 4.0 * per_tension * margin))) ** 2
 
 
-@closed_form
+@entry_point
 def tether_mass(
     weight: Numeric, length: Numeric, density: Numeric, strength: Numeric, safety: Numeric = 2.0
 ) -> Array:
@@ -47,7 +47,7 @@ def tether_mass(
     return safety * weight * length * density / jnp.asarray(strength)
 
 
-@closed_form
+@entry_point
 def rod_mass(
     load: Numeric, length: Numeric, density: Numeric, modulus: Numeric, safety: Numeric = 2.0
 ) -> Array:

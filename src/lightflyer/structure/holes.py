@@ -4,12 +4,12 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.structure.closed_form import closed_form
+from lightflyer.program.entry_point import entry_point
 
 _ALIKE, _APART = -1.2, -1.77  # powers of the solid share, of stresses alike and apart
 
 
-@closed_form
+@entry_point
 def perforated_share(open_fraction: Numeric) -> Array:
     r"""Stiffness of a film with round holes over that of a whole one [1]."""
     # .. math:: \frac{1-\beta}{1+2\beta}
@@ -19,7 +19,7 @@ def perforated_share(open_fraction: Numeric) -> Array:
     return (1.0 - jnp.asarray(open_fraction)) / (1.0 + 2.0 * open_fraction)
 
 
-@closed_form
+@entry_point
 def tension_at_holes(first: Numeric, second: Numeric, open_fraction: Numeric) -> Array:
     r"""Largest tension in a film [Pa], whose whole parts would have two principal stresses [Pa]."""
     # .. math:: \sigma = \frac{1-\beta}{1+2\beta}\left(\frac{\sigma_1+\sigma_2}{(1-\beta)^{1.2}}

@@ -22,7 +22,7 @@ from lightflyer.core.quantity import (
     Thickness,
 )
 from lightflyer.core.types import Numeric
-from lightflyer.structure.closed_form import closed_form
+from lightflyer.program.entry_point import entry_point
 from lightflyer.structure.holes import tension_at_holes
 
 ROOM_TEMPERATURE = 293.15  # at which stresses of layers are stated [K]
@@ -101,7 +101,7 @@ class Stiffness(NamedTuple):
         return 2.0 / (1.0 / self.stretching + 1.0 / self.shearing)
 
 
-@closed_form
+@entry_point
 def laminate_stiffness(film: Laminate) -> Stiffness:
     """Stiffness of a film of layers."""
     alike, bending, neutral = _moments(film, _biaxial)
@@ -109,7 +109,7 @@ def laminate_stiffness(film: Laminate) -> Stiffness:
     return Stiffness(alike, bending, opposite, twisting, neutral)
 
 
-@closed_form
+@entry_point
 def flat_load(film: Laminate, temperature: Numeric) -> tuple[Array, Array]:
     """Tension [N/m] and moment [N] that hold a film flat at its length at 293.15 K.
 
@@ -123,7 +123,7 @@ def flat_load(film: Laminate, temperature: Numeric) -> tuple[Array, Array]:
     return tension, moment
 
 
-@closed_form
+@entry_point
 def free_curvature(film: Laminate, temperature: Numeric) -> Array:
     """Curvature of a small free film, alike in all directions [1/m]; its edge rises if positive."""
     # An exact result of linear theory. Source: [FreundSuresh2003]_ ch. 2.
@@ -131,13 +131,13 @@ def free_curvature(film: Laminate, temperature: Numeric) -> Array:
     return moment / laminate_stiffness(film).bending
 
 
-@closed_form
+@entry_point
 def free_strain(film: Laminate, temperature: Numeric) -> Array:
     """Strain of a free film at its neutral height, from its length at 293.15 K [1]."""
     return -flat_load(film, temperature)[0] / laminate_stiffness(film).stretching
 
 
-@closed_form
+@entry_point
 def layer_stresses(
     film: Laminate,
     temperature: Numeric,
@@ -172,7 +172,7 @@ def layer_stresses(
     return tuple(found)
 
 
-@closed_form
+@entry_point
 def bending_stresses(film: Laminate) -> tuple[Array, ...]:
     """Stress at the further face of each layer over a curvature in one direction [Pa m]."""
     neutral = laminate_stiffness(film).neutral

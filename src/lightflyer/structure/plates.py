@@ -8,7 +8,7 @@ from jax import Array
 from jax.scipy.special import xlogy
 
 from lightflyer.core.types import Numeric
-from lightflyer.structure.closed_form import closed_form
+from lightflyer.program.entry_point import entry_point
 from lightflyer.structure.laminate import Stiffness
 
 _PLATE = 64.0  # of a clamped round plate: p = 64 D w/b⁴ [TimoshenkoWoinowskyKrieger1959]
@@ -25,7 +25,7 @@ def _bent(inner: Numeric, poisson: Numeric) -> Array:
     return within / (1.0 + poisson)
 
 
-@closed_form
+@entry_point
 def free_plate_profile(
     load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric, at: Numeric
 ) -> Array:
@@ -69,7 +69,7 @@ def free_plate_profile(
     return size * (within + 0.125 * (beyond - xlogy(square, further)))
 
 
-@closed_form
+@entry_point
 def free_plate_heights(
     load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric
 ) -> tuple[Array, Array]:
@@ -78,7 +78,7 @@ def free_plate_heights(
     return free_plate_profile(*plate, ring), free_plate_profile(*plate, radius)
 
 
-@closed_form
+@entry_point
 def three_point_profile(
     load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric, at: Numeric
 ) -> tuple[Array, Array]:
@@ -109,7 +109,7 @@ def three_point_profile(
     )
 
 
-@closed_form
+@entry_point
 def load_curvatures(
     load: Numeric, radius: Numeric, ring: Numeric, stiffness: Numeric, poisson: Numeric
 ) -> tuple[Array, Array]:
@@ -123,7 +123,7 @@ def load_curvatures(
     return size * middle, size * (middle + 0.1875 * inner**2)
 
 
-@closed_form
+@entry_point
 def shear_profile(
     load: Numeric, radius: Numeric, ring: Numeric, shear_stiffness: Numeric, at: Numeric
 ) -> Array:
@@ -133,7 +133,7 @@ def shear_profile(
     return size * (jnp.log(jnp.maximum(way, inner) / inner) - 0.5 * way**2)
 
 
-@closed_form
+@entry_point
 def three_point_shear(
     load: Numeric,
     radius: Numeric,
@@ -157,7 +157,7 @@ def three_point_shear(
     return even + size * towards, even + size * between
 
 
-@closed_form
+@entry_point
 def clamped_deflection(
     pressure: Numeric, radius: Numeric, stiffness: Stiffness, tension: Numeric = 0.0
 ) -> Array:

@@ -11,7 +11,7 @@ from jax import Array
 
 from lightflyer.core.quantity import Checked, Length, Modulus, Thickness
 from lightflyer.core.types import Numeric
-from lightflyer.structure.closed_form import closed_form
+from lightflyer.program.entry_point import entry_point
 from lightflyer.structure.laminate import Stiffness
 
 _CLAMPED_BUCKLING = 3.831705970207512**2
@@ -85,7 +85,7 @@ class Ligaments(Checked):
         return far * self.spacing - self.radius
 
 
-@closed_form
+@entry_point
 def sandwich_stiffness(top: Stiffness, bottom: Stiffness, distance: Numeric) -> Stiffness:
     """Stiffness of two films whose distance stays [m]; neutral: over the lower film's own."""
 
@@ -101,7 +101,7 @@ def sandwich_stiffness(top: Stiffness, bottom: Stiffness, distance: Numeric) -> 
     )
 
 
-@closed_form
+@entry_point
 def root_stiffness(ligaments: Ligaments, film: Stiffness) -> Array:
     r"""Moment over angle at which a film holds the end of a post [N m]."""
     # .. math:: k = \frac{4\pi D}{\ln(1/\rho) - (1-\rho^2)(3-\rho^2)/4}, \qquad \rho = a/b
@@ -114,7 +114,7 @@ def root_stiffness(ligaments: Ligaments, film: Stiffness) -> Array:
     return 4.0 * math.pi * film.plate / open_ring
 
 
-@closed_form
+@entry_point
 def ligament_shear_stiffness(
     ligaments: Ligaments, height: Numeric, top: Stiffness, bottom: Stiffness
 ) -> Array:
@@ -129,7 +129,7 @@ def ligament_shear_stiffness(
     return ligaments.number_density / (posts + roots)
 
 
-@closed_form
+@entry_point
 def root_moment(ligaments: Ligaments) -> Array:
     r"""Moment per width in a film at the end of a post, over the shear force per width [m]."""
     # Of the shear force Q the film at either end of a post bends by M = Q/(2n), which at the
@@ -141,7 +141,7 @@ def root_moment(ligaments: Ligaments) -> Array:
     return (1.0 - share**2) / around
 
 
-@closed_form
+@entry_point
 def dimpling_load(radius: Numeric, film: Stiffness) -> Array:
     """Compression alike in all directions at which a film buckles within a held circle [N/m]."""
     # The first zero of the Bessel function J₁, squared, D/b² [TimoshenkoWoinowskyKrieger1959].

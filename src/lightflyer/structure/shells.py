@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.structure.closed_form import closed_form
+from lightflyer.program.entry_point import entry_point
 from lightflyer.structure.laminate import Stiffness
 
 SPHERE_KNOCK_DOWN = 0.14  # share of the classical pressure that built spheres bear [NASA-SP-8032]
@@ -15,7 +15,7 @@ _RING = 3.0  # of a ring, or the free end of a tube: p = 3 D/R³ [TimoshenkoGere
 _CYLINDER = math.pi * math.sqrt(6.0) / 9.0 * 12.0**0.75
 
 
-@closed_form
+@entry_point
 def sphere_buckling_pressure(
     radius: Numeric, stiffness: Stiffness, knock_down: Numeric = SPHERE_KNOCK_DOWN
 ) -> Array:
@@ -27,7 +27,7 @@ def sphere_buckling_pressure(
     return knock_down * 4.0 * rigid / jnp.asarray(radius) ** 2
 
 
-@closed_form
+@entry_point
 def cylinder_buckling_pressure(
     radius: Numeric,
     length: Numeric,
@@ -42,7 +42,7 @@ def cylinder_buckling_pressure(
     return knock_down * _CYLINDER * rigid / (length * jnp.asarray(radius) ** 1.5)
 
 
-@closed_form
+@entry_point
 def rim_buckling_pressure(radius: Numeric, opening: Numeric, plate: Numeric) -> Array:
     """Pressure at which a shell buckles around an opening with a free rim [Pa]; an estimate.
 

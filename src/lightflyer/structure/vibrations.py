@@ -7,7 +7,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.core.types import Numeric
-from lightflyer.structure.closed_form import closed_form
+from lightflyer.program.entry_point import entry_point
 
 _LOWEST_MEMBRANE = 2.404825557695773  # the first zero of the Bessel function J₀
 _LOWEST_SHEAR = 3.054236928227140  # the first zero of the derivative of J₂
@@ -26,7 +26,7 @@ UMBRELLA_PLACES = np.sqrt(_AREAS[0])
 """Distances from the middle over a plate's radius, for its mean over the area."""
 
 
-@closed_form
+@entry_point
 def free_plate_frequency(
     radius: Numeric, areal_density: Numeric, stiffness: Numeric, poisson: Numeric
 ) -> Array:
@@ -37,7 +37,7 @@ def free_plate_frequency(
     return jnp.sqrt(square * stiffness / areal_density) / (2.0 * math.pi * radius**2)
 
 
-@closed_form
+@entry_point
 def free_shear_frequency(
     radius: Numeric, areal_density: Numeric, shear_stiffness: Numeric
 ) -> Array:
@@ -45,7 +45,7 @@ def free_shear_frequency(
     return _LOWEST_SHEAR / (2.0 * math.pi * radius) * jnp.sqrt(shear_stiffness / areal_density)
 
 
-@closed_form
+@entry_point
 def umbrella_frequency(
     profile: Numeric, ring: Numeric, own_mass: Numeric, payload: Numeric
 ) -> Array:
@@ -64,13 +64,13 @@ def umbrella_frequency(
     return jnp.sqrt((mean - ring) / inertia) / (2.0 * math.pi)
 
 
-@closed_form
+@entry_point
 def membrane_frequency(radius: Numeric, areal_density: Numeric, tension: Numeric) -> Array:
     """Lowest frequency of a round membrane that is held at its edge [Hz]; ``tension`` [N/m]."""
     return _LOWEST_MEMBRANE / (2.0 * math.pi * radius) * jnp.sqrt(tension / areal_density)
 
 
-@closed_form
+@entry_point
 def sphere_frequency(
     radius: Numeric,
     areal_density: Numeric,
@@ -91,7 +91,7 @@ def sphere_frequency(
     return jnp.sqrt(root * membrane / (areal_density + moved)) / (2.0 * math.pi * radius)
 
 
-@closed_form
+@entry_point
 def open_sphere_frequency(
     radius: Numeric,
     opening: Numeric,

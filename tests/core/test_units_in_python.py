@@ -296,3 +296,22 @@ def test_a_sweep_takes_numbers_as_arrays(altitudes):
     over = {"altitude": altitudes}
     found = lf.sweep(lf.Disk(FILM, 0.01), lf.Earth(), lf.Lu2023(), over=over, outputs=["pressure"])
     np.testing.assert_allclose(found.pressure, lf.Earth().state(np.array(altitudes)).pressure)
+
+
+@pytest.mark.parametrize(
+    "wavelength",
+    [
+        ["500 nm", "0.6 um"],
+        OTHER_REGISTRY.Quantity([500, 600], "nm"),
+        xr.DataArray([500.0, 600.0], dims="wavelength", attrs={"units": "nm"}),
+    ],
+)
+def test_a_film_reads_units(wavelength):
+    film = lf.film.Film((lf.film.Layer(lf.film.material("Ge"), "20 nm"),))
+    expected = film.optics(np.array([500e-9, 600e-9]), np.radians(60.0))
+    found = film.optics(wavelength, "60 deg")
+    np.testing.assert_allclose(found.reflectance, expected.reflectance, rtol=1e-12)
+    with pytest.raises(lf.ParameterError, match="do not fit together"):
+        film.optics(wavelength, np.array([0.1, 0.2, 0.3]))
+    with pytest.raises(lf.ParameterError, match='side "left" is unknown'):
+        film.optics(wavelength, side="left")

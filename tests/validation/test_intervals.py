@@ -13,7 +13,7 @@ from scipy.stats import binom
 STUDY = Path(__file__).parents[2] / "studies" / "intervals"
 # of those that take a second or more each; fewer than four could not fail
 CASES = {
-    "calibrate": 4, "film": 4, "predict": 8, "roughness": 4, "tac": 8, "tac_logger": 4
+    "calibrate": 4, "film": 4, "optics": 4, "predict": 8, "roughness": 4, "tac": 8, "tac_logger": 4
 }  # fmt: skip
 MOST_CASES = 16
 # wider than they need be, as the documentation says: the scatter of few points is poorly known, and

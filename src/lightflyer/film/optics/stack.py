@@ -14,6 +14,7 @@ from lightflyer.core.quantity import (
     Checked,
     Length,
     OpenFraction,
+    Quantity,
     Roughness,
     Thickness,
     require_fit,
@@ -35,6 +36,7 @@ GRAZING = np.nextafter(np.pi / 2, 0.0)
 _UNITS = ((1e-9, "nm"), (1e-6, "µm"), (1e-3, "mm"))
 _TOO_MANY = 1e4  # of a unit, so that the next one is written
 
+_METRES, _RADIANS = Quantity("m"), Quantity("rad")
 _CLEAR = 1e-3
 """Largest extinction coefficient of a medium that light may come from [1]. Its square is neglected
 against that of the index; what it absorbs on the way is not counted."""
@@ -277,8 +279,9 @@ class Film(Checked):
         self, function: Callable[..., Any], wavelength: np.ndarray | float, incidence: Numeric
     ) -> Any:
         """A function of the sheets' indices and thicknesses, for light from above."""
+        wavelength = np.asarray(_METRES.number("wavelength", wavelength), float)
+        incidence = _RADIANS.number("incidence", incidence)
         require_range("incidence", incidence, 0.0, GRAZING)
-        wavelength = np.asarray(wavelength, float)
         require_positive(wavelength=wavelength)
         require_fit({"wavelength": wavelength.shape, "incidence": np.shape(incidence)})
         sheets = self.homogeneous()

@@ -1,0 +1,123 @@
+"""``lab optics``: thicknesses and an index from spectra, and from Ψ and Δ, that tmm computes.
+
+Germanium on mylar is seen in transmittance and in reflectance at 8°, with errors of scale and zero
+of each spectrum drawn from their accuracies. A clear film on glass is seen by an ellipsometer, with
+errors of N, C and S in common to all points. Noise is white.
+"""
+
+from functools import cache
+
+import numpy as np
+import tmm
+from trial import Trial
+
+import lightflyer as lf
+from lightflyer.film.media.dispersion import Cauchy, Formula
+from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample
+from lightflyer.lab.optics.fit import fit_optics
+from lightflyer.lab.optics.model import OpticalModel
+from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+
+COMMAND = "lab optics"
+
+SCALE, ZERO, NOISE = 0.01, 0.001, 0.003
+WAVELENGTH = np.linspace(0.45e-6, 1.6e-6, 116)[::-1]  # wavenumbers rise
+TILT = np.radians(8.0)
+GLASS, SLOPE = (1.50, 0.004e-12), 0.0035e-12  # Cauchy's numbers [1], [m²]
+ANGLE, ACCURACY, DEGREE = np.radians(65.0), 0.002, np.radians(0.05)
+VISIBLE = np.linspace(0.4e-6, 0.9e-6, 51)[::-1]
+
+
+def film_of(values):
+    """Germanium on mylar."""
+    layers = ("Ge", values["germanium"]), ("PET", values["mylar"])
+    return lf.film.Film(
+        tuple(lf.film.Layer(media()[name], thickness) for name, thickness in layers)
+    )
+
+
+@cache
+def media():
+    """The package's media, whose n and k are the truth's too."""
+    return {name: lf.film.material(name) for name in ("Ge", "PET")}
+
+
+def clear_film_of(values):
+    """A clear film on glass."""
+    layer = Formula("layer", cauchy=Cauchy(values["a"], SLOPE))
+    below = Formula("glass", cauchy=Cauchy(*GLASS))
+    return lf.film.Film((lf.film.Layer(layer, values["thickness"]),), below=below)
+
+
+def two_spectra(rng):
+    """Transmittance and reflectance as they are read, and the truth."""
+    truth = {"germanium": rng.uniform(15e-9, 40e-9), "mylar": rng.uniform(480e-9, 560e-9)}
+    index = [np.ravel(n + 1j * k) for n, k in (media()[m].index(WAVELENGTH) for m in ("Ge", "PET"))]
+    thickness = [np.inf, truth["germanium"], truth["mylar"], np.inf]
+    spectra = []
+    for quantity, key, tilt in (("transmittance", "T", 0.0), ("reflectance", "R", TILT)):
+        share = [
+            np.mean([
+                tmm.coh_tmm(one, [1.0, *layers, 1.0], thickness, tilt, wavelength)[key]
+                for one in "sp"
+            ])
+            for *layers, wavelength in zip(*index, WAVELENGTH, strict=True)
+        ]  # fmt: skip
+        read = np.array(share) * (1.0 + SCALE * rng.normal()) + ZERO * rng.normal()
+        read += NOISE * rng.normal(size=read.size)
+        measured = MeasuredSpectrum(quantity, quantity, 1.0 / WAVELENGTH, read)
+        spectra.append(FilmSpectrum(measured, tilt, "none", "top", SCALE, ZERO))
+    free = (
+        FreeNumber("germanium", 27e-9, 5e-9, 80e-9, "m"),
+        FreeNumber("mylar", 520e-9, 400e-9, 700e-9, "m"),
+    )
+    return OpticsSample(film_of, free, tuple(spectra)), truth
+
+
+def angles(rng):
+    """N, C and S as they are read, and the truth."""
+    truth = {"thickness": rng.uniform(80e-9, 200e-9), "a": rng.uniform(1.6, 1.75)}
+    found = []
+    for wavelength in VISIBLE:
+        layer, glass = truth["a"] + SLOPE / wavelength**2, GLASS[0] + GLASS[1] / wavelength**2
+        stack = [1.0, layer, glass], [np.inf, truth["thickness"], np.inf]
+        ratio = [tmm.coh_tmm(one, *stack, ANGLE, wavelength)["r"] for one in "sp"]
+        seen = -tmm.ellips(*stack, ANGLE, wavelength)["Delta"] + np.pi
+        found.append((np.arctan(np.abs(ratio[1] / ratio[0])), seen))
+    psi, delta = np.transpose(found) + DEGREE * rng.normal(size=(2, VISIBLE.size))
+    ordinates = {
+        "N": np.cos(2.0 * psi),
+        "C": np.sin(2.0 * psi) * np.cos(delta),
+        "S": np.sin(2.0 * psi) * np.sin(delta),
+    }
+    spectra = tuple(
+        FilmSpectrum(
+            MeasuredSpectrum(name, name, 1.0 / VISIBLE, value + ACCURACY * rng.normal()),
+            ANGLE, "none", "top", 0.0, ACCURACY,
+        )
+        for name, value in ordinates.items()
+    )  # fmt: skip
+    free = FreeNumber("thickness", 140e-9, 50e-9, 260e-9, "m"), FreeNumber("a", 1.68, 1.52, 1.9)
+    return OpticsSample(clear_film_of, free, spectra), truth
+
+
+CONDITIONS = {"T and R of germanium on mylar": two_spectra, "Ψ and Δ of a clear film": angles}
+
+
+@cache
+def model(name):
+    """The compiled film of a condition, the same for all trials."""
+    return OpticalModel(CONDITIONS[name](np.random.default_rng(0))[0])
+
+
+def trials(seed):
+    """Intervals of every free number under each condition."""
+    found = []
+    for number, (name, make) in enumerate(CONDITIONS.items()):
+        sample, truth = make(np.random.default_rng([seed, number]))
+        fit = fit_optics(sample, starts=6, seed=seed, model=model(name))
+        found += [
+            Trial(f"{free}, {name}", truth[free], *one.interval)
+            for free, one in fit.numbers.items()
+        ]
+    return found

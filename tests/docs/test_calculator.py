@@ -95,7 +95,7 @@ def _nudged(shown):
 @pytest.fixture(scope="module")
 def script(calculator_files):
     """The scripts that need no page."""
-    names = ("calculator-model.js", "calculator-core.js")
+    names = ("calculator-model-disk.js", "calculator-core.js")
     return "".join((calculator_files / name).read_text(encoding="utf-8") for name in names)
 
 

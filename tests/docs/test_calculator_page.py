@@ -19,7 +19,7 @@ pytestmark = pytest.mark.snippets
 
 SITE = "http://calculator.test/"
 POLICY = "default-src 'none'; script-src 'self'; style-src 'self'"
-SCRIPTS = [f"calculator-{name}.js" for name in ("model", "core", "figures", "view")]
+SCRIPTS = [f"calculator-{name}.js" for name in ("model-disk", "core", "figures", "view")]
 PAGE = (
     '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>t</title>'
     '<meta name="viewport" content="width=device-width">'

@@ -9,7 +9,9 @@ import pytest
 from lightflyer.config.reader import read_design
 
 pytest.importorskip("sphinx")
-from published import calculator_hash, page, published, table
+from calculator.kinds import KINDS
+from calculator.model import factor, force_models
+from published import calculator_state, page, published, table
 from published.verdicts import verdict
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -51,11 +53,22 @@ def test_a_changed_number_has_no_verdict(monkeypatch):
         FLYERS[0].verdict()
 
 
-def test_only_disks_over_earth_are_in_the_calculator():
-    links = {flyer.name: calculator_hash(flyer) for flyer in FLYERS}
-    shown = {name for name, link in links.items() if link}
-    assert shown == {"lu2023-mesosphere", "lu2023-payload"}
-    assert "&flyer.diameter=3" in links["lu2023-payload"]
+@pytest.mark.parametrize("flyer", FLYERS, ids=NAMES)
+def test_the_calculator_shows_the_numbers_of_its_file(flyer, tmp_path):
+    name, link = calculator_state(flyer)
+    kind = next(one for one in KINDS if one.name == name)
+    path = tmp_path / "flyer.toml"
+    path.write_text(flyer.flyer_file(), encoding="utf-8")
+    design = read_design(path)
+    shown = dict(part.split("=") for part in link.removeprefix("#design:").split("&"))
+    assert shown.pop("model") in force_models(kind)
+    assert kind.size.name in shown
+    for number in kind.computed:
+        if number.name in shown:
+            value = float(shown[number.name]) * factor(number, kind)
+            given = design.number(number.name)
+            given = design.number("film.emittance") if given is None else given
+            assert value == pytest.approx(given, rel=1e-5, abs=1e-12), number.name
 
 
 @pytest.mark.snippets

@@ -7,6 +7,7 @@ shown. The directive ``calculator`` puts it on a page.
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -16,19 +17,21 @@ from docutils.parsers.rst import Directive
 from sphinx.application import Sphinx
 
 _HERE = Path(__file__).parent
-_MODEL = "calculator-model.js"
+_MODEL = "calculator-model-{}.js"
 _COPIED = {f"{name}.js": f"calculator-{name}.js" for name in ("core", "figures", "view")}
 _STYLE = "calculator.css"
 
 
 class Calculator(Directive):
-    """``{calculator}``: the calculator, here."""
+    """``{calculator} KIND``: the calculator of a kind, here; of a disk where none is named."""
+
+    optional_arguments = 1
 
     def run(self) -> list[nodes.Node]:
         """Its HTML."""
         from .page import html
 
-        return [nodes.raw("", html(), format="html")]
+        return [nodes.raw("", html(*self.arguments), format="html")]
 
 
 def write(folder: Path) -> None:
@@ -39,10 +42,12 @@ def write(folder: Path) -> None:
     folder : Path
         Made if need be.
     """
+    from .kinds import KINDS
     from .model import compile_all
 
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / _MODEL).write_text(compile_all(), encoding="utf-8")
+    for kind in KINDS:
+        (folder / _MODEL.format(kind.name)).write_text(compile_all(kind), encoding="utf-8")
     for source, target in _COPIED.items():
         shutil.copyfile(_HERE / source, folder / target)
     shutil.copyfile(_HERE / _STYLE, folder / _STYLE)
@@ -57,9 +62,10 @@ def _prepare(app: Sphinx) -> None:
 
 def _load(app: Sphinx, _page: str, _template: str, context: dict[str, Any], _tree: Any) -> None:
     """Load the scripts on pages that have a calculator, and on no other."""
-    if 'id="lf-calculator"' in context.get("body", ""):
+    found = re.search(r'id="lf-calculator" data-kind="(\w+)"', context.get("body", ""))
+    if found:
         app.add_css_file(_STYLE)
-        for script in (_MODEL, *_COPIED.values()):
+        for script in (_MODEL.format(found[1]), *_COPIED.values()):
             app.add_js_file(script, loading_method="defer")
 
 

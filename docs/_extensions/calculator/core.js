@@ -4,9 +4,8 @@
 
   const { functions, about } = globalThis.lightflyerModel;
   const computed = about.numbers.filter((number) => number.computed);
-  const ALTITUDE = computed.findIndex((number) => number.name === "altitude");
-  const DIAMETER = computed.findIndex((number) => number.name === "flyer.diameter");
-  const LIMIT = "film.highest_temperature";
+  const COORDINATE = computed.findIndex((number) => number.name === about.coordinate);
+  const SIZE = computed.findIndex((number) => number.name === about.size);
   const LIMIT_ROUNDING = 1 + 1e-5; // as in the package
   const MOST_DIGITS = 16;
   const SMALLEST = 1e-9; // elasticity that is more than rounding
@@ -43,7 +42,7 @@
     ranges.forEach((range, index) => {
       said.push(...beyond(range, looked[index], results.pressure));
     });
-    const limit = values[LIMIT];
+    const limit = limitOf(values);
     if (isTooHot(values, results.temperature)) {
       said.push(
         `the flyer reaches ${results.temperature.toFixed(0)} K, and its film bears ` +
@@ -65,9 +64,14 @@
     return [];
   }
 
+  /** Temperature that the flyer's films bear, all of them [K]. */
+  function limitOf(values) {
+    return Math.min(...about.limits.map((name) => values[name]));
+  }
+
   /** Whether a film is hotter than it bears; temperature: [K]. */
   function isTooHot(values, temperature) {
-    return temperature > values[LIMIT] * LIMIT_ROUNDING;
+    return temperature > limitOf(values) * LIMIT_ROUNDING;
   }
 
   /** Whether a row of results is within all ranges of a force model. */
@@ -115,7 +119,7 @@
   function profile(model, values, altitudes) {
     const given = argumentsOf(values);
     return altitudes.map((altitude) => {
-      given[ALTITUDE] = altitude;
+      given[COORDINATE] = altitude;
       return functions[model].evaluate(...given);
     });
   }
@@ -125,7 +129,7 @@
     const given = argumentsOf(values);
     const spare = (row) => row[place.lift_over_weight] - 1;
     const at = (altitude) => {
-      given[ALTITUDE] = altitude;
+      given[COORDINATE] = altitude;
       return spare(functions[model].evaluate(...given));
     };
     const found = [];
@@ -151,6 +155,7 @@
 
   /** Where it comes to rest when let go: altitude [m] and temperature [K]; null if not in sight. */
   function rest(model, values, altitudes, found) {
+    if (about.coordinate !== "altitude") return null; // nothing drifts in a chamber
     const widths = found.map(([low, high]) => high - low);
     const widest = found[widths.indexOf(Math.max(...widths))];
     if (!widest || widest[1] === altitudes[altitudes.length - 1]) return null;
@@ -181,9 +186,9 @@
     const temperature = new Float64Array(payload.length);
     const inRange = new Uint8Array(payload.length);
     altitudes.forEach((altitude, row) => {
-      given[ALTITUDE] = altitude;
+      given[COORDINATE] = altitude;
       diameters.forEach((diameter, column) => {
-        given[DIAMETER] = diameter;
+        given[SIZE] = diameter;
         const found = functions[model].evaluate(...given);
         const index = row * diameters.length + column;
         payload[index] = found[CONVERGED] ? found[place.payload] : NaN;
@@ -200,22 +205,24 @@
     const slopes = functions[model].slopes(...given);
     return computed
       .map((number, index) => ({ number, value: (slopes[index] * given[index]) / irradiance }))
-      .filter(({ number, value }) => number.name !== "altitude" && Math.abs(value) > SMALLEST);
+      .filter(({ number, value }) => number.name !== about.coordinate && Math.abs(value) > SMALLEST);
   }
 
   /** The flyer file of some values; the package gives the same numbers for it. */
   function flyerFile(model, values) {
     const { version, template } = about;
+    const where = computed[COORDINATE];
     const lines = [
       `# Made by the calculator of the documentation of lightflyer ${version}. The same numbers:`,
-      `# lightflyer predict FILE --at "${values.altitude} km"`,
+      `# lightflyer predict FILE --at "${values[where.name]} ${where.unit}"`,
     ];
     for (const [section, fixed] of Object.entries(template)) {
       lines.push("", `[${section}]`);
-      for (const [key, value] of Object.entries(fixed)) lines.push(`${key} = "${value}"`);
+      for (const [key, value] of Object.entries(fixed)) lines.push(`${key} = ${JSON.stringify(value)}`);
       for (const { name, unit } of about.numbers) {
-        const [part, key] = name.split(".");
-        if (part !== section) continue;
+        const end = name.lastIndexOf(".");
+        const key = name.slice(end + 1);
+        if (name.slice(0, Math.max(end, 0)) !== section) continue;
         lines.push(`${key} = ${unit ? `"${values[name]} ${unit}"` : values[name]}`);
       }
       if (section === "force") lines.push(`model = "${model}"`);
@@ -233,6 +240,7 @@
     bands,
     rest,
     isTooHot,
+    limitOf,
     easiest,
     map,
     elasticities,

@@ -5,20 +5,22 @@
   const core = globalThis.lightflyerCore;
   const { about, amount, general, place } = core;
   const SVG = "http://www.w3.org/2000/svg";
-  const KILO = 1e3;
-  const CENTI = 1e-2;
-  const MILLIGRAM = 1e-6;
   const SLOPES = 8; // numbers of most effect that are shown
 
   const numbers = Object.fromEntries(about.numbers.map((number) => [number.name, number]));
-  const { low: BOTTOM, high: TOP } = numbers.altitude;
-  const ALTITUDES = spaced(BOTTOM * KILO, TOP * KILO, 161);
-  const DIAMETER = numbers["flyer.diameter"];
-  const MAP_DIAMETERS = spaced(Math.log(DIAMETER.low), Math.log(DIAMETER.high), 64, true).map(
-    (size) => Math.exp(size) * CENTI,
-  );
-  const MAP_ALTITUDES = spaced(BOTTOM * KILO, TOP * KILO, 60, true);
-  const LIGHTS = [100, 1e4]; // ends of the axis of irradiance [W/m²]
+  const WHERE = numbers[about.coordinate]; // altitude, or pressure in a chamber
+  const { low: BOTTOM, high: TOP } = WHERE;
+  const UNIT = core.pretty(WHERE.unit);
+  const KILO = WHERE.factor; // of the coordinate
+  const ALTITUDES = along(WHERE, 161);
+  const DIAMETER = numbers[about.size];
+  const CENTI = DIAMETER.factor; // of the size
+  const MAP_DIAMETERS = along(DIAMETER, 64, true);
+  const MAP_ALTITUDES = along(WHERE, 60, true);
+  const MASS = about.outputs[place.payload];
+  const MILLIGRAM = 1 / MASS.factor; // of masses
+  const LIGHTS = about.lights; // ends of the axis of irradiance [W/m²]
+  const DECADES_OF_ALL = 2.4; // of an axis, beyond which only powers of ten have ticks
   const DECADES = 4; // of payload on the map
   // Matplotlib's cividis, as in the package's maps
   const CIVIDIS = [
@@ -27,6 +29,11 @@
   ];
   const TOO_HOT = 70; // opacity of 255 where the film does not bear it
 
+  const LONG = 12; // ms that a map takes, from which on it waits until nothing moves
+  const RESTED = 150; // ms
+
+  let mapping = 0;
+  let mapTook = 0;
   let mapped = ""; // what the map was drawn for
 
   const element = (id) => document.getElementById(id);
@@ -36,6 +43,31 @@
     const shift = centred ? 0.5 : 0;
     return Array.from({ length: count }, (_, at) => low + ((high - low) * (at + shift)) / ends);
   }
+
+  /** Values of a number along its slider, in the package's units. */
+  function along({ low, high, factor, logarithmic }, count, centred = false) {
+    if (!logarithmic) return spaced(low * factor, high * factor, count, centred);
+    return spaced(Math.log(low), Math.log(high), count, centred).map((one) => Math.exp(one) * factor);
+  }
+
+  /** Round numbers on an axis, at most a few. */
+  function ticks(low, high, isLogarithmic) {
+    if (!isLogarithmic) {
+      const step = [1, 2, 5, 10, 20, 50].find((one) => (high - low) / one <= 6);
+      const first = Math.ceil(low / step) * step;
+      return Array.from({ length: Math.floor((high - first) / step) + 1 }, (_, at) => first + at * step);
+    }
+    const decades = Math.log10(high / low);
+    const mantissas = decades > DECADES_OF_ALL ? [1] : [1, 2, 5];
+    const found = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power += 1) {
+      mantissas.forEach((one) => found.push(Number(`${one}e${power}`)));
+    }
+    return found.filter((one) => one >= low * 0.999 && one <= high * 1.001);
+  }
+
+  const scaleOf = ({ low, high, logarithmic: isLogarithmic }) =>
+    (isLogarithmic ? logarithmic(low, high) : linear(low, high));
 
   function create(name, attributes = {}, text = null) {
     const made = document.createElement(name);
@@ -96,12 +128,12 @@
       width: 400,
       height: 290,
       right: 14,
-      x: linear(BOTTOM, TOP),
+      x: scaleOf(WHERE),
       y: logarithmic(...LIGHTS),
-      xTitle: "altitude [km]",
+      xTitle: `${WHERE.label} [${UNIT}]`,
       yTitle: "irradiance [W/m²]",
-      xTicks: [20, 40, 60, 80, 100, 120],
-      yTicks: [100, 200, 500, 1000, 2000, 5000, 10000],
+      xTicks: ticks(BOTTOM, TOP, WHERE.logarithmic),
+      yTicks: ticks(...LIGHTS, true),
     });
     curve.bands = draw(curve.under, "g", { class: "lf-bands" });
     curve.lines = Object.fromEntries(
@@ -163,12 +195,12 @@
       const size = { x: left, width: right - left, y: box.top, height: box.bottom - box.top };
       draw(curve.bands, "rect", size);
     });
-    const light = values["environment.irradiance"];
+    const light = values["environment.irradiance"] * numbers["environment.irradiance"].factor;
     line(curve.light, box.left, box.right, lightAt(light), lightAt(light));
     mark(curve.light, isOn(LIGHTS, light));
-    const here = curve.x(values.altitude);
+    const here = curve.x(values[WHERE.name]);
     line(curve.here, here, here, box.top, box.bottom);
-    mark(curve.here, isOn([BOTTOM, TOP], values.altitude));
+    mark(curve.here, isOn([BOTTOM, TOP], values[WHERE.name]));
     const least = core.easiest(model, values, ALTITUDES, own);
     mark(curve.least, least !== null && isOn(LIGHTS, least.irradiance));
     if (least !== null) {
@@ -203,21 +235,26 @@
   }
 
   function curveWords(found, least, light) {
-    const kilometres = (altitude) => (altitude / KILO).toFixed(1);
-    const ranges = found.map(([low, high]) => `${kilometres(low)} to ${kilometres(high)} km`);
+    const ranges = found.map(([low, high]) => `${shown(low)} to ${shown(high)} ${UNIT}`);
     const bands = ranges.length
       ? `In ${light} W/m² it levitates from ${ranges.join(" and from ")}.`
-      : `In ${light} W/m² it levitates nowhere between ${BOTTOM} and ${TOP} km.`;
+      : `In ${light} W/m² it levitates nowhere between ${BOTTOM} and ${TOP} ${UNIT}.`;
     if (least === null) return `${bands} No light lifts it there.`;
     const needed = amount("levitation_irradiance", least.irradiance);
-    return `${bands} It needs least at ${kilometres(least.altitude)} km: ${needed}.`;
+    return `${bands} It needs least at ${shown(least.altitude)} ${UNIT}: ${needed}.`;
+  }
+
+  /** A coordinate as words have it. */
+  function shown(coordinate) {
+    const value = coordinate / KILO;
+    return WHERE.logarithmic ? general(value, 3) : value.toFixed(1);
   }
 
   function restWords(values, rest) {
     if (rest === null) return "";
-    const limit = values["film.highest_temperature"];
+    const limit = core.limitOf(values);
     const film = `its film bears ${limit} K${rest.temperature > limit ? "" : " and survives"}`;
-    const place = `${(rest.altitude / KILO).toFixed(1)} km and ${rest.temperature.toFixed(0)} K`;
+    const place = `${shown(rest.altitude)} ${UNIT} and ${rest.temperature.toFixed(0)} K`;
     return `Let go, it rests at ${place}; ${film}.`;
   }
 
@@ -229,11 +266,11 @@
       height: 290,
       right: 66,
       x: logarithmic(DIAMETER.low, DIAMETER.high),
-      y: linear(BOTTOM, TOP),
-      xTitle: "diameter [cm]",
-      yTitle: "altitude [km]",
-      xTicks: [0.1, 0.2, 0.5, 1, 2, 5, 10, 20],
-      yTicks: [20, 40, 60, 80, 100, 120],
+      y: scaleOf(WHERE),
+      xTitle: `${DIAMETER.label} [${core.pretty(DIAMETER.unit)}]`,
+      yTitle: `${WHERE.label} [${UNIT}]`,
+      xTicks: ticks(DIAMETER.low, DIAMETER.high, true),
+      yTicks: ticks(BOTTOM, TOP, WHERE.logarithmic),
     });
     const { box, width, height } = chart;
     const canvas = element("lf-map");
@@ -283,20 +320,34 @@
   }
 
   function showMap(model, values) {
-    const others = about.numbers.filter(({ name }) => !["altitude", DIAMETER.name].includes(name));
+    const others = about.numbers.filter(({ name }) => ![WHERE.name, DIAMETER.name].includes(name));
     const wanted = JSON.stringify([model, ...others.map(({ name }) => values[name])]);
-    if (wanted !== mapped) paintMap(model, values);
-    mapped = wanted;
+    if (wanted !== mapped) {
+      mapped = wanted;
+      clearTimeout(mapping);
+      const given = { ...values };
+      const paint = () => {
+        const start = performance.now();
+        paintMap(model, given);
+        mapTook = performance.now() - start;
+        element("lf-map").classList.remove("lf-old");
+      };
+      if (mapTook < LONG) paint();
+      else {
+        element("lf-map").classList.add("lf-old");
+        mapping = setTimeout(paint, RESTED);
+      }
+    }
     const diameter = values[DIAMETER.name];
     chart.here.setAttribute("cx", chart.x(diameter));
-    chart.here.setAttribute("cy", chart.y(values.altitude));
+    chart.here.setAttribute("cy", chart.y(values[WHERE.name]));
     const isWithin = isOn([DIAMETER.low, DIAMETER.high], diameter);
-    mark(chart.here, isWithin && isOn([BOTTOM, TOP], values.altitude));
+    mark(chart.here, isWithin && isOn([BOTTOM, TOP], values[WHERE.name]));
   }
 
   function paintMap(model, values) {
     const { payload, temperature, inRange } = core.map(model, values, MAP_DIAMETERS, MAP_ALTITUDES);
-    const limit = values["film.highest_temperature"];
+    const limit = core.limitOf(values);
     let best = -1;
     payload.forEach((mass, index) => {
       if (mass > 0 && temperature[index] <= limit && (best < 0 || mass > payload[best])) {
@@ -326,7 +377,7 @@
 
   function markBest(best, most, isBeyond) {
     mark(chart.best, best >= 0);
-    let words = "In this light no disk levitates with a film that bears it.";
+    let words = "In this light none of these levitates with a film that bears it.";
     if (best >= 0) {
       const diameter = MAP_DIAMETERS[best % MAP_DIAMETERS.length] / CENTI;
       const altitude = MAP_ALTITUDES[Math.floor(best / MAP_DIAMETERS.length)] / KILO;
@@ -334,12 +385,13 @@
       const cross = `M${x - 5} ${y}h10M${x} ${y - 5}v10`;
       chart.crosses.forEach((made) => made.setAttribute("d", cross));
       words =
-        `Most on this map (cross): ${amount("payload", most)}, at ${general(diameter, 3)} cm and ` +
-        `${general(altitude, 3)} km.`;
+        `Most on this map (cross): ${amount("payload", most)}, at ${general(diameter, 3)} ` +
+        `${core.pretty(DIAMETER.unit)} and ${general(altitude, 3)} ${UNIT}.`;
     }
     const chequered = isBeyond ? ", chequered where the force model is beyond its range" : "";
     const described =
-      "Largest payload [mg] over diameter and altitude; faint where the film is hotter than it " +
+      `Largest payload [${MASS.unit}] over diameter and ${WHERE.label}; ` +
+      "faint where the film is hotter than it " +
       `bears${chequered}.`;
     element("lf-map-text").textContent = `${described} ${words} Click to go there.`;
     element("lf-map-axes").setAttribute("aria-label", `${described} ${words}`);

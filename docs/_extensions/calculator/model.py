@@ -15,6 +15,7 @@ import numpy as np
 import lightflyer
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.flyer_file import FileDesign, flyer_file_type, models_for
+from lightflyer.core.errors import LightflyerError
 from lightflyer.core.precision import float64
 from lightflyer.core.quantity import quantities_of
 from lightflyer.core.units import scale_and_offset
@@ -23,9 +24,11 @@ from lightflyer.design.diagnostics import diagnose_force
 from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.disk import DiskSection
+from lightflyer.flyer.section import FlyerSection
 from lightflyer.program.javascript.writer import Tables, write_function
 from lightflyer.program.tracing import trace_numbers
+
+from .kinds import DISK, Kind, Number
 
 SHOWN = (
     "levitation_irradiance",
@@ -44,66 +47,7 @@ SLOPE_OF = "levitation_irradiance"
 """Output whose slopes are shown."""
 
 
-@dataclass(frozen=True)
-class Number:
-    """A number that a reader may change.
-
-    Attributes
-    ----------
-    name : str
-        As in a design; ``altitude`` for the coordinate.
-    label : str
-    unit : str
-        As a flyer file has it, empty for a pure number.
-    low, high : float
-        Ends of its slider, in the unit.
-    digits : int
-        Digits after the point of one step.
-    logarithmic : bool
-        Whether the slider is.
-    computed : bool
-        Whether results depend on it; a limit changes none.
-    """
-
-    name: str
-    label: str
-    unit: str
-    low: float
-    high: float
-    digits: int = 2
-    logarithmic: bool = False
-    computed: bool = True
-
-
-GROUPS = {
-    "Flyer": (
-        Number("flyer.diameter", "diameter", "cm", 0.1, 20.0, 3, logarithmic=True),
-        Number("flyer.payload", "payload carried", "mg", 0.0, 10.0, 2),
-        Number("altitude", "altitude", "km", 20.0, 120.0, 1),
-    ),
-    "Film": (
-        Number("film.areal_density", "areal density", "g/m^2", 0.05, 20.0, 3, logarithmic=True),
-        Number("film.absorptance", "absorptance for sunlight", "", 0.01, 1.0),
-        Number("film.emittance_top", "emittance, top", "", 0.01, 1.0),
-        Number("film.emittance_bottom", "emittance, bottom", "", 0.01, 1.0),
-        Number("film.tac_top", "accommodation coefficient (TAC), top", "", 0.3, 1.0),
-        Number("film.tac_bottom", "accommodation coefficient (TAC), bottom", "", 0.3, 1.0),
-        Number("film.highest_temperature", "temperature it bears", "K", 300.0, 1500.0, 0,
-               computed=False),
-    ),
-    "Light and heat around": (
-        Number("environment.irradiance", "irradiance of the beam", "W/m^2", 0.0, 5000.0, 0),
-        Number("environment.incidence", "beam from the vertical", "deg", 0.0, 85.0, 0),
-        Number("environment.albedo", "albedo below", "", 0.0, 1.0),
-        Number("environment.infrared_bottom", "heat radiation from below", "W/m^2", 0.0, 400.0, 0),
-        Number("environment.infrared_top", "heat radiation from above", "W/m^2", 0.0, 400.0, 0),
-    ),
-}  # fmt: skip
-"""Numbers by the heading that they stand under."""
-
-NUMBERS = tuple(number for group in GROUPS.values() for number in group)
-COMPUTED = tuple(number for number in NUMBERS if number.computed)
-"""Arguments of the compiled functions, in order."""
+NUMBERS, COMPUTED = DISK.numbers, DISK.computed
 
 TITLES = {
     "lu2023": "Lu et al. (2023)",
@@ -113,42 +57,60 @@ TITLES = {
 }
 """What force models are called where room is short; others keep their names."""
 
-_ALTITUDE = "altitude"
-_START = 80.0  # altitude to start from, near the strongest lift by the kinetic force [km]
 
-
-def template() -> dict[str, Any]:
+@cache
+def template(kind: Kind = DISK) -> dict[str, Any]:
     """The flyer file that ``lightflyer init`` writes, with an emittance for each face."""
-    content = tomllib.loads(templates()["earth"].read())
-    both = content["film"].pop("emittance")
-    content["film"] |= {"emittance_top": both, "emittance_bottom": both}
+    content = tomllib.loads(templates()[kind.template].read())
+    film = content.get("film", {})
+    if "emittance" in film:
+        both = film.pop("emittance")
+        film |= {"emittance_top": both, "emittance_bottom": both}
     return content
 
 
 @cache
-def design(model: str) -> FileDesign:
+def design(model: str, kind: Kind = DISK) -> FileDesign:
     """The design of ``lightflyer init`` under a force model."""
-    content = template() | {"force": {"model": model}}
-    return flyer_file_type()(**content).design()
-
-
-def force_models() -> list[str]:
-    """Names of all force models for a disk, the default first."""
-    first = DiskSection.default_model
-    return sorted(models_for(DiskSection), key=lambda name: name != first)
+    content = template(kind)
+    own = content["force"] if content["force"]["model"] == model else {"model": model}
+    return flyer_file_type()(**content | {"force": own}).design()
 
 
 @cache
-def factor(number: Number) -> float:
+def force_models(kind: Kind = DISK) -> list[str]:
+    """Names of all force models that are for the flyer where it is, the template's first."""
+    content = template(kind)
+    first, found = content["force"]["model"], []
+    section = FlyerSection.alternatives[content["flyer"]["shape"]]
+    if "form" in content["flyer"]:
+        section = FlyerSection.alternatives[FlyerSection.tag_of(content["flyer"])]
+    for name in sorted(models_for(section), key=lambda name: name != first):
+        try:
+            OUTPUTS["lift"].value(start(design(name, kind), kind))
+        except LightflyerError:  # in a gas that it is not for
+            continue
+        found.append(name)
+    return found
+
+
+def start(base: FileDesign, kind: Kind) -> OperatingPoint:
+    """Where the calculator begins."""
+    return OperatingPoint(base.build({}), kind.start * factor(kind.coordinate, kind))
+
+
+@cache
+def factor(number: Number, kind: Kind = DISK) -> float:
     """From the shown unit to the one that the package computes with."""
-    unit = design(force_models()[0]).fields[number.name].quantity.unit
+    first = template(kind)["force"]["model"]
+    unit = design(first, kind).fields[number.name].quantity.unit
     return scale_and_offset(number.unit, unit)[0] if number.unit else 1.0
 
 
-def case(base: FileDesign, values: Any) -> OperatingPoint:
-    """The flyer of some numbers, in the order of :data:`COMPUTED`."""
-    named = {number.name: value for number, value in zip(COMPUTED, values, strict=True)}
-    return OperatingPoint(base.build(named), named[_ALTITUDE])
+def case(base: FileDesign, values: Any, kind: Kind = DISK) -> OperatingPoint:
+    """The flyer of some numbers, in the order of the kind's computed ones."""
+    named = {number.name: value for number, value in zip(kind.computed, values, strict=True)}
+    return OperatingPoint(base.build(named), named[kind.coordinate.name])
 
 
 def ranges_of(one: OperatingPoint) -> tuple[list[tuple[Validity, Any]], tuple[str, ...]]:
@@ -170,7 +132,11 @@ def ranges_of(one: OperatingPoint) -> tuple[list[tuple[Validity, Any]], tuple[st
         *state.gas.ranges(state.temperature),
         *state.gas.ranges(hot),
     ]
-    return found, (*one.setup.model.remarks(flyer, state, hot), *flyer.diagnostics(state, hot))
+    try:
+        notes = (*one.setup.model.remarks(flyer, state, hot), *flyer.diagnostics(state, hot))
+    except jax.errors.TracerArrayConversionError:  # depend on numbers, which a trace has not
+        notes = ()
+    return found, notes
 
 
 @dataclass(frozen=True)
@@ -195,14 +161,14 @@ class Compiled:
     notes: tuple[str, ...]
 
 
-def compile_model(name: str, tables: Tables) -> Compiled:
+def compile_model(name: str, tables: Tables, kind: Kind = DISK) -> Compiled:
     """Trace a force model and write it in JavaScript."""
-    base, identifier = design(name), f"model_{name.replace('-', '_')}"
+    base, identifier = design(name, kind), f"model_{name.replace('-', '_')}"
     looked_at: list[Validity] = []
     notes: list[str] = []
 
     def point(*values: Any) -> tuple[Any, ...]:
-        one = case(base, values)
+        one = case(base, values, kind)
         results = [OUTPUTS[output].value(one) for output in SHOWN]
         ranges, told = ranges_of(one)
         looked_at.extend(range_ for range_, _ in ranges)
@@ -210,23 +176,23 @@ def compile_model(name: str, tables: Tables) -> Compiled:
         return *results, one.converged, *(value for _, value in ranges)
 
     with float64():
-        text = write_function(identifier, trace_numbers(point, len(COMPUTED)), tables)
-        slopes = trace_numbers(slopes_of(base), len(COMPUTED))
+        text = write_function(identifier, trace_numbers(point, len(kind.computed)), tables)
+        slopes = trace_numbers(slopes_of(base, kind), len(kind.computed))
         text += write_function(f"{identifier}_slopes", slopes, tables)
     return Compiled(name, text, identifier, tuple(looked_at), tuple(notes))
 
 
-def slopes_of(base: FileDesign) -> Any:
+def slopes_of(base: FileDesign, kind: Kind = DISK) -> Any:
     """Make the function that gives the slopes of the irradiance to levitate."""
 
     def irradiance(values: tuple[Any, ...]) -> Any:
-        return jnp.asarray(OUTPUTS[SLOPE_OF].value(case(base, values)))
+        return jnp.asarray(OUTPUTS[SLOPE_OF].value(case(base, values, kind)))
 
     return lambda *values: jax.grad(irradiance)(values)
 
 
-def compile_all() -> str:
-    """All that the page's script needs of the package, as one script.
+def compile_all(kind: Kind = DISK) -> str:
+    """All that the page's script needs of the package for a kind, as one script.
 
     Returns
     -------
@@ -234,7 +200,7 @@ def compile_all() -> str:
         It defines ``lightflyerModel``.
     """
     tables = Tables()
-    compiled = [compile_model(name, tables) for name in force_models()]
+    compiled = [compile_model(name, tables, kind) for name in force_models(kind)]
     functions = "".join(one.text for one in compiled)
     entries = ",".join(
         f"{json.dumps(one.name)}:{{evaluate:{one.identifier},slopes:{one.identifier}_slopes}}"
@@ -244,17 +210,21 @@ def compile_all() -> str:
         f"/* Made from lightflyer {lightflyer.__version__} by docs/_extensions/calculator. */\n"
         '(function(){"use strict";\n'
         f"{tables.text()}{functions}"
-        f"globalThis.lightflyerModel={{functions:{{{entries}}},about:{_about(compiled)}}};\n"
+        f"globalThis.lightflyerModel={{functions:{{{entries}}},about:{_about(compiled, kind)}}};\n"
         "})();\n"
     )
 
 
-def _about(compiled: list[Compiled]) -> str:
+def _about(compiled: list[Compiled], kind: Kind) -> str:
     """Names, units, ranges and words, in JSON."""
     about = {
         "version": lightflyer.__version__,
-        "numbers": [described(number) for number in NUMBERS],
-        "outputs": [_output(name) for name in SHOWN],
+        "numbers": [described(number, kind) for number in kind.numbers],
+        "outputs": [_output(name, kind) for name in SHOWN],
+        "coordinate": kind.coordinate.name,
+        "size": kind.size.name,
+        "limits": kind.limits,
+        "lights": kind.lights,
         "models": {
             one.name: {
                 "title": TITLES.get(one.name, one.name),
@@ -267,36 +237,45 @@ def _about(compiled: list[Compiled]) -> str:
             sign: next(diagnose_force({"lift": np.array([lift])}))
             for sign, lift in (("down", -1.0), ("not", 0.0))
         },
-        "template": _fixed(),
+        "template": _fixed(kind),
     }
     return json.dumps(about, ensure_ascii=False, allow_nan=False)
 
 
-def _fixed() -> dict[str, dict[str, str]]:
+def _fixed(kind: Kind) -> dict[str, dict[str, str]]:
     """Words of the flyer file that no number stands for, by section."""
-    found = {}
-    for section, content in template().items():
-        varied = {number.name for number in NUMBERS} | {"force.model"}
-        found[section] = {
-            key: value for key, value in content.items() if f"{section}.{key}" not in varied
-        }
+    varied = {number.name for number in kind.numbers} | {"force.model"}
+    found: dict[str, dict[str, str]] = {}
+
+    def take(section: str, content: dict[str, Any]) -> None:
+        found[section] = {}
+        for key, value in content.items():
+            if isinstance(value, dict):
+                take(f"{section}.{key}", value)
+            elif f"{section}.{key}" not in varied:
+                found[section][key] = value
+
+    for section, content in template(kind).items():
+        take(section, content)
     return found
 
 
-def described(number: Number) -> dict[str, Any]:
+def described(number: Number, kind: Kind = DISK) -> dict[str, Any]:
     """What the script must know of a number, with its default and range in the shown unit."""
-    start = design(force_models()[0])
-    shown = asdict(number)
-    if number.name == _ALTITUDE:
-        low, high = (end / factor(number) for end in start.setup.searched)
-        return shown | {"factor": factor(number), "default": _START, "least": low,
-                            "most": high, "positive": False}  # fmt: skip
-    section, key = number.name.split(".")
-    default = str(template()[section][key]).removesuffix(number.unit)
-    quantity = quantities_of(FilmProperties).get(key) or start.fields[number.name].quantity
+    base, shown = design(force_models(kind)[0], kind), asdict(number)
+    scale = factor(number, kind) if number.computed else 1.0
+    if number == kind.coordinate:
+        low, high = (end / scale for end in base.setup.searched)
+        return shown | {"factor": scale, "default": kind.start, "least": low, "most": high,
+                            "positive": number.logarithmic}  # fmt: skip
+    *outer, key = number.name.split(".")
+    content: Any = template(kind)
+    for part in outer:
+        content = content[part]
+    default = str(content[key]).removesuffix(number.unit)
+    quantity = quantities_of(FilmProperties).get(key) or base.fields[number.name].quantity
     smallest, largest = quantity.sizes
     least, most = max(quantity.lowest, smallest), min(quantity.highest, largest)
-    scale = factor(number) if number.computed else 1.0
     return shown | {
         "default": float(default),
         "factor": scale,
@@ -307,9 +286,11 @@ def described(number: Number) -> dict[str, Any]:
     }
 
 
-def _output(name: str) -> dict[str, Any]:
+def _output(name: str, kind: Kind) -> dict[str, Any]:
     output = OUTPUTS[name]
     scale, unit = output.shown
+    if name in ("payload", "own_mass"):
+        scale, unit = scale_and_offset("kg", kind.mass)[0], kind.mass
     return {"name": name, "title": output.long_name, "unit": unit, "factor": scale}
 
 

@@ -4,51 +4,74 @@ from __future__ import annotations
 
 from html import escape
 
-from .model import GROUPS, TITLES, Number, design, force_models
-
-_OWN = "disk of lightflyer init"
+from .kinds import DISK, KINDS, Kind, Number
+from .model import TITLES, design, force_models
 
 _STEPS = 1000  # of a logarithmic slider
 _CLOSED = ("Light and heat around",)
 _ASSUMED = (
-    "a level, flat, thin disk of one temperature, at rest, in the steady state",
-    "a film whose absorptance, emittances and TACs do not depend on temperature or direction",
-    "light from the sun or a lamp above; from below what the ground reflects of it, and heat "
-    "radiation, both less with altitude as the ground fills less of the view",
-    "dry air, and free fall that is weaker at altitude",
+    "at rest, level and in the steady state",
+    "films whose absorptance, emittances and TACs do not depend on temperature or direction",
+)
+_OVER_GROUND = (
+    "light from the sun above; from below what the ground reflects of it, and heat radiation, "
+    "both less with altitude as the ground fills less of the view"
 )
 
 
-def html() -> str:
-    """The calculator in HTML; all texts are the package's own."""
+def html(name: str = DISK.name) -> str:
+    """The calculator of a kind in HTML; all texts are the package's own."""
+    kind = next(one for one in KINDS if one.name == name)
     groups = "".join(
-        f"<details{'' if title in _CLOSED else ' open'}><summary>{escape(title)}</summary>"
+        f"<details{'' if title in _open(kind) else ' open'}><summary>{escape(title)}</summary>"
         f"{''.join(map(_number, numbers))}</details>"
-        for title, numbers in GROUPS.items()
+        for title, numbers in kind.groups.items()
     )
-    air = design(force_models()[0]).setup.environment.assumptions_of_air()
-    assumed = "".join(f"<li>{escape(text)}</li>" for text in (*_ASSUMED, *air))
+    assumptions = design(force_models(kind)[0], kind).setup.environment.assumptions_of_air()
+    over_ground = [_OVER_GROUND] if kind.coordinate.name == "altitude" else []
+    texts = (kind.assumed, *_ASSUMED, *over_ground, *assumptions)
+    assumed = "".join(f"<li>{escape(text)}</li>" for text in texts)
     models = "".join(
-        f'<option value="{name}">{escape(TITLES.get(name, name))}</option>'
-        for name in force_models()
+        f'<option value="{model}">{escape(TITLES.get(model, model))}</option>'
+        for model in force_models(kind)
     )
     presets = "".join(
-        f'<option value="{escape(link)}">{escape(title)}</option>' for title, link in _presets()
+        f'<option value="{escape(link)}">{escape(title)}</option>' for title, link in _presets(kind)
     )
-    return _PAGE.format(groups=groups, models=models, assumed=assumed, presets=presets)
+    kinds = "".join(
+        f'<a href="{page_of(one)}"{_here(one, kind)}>{escape(one.title)}</a>' for one in KINDS
+    )
+    return _PAGE.format(
+        kind=kind.name, kinds=kinds, groups=groups, models=models, assumed=assumed, presets=presets
+    )
 
 
-def _presets() -> list[tuple[str, str]]:
+def page_of(kind: Kind) -> str:
+    """Name of the page that has a kind's calculator."""
+    return "calculator.html" if kind == DISK else f"calculator-{kind.name}.html"
+
+
+def _here(one: Kind, kind: Kind) -> str:
+    return ' aria-current="page"' if one == kind else ""
+
+
+def _open(kind: Kind) -> tuple[str, ...]:
+    """Headings that are closed at first."""
+    return tuple(kind.groups)[1:] if len(kind.groups) > 3 else _CLOSED
+
+
+def _presets(kind: Kind) -> list[tuple[str, str]]:
     """Designs to begin with, each with the address that shows it."""
-    from published import calculator_hash, published
+    from published import calculator_state, published
 
-    links = [(f"{one.source}: {one.title}", calculator_hash(one)) for one in published()]
-    return [(_OWN, "#design:"), *((title, link) for title, link in links if link)]
+    found = ((f"{one.source}: {one.title}", calculator_state(one)) for one in published())
+    links = [(title, link) for title, (name, link) in found if name == kind.name]
+    return [(f"that of lightflyer init --kind {kind.template}", "#design:"), *links]
 
 
 def _number(number: Number) -> str:
     key = "lf-" + number.name.replace(".", "-")
-    unit = number.unit.replace("^2", "²").replace("deg", "°")
+    unit = number.unit.replace("^2", "²").replace("deg", "°").replace("um", "µm")
     label, shown = escape(number.label), f" <span>[{escape(unit)}]</span>" if unit else ""
     low, high, step = number.low, number.high, 10.0**-number.digits
     if number.logarithmic:
@@ -69,7 +92,8 @@ def _number(number: Number) -> str:
 
 
 _PAGE = """\
-<div class="lf-calculator lf-wide" id="lf-calculator">
+<div class="lf-calculator lf-wide" id="lf-calculator" data-kind="{kind}">
+<nav class="lf-kinds-nav" aria-label="Kinds of flyers">{kinds}</nav>
 <noscript><p>The calculator needs JavaScript; <code>lightflyer predict</code> does not.</p>
 </noscript>
 <p class="lf-verdict" id="lf-verdict"></p>

@@ -9,7 +9,7 @@
   const SLIDER_DIGITS = 3;
   const SETTLED_AFTER = 600; // ms without a move
   const SAVED_AFTER = 10e3; // ms
-  const FILM_LIMIT = "film.highest_temperature";
+  const WHERE = about.numbers.find(({ name }) => name === about.coordinate);
   const LINK = "#design:";
   const MOST_UNDONE = 200;
   const SWEEP = 6e3; // ms from one end of a slider to the other, and back
@@ -24,7 +24,7 @@
   let shown = "";
 
   const element = (id) => document.getElementById(id);
-  const key = (name) => `lf-${name.replace(".", "-")}`;
+  const key = (name) => `lf-${name.replaceAll(".", "-")}`;
 
   // --- controls ---
 
@@ -205,14 +205,12 @@
 
   /** Go to a place on the map, by shares of its axes. */
   function goTo(across, up) {
-    const [diameter, altitude] = ["flyer.diameter", "altitude"].map((name) =>
+    const [diameter, altitude] = [about.size, about.coordinate].map((name) =>
       about.numbers.find((number) => number.name === name),
     );
     values[diameter.name] = fromSlider(diameter, across * STEPS);
-    values[altitude.name] = fromSlider(
-      altitude,
-      altitude.low + up * (altitude.high - altitude.low),
-    );
+    const ends = [altitude.low, altitude.high].map((end) => toSlider(altitude, end));
+    values[altitude.name] = fromSlider(altitude, ends[0] + up * (ends[1] - ends[0]));
     show(diameter);
     show(altitude);
     request();
@@ -257,13 +255,17 @@
   // --- words ---
 
   function verdictOf(results) {
-    const where = `at ${values.altitude} km`;
+    const where = `at ${values[WHERE.name]} ${WHERE.unit}`;
     const needed = results.levitation_irradiance;
-    const light = values["environment.irradiance"];
+    const lamp = about.numbers.find(({ name }) => name === "environment.irradiance");
+    const light = values[lamp.name] * lamp.factor;
+    if (Number.isNaN(results.lift_over_weight)) {
+      return "These numbers do not go together: shares of light above one, or an opening wider than its body.";
+    }
     if (!results.converged) return `The heat balance has not converged ${where}.`;
     if (results.lift_over_weight >= 1 && core.isTooHot(values, results.temperature)) {
       const hot = amount("temperature", results.temperature);
-      return `Levitates ${where}, but its film melts: it is ${hot}, and bears ${values[FILM_LIMIT]} K.`;
+      return `Levitates ${where}, but its film melts: it is ${hot}, and bears ${core.limitOf(values)} K.`;
     }
     if (results.lift_over_weight >= 1) {
       const share = general(results.relative_payload, 3);

@@ -17,7 +17,9 @@ from docutils.parsers.rst import Directive
 from sphinx.application import Sphinx
 from sphinx.util import logging
 
-from .table import DOCS, TABLE, VERDICTS, Published, published
+from lightflyer.core.units import scale_and_offset
+
+from .table import DOCS, TABLE, VERDICTS, Published, is_number, published
 
 LOGGER = logging.getLogger(__name__)
 _HERE = Path(__file__).parent
@@ -70,30 +72,44 @@ def _ratio_line(flyer: Published) -> str:
     )
 
 
-def calculator_hash(flyer: Published) -> str:
-    """State of the calculator that shows a disk over Earth; empty for another flyer."""
-    if flyer.kind != "disk" or flyer.file["environment"]["kind"][0] != "earth":
-        return ""
-    film = {key: _plain(value) for key, (value, _) in flyer.file["film"].items()}
-    both = film.pop("emittance", None)
-    if both is not None:
-        film |= {"emittance_top": both, "emittance_bottom": both}
-    parts = {f"film.{key}": value for key, value in film.items()}
-    diameter = flyer.file["flyer"]["diameter"][0].split()
-    scale = {"cm": 1.0, "mm": 0.1}[diameter[1]]
-    parts["flyer.diameter"] = f"{float(diameter[0]) * scale:g}"
-    return "#design:" + "&".join(f"{key}={value}" for key, value in parts.items())
+def calculator_state(flyer: Published) -> tuple[str, str]:
+    """Kind of the calculator that has a flyer, and the address that shows it there."""
+    from calculator.kinds import KINDS
+
+    name = {"earth": "disk"}.get(flyer.file["environment"]["kind"][0], "chamber")
+    name = name if flyer.kind == "disk" else flyer.kind
+    kind = next(one for one in KINDS if one.name == name)
+    given = _numbers_of(flyer)
+    parts = [f"model={flyer.file['force']['model'][0]}"]
+    for number in kind.numbers:
+        if number.name in given:
+            value, unit = given[number.name]
+            scale = scale_and_offset(unit, number.unit)[0] if number.unit else 1.0
+            parts.append(f"{number.name}={float(f'{value * scale:.6g}'):g}")
+    return name, f"#design:{'&'.join(parts)}"
 
 
-def _plain(text: str) -> str:
-    return text.split()[0]
+def _numbers_of(flyer: Published) -> dict[str, tuple[float, str]]:
+    """Numbers of its file with their units, an emittance of both faces as two."""
+    found = {}
+    for section, keys in flyer.file.items():
+        for key, (text, _) in keys.items():
+            value, _, unit = text.partition("±")[0].strip().partition(" ")
+            unit = unit or text.split()[-1]
+            if not is_number(value):
+                continue
+            ends = ("_top", "_bottom") if key == "emittance" else ("",)
+            found |= {f"{section}.{key}{end}": (float(value), unit) for end in ends}
+    return found
 
 
 def _calculator_link(flyer: Published) -> str:
-    link = calculator_hash(flyer)
-    return (
-        f' The <a href="../calculator.html{escape(link)}">calculator</a> shows it.' if link else ""
-    )
+    from calculator.kinds import KINDS
+    from calculator.page import page_of
+
+    name, link = calculator_state(flyer)
+    page = page_of(next(one for one in KINDS if one.name == name))
+    return f' The <a href="../{page}{escape(link)}">calculator</a> shows it.'
 
 
 def _band(flyer: Published) -> str:
@@ -235,4 +251,4 @@ def setup(app: Sphinx) -> dict[str, bool]:
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
-__all__ = ["DOCS", "TABLE", "VERDICTS", "calculator_hash", "page", "published", "setup"]
+__all__ = ["DOCS", "TABLE", "VERDICTS", "calculator_state", "page", "published", "setup"]

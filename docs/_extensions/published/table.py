@@ -71,7 +71,7 @@ class Published:
             lines += ["", f"[{section}]"]
             for key, (value, where) in keys.items():
                 quoted = json.dumps(value, ensure_ascii=False)
-                text = f"{key} = {value if _is_number(value) else quoted}"
+                text = f"{key} = {value if is_number(value) else quoted}"
                 lines.append(f"{text:<{_COMMENT_AT}}# {where}" if where else text)
         return "\n".join(lines) + "\n"
 
@@ -93,7 +93,8 @@ class Published:
         return found
 
 
-def _is_number(text: str) -> bool:
+def is_number(text: str) -> bool:
+    """Whether a text of the table is a plain number."""
     try:
         float(text)
     except ValueError:

@@ -47,6 +47,7 @@ OPERATORS = {
     "sign": Operator("Math.sign", 0, np.sign),
     "sqrt": Operator("Math.sqrt", 0, np.sqrt),
     "cbrt": Operator("Math.cbrt", 0, np.cbrt),
+    "asinh": Operator("Math.asinh", 0, np.arcsinh),
     "exp": Operator("Math.exp", 0, np.exp),
     "expm1": Operator("Math.expm1", 0, np.expm1),
     "log": Operator("Math.log", 0, np.log),

@@ -1,0 +1,104 @@
+"""The calculator of every kind of flyer: JavaScript gives what the package gives."""
+
+import tomllib
+
+import numpy as np
+import pytest
+
+from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.design.outputs import tabulate
+from lightflyer.program.entry_point import entry_point
+
+model = pytest.importorskip("calculator.model")
+from calculator.kinds import KINDS  # noqa: E402
+from calculator.page import html  # noqa: E402
+
+RANDOM = 40
+AGREEMENT = 1e-10
+OTHERS = [kind for kind in KINDS if kind is not model.DISK]
+CASES = [(kind, name) for kind in OTHERS for name in model.force_models(kind)]
+NAMES = [f"{kind.name}-{name}" for kind, name in CASES]
+
+_CALLS = """
+const { about, defaults, flyerFile } = lightflyerCore;
+const names = about.numbers.filter((number) => number.computed).map((number) => number.name);
+const named = (row) =>
+  ({ ...defaults(), ...Object.fromEntries(names.map((name, at) => [name, row[at]])) });
+const table = (name, rows) => rows.map((row) => lightflyerModel.functions[name].evaluate(...row));
+const file = (name, row) => flyerFile(name, named(row));
+"""
+
+_tabulate = entry_point(
+    lambda setup, place: tabulate(setup, place, setup.environment.radiation.irradiance)
+)
+
+
+def designs(kind, rng):
+    """Random designs in the shown units: each number within a factor of two, or in its range."""
+    start = np.array([model.described(one, kind)["default"] for one in kind.computed])
+    low, high = np.array([(one.low, one.high) for one in kind.computed]).T
+    rows = start * 2.0 ** rng.uniform(-1.0, 1.0, (RANDOM, start.size))
+    rows = np.clip(np.where(rng.random(rows.shape) < 0.5, start, rows), low, high)
+    names = [one.name for one in kind.computed]
+    for part in {name.rpartition(".")[0] for name in names if name.endswith(".transmittance")}:
+        through, absorbed = (
+            names.index(f"{part}.{key}") for key in ("transmittance", "absorptance")
+        )
+        rows[:, through] = np.minimum(rows[:, through], 1.0 - rows[:, absorbed])
+    if "flyer.outlet_diameter" in names:  # within its body
+        outlet, body = names.index("flyer.outlet_diameter"), names.index("flyer.size")
+        rows[:, outlet] = np.minimum(rows[:, outlet], 0.9 * rows[:, body])
+    rows[0] = start
+    return rows
+
+
+def si(kind, rows):
+    return rows * np.array([model.factor(one, kind) for one in kind.computed])
+
+
+@pytest.fixture(scope="module")
+def scripts(calculator_files):
+    core = (calculator_files / "calculator-core.js").read_text("utf-8")
+    return {
+        kind.name: (calculator_files / f"calculator-model-{kind.name}.js").read_text("utf-8") + core
+        for kind in OTHERS
+    }
+
+
+@pytest.mark.parametrize(("kind", "name"), CASES, ids=NAMES)
+def test_javascript_gives_what_the_package_gives(kind, name, scripts, run_javascript):
+    rows = si(kind, designs(kind, np.random.default_rng(1873)))
+    (found,) = run_javascript(scripts[kind.name] + _CALLS, [("table", (name, rows.tolist()))])
+    found = np.array([[float(value) for value in row[: len(model.SHOWN)]] for row in found])
+    named = {one.name: row for one, row in zip(kind.computed, rows.T, strict=True)}
+    setup = model.design(name, kind).build(named)
+    expected = _tabulate(setup, named[kind.coordinate.name])
+    assert np.isfinite(np.asarray(expected["lift_over_weight"])).mean() > 0.9
+    mass = found[:, model.SHOWN.index("own_mass")]
+    for column, output in enumerate(model.SHOWN):
+        if output not in expected:
+            continue
+        right, left = np.broadcast_to(np.asarray(expected[output]), RANDOM), found[:, column]
+        finite = np.isfinite(right)
+        np.testing.assert_array_equal(left[~finite], right[~finite], err_msg=output)
+        size = np.abs(right) + (mass if output == "payload" else 0.0)
+        off = np.abs(left[finite] - right[finite]) / (size[finite] + 1e-300)
+        assert off.max(initial=0.0) < AGREEMENT, output
+
+
+@pytest.mark.parametrize("kind", OTHERS, ids=[kind.name for kind in OTHERS])
+def test_a_downloaded_file_is_the_design_shown(kind, scripts, run_javascript):
+    name = model.force_models(kind)[-1]
+    row = designs(kind, np.random.default_rng(5))[1]
+    (text,) = run_javascript(scripts[kind.name] + _CALLS, [("file", (name, row.tolist()))])
+    design = flyer_file_type()(**tomllib.loads(text)).design()
+    for number, value in zip(kind.computed, si(kind, row), strict=True):
+        if number is not kind.coordinate:
+            assert design.number(number.name) == pytest.approx(value, rel=1e-14, abs=0.0)
+
+
+@pytest.mark.parametrize("kind", OTHERS, ids=[kind.name for kind in OTHERS])
+def test_every_label_is_its_own(kind):
+    labels = [number.label for number in kind.numbers]
+    assert len(set(labels)) == len(labels)
+    assert f'data-kind="{kind.name}"' in html(kind.name)

@@ -1,4 +1,6 @@
 import os
+import subprocess
+import sys
 import time
 
 import pytest
@@ -39,3 +41,22 @@ def test_what_a_killed_run_left_is_removed_after_a_day(tmp_path, age, stays):
     os.utime(left, (then, then))
     write(tmp_path, "tac.json")
     assert left.exists() == stays
+
+
+@pytest.mark.skipif(os.name != "posix", reason="processes are asked for by a signal")
+def test_what_a_killed_process_left_is_removed_at_once(tmp_path):
+    code = (
+        "import os, signal, sys; from pathlib import Path\n"
+        "from lightflyer.core.atomic_files import output_directory\n"
+        "with output_directory(Path(sys.argv[1])) as stage:\n"
+        "    stage('half.nc').write_text('x')\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=False)
+    (left,) = tmp_path.iterdir()
+    assert left.name.startswith(TEMPORARY)
+    with output_directory(tmp_path) as stage:  # one that is at it stays
+        stage("tac.json").write_text("x", encoding="utf-8")
+        write(tmp_path, "tac.txt")
+        assert len(list(tmp_path.glob(f"{TEMPORARY}*"))) == 1
+    assert {path.name for path in tmp_path.iterdir()} == {"tac.json", "tac.txt"}

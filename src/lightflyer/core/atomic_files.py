@@ -3,9 +3,11 @@
 import os
 import secrets
 import shutil
+import socket
 import threading
 import time
 import warnings
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -16,6 +18,9 @@ TEMPORARY = ".lightflyer-"  # What the names of temporary files and folders begi
 
 _LEFT_BEHIND = 86400.0  # age of a temporary folder from which no run is at it any more [s]
 _RESULTS = (".json", ".nc", ".pdf", ".png", ".svg")
+
+# this computer among those that share a folder
+_HERE = f"{zlib.crc32(socket.gethostname().encode()):08x}"
 
 _UNFINISHED: set[Path] = set()
 _RENAMING = threading.Lock()
@@ -56,11 +61,29 @@ def _say_what_else(directory: Path, names: set[str]) -> None:
         warnings.warn(text, ParameterWarning, stacklevel=3)
 
 
+def _is_left_behind(folder: Path) -> bool:
+    """Whether a temporary folder is that of a run that was killed."""
+    if time.time() - folder.stat().st_mtime > _LEFT_BEHIND:
+        return True
+    host, _, rest = folder.name.removeprefix(TEMPORARY).partition("-")
+    number = rest.partition("-")[0]
+    # elsewhere a signal of zero is not only a question
+    if os.name != "posix" or host != _HERE or not number.isdecimal():
+        return False
+    try:
+        os.kill(int(number), 0)
+    except ProcessLookupError:
+        return True
+    except OSError:
+        pass  # another user's
+    return False
+
+
 @contextmanager
 def output_directory(directory: Path, *, shared: bool = False) -> Iterator[Callable[[str], Path]]:
     """Write several files into a directory, all of them or none; others may share it."""
     made = not directory.exists()
-    temporary = directory / f"{TEMPORARY}{secrets.token_hex(4)}"
+    temporary = directory / f"{TEMPORARY}{_HERE}-{os.getpid()}-{secrets.token_hex(4)}"
     names: list[str] = []
 
     def stage(name: str) -> Path:
@@ -77,8 +100,8 @@ def output_directory(directory: Path, *, shared: bool = False) -> Iterator[Calla
             remove_if_interrupted(directory) if made else nullcontext(),
         ):
             directory.mkdir(parents=True, exist_ok=True)
-            for left in directory.glob(f"{TEMPORARY}*"):  # of a run that was killed
-                if left.is_dir() and time.time() - left.stat().st_mtime > _LEFT_BEHIND:
+            for left in directory.glob(f"{TEMPORARY}*"):
+                if left.is_dir() and _is_left_behind(left):
                     shutil.rmtree(left, ignore_errors=True)
             temporary.mkdir()
             yield stage

@@ -1,5 +1,7 @@
 """Positions, attitudes, errors of the wind, times, spans of day and night."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -11,7 +13,9 @@ from lightflyer.mission.mission import times_of
 from lightflyer.mission.path.integration import rate_of
 from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
+from lightflyer.mission.path.single import Way
 from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
+from lightflyer.mission.report import events
 from lightflyer.mission.report.figures import coastline
 from lightflyer.mission.report.summary import day_and_night
 
@@ -79,14 +83,32 @@ def test_times_end_with_the_duration():
 
 
 def test_day_and_night_change_where_half_of_the_light_is_left():
-    elapsed = np.arange(7.0) * 600.0
-    light = np.array([1000.0, 1000.0, 250.0, 0.0, 0.0, 1000.0, 1000.0])
-    flight = xr.Dataset(
-        {"irradiance": ("elapsed", light), "end_elapsed": 3600.0}, coords={"elapsed": elapsed}
+    """The light of an hour's triangle, by the moments at which it is looked at."""
+
+    class Moments:
+        def __call__(self, craft, course):
+            light = np.maximum(1000.0 - np.abs(course.elapsed - 1800.0), 0.0)
+            return {"irradiance": light, "temperature": 300.0 + course.elapsed}
+
+    times = np.array([0.0, 1500.0, 3600.0])
+    way = Way(
+        times, [lambda at: np.stack([1.0 + 0.0 * at, 0.0 * at, 0.0 * at, 0.7 + at / 1e5])] * 2
     )
+    craft = SimpleNamespace(setup=SimpleNamespace(flyer=SimpleNamespace(highest_temperature=2e3)))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(events, "moments", Moments())
+        found = events.events_of(craft, way, *events.close_look(craft, way, 0.0))
+    flight = xr.Dataset({"end_elapsed": 3600.0})
+    events.add_events(flight, found)
     spans = day_and_night(flight)
-    assert [is_day for _, _, is_day in spans] == [True, False, True]
-    np.testing.assert_allclose([end for _, end, _ in spans], [1000.0, 2700.0, 3600.0])
+    assert [is_day for _, _, is_day in spans] == [False, True, False]
+    np.testing.assert_allclose([end for _, end, _ in spans], [1300.0, 2300.0, 3600.0], atol=0.1)
+    np.testing.assert_allclose(
+        events.spans_between(found, events.Event.TOO_HOT, events.Event.COOL_AGAIN, 3600.0),
+        [(1700.0, 3600.0)], atol=0.1,
+    )  # fmt: skip
+    elapsed, altitude, temperature = events.at_event(found, events.Event.HIGHEST)
+    assert (elapsed, altitude, temperature) == pytest.approx((3600.0, 73.6e3, 3900.0))
 
 
 def test_coastlines_keep_to_the_world_and_do_not_cross_it():

@@ -178,12 +178,24 @@ def _integrate(flights: Flights, limits: Limits, elapsed: Any, accuracy: Accurac
 _tracks = entry_point(_integrate, way="xla")  # thousands of steps one after the other
 
 
-def fly_all(flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Accuracy) -> Track:
+def fly_all(
+    flights: Flights,
+    limits: Limits,
+    elapsed: np.ndarray,
+    accuracy: Accuracy,
+    first: Track | None = None,
+) -> Track:
     """Trajectories of flights; ``elapsed``: times to keep, shape (times,)."""
-    count = flights.count
-    alone = 1 if count > FEW else count  # so that the first is the same beside however many others
-    found = [follow(*_one(flights, row), limits, elapsed, accuracy) for row in range(alone)]
-    tracks: list[Track] = [jax.tree.map(lambda *rows: np.stack(rows), *found)]
+    # ``first``: that of the first flight, where it is known. Few are followed one by one, more are
+    # compiled and integrated together.
+    count, known = flights.count, [] if first is None else [first]
+    if count - len(known) <= FEW:
+        rows = range(len(known), count)
+        known += [follow(*_one(flights, row), limits, elapsed, accuracy)[0] for row in rows]
+    alone = len(known)
+    tracks: list[Track] = []
+    if known:
+        tracks.append(jax.tree.map(lambda *rows: np.stack(rows), *known))
     size = min(BATCH, count - alone)
     starts = range(alone, count, max(size, 1))
 

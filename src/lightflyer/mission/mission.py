@@ -33,10 +33,12 @@ from lightflyer.mission.path.moments import VARIABLES, Course, Variable, moments
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.release import Release, limits_of, require_release_inside
+from lightflyer.mission.path.single import follow, way_between
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of, describe_object
 from lightflyer.mission.report.dataset import Several, add_several, add_survival, dataset_of
 from lightflyer.mission.report.diagnostics import diagnose_flight, termination_text
+from lightflyer.mission.report.events import add_events, close_look, events_of
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
 from lightflyer.statics.balance import ENERGY_TOLERANCE, require_converged
@@ -132,11 +134,16 @@ def fly(
     elapsed = times_of(duration, every, several=several)
     plan = _Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), tolerance))
     flights = flights_of(mission.design, mission.rule, mission.start, ensemble, launches)
-    tracks = fly_all(flights, plan.limits, plan.elapsed, plan.accuracy)
-    first = _rows(tracks, 0)
+    first, way = follow(mission.craft, mission.start, *plan.course)
+    tracks = fly_all(flights, *plan.course, first)
     if inertia is not None:
         first = _track_with_inertia(mission.craft, mission.start, plan.course, inertia)
+        way = way_between(elapsed, first)
+    closely = close_look(mission.craft, way, float(release.time))
     dataset = _fly(mission, plan, first)
+    add_events(dataset, events_of(mission.craft, way, *closely))
+    told = (*mission.design.warnings, *diagnose_flight(mission.craft, *closely))
+    dataset.attrs["warnings"] = "; ".join(dict.fromkeys(told))
     if ensemble is not None:
         members = Several("ensemble_", "member", {}, _rows(tracks, slice(1, 1 + ensemble.members)))
         add_several(dataset, members)
@@ -292,18 +299,10 @@ def _fly(mission: _Mission, plan: _Plan, track: Track) -> "xr.Dataset":
     missed = residual > ENERGY_TOLERANCE
     status = np.where(missed, int(SolverStatus.TOLERANCE_MISSED), int(SolverStatus.CONVERGED))
     require_converged("heat balance along the way", status, residual)
-    latitude, longitude = _places(course.position[known])
-    place = Place(latitude, longitude, released + plan.elapsed[known])
-    shown = {name: value[known] for name, value in values.items()} | {
-        "altitude": course.altitude[known]
-    }
     found = {name: np.where(known, value, np.nan) for name, value in values.items()}
     variables = VARIABLES | node_variables(mission.setup.flyer.nodes)
     dataset = dataset_of(plan.elapsed, released, track, found, variables)
     dataset.attrs["end"] = _end(mission.setup.environment, released, track)
-    dataset.attrs["warnings"] = "; ".join(
-        dict.fromkeys((*mission.design.warnings, *diagnose_flight(craft, place, shown)))
-    )
     return dataset
 
 

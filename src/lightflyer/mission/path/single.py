@@ -4,8 +4,8 @@ Near its balance a balloon's motion is stiff, and LSODA goes on with long steps 
 not depend on the times that are kept, which lie between them.
 """
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,8 +30,39 @@ _rate = entry_point(steady_rate)
 _scaled = entry_point(scale_state)
 
 
-def follow(craft: Craft, start: Start, limits: Limits, elapsed: Any, accuracy: Accuracy) -> Track:
-    """Track of one flyer whose numbers are known; ``elapsed`` (times,)."""
+class Way(NamedTuple):
+    """Where a flyer is at any moment of a flight."""
+
+    times: np.ndarray  # Between which it is smooth, from the release to the end, shape (n,) [s]
+    pieces: Sequence[Callable[[np.ndarray], np.ndarray]]  # Scaled states, each between two of them
+
+    def __call__(self, elapsed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Altitudes [m], shape (times,), and unit vectors, shape (times, 3)."""
+        place = np.clip(np.searchsorted(self.times, elapsed) - 1, 0, len(self.pieces) - 1)
+        states = np.empty((len(elapsed), 4))
+        for piece in np.unique(place):
+            states[place == piece] = self.pieces[piece](elapsed[place == piece]).T
+        length = np.linalg.norm(states[:, :3], axis=1, keepdims=True)
+        return states[:, 3] * ALTITUDE_SCALE, states[:, :3] / length
+
+
+def way_between(elapsed: np.ndarray, track: Track) -> Way:
+    """The way along a track that is known at some moments: straight lines between them."""
+    known = np.isfinite(track.altitude)
+    times = np.append(np.asarray(elapsed)[known], track.end_elapsed)
+    heights = np.append(track.altitude[known], track.end_altitude) / ALTITUDE_SCALE
+    states = np.column_stack([np.vstack([track.position[known], track.end_position]), heights])
+
+    def between(at: np.ndarray) -> np.ndarray:
+        return np.stack([np.interp(at, times, column) for column in states.T])
+
+    return Way(times[[0, -1]], [between])
+
+
+def follow(
+    craft: Craft, start: Start, limits: Limits, elapsed: Any, accuracy: Accuracy
+) -> tuple[Track, Way]:
+    """Flight of one flyer whose numbers are known; ``elapsed``: times to keep, shape (times,)."""
     from scipy.integrate import LSODA
 
     state = np.asarray(_scaled(start))
@@ -45,9 +76,8 @@ def follow(craft: Craft, start: Start, limits: Limits, elapsed: Any, accuracy: A
         rtol=_ROUNDING,
         atol=accuracy.tolerance,
     )
-    kept = np.full((len(elapsed), state.size), np.inf)
-    kept[0] = state
-    steps, known, end = 0, 1, None
+    steps, end = 0, None
+    times, pieces = [float(elapsed[0])], []
     while solver.status == "running" and steps < accuracy.steps and end is None:
         solver.step()
         steps += 1
@@ -56,27 +86,25 @@ def follow(craft: Craft, start: Start, limits: Limits, elapsed: Any, accuracy: A
             break
         between = solver.dense_output()
         end = _leaves(between, solver.t_old, solver.t, limits)
-        until = solver.t if end is None else end[0]
-        count = int(np.searchsorted(elapsed, until, side="right"))
-        if count > known:
-            kept[known:count] = between(elapsed[known:count]).T
-            known = count
+        times.append(solver.t if end is None else end[0])
+        pieces.append(between)
+    way = Way(np.array(times), pieces or [lambda at: np.tile(state[:, None], len(at))])
     over = {"finished": TerminationReason.STILL_FLYING, "running": TerminationReason.STEP_LIMIT}
     reason = over.get(solver.status, TerminationReason.NO_DATA) if end is None else end[1]
-    last = solver.y if end is None else between(end[0])
-    length = np.linalg.norm(kept[:, :3], axis=1, keepdims=True)
-    with np.errstate(invalid="ignore"):
-        position = np.where(np.isfinite(length), kept[:, :3] / length, np.inf)
+    flown = elapsed <= times[-1]
+    altitude, position = np.full(len(elapsed), np.inf), np.full((len(elapsed), 3), np.inf)
+    altitude[flown], position[flown] = way(elapsed[flown])
+    (end_altitude,), (end_position,) = way(np.array(times[-1:]))
     found: dict[str, Any] = {
-        "altitude": kept[:, 3] * ALTITUDE_SCALE,
+        "altitude": altitude,
         "position": position,
-        "end_elapsed": np.float64(solver.t if end is None else end[0]),
-        "end_altitude": last[3] * ALTITUDE_SCALE,
-        "end_position": last[:3] / np.linalg.norm(last[:3]),
+        "end_elapsed": np.float64(times[-1]),
+        "end_altitude": end_altitude,
+        "end_position": end_position,
         "termination": np.int64(reason),
         "steps": np.int64(steps),
     }
-    return Track(**found)
+    return Track(**found), way
 
 
 def _leaves(

@@ -6,17 +6,22 @@ import numpy as np
 
 from lightflyer.design.diagnostics import diagnose
 from lightflyer.environment.base import AbstractEnvironment, Place
+from lightflyer.mission.path.moments import Course
 from lightflyer.mission.path.motion import Craft
+from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.program.entry_point import entry_point
 
+_places = entry_point(latitude_and_longitude)
 _OWN = object()  # an environment of a user's own may move its sun as it likes
 _AT_A_POLE = 0.5 * np.pi - 1e-3  # radians of latitude; a few kilometres around it
 
 
-def diagnose_flight(craft: Craft, place: Place, values: dict[str, Any]) -> tuple[str, ...]:
-    """Diagnostics of a flyer along its way; ``values`` (times,); one line each."""
+def diagnose_flight(craft: Craft, course: Course, values: dict[str, Any]) -> tuple[str, ...]:
+    """Diagnostics of a flyer along its way; ``values``: of its moments; one line each."""
     setup = craft.setup
-    state = setup.environment.state(values["altitude"], place)
+    place = Place(*_places(course.position), course.released + course.elapsed)
+    state = setup.environment.state(course.altitude, place)
     flyer, temperature, slope = setup.flyer, values["temperature"], values["slope_speed"]
     broadside = flyer.drag_diagnostics(state, values["axial_speed"], "broadside", temperature)
     edgewise = (

@@ -1,5 +1,6 @@
 """A mission in numbers, from its dataset."""
 
+import itertools
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -9,13 +10,13 @@ from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.mission.path.position import unit_vector
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.dataset import ELAPSED
+from lightflyer.mission.report.events import Event, at_event, read_events, spans_between
 from lightflyer.program.entry_point import entry_point
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _unit_vector = entry_point(unit_vector)
-_HALF = 0.5  # Share of the strongest light above which it counts as day
 _INTERVAL = (2.5, 50.0, 97.5)  # Percentiles of a 95 % interval and its median
 
 SECONDS_AN_HOUR = 3600.0
@@ -34,13 +35,8 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
     dict
         Ready for JSON, with a unit at the end of each name.
     """
-    altitude = dataset.altitude.values
-    elapsed = dataset[ELAPSED].values
-    flying = np.isfinite(altitude)
-    end = float(dataset.end_elapsed)
-    ends = np.append(altitude[flying], float(dataset.end_altitude))
-    when = np.append(elapsed[flying], end)
-    lowest, highest = int(np.argmin(ends)), int(np.argmax(ends))
+    end, events = float(dataset.end_elapsed), read_events(dataset)
+    lowest, highest = (at_event(events, kind) for kind in (Event.LOWEST, Event.HIGHEST))
     hours, nights = _light(dataset)
     found: dict[str, Any] = {
         "released": date_after(dataset, 0.0),
@@ -51,10 +47,10 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         "end_altitude_km": float(dataset.end_altitude) / 1e3,
         "end_latitude_deg": float(dataset.end_latitude),
         "end_longitude_deg": float(dataset.end_longitude),
-        "lowest_altitude_km": ends[lowest] / 1e3,
-        "lowest_at_h": when[lowest] / SECONDS_AN_HOUR,
-        "highest_altitude_km": ends[highest] / 1e3,
-        "highest_at_h": when[highest] / SECONDS_AN_HOUR,
+        "lowest_altitude_km": lowest[1] / 1e3,
+        "lowest_at_h": lowest[0] / SECONDS_AN_HOUR,
+        "highest_altitude_km": highest[1] / 1e3,
+        "highest_at_h": highest[0] / SECONDS_AN_HOUR,
         "light_h": hours,
         "nights": nights,
         "film": heat_of_film(dataset),
@@ -71,23 +67,15 @@ def heat_of_film(dataset: "xr.Dataset") -> dict[str, Any] | None:
     highest = dataset.attrs.get("highest_temperature_k")
     if highest is None:
         return None
-    hot, elapsed = dataset.temperature.values, dataset[ELAPSED].values
-    known = np.isfinite(hot)
-    hot, elapsed, altitude = hot[known], elapsed[known], dataset.altitude.values[known]
-    # between two moments the temperature is taken as linear
-    changes = np.flatnonzero(np.diff(hot > highest))
-    share = (highest - hot[changes]) / (hot[changes + 1] - hot[changes])
-    passed = elapsed[changes] + share * np.diff(elapsed)[changes]
-    edges = [*elapsed[:1][hot[:1] > highest], *passed, *elapsed[-1:][hot[-1:] > highest]]
-    first = edges[0] if edges else None
+    events = read_events(dataset)
+    spans = spans_between(events, Event.TOO_HOT, Event.COOL_AGAIN, float(dataset.end_elapsed))
+    heated = events.altitude[events.kind == Event.TOO_HOT]
     return {
         "bears_k": highest,
-        "hottest_k": float(hot.max(initial=0.0)),
-        "too_hot_h": float(np.sum(np.diff(edges)[::2])) / SECONDS_AN_HOUR,
-        "too_hot_from_h": None if first is None else float(first) / SECONDS_AN_HOUR,
-        "too_hot_from_altitude_km": None
-        if first is None
-        else float(np.interp(first, elapsed, altitude)) / 1e3,
+        "hottest_k": at_event(events, Event.HOTTEST)[2],
+        "too_hot_h": sum(end - begin for begin, end in spans) / SECONDS_AN_HOUR,
+        "too_hot_from_h": spans[0][0] / SECONDS_AN_HOUR if spans else None,
+        "too_hot_from_altitude_km": float(heated[0]) / 1e3 if spans else None,
     }
 
 
@@ -103,48 +91,35 @@ def date_after(dataset: "xr.Dataset", elapsed: float) -> str:
 
 def day_and_night(dataset: "xr.Dataset") -> list[tuple[float, float, bool]]:
     """Spans of light and of darkness [s after the release]."""
-    light = dataset.irradiance.values
-    known = np.isfinite(light)
-    elapsed, light = dataset[ELAPSED].values[known], light[known]
-    strongest = light.max(initial=0.0)
-    over = light - _HALF * strongest if strongest > 0.0 else light - 1.0
-    changes = np.flatnonzero(np.diff(np.sign(over)) != 0)
-    before, after = over[changes], over[changes + 1]
-    share = before / (before - after)
-    moments = elapsed[changes] + share * (elapsed[changes + 1] - elapsed[changes])
-    last = float(dataset.end_elapsed)
-    edges = np.concatenate([[0.0], moments, [last]])
-    is_day = bool(over[0] > 0.0)
-    found = []
-    for begin, end in pairwise(edges):
-        found.append((float(begin), float(end), is_day))
-        is_day = not is_day
-    return found
+    last, events = float(dataset.end_elapsed), read_events(dataset)
+    days = spans_between(events, Event.LIGHT_BEGINS, Event.LIGHT_ENDS, last)
+    edges = [0.0, *(edge for day in days for edge in day), last]
+    spans = zip(pairwise(edges), itertools.cycle((False, True)))
+    return [(begin, end, is_day) for (begin, end), is_day in spans if begin < end]
 
 
 def _light(dataset: "xr.Dataset") -> tuple[float, list[dict[str, Any]]]:
     """Hours of light, and each night with the altitudes at its start and end."""
-    spans = day_and_night(dataset)
+    spans, events = day_and_night(dataset), read_events(dataset)
     hours = sum(end - begin for begin, end, is_day in spans if is_day) / SECONDS_AN_HOUR
-    altitude, elapsed = dataset.altitude.values, dataset[ELAPSED].values
-    known = np.isfinite(altitude)
-    elapsed = np.append(elapsed[known], float(dataset.end_elapsed))
-    altitude = np.append(altitude[known], float(dataset.end_altitude))
-    nights = []
-    for begin, end, is_day in spans:
-        if is_day or begin == end:
-            continue
-        at = np.interp([begin, end], elapsed, altitude) / 1e3
-        nights.append(
-            {
-                "begins": date_after(dataset, begin),
-                "ends": date_after(dataset, end),
-                "duration_h": (end - begin) / SECONDS_AN_HOUR,
-                "altitude_at_begin_km": float(at[0]),
-                "altitude_at_end_km": float(at[1]),
-                "whole": begin > 0.0 and end < float(dataset.end_elapsed),
-            }
-        )
+    last = float(dataset.end_elapsed)
+    altitudes = {
+        0.0: float(dataset.altitude[0]),
+        **dict(zip(events.elapsed.tolist(), events.altitude.tolist(), strict=True)),
+        last: float(dataset.end_altitude),
+    }
+    nights = [
+        {
+            "begins": date_after(dataset, begin),
+            "ends": date_after(dataset, end),
+            "duration_h": (end - begin) / SECONDS_AN_HOUR,
+            "altitude_at_begin_km": altitudes[begin] / 1e3,
+            "altitude_at_end_km": altitudes[end] / 1e3,
+            "whole": begin > 0.0 and end < last,
+        }
+        for begin, end, is_day in spans
+        if not is_day
+    ]
     return hours, nights
 
 

@@ -46,6 +46,10 @@ class FigureOptions:
         used = [name for name, key in given.items() if getattr(self, key) != getattr(default, key)]
         if out is None and used:
             raise ParameterError(f"{', '.join(used)}: figures need a folder; add --out FOLDER")
+        if out is not None:
+            from lightflyer.core.atomic_files import require_directory
+
+            require_directory(out)
         if not used:
             return  # and Matplotlib need not be imported yet
         from lightflyer.files.drawing import FORMATS, require_style

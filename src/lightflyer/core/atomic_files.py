@@ -79,6 +79,15 @@ def _is_left_behind(folder: Path) -> bool:
     return False
 
 
+def require_directory(directory: Path) -> None:
+    """Raise where nothing can be written into a directory, before anything is computed."""
+    made = not directory.exists()
+    with output_directory(directory, shared=True):
+        pass
+    if made:
+        directory.rmdir()
+
+
 @contextmanager
 def output_directory(directory: Path, *, shared: bool = False) -> Iterator[Callable[[str], Path]]:
     """Write several files into a directory, all of them or none; others may share it."""

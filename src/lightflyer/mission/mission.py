@@ -32,7 +32,12 @@ from lightflyer.mission.path.integration import (
 from lightflyer.mission.path.moments import VARIABLES, Course, Variable, moments, node_variables
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import latitude_and_longitude
-from lightflyer.mission.path.release import Release, limits_of, require_release_inside
+from lightflyer.mission.path.release import (
+    Release,
+    limits_of,
+    require_release_inside,
+    require_steady_fall,
+)
 from lightflyer.mission.path.single import follow, way_between
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of, describe_object
@@ -134,11 +139,13 @@ def fly(
     elapsed = times_of(duration, every, several=several)
     plan = _Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), tolerance))
     flights = flights_of(mission.design, mission.rule, mission.start, ensemble, launches)
-    first, way = follow(mission.craft, mission.start, *plan.course)
-    tracks = fly_all(flights, *plan.course, first)
-    if inertia is not None:
+    if inertia is None:
+        require_steady_fall(mission.craft, mission.start)
+        first, way = follow(mission.craft, mission.start, *plan.course)
+    else:
         first = _track_with_inertia(mission.craft, mission.start, plan.course, inertia)
         way = way_between(elapsed, first)
+    tracks = fly_all(flights, *plan.course, first)
     closely = close_look(mission.craft, way, float(release.time))
     dataset = _fly(mission, plan, first)
     add_events(dataset, events_of(mission.craft, way, *closely))

@@ -1,9 +1,11 @@
 """Where and when a flyer is released."""
 
+import math
 from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 
 from lightflyer.core.clock import seconds_of
 from lightflyer.core.errors import ParameterError
@@ -16,7 +18,16 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.mission.path.integration import Limits, Start
+from lightflyer.mission.path.moments import Course, moments
+from lightflyer.mission.path.motion import Craft
+from lightflyer.mission.path.position import unit_vector
+from lightflyer.program.entry_point import entry_point
 
+_INERTIA = 0.1
+"""Square of the speed over R T, up to which a flyer is in balance: the time that it takes to come
+there over that in which it falls through a scale height of the gas."""
+
+_unit_vector = entry_point(unit_vector)
 _YEARS = 1950, 2050  # in which the algorithm of the sun's place is good to 0.002°
 
 
@@ -70,6 +81,24 @@ def limits_of(
     if found.lowest >= found.highest:
         raise ParameterError("the lowest altitude must be below the highest")
     return found
+
+
+def require_steady_fall(craft: Craft, start: Start) -> None:
+    """Raise where a flyer would fall so fast that it is not in balance for long enough."""
+    place = start.place
+    position = np.atleast_2d(_unit_vector(place.latitude, place.longitude))
+    course = Course(np.zeros(1), np.atleast_1d(start.altitude), position, place.time)
+    there = {name: float(values[0]) for name, values in moments(craft, course).items()}
+    state = craft.setup.environment.state(float(start.altitude), place)
+    thermal = float(state.gas.specific_gas_constant) * there["gas_temperature"]
+    fastest = math.sqrt(_INERTIA * thermal)
+    if abs(there["axial_speed"]) > fastest:
+        raise ParameterError(
+            f"released at {float(start.altitude) / 1e3:g} km the flyer would move at "
+            f"{abs(there['axial_speed']):.3g} m/s in balance of its forces, but it comes into "
+            f"balance only below about {fastest:.0f} m/s; release it where the air is denser, or "
+            "integrate its velocity with lf.fly(..., inertia=lf.mission.Inertia(...))"
+        )
 
 
 def require_release_inside(release: Release, limits: Limits) -> None:

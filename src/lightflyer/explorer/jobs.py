@@ -310,7 +310,7 @@ def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[
     from lightflyer.mission.mission import fly
 
     flight = workplace.mission(document)
-    report("flying; the first flight of a kind of flyer compiles for half a minute")
+    report("flying")
     dataset = fly(flight.design, **flight.arguments())
     hours = dataset.elapsed.values / _HOUR
     altitude = dataset.altitude.values / _KILOMETRE

@@ -129,7 +129,7 @@ def _misfits(sample: OpticsSample, fit: Fit) -> list[str]:
         deviation, noise = float(np.sqrt(np.mean(residual**2))), point_noise(residual)
         if deviation > max(_MISFIT * noise, _VISIBLE_MISFIT):
             found.append(
-                f"{one.spectrum.source}: residuals of {deviation:.2g} exceed the noise of "
+                f"{one.label}: residuals of {deviation:.2g} exceed the noise of "
                 f"{noise:.1g}: the film or its optical constants differ from the model; intervals "
                 "are wider for it, and may still miss what the model leaves out"
             )

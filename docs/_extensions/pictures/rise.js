@@ -177,9 +177,11 @@
     pen.lineJoin = "round";
     pen.lineWidth = 5;
     pen.strokeStyle = colours.ground;
-    pen.strokeText(text, x * scale, y * scale);
+    const room = canvas.width - pen.measureText(text).width - LETTERS / 2;
+    const left = Math.min(x * scale, room);
+    pen.strokeText(text, left, y * scale);
     pen.fillStyle = colour;
-    pen.fillText(text, x * scale, y * scale);
+    pen.fillText(text, left, y * scale);
     pen.restore();
   }
 
@@ -215,8 +217,8 @@
     const place = FILM.right + 0.08;
     arrow(place, FILM.y, FILM.y + long, colours.outside, 0.014);
     arrow(place, FILM.y, FILM.y - long * lift, colours.computed, 0.014);
-    label("weight", place + 0.035, FILM.y + long - 0.01, colours.ink);
-    label(`lift ${percent(lift)}`, place + 0.035, FILM.y - Math.max(long * lift - 0.04, 0.02), colours.computed);
+    label("weight", place + 0.035, FILM.y + long + 0.06, colours.ink);
+    label(`lift ${percent(lift)}`, place + 0.035, FILM.y - Math.max(long * lift, 0.02) - 0.03, colours.computed);
   }
 
   const percent = (share) => `${(100 * share).toFixed(share < 0.1 ? 1 : 0)} %`;
@@ -232,6 +234,7 @@
   }
 
   const box = { left: 9, right: 711, top: 8, bottom: 78 }; // left and right as the slider's handle
+  const NARROW = 500; // px, below which every other tick is left out
   const [lowest, highest] = [table.altitude[0], table.altitude.at(-1)];
   const across = (altitude) =>
     box.left + ((box.right - box.left) * (altitude - lowest)) / (highest - lowest);
@@ -239,6 +242,11 @@
 
   function drawCurve() {
     const svg = element("lf-rise-curve");
+    const wide = svg.clientWidth || 720;
+    svg.setAttribute("viewBox", `0 0 ${wide} 96`);
+    svg.replaceChildren();
+    box.right = wide - box.left;
+    const step = wide < NARROW ? 20 : 10;
     const flying = table.altitude.filter((_, index) => table.lift[index] >= 1);
     make(svg, "rect", {
       class: "lf-rise-band", x: across(flying[0] - 0.5), y: box.top,
@@ -250,9 +258,9 @@
     const path = table.altitude.map((altitude, index) =>
       `${index ? "L" : "M"}${across(altitude).toFixed(1)} ${up(table.lift[index]).toFixed(1)}`);
     make(svg, "path", { class: "lf-rise-lift", d: path.join("") });
-    for (let altitude = lowest; altitude <= highest; altitude += 10) {
+    for (let altitude = lowest; altitude <= highest; altitude += step) {
       const anchor = altitude === lowest ? "start" : altitude === highest ? "end" : "middle";
-      const text = altitude === highest ? `${altitude} km` : String(altitude);
+      const text = altitude > highest - step ? `${altitude} km` : String(altitude);
       make(svg, "text", { x: across(altitude), y: 94, "text-anchor": anchor }, text);
     }
     svg.setAttribute("aria-label",
@@ -260,7 +268,7 @@
       `from about ${flying[0]} to ${flying.at(-1)} km.`);
     return make(svg, "circle", { class: "lf-rise-dot", r: 6 });
   }
-  const dot = drawCurve();
+  let dot = drawCurve();
 
   // --- words ---
 
@@ -291,6 +299,11 @@
       `cold. Here lift is largest: it is ${lift} of the weight. ${flight}`];
   }
 
+  function moveDot() {
+    dot.setAttribute("cx", across(now));
+    dot.setAttribute("cy", up(value("lift")));
+  }
+
   function show() {
     const [title, text] = words();
     const strong = document.createElement("strong");
@@ -299,8 +312,7 @@
     element("lf-rise-hot").textContent = `${value("hot").toFixed(0)} K`;
     element("lf-rise-cold").textContent = `${value("cold").toFixed(0)} K`;
     slider.setAttribute("aria-valuetext", `${now} km, ${pressure(value("pressure"))}, ${title.toLowerCase()}`);
-    dot.setAttribute("cx", across(now));
-    dot.setAttribute("cy", up(value("lift")));
+    moveDot();
     section.querySelectorAll("[data-altitude]").forEach((button) => {
       button.setAttribute("aria-pressed", String(Number(button.dataset.altitude) === now));
     });
@@ -344,7 +356,11 @@
   const repaint = () => { takeColours(); draw(); };
   new MutationObserver(repaint).observe(document.body, { attributeFilter: ["data-theme"] });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
-  new ResizeObserver(draw).observe(canvas);
+  new ResizeObserver(() => {
+    draw();
+    dot = drawCurve();
+    moveDot();
+  }).observe(canvas);
 
   takeColours();
   fill();

@@ -14,7 +14,6 @@ if importlib.metadata.version("jaxlib").startswith("0.10."):
     )
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the processors
-os.environ.setdefault("LIGHTFLYER_CACHE", "off")  # tests of it choose a folder of their own
 os.environ.setdefault("LIGHTFLYER_PROGRESS", "off")  # a slow machine would see it anywhere
 
 import jax
@@ -25,10 +24,12 @@ import lightflyer as lf
 from lightflyer import cli
 from lightflyer.program.entry_point import entry_point
 
-# What one worker compiled serves the others, and the next run; JAX knows a program by its content.
-# A largest size makes JAX lock the folder.
-SHARED = str(Path(__file__).parents[1] / ".pytest_cache" / "programs")
-jax.config.update("jax_compilation_cache_dir", SHARED)
+# What one worker traced and compiled serves the others, and the next run; a program is known by its
+# content. A largest size makes JAX lock the folder. Tests of what is kept choose a folder of their
+# own.
+SHARED = Path(__file__).parents[1] / ".pytest_cache"
+os.environ.setdefault("LIGHTFLYER_CACHE", str(SHARED / "traces"))
+jax.config.update("jax_compilation_cache_dir", str(SHARED / "programs"))
 jax.config.update("jax_compilation_cache_max_size", 2 * 10**9)
 jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)
 

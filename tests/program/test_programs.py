@@ -1,5 +1,6 @@
 """Programs: NumPy gives what XLA gives, arrays have any shape, and what is kept is never stale."""
 
+import tomllib
 from dataclasses import replace
 
 import equinox as eqx
@@ -10,6 +11,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.cli.commands.init import templates
+from lightflyer.config.flyer_file import flyer_file_type
 from lightflyer.config.reader import read_design
 from lightflyer.design.outputs import tabulate
 from lightflyer.program import entry_point as entry_points
@@ -25,6 +27,16 @@ AGREEMENT = 1e-10
 PLACES = 40  # random designs of each kind, each at a place of its own
 SPREAD = 0.1  # of each number of a design
 KINDS = [name for name, template in templates().items() if template.is_flyer]
+OTHERS = {
+    "earth by lu2023": ("earth", {"force": {"model": "lu2023"}}),
+    "earth by free molecules": ("earth", {"force": {"model": "free-molecular"}}),
+    "earth by free molecules, linear": ("earth", {"force": {"model": "free-molecular-linear"}}),
+    "earth in the paper's air": ("earth", {"environment": {"atmosphere": "lu2023"}}),
+    "mars by free molecules": ("mars", {"force": {"model": "free-molecular"}}),
+    "sandwich by kinetic": ("sandwich", {"force": {"model": "kinetic"}}),
+    "hollow by celenza2023": ("hollow", {"force": {"model": "celenza2023"}}),
+}
+"""Force models and surroundings that no template has: the template, and what is other."""
 
 
 def traced(function, *shapes):
@@ -46,10 +58,13 @@ def flyers(tmp_path_factory):
         path = folder / f"{name}.toml"
         path.write_text(templates()[name].read(), encoding="utf-8")
         found[name] = read_design(path).setup
+    for name, (kind, other) in OTHERS.items():
+        content = tomllib.loads(templates()[kind].read())
+        found[name] = flyer_file_type()(**(content | other)).build()
     return found
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [*KINDS, *OTHERS])
 def test_random_designs_of_every_kind_are_those_of_xla(flyers, kind, rng):
     setup = flyers[kind]
     coordinate = rng.uniform(*np.log(np.array(setup.searched) + 1.0), PLACES)

@@ -124,14 +124,14 @@ def test_a_move_is_undone_by_button_and_browser(page):
     for diameter in ("3 cm", "4 cm"):
         type_into(page, DIAMETER, diameter)
         until(page, f"location.hash.includes('flyer.diameter={diameter.replace(' ', '+')}')")
+    shows = "document.getElementById('field-flyer.diameter').value === '{}'".format
     page.click("#undo")
-    until(page, "location.hash.includes('flyer.diameter=3+cm')")
+    until(page, shows("3 cm"))
     settled(page)
-    assert page.input_value(DIAMETER) == "3 cm"
+    assert "flyer.diameter=3+cm" in page.url
     page.go_back()
-    until(page, "!location.hash.includes('flyer.diameter=3+cm')")
+    until(page, shows("2 cm"))
     settled(page)
-    assert page.input_value(DIAMETER) == "2 cm"
 
 
 def test_an_address_holds_what_is_looked_at(page):

@@ -121,6 +121,7 @@ def test_address_holds_the_design(page, browser, site):
 
 
 def test_a_move_is_undone_by_button_and_browser(page):
+    until(page, "location.hash.includes('flyer.diameter=2+cm')")  # a step of its own
     for diameter in ("3 cm", "4 cm"):
         type_into(page, DIAMETER, diameter)
         until(page, f"location.hash.includes('flyer.diameter={diameter.replace(' ', '+')}')")

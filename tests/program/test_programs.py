@@ -2,6 +2,7 @@
 
 import tomllib
 from dataclasses import replace
+from functools import partial, wraps
 
 import equinox as eqx
 import jax
@@ -311,6 +312,28 @@ def test_code_that_is_not_the_packages_is_never_kept(folder):
     method.__module__ = method.__qualname__ = "lightflyer"
     entry_point(method)(Elsewhere(np.ones(2)))
     assert not folder.exists()
+
+
+def test_what_a_function_carries_is_never_kept(folder):
+    class Scale:
+        def __init__(self, factor):
+            self.factor = factor
+
+        def scaled(self, x):
+            return self.factor * x
+
+    Scale.scaled.__qualname__, Scale.scaled.__module__ = "Scale.scaled", "lightflyer"
+    for factor in (2.0, 3.0):
+        method = Scale(factor).scaled
+        assert entry_point(method)(1.0) == factor
+        wrapper = wraps(method)(lambda x, method=method: method(x))
+        inside = wraps(method)(partial(_call, method))
+        assert entry_point(wrapper)(1.0) == entry_point(inside)(1.0) == factor
+    assert not folder.exists()
+
+
+def _call(function, x):
+    return function(x)
 
 
 def test_the_least_used_go_first(folder, monkeypatch):

@@ -10,6 +10,7 @@ Wheels bring the programs of the kinds of flyers that ``lightflyer init`` writes
 """
 
 import hashlib
+import inspect
 import json
 import os
 import pickle
@@ -31,6 +32,7 @@ LARGEST = 100_000_000
 _PACKAGE = Path(str(resources.files("lightflyer")))
 _SHIPPED = _PACKAGE / "data" / "programs"
 _SOURCES = {".py", ".csv", ".toml", ".txt"}
+_PLAIN = (bool, int, float, str, type(None))
 _KNOWN = {"builtins", "collections", "copyreg", "equinox", "jax", "jaxlib", "lightflyer", "numpy"}
 _NAMES_PROTOCOL = 2  # the newest in which a pickle names each class in one piece
 
@@ -93,10 +95,21 @@ def _key(function: Callable[..., Any], form: Any) -> str | None:
     except (pickle.PicklingError, AttributeError, TypeError):
         return None
     modules = {function.__module__, *_modules(description)}
-    if "<" in function.__qualname__ or {name.split(".")[0] for name in modules} - _KNOWN:
+    if not _is_all_code(function) or {name.split(".")[0] for name in modules} - _KNOWN:
         return None
     name = f"{function.__module__}.{function.__qualname__}".encode()
     return hashlib.sha256(name + description + _sources()).hexdigest()
+
+
+def _is_all_code(function: Any) -> bool:
+    """Whether a function is what its name says: it carries no object, and is in no other one."""
+    if inspect.isclass(function) or isinstance(function, _PLAIN):
+        return True
+    if not inspect.isfunction(function) or "<" in function.__qualname__:
+        return False
+    carried = [cell.cell_contents for cell in function.__closure__ or ()]
+    carried += [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
+    return all(map(_is_all_code, [*carried, getattr(function, "__wrapped__", None)]))
 
 
 def _modules(description: bytes) -> Iterator[str]:

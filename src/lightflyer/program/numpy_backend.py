@@ -59,8 +59,7 @@ def run(
 ) -> list[np.ndarray]:
     """Outputs of a program; ``meter``: what counts the work."""
     prepared: _Prepared = program.prepare_once("numpy", _Prepared)
-    lengths = _Run(program.lengths([np.shape(array) for array in inputs]))
-    lengths.meter = meter or Meter()
+    lengths = _Run(program.lengths([np.shape(array) for array in inputs]), meter)
     with np.errstate(all="ignore"):
         found = prepared.run(lengths, inputs)
     return [
@@ -76,43 +75,40 @@ class Bound:
 
     def __init__(self, program: Program, given: Mapping[int, Any]):
         require_supported(program)
-        self._program = program
-        self._free = [n for n in range(len(program.input_shapes)) if n not in given]
-        body, arguments = _without_filling(program), program.body.arguments
-        self._values: Values = [None] * (1 + max(_numbers(program.body), default=0))
+        arguments, body = program.body.arguments, _without_filling(program)
+        self._free = [number for place, number in enumerate(arguments) if place not in given]
+        self._results = body.results
         known = {arguments[place]: np.asarray(value)[()] for place, value in given.items()}
         known |= {number: array[()] for number, array in program.constants.items()}
-        for number, value in known.items():
-            self._values[number] = value
-        operations, settled = [], set(known)
-        for operation in body.operations:
-            read = {*operation.inputs}.union(*(b.reads() - b.makes() for b in operation.blocks))
-            if read <= settled:
-                settled.update(operation.outputs)
-            else:
-                operations.append(operation)
-        shapes = [np.shape(given.get(n, ())) for n in range(len(program.input_shapes))]
+        self._values: Values = [None] * (1 + max(_numbers(program.body), default=0))
+        _set(self._values, [*known], [*known.values()])
+        shapes = [np.shape(given.get(place, ())) for place in range(len(arguments))]
         self._lengths = program.lengths(shapes)
-        once = [one for one in body.operations if settled.issuperset(one.outputs)]
-        with np.errstate(all="ignore"):
-            _call_all(_steps(body._replace(operations=tuple(once)), frozenset()), self._values,
-                      self._run())  # fmt: skip
-        self._steps = _steps(body._replace(operations=tuple(operations)), frozenset())
-        self._results = body.results
+        once, self._steps = (_steps(part, frozenset()) for part in _split(body, set(known)))
+        self._call(once, self._values)
 
-    def _run(self) -> "_Run":
-        run = _Run(self._lengths)
-        run.meter = Meter()
-        return run
+    def _call(self, steps: "list[_Step]", values: Values) -> None:
+        with np.errstate(all="ignore"):
+            _call_all(steps, values, _Run(self._lengths))
 
     def __call__(self, inputs: Sequence[Any]) -> list[Any]:
         """Outputs for the other inputs, which may not have lengths that are symbols."""
         values = self._values.copy()
-        for place, value in zip(self._free, inputs, strict=True):
-            values[self._program.body.arguments[place]] = value
-        with np.errstate(all="ignore"):
-            _call_all(self._steps, values, self._run())
+        _set(values, self._free, inputs)
+        self._call(self._steps, values)
         return [values[number] for number in self._results]
+
+
+def _split(body: Block, known: set[int]) -> tuple[Block, Block]:
+    """The operations that need known values alone, and the others."""
+    parts: tuple[list[Operation], list[Operation]] = [], []
+    for operation in body.operations:
+        read = {*operation.inputs}.union(*(one.reads() - one.makes() for one in operation.blocks))
+        settled = read <= known
+        parts[not settled].append(operation)
+        known.update(operation.outputs if settled else ())
+    first, second = (body._replace(operations=tuple(part)) for part in parts)
+    return first, second
 
 
 def require_supported(program: Program) -> None:
@@ -125,7 +121,9 @@ def require_supported(program: Program) -> None:
 class _Run(dict[str, int]):
     """Lengths of one run, by their symbols, and what counts its work."""
 
-    meter: Meter
+    def __init__(self, lengths: Mapping[str, int], meter: Meter | None = None):
+        super().__init__(lengths)
+        self.meter = meter or Meter()
 
 
 class _Prepared:

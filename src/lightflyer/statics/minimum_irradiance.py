@@ -65,10 +65,10 @@ class LeastLight(eqx.Module):
     """A search for the dimmest light, or its result."""
 
     stage: Array  # What is looked at next
-    # To be looked at next. In the end the dimmest that carries the load; where none does, that of
-    # the strongest force [W/m²]
+    # To be looked at next. In the end the dimmest that carries the load; where none does, the last
+    # one looked at [W/m²]
     light: Array
-    force: Array  # Where the force carried the load first, or was strongest [N]
+    force: Array  # Where it carried the load first, or in the last light [N]
     carries: Array  # Whether some light carries the load
     # Of the heat balance in the light looked at last in the end, before that about those in the
     # light to be looked at
@@ -98,7 +98,7 @@ class LiftOff(NamedTuple):
     temperature: Array  # Of the hottest node [K]
     residual: Array  # Force over weight, minus one [1]
     status: Array  # Why the search ended
-    strongest: Array  # Largest force that was met [N]
+    strongest: Array  # A force that was met; NaN where it is not known [N]
 
 
 def find_by_irradiance(equations: FlightEquations) -> LiftOff:

@@ -70,7 +70,7 @@ def test_points_over_altitude_are_refused(run):
     assert code == 0, errors
     code, _, errors = run("calibrate", "points.csv", "--flyer", "earth.toml")
     assert code == 2
-    assert "the coordinate of this environment is altitude" in errors
+    assert "earth.toml: levitation points need a chamber" in errors
     assert errors.count("\n") == 1
 
 

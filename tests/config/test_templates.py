@@ -34,6 +34,8 @@ def invited():
                 line = f"{match['key']} = {other}\n"
                 changed = text[: match.start()] + line + text[match.end() :]
                 fitting = with_group(changed, other)
+                if other == '"three points"':  # they lie on a circle
+                    fitting = fitting.replace("# hanging_radius", "hanging_radius")
                 yield f"{kind}: {match['key']} {other}", of_its_model(fitting, text, match)
 
 

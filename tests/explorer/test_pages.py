@@ -24,6 +24,7 @@ from lightflyer.explorer.state import View, plain, to_toml
 from lightflyer.files.toml_file import parse_toml, validate
 from lightflyer.film.optics.spectra import am0
 from lightflyer.lab.levitation.data import read_lift_offs
+from lightflyer.mission.report.events import Event, Events, add_events
 from lightflyer.prediction.text import verdict_lines
 
 
@@ -314,6 +315,9 @@ def test_mission_is_drawn_with_its_nights(workplace, document, monkeypatch):
         {"elapsed": 3600.0 * hours},
         {"end": "is still flying", "warnings": "one; two", "assumptions": "light"},
     )
+    kinds = np.array([Event.LIGHT_BEGINS, Event.LIGHT_ENDS] * 3)[:5]
+    passed = 3600.0 * np.array([0.0, 4.0, 20.0, 28.0, 44.0])
+    add_events(flown, Events(kinds, passed, 75e3 + 0.0 * passed, 300.0 + 0.0 * passed))
     asked = {}
     monkeypatch.setattr(
         "lightflyer.mission.mission.fly", lambda design, **given: asked.update(given) or flown

@@ -37,7 +37,12 @@ def test_lines_can_be_seen_on_light_and_on_dark_pages():
 
 
 def test_every_kind_of_flyer_has_a_drawing():
-    for kind in {name.split()[0] for name in FlyerSection.alternatives}:
+    shipped = (
+        name.split()[0]
+        for name, section in FlyerSection.alternatives.items()
+        if section.__module__.startswith("lightflyer.")
+    )
+    for kind in {*shipped}:
         drawing = ElementTree.fromstring((STATIC / f"kind-{kind}.svg").read_text("utf-8"))
         assert drawing.get("aria-label")
         assert not [one for one in drawing.iter() if one.tag.endswith("script")]

@@ -9,6 +9,7 @@ import numpy as np
 
 from lightflyer.core.clock import seconds_of
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.precision import float64
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Altitude,
@@ -89,7 +90,8 @@ def require_steady_fall(craft: Craft, start: Start) -> None:
     position = np.atleast_2d(_unit_vector(place.latitude, place.longitude))
     course = Course(np.zeros(1), np.atleast_1d(start.altitude), position, place.time)
     there = {name: float(values[0]) for name, values in moments(craft, course).items()}
-    state = craft.setup.environment.state(float(start.altitude), place)
+    with float64():
+        state = craft.setup.environment.state(float(start.altitude), place)
     thermal = float(state.gas.specific_gas_constant) * there["gas_temperature"]
     fastest = math.sqrt(_INERTIA * thermal)
     if abs(there["axial_speed"]) > fastest:

@@ -25,6 +25,7 @@ from lightflyer.program.entry_point import bind, entry_point
 
 _ROUNDING = 1e-13  # relative tolerance: SciPy wants one, the absolute one decides
 _AN_HOUR = 3600.0
+_SHORTEST = 1e-3  # seconds: how closely the end of data is found
 
 _rate = entry_point(steady_rate)
 _scaled = entry_point(scale_state)
@@ -63,34 +64,40 @@ def follow(
     craft: Craft, start: Start, limits: Limits, elapsed: Any, accuracy: Accuracy
 ) -> tuple[Track, Way]:
     """Flight of one flyer whose numbers are known; ``elapsed``: times to keep, shape (times,)."""
-    from scipy.integrate import LSODA
-
     state = np.asarray(_scaled(start))
     rate = bind(_rate, craft, start, limits, example=(0.0, state))
-    solver = LSODA(
-        lambda time, flown: rate(np.float64(time), flown),
-        float(elapsed[0]),
-        state,
-        float(elapsed[-1]),
-        max_step=accuracy.longest,
-        rtol=_ROUNDING,
-        atol=accuracy.tolerance,
-    )
+    last = until = float(elapsed[-1])
+    solver = _solver(rate, float(elapsed[0]), state, last, accuracy)
     steps, end = 0, None
     times, pieces = [float(elapsed[0])], []
-    while solver.status == "running" and steps < accuracy.steps and end is None:
-        solver.step()
+    while solver.t < last and steps < accuracy.steps and end is None:
+        if solver.status != "running":  # before something that is not known: closer to it
+            if until - solver.t < _SHORTEST:
+                break
+            middle = 0.5 * (solver.t + until)
+            solver = _solver(rate, solver.t, solver.y, middle, accuracy)
+        try:
+            solver.step()
+        except _UnknownError as error:
+            until, solver.status = error.elapsed, "failed"
+            continue
+        if solver.status == "failed":
+            until = 0.5 * (solver.t + until)
+            continue
         steps += 1
-        report("flying", int(solver.t / _AN_HOUR), int(elapsed[-1] / _AN_HOUR), "h")
-        if solver.status == "failed" or not np.isfinite(solver.y).all():
-            break
+        report("flying", int(solver.t / _AN_HOUR), int(last / _AN_HOUR), "h")
         between = solver.dense_output()
         end = _leaves(between, solver.t_old, solver.t, limits)
         times.append(solver.t if end is None else end[0])
         pieces.append(between)
     way = Way(np.array(times), pieces or [lambda at: np.tile(state[:, None], len(at))])
-    over = {"finished": TerminationReason.STILL_FLYING, "running": TerminationReason.STEP_LIMIT}
-    reason = over.get(solver.status, TerminationReason.NO_DATA) if end is None else end[1]
+    if end is not None:
+        reason = end[1]
+    elif solver.t >= last:
+        reason = TerminationReason.STILL_FLYING
+    else:
+        ran_out = steps >= accuracy.steps
+        reason = TerminationReason.STEP_LIMIT if ran_out else TerminationReason.NO_DATA
     flown = elapsed <= times[-1]
     altitude, position = np.full(len(elapsed), np.inf), np.full((len(elapsed), 3), np.inf)
     altitude[flown], position[flown] = way(elapsed[flown])
@@ -105,6 +112,32 @@ def follow(
         "steps": np.int64(steps),
     }
     return Track(**found), way
+
+
+class _UnknownError(Exception):
+    """A rate is not known at some time, such as beyond the data of a wind."""
+
+    def __init__(self, elapsed: float):
+        super().__init__(elapsed)
+        self.elapsed = elapsed
+
+
+def _solver(
+    rate: Callable[..., Any], start: float, state: np.ndarray, end: float, accuracy: Accuracy
+) -> Any:
+    """SciPy's integrator of a scaled state between two times [s]."""
+    from scipy.integrate import LSODA
+
+    def known_rate(time: float, flown: np.ndarray) -> np.ndarray:
+        found: np.ndarray = rate(np.float64(time), flown)
+        if not np.isfinite(found).all():
+            raise _UnknownError(time)
+        return found
+
+    return LSODA(
+        known_rate, start, state, end,
+        max_step=accuracy.longest, rtol=_ROUNDING, atol=accuracy.tolerance,
+    )  # fmt: skip
 
 
 def _leaves(

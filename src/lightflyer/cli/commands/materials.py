@@ -146,7 +146,8 @@ def _show_short(described: list[dict[str, Any]], pages: "list[DatabasePage]") ->
     """A line for each material of the package, then for each page, elements first."""
     console, shown = printer(), [_page(page) for page in pages[:_SHOWN]]
     rows = Table(box=None, padding=(0, 1), show_header=False)
-    rows.add_column(style="bold", no_wrap=True)
+    longest = max(len(entry["name"]) for entry in (*described, *shown))
+    rows.add_column(style="bold", no_wrap=True, min_width=longest)  # it is typed
     rows.add_column(no_wrap=True, min_width=_RANGE)
     rows.add_column(no_wrap=True, overflow="ellipsis")
     for entry in (*described, *shown):

@@ -139,7 +139,7 @@ def test_a_slider_beside_a_thousand_hostile_requests(explorer, workplace):
     slider.move(0)
     for thickness in (20.0, 21.0):  # until what one heavy design needs is there
         send(address, "/api/predict", {"document": layered(40, thickness)}, wait=120)
-    attack(address, REQUESTS // 4, draw)
+    attack(address, REQUESTS, draw)  # and the allocator has settled
     before = resident(process)
     slider.start()
     statuses = attack(address, REQUESTS, draw)

@@ -14,7 +14,7 @@ import numpy as np
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.reader import read_design
 from lightflyer.core.precision import float64
-from lightflyer.design.outputs import tabulate
+from lightflyer.design.tables import tabulate
 from lightflyer.program.numpy_backend import Meter, run
 from lightflyer.program.tracing import trace
 

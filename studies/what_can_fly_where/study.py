@@ -14,7 +14,7 @@ from kinds import KINDS, SMALLEST
 
 import lightflyer as lf
 from lightflyer.core.atomic_files import output_directory
-from lightflyer.design.outputs import evaluate
+from lightflyer.design.tables import evaluate
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem

@@ -14,7 +14,8 @@ from lightflyer.budget.link import REQUIRED_SIGNAL_DB
 from lightflyer.comparison.text import needs_table
 from lightflyer.config.designs import as_design
 from lightflyer.design.diagnostics import diagnose_at
-from lightflyer.design.outputs import evaluate, outputs_of
+from lightflyer.design.outputs import outputs_of
+from lightflyer.design.tables import evaluate
 from lightflyer.prediction.text import payload_line
 
 LINK = RadioLink(

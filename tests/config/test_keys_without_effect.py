@@ -9,7 +9,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.cli.commands.init import templates
 from lightflyer.design.diagnostics import diagnose_at
-from lightflyer.design.outputs import predicted_names, table_of
+from lightflyer.design.tables import predicted_names, table_of
 from lightflyer.files.section import Section
 from lightflyer.program.entry_point import run_by
 

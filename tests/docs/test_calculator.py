@@ -11,7 +11,7 @@ from lightflyer.cli.commands.init import templates
 from lightflyer.config.flyer_file import flyer_file_type
 from lightflyer.config.reader import read_design
 from lightflyer.design.diagnostics import diagnose_at, diagnose_force
-from lightflyer.design.outputs import tabulate
+from lightflyer.design.tables import tabulate
 from lightflyer.program.entry_point import entry_point
 
 model = pytest.importorskip("calculator.model")

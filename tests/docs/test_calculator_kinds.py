@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lightflyer.config.flyer_file import flyer_file_type
-from lightflyer.design.outputs import tabulate
+from lightflyer.design.tables import tabulate
 from lightflyer.program.entry_point import entry_point
 
 model = pytest.importorskip("calculator.model")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.design.outputs import table_of
+from lightflyer.design.tables import table_of
 from lightflyer.prediction.evaluator import POINTS
 from lightflyer.program.entry_point import only
 
@@ -101,7 +101,7 @@ def test_a_few_points_without_a_solution_are_missing(setup, monkeypatch, unsolve
         return run
 
     whole = lf.predict(setup)
-    monkeypatch.setattr("lightflyer.design.outputs.only", with_failures)
+    monkeypatch.setattr("lightflyer.design.tables.only", with_failures)
     if unsolved > 10:
         with pytest.raises(lf.ConvergenceError, match="20 of 301 not converged"):
             lf.predict(setup)

@@ -14,7 +14,7 @@ import lightflyer as lf
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.designs import as_design
 from lightflyer.core.precision import float64
-from lightflyer.design.outputs import evaluate
+from lightflyer.design.tables import evaluate
 from lightflyer.prediction.text import verdict_lines
 
 

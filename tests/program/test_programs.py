@@ -14,7 +14,7 @@ import lightflyer as lf
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.flyer_file import flyer_file_type
 from lightflyer.config.reader import read_design
-from lightflyer.design.outputs import tabulate
+from lightflyer.design.tables import tabulate
 from lightflyer.program import entry_point as entry_points
 from lightflyer.program import kept
 from lightflyer.program.entry_point import elementwise_entry_point, entry_point, run_by

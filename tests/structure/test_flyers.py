@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.design.outputs import evaluate, outputs_of
+from lightflyer.design.outputs import outputs_of
+from lightflyer.design.tables import evaluate
 from lightflyer.flyer.hanging import Held
 from lightflyer.flyer.shape import Sheets, core_of_posts, shape_of_film, shape_of_sandwich
 from lightflyer.structure import (

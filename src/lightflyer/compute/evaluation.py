@@ -16,7 +16,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.precision import float64
 from lightflyer.core.progress import Counted
 from lightflyer.design.design import AbstractDesign
-from lightflyer.design.outputs import evaluate
+from lightflyer.design.tables import evaluate
 from lightflyer.numerics.batches import in_batches
 from lightflyer.study.study import Study
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from lightflyer.core import constants
-from lightflyer.design.outputs import LEVITATION, tabulate
 from lightflyer.design.setup import Setup
+from lightflyer.design.tables import LEVITATION, tabulate
 from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
 from lightflyer.environment.chamber import Chamber
 from lightflyer.environment.radiation import Radiation

@@ -6,8 +6,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from lightflyer.design.outputs import predicted_names, table_of
 from lightflyer.design.setup import Setup
+from lightflyer.design.tables import predicted_names, table_of
 
 POINTS = 301  # Coordinates of a prediction's table
 

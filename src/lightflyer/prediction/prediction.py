@@ -25,10 +25,10 @@ from lightflyer.design.outputs import (
     model_outputs,
     node_outputs,
     outputs_of,
-    predicted_names,
     shape_outputs,
 )
 from lightflyer.design.setup import Setup
+from lightflyer.design.tables import predicted_names
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel

@@ -7,7 +7,7 @@ import numpy as np
 
 from lightflyer.design.diagnostics import shape_failures
 from lightflyer.design.operating_point import sinks_at_night
-from lightflyer.design.outputs import NIGHT_SPEED
+from lightflyer.design.tables import NIGHT_SPEED
 from lightflyer.prediction.edges_and_optima import coolness, find_usable
 from lightflyer.prediction.evaluator import Evaluator, Place, Rows
 from lightflyer.statics.grid_refinement import crossing

@@ -13,7 +13,7 @@ import numpy as np
 from jax.scipy.special import ndtr
 
 from lightflyer.core.precision import float64
-from lightflyer.design.outputs import evaluate
+from lightflyer.design.tables import evaluate
 from lightflyer.numerics.batches import in_batches
 from lightflyer.search.problem import PROBABILITY, Constraint, Objective, Problem
 

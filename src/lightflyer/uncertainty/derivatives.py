@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.design.outputs import NIGHT_SPEED, predicted_names, tabulate_places
+from lightflyer.design.tables import NIGHT_SPEED, predicted_names, tabulate_places
 from lightflyer.program.entry_point import entry_point, only
 from lightflyer.statics.sinking import night_change, night_places
 from lightflyer.uncertainty.inputs import Inputs

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 
 from lightflyer.design.operating_point import sinks_at_night
-from lightflyer.design.outputs import NIGHT_SPEED, table_of, tabulate
+from lightflyer.design.tables import NIGHT_SPEED, table_of, tabulate
 from lightflyer.environment.base import Coordinate
 from lightflyer.prediction.edges_and_optima import (
     Found,

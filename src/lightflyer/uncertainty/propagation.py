@@ -17,7 +17,7 @@ from lightflyer.config.designs import as_design
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
-from lightflyer.design.outputs import LEVITATION, group_of
+from lightflyer.design.tables import LEVITATION, group_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel

@@ -3,7 +3,7 @@
 Ctrl-C ends the process at once, with one line. Raised as an exception it would come up wherever
 Python happens to be: in the middle of loading a library, which then fails in a way of its own, or
 in a callback of a library that swallows it. Files are written under another name first and a sweep
-keeps a journal, so nothing is lost that an orderly end would keep.
+keeps a journal, so nothing is lost that an orderly end would keep. A flight is asked to end first.
 """
 
 import codecs
@@ -65,16 +65,21 @@ def _spell_out(error: UnicodeError) -> tuple[str, int]:
 
 
 def _wait() -> None:
-    signal.sigwait({signal.SIGINT})
-    _stop()
+    while True:
+        signal.sigwait({signal.SIGINT})
+        _stop()
 
 
 def _stop(*_: Any) -> None:
+    before = _ON_A_TERMINAL if os.isatty(2) else b""
+    work = sys.modules.get("lightflyer.core.progress")
+    if work is not None and hasattr(work, "ask_to_end") and work.ask_to_end():
+        os.write(2, before + b"lightflyer: interrupted; keeps what was done, once more drops it\n")
+        return
     files = sys.modules.get("lightflyer.core.atomic_files")
     if files is not None and hasattr(files, "remove_unfinished"):  # it may be half loaded
         files.remove_unfinished()
     what_next = _GOES_ON.get("".join(sys.argv[1:2]), _BEGINS_ANEW)
-    before = _ON_A_TERMINAL if os.isatty(2) else b""
     os.write(2, before + f"lightflyer: interrupted; {what_next}\n".encode())
     os._exit(EXIT_INTERRUPTED)
 

@@ -7,7 +7,12 @@ them; from Python nobody does unless :func:`report_to` is used.
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import Event
 from typing import NamedTuple
+
+EXIT_INTERRUPTED = 130  # what a process returns that Ctrl-C ended
+
+_listening, _asked = Event(), Event()
 
 
 class Step(NamedTuple):
@@ -54,3 +59,27 @@ class Counted:
             _, done, total, _ = self._step
             self._step = self._step._replace(done=min((done or 0) + count, total or 0))
             report(*self._step)
+
+
+@contextmanager
+def ends_early() -> Iterator[None]:
+    """Context of work that looks at :func:`asked_to_end` now and then."""
+    _listening.set()
+    try:
+        yield
+    finally:
+        _listening.clear()
+        _asked.clear()
+
+
+def asked_to_end() -> bool:
+    """Whether the work should end and keep what it has."""
+    return _asked.is_set()
+
+
+def ask_to_end() -> bool:
+    """Ask work to end; whether there is some that listens and was not asked before."""
+    asks = _listening.is_set() and not _asked.is_set()
+    if asks:
+        _asked.set()
+    return asks

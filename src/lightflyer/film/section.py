@@ -41,7 +41,7 @@ class FilmSection(Alternative, abc.ABC):
 
     not_varied: ClassVar[Mapping[str, str]] = {
         "tac_correlation": "is about uncertainties and changes no design",
-        "highest_temperature": "is a limit and changes no result",
+        "highest_temperature": "is a limit and not a property",
     }
 
     absorptance_bottom: Fraction | None = None

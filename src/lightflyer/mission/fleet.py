@@ -12,7 +12,7 @@ from jax import Array
 
 from lightflyer.compute.scheduler import processors
 from lightflyer.core.precision import float64
-from lightflyer.core.progress import report
+from lightflyer.core.progress import asked_to_end, report
 from lightflyer.core.quantity import Checked, Distance, Duration, Speed
 from lightflyer.core.types import Numeric
 from lightflyer.design.design import AbstractDesign
@@ -186,20 +186,27 @@ def fly_all(
     first: Track | None = None,
 ) -> Track:
     """Trajectories of flights; ``elapsed``: times to keep, shape (times,)."""
-    # ``first``: that of the first flight, where it is known. Few are followed one by one, more are
+    # Fewer than there are flights where a user asks for an early end. ``first``: that of the first
+    # flight, where it is known. Few are followed one by one, more are
     # compiled and integrated together.
     count, known = flights.count, [] if first is None else [first]
     if count - len(known) <= FEW:
         rows = range(len(known), count)
-        known += [follow(*_one(flights, row), limits, elapsed, accuracy)[0] for row in rows]
+        known += [
+            follow(*_one(flights, row), limits, elapsed, accuracy)[0]
+            for row in rows
+            if not asked_to_end()
+        ]
     alone = len(known)
-    tracks: list[Track] = []
+    tracks: list[Track | None] = []
     if known:
         tracks.append(jax.tree.map(lambda *rows: np.stack(rows), *known))
     size = min(BATCH, count - alone)
     starts = range(alone, count, max(size, 1))
 
-    def compute(start: int) -> Track:
+    def compute(start: int) -> Track | None:
+        if asked_to_end():
+            return None
         return _tracks(_take(flights, start, size), limits, elapsed, accuracy)
 
     if starts:
@@ -209,8 +216,9 @@ def fly_all(
         for start, some in zip(starts[1:], pool.map(compute, starts[1:]), strict=True):
             report("flying", start, count, "flights")
             tracks.append(some)
+    flown = [some for some in tracks if some is not None]
     report("flying", count, count, "flights")
-    return jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *tracks)
+    return jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *flown)
 
 
 def _one(flights: Flights, row: int) -> tuple[Craft, Start]:

@@ -151,11 +151,12 @@ def fly(
     add_events(dataset, events_of(mission.craft, way, *closely))
     told = (*mission.design.warnings, *diagnose_flight(mission.craft, *closely))
     dataset.attrs["warnings"] = "; ".join(dict.fromkeys(told))
-    if ensemble is not None:
+    whole = len(tracks.end_altitude) == flights.count  # unless a user ended it early
+    if ensemble is not None and len(tracks.end_altitude) > 1:
         members = Several("ensemble_", "member", {}, _rows(tracks, slice(1, 1 + ensemble.members)))
         add_several(dataset, members)
         add_survival(dataset, members)
-    if len(launches) > 0:
+    if len(launches) > 0 and whole:
         add_several(dataset, _launch(tracks, launches))
     dataset.attrs |= _record(mission, ensemble, inertia)
     return dataset

@@ -1,12 +1,14 @@
 """``lightflyer fly``: a mission through days, nights and winds."""
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, show
+from lightflyer.core.progress import EXIT_INTERRUPTED
 
 
 def fly_command(
@@ -33,7 +35,7 @@ def fly_command(
         How figures are written.
     """
     out = figures.folder(out)
-    from lightflyer.core.progress import report
+    from lightflyer.core.progress import asked_to_end, ends_early, report
     from lightflyer.mission.mission import fly
     from lightflyer.mission.mission_file import read_mission_file
     from lightflyer.mission.report.kml import write_kml
@@ -42,7 +44,9 @@ def fly_command(
     from lightflyer.mission.report.text import mission_parts
 
     mission = read_mission_file(mission_file)
-    dataset = fly(mission.design, **mission.arguments())
+    with ends_early():
+        dataset = fly(mission.design, **mission.arguments())
+        interrupted = asked_to_end()
     found = summarise(dataset)
     dataset.attrs |= {"configuration": mission.design.text, "summary": json.dumps(found)}
 
@@ -62,7 +66,9 @@ def fly_command(
     written = figures.write_folder(out, files, draw)
     if json_output:
         print_json(found)
-        return
-    console = printer()
-    show(console, mission_parts(dataset))
-    figures.tell(console, written, "add --out FOLDER to write figures and data")
+    else:
+        console = printer()
+        show(console, mission_parts(dataset))
+        figures.tell(console, written, "add --out FOLDER to write figures and data")
+    if interrupted:
+        sys.exit(EXIT_INTERRUPTED)

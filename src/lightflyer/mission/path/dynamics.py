@@ -11,6 +11,7 @@ from jax import Array
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked, SpecificHeat
+from lightflyer.mission.path.failure import failures_of
 from lightflyer.mission.path.integration import (
     Accuracy,
     Limits,
@@ -25,6 +26,7 @@ from lightflyer.mission.path.integration import (
     track_of,
 )
 from lightflyer.mission.path.motion import Craft, Surroundings, velocity
+from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.statics.equations import FlightEquations
 
 SPECIFIC_HEAT = 1000.0
@@ -77,6 +79,14 @@ def track_with_inertia(
         moving = rate_of(velocity(around, axial, slope), place, altitude, craft.planet)
         return jnp.concatenate([moving, speeding / _SPEED_SCALE, heating / _TEMPERATURE_SCALE])
 
+    # tension depends on the flyer's balance, which is not followed here
+    heat = TerminationReason.TOO_HOT
+    failures = tuple(end for end in failures_of(craft.setup.flyer) if end is heat)
+
+    def spare(_: Any, flown: Array) -> Array:
+        hottest = jnp.max(flown[_PLACE + _SPEEDS :]) * _TEMPERATURE_SCALE
+        return 1.0 - jnp.stack([hottest / jnp.asarray(craft.setup.flyer.highest_temperature)])
+
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(rate),
         diffrax.Kvaerno5(),
@@ -86,11 +96,11 @@ def track_with_inertia(
         y0=_state_at_rest(craft, start),
         saveat=save_at(elapsed),
         stepsize_controller=controller(accuracy, _SHORTEST_STEP),
-        event=events(limits),
+        event=events(limits, failures, spare),
         max_steps=accuracy.steps,
         throw=False,
     )
-    return track_of(solution)
+    return track_of(solution, failures)
 
 
 def _state_at_rest(craft: Craft, start: Start) -> Array:

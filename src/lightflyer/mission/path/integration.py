@@ -5,6 +5,7 @@ planet is special, and a case that is rotated as a whole gives the rotated traje
 """
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import diffrax
@@ -17,6 +18,7 @@ from jax import Array
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.planet import Planet
+from lightflyer.mission.path.failure import failures_of, loads
 from lightflyer.mission.path.motion import Craft, settle, steady_speeds, velocity
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.path.termination import TerminationReason
@@ -92,6 +94,11 @@ def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: 
     def rate(time: Any, flown: Array, _: Any) -> Array:
         return steady_rate(craft, start, limits, time, flown)
 
+    failures = failures_of(craft.setup.flyer)
+
+    def spare(time: Any, flown: Array) -> Array:
+        return 1.0 - loads_of_state(craft, start, limits, time, flown)
+
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(rate),
         diffrax.Tsit5(),
@@ -101,11 +108,18 @@ def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: 
         y0=scale_state(start),
         saveat=save_at(elapsed),
         stepsize_controller=controller(accuracy),
-        event=events(limits),
+        event=events(limits, failures, spare),
         max_steps=accuracy.steps,
         throw=False,
     )
-    return track_of(solution)
+    return track_of(solution, failures)
+
+
+def loads_of_state(craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array) -> Array:
+    """Loads over what is borne in a scaled state, as :func:`~.failure.loads` has them."""
+    altitude, place = altitude_and_place(start, flown, elapsed)
+    around = craft.surroundings(limits.inside(altitude), place, elapsed)
+    return loads(craft, around, craft.heat(around))
 
 
 def steady_rate(craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array) -> Array:
@@ -168,8 +182,15 @@ def save_at(elapsed: Array) -> diffrax.SaveAt:
     return diffrax.SaveAt(subs=(diffrax.SubSaveAt(ts=elapsed), diffrax.SubSaveAt(t1=True)))
 
 
-def events(limits: Limits) -> diffrax.Event:
-    """The ends of a mission: the lowest and the highest altitude."""
+def events(
+    limits: Limits,
+    failures: tuple[TerminationReason, ...] = (),
+    spare: Callable[[Any, Array], Array] | None = None,
+) -> diffrax.Event:
+    """The ends of a mission: the lowest and the highest altitude, and failures.
+
+    ``spare``: what is left before each failure at a time and a state, shape (failures,) [1].
+    """
 
     def low(t: Array, y: Array, args: Any, **_: Any) -> Array:
         del t, args
@@ -179,20 +200,36 @@ def events(limits: Limits) -> diffrax.Event:
         del t, args
         return limits.highest / ALTITUDE_SCALE - y[3]
 
+    conditions: list[Any] = [low, high]
+    for number in range(len(failures)):
+        assert spare is not None
+
+        def left(t: Array, y: Array, args: Any, number: int = number, **_: Any) -> Array:
+            del args
+            return spare(t, y)[number]
+
+        def failed(t: Array, y: Array, args: Any, number: int = number, **_: Any) -> Array:
+            del args  # a flyer that is released as it fails passes no limit
+            return spare(t, y)[number] < 0.0
+
+        conditions += [left, failed]
     finder: Any = optimistix.Newton(_EVENT_TOLERANCE, _EVENT_TOLERANCE)
-    return diffrax.Event((low, high), finder, direction=(False, False))
+    falling = (False, False, *(False, None) * len(failures))
+    return diffrax.Event(tuple(conditions), finder, direction=falling)
 
 
-def track_of(solution: diffrax.Solution) -> Track:
+def track_of(solution: diffrax.Solution, failures: tuple[TerminationReason, ...] = ()) -> Track:
     """Trajectory of a solution that was kept as :func:`save_at` has it."""
     results: Any = solution
-    (kept, last), (fell, rose) = results.ys, results.event_mask
+    (kept, last), (fell, rose, *failed) = results.ys, results.event_mask
     over = solution.result == diffrax.RESULTS.successful
     limited = solution.result == diffrax.RESULTS.max_steps_reached
     termination = jnp.asarray(int(TerminationReason.NO_DATA))
+    broken = [at_once | later for at_once, later in zip(failed[::2], failed[1::2], strict=True)]
     for holds, reason in (
         (limited, TerminationReason.STEP_LIMIT),
         (over, TerminationReason.STILL_FLYING),
+        *zip(broken, failures, strict=True),
         (rose, TerminationReason.HIGHEST_ALTITUDE),
         (fell, TerminationReason.LOWEST_ALTITUDE),
     ):

@@ -4,18 +4,21 @@ Near its balance a balloon's motion is stiff, and LSODA goes on with long steps 
 not depend on the times that are kept, which lie between them.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.progress import report
+from lightflyer.core.progress import asked_to_end, report
+from lightflyer.mission.path.failure import failures_of
 from lightflyer.mission.path.integration import (
     ALTITUDE_SCALE,
     Accuracy,
     Limits,
     Start,
     Track,
+    loads_of_state,
     scale_state,
     steady_rate,
 )
@@ -27,7 +30,10 @@ _ROUNDING = 1e-13  # relative tolerance: SciPy wants one, the absolute one decid
 _AN_HOUR = 3600.0
 _SHORTEST = 1e-3  # seconds: how closely the end of data is found
 
+_LOOKS_APART = 300.0  # Longest time between looks at what may fail [s]
+
 _rate = entry_point(steady_rate)
+_loads = entry_point(loads_of_state)
 _scaled = entry_point(scale_state)
 
 
@@ -68,8 +74,9 @@ def follow(
     rate = bind(_rate, craft, start, limits, example=(0.0, state))
     last = until = float(elapsed[-1])
     solver = _solver(rate, float(elapsed[0]), state, last, accuracy)
-    steps, end = 0, None
-    times, pieces = [float(elapsed[0])], []
+    steps, times, pieces = 0, [float(elapsed[0])], []
+    watch = _watch(craft, start, limits, last)
+    end = watch(lambda _: state, times[0], times[0])
     while solver.t < last and steps < accuracy.steps and end is None:
         if solver.status != "running":  # before something that is not known: closer to it
             if until - solver.t < _SHORTEST:
@@ -87,7 +94,7 @@ def follow(
         steps += 1
         report("flying", int(solver.t / _AN_HOUR), int(last / _AN_HOUR), "h")
         between = solver.dense_output()
-        end = _leaves(between, solver.t_old, solver.t, limits)
+        end = watch(between, solver.t_old, solver.t)
         times.append(solver.t if end is None else end[0])
         pieces.append(between)
     way = Way(np.array(times), pieces or [lambda at: np.tile(state[:, None], len(at))])
@@ -140,10 +147,31 @@ def _solver(
     )  # fmt: skip
 
 
-def _leaves(
-    between: Callable[[float], np.ndarray], start: float, end: float, limits: Limits
-) -> tuple[float, TerminationReason] | None:
-    """When and how a flyer leaves its limits in a step, or None where it does not."""
+_End = tuple[float, TerminationReason]
+_Between = Callable[[float], np.ndarray]
+
+
+def _watch(
+    craft: Craft, start: Start, limits: Limits, last: float
+) -> Callable[[_Between, float, float], _End | None]:
+    """What says when and how a flight ends in a step, or None where it does not."""
+    failures = failures_of(craft.setup.flyer)
+    example = (0.0, np.asarray(_scaled(start)))
+    load = bind(_loads, craft, start, limits, example=example) if failures else None
+
+    def look(between: _Between, begin: float, end: float) -> _End | None:
+        ends = _leaves(between, begin, end, limits)
+        if load is not None:
+            ends += _fails(load, failures, between, begin, end)
+        if asked_to_end() and end < last:
+            ends.append((end, TerminationReason.INTERRUPTED))
+        return min(ends, default=None)
+
+    return look
+
+
+def _leaves(between: _Between, start: float, end: float, limits: Limits) -> list[_End]:
+    """When and how a flyer leaves its limits in a step."""
     from scipy.optimize import brentq
 
     found = []
@@ -157,4 +185,30 @@ def _leaves(
 
         if inside(end) < 0.0:
             found.append((start if inside(start) <= 0.0 else brentq(inside, start, end), reason))
-    return min(found, default=None)
+    return found
+
+
+def _fails(
+    load: Callable[..., Any],
+    failures: tuple[TerminationReason, ...],
+    between: _Between,
+    start: float,
+    end: float,
+) -> list[_End]:
+    """When and by what a flyer fails in a step."""
+    from scipy.optimize import brentq
+
+    times = np.linspace(start, end, 1 + math.ceil((end - start) / _LOOKS_APART))
+    looks = np.array([load(time, between(time)) for time in times])
+    found = []
+    for number, reason in enumerate(failures):
+
+        def over(time: float, number: int = number) -> float:
+            return float(load(np.float64(time), between(time))[number]) - 1.0
+
+        (beyond,) = np.nonzero(looks[:, number] > 1.0)
+        if beyond.size:
+            first = int(beyond[0])
+            since = times[0] if first == 0 else brentq(over, times[first - 1], times[first])
+            found.append((float(since), reason))
+    return found

@@ -1,7 +1,7 @@
 """What happens on a flight, and when, whatever is kept of it.
 
 Light and heat are looked at where the integration stepped and in between, then closer and closer
-where they pass a level or turn.
+where light passes a level or heat turns.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ EVENT = "event"  # Dimension of events, and how their variables begin
 
 _HALF = 0.5  # Share of the strongest light above which it counts as day
 _APART = 300.0  # Longest time between the first looks [s]
-_CLOSE = 1e-6  # of a level of light or heat, over its size
+_CLOSE = 1e-6  # of a level of light, over its size
 _FLAT = 1e-9  # of an extreme, over its size
 
 
@@ -31,11 +31,9 @@ class Event(IntEnum):
 
     LIGHT_BEGINS = 0
     LIGHT_ENDS = 1
-    TOO_HOT = 2
-    COOL_AGAIN = 3
-    LOWEST = 4
-    HIGHEST = 5
-    HOTTEST = 6
+    LOWEST = 2
+    HIGHEST = 3
+    HOTTEST = 4
 
 
 class Events(NamedTuple):
@@ -76,12 +74,6 @@ def events_of(craft: Craft, way: Way, course: Course, first: dict[str, np.ndarra
         kinds = Event.LIGHT_BEGINS, Event.LIGHT_ENDS
         found += _passes(
             lambda at: look(at)["irradiance"], times, first["irradiance"], _HALF * strongest, kinds
-        )
-    highest = craft.setup.flyer.highest_temperature
-    if highest is not None:
-        kinds = Event.TOO_HOT, Event.COOL_AGAIN
-        found += _passes(
-            lambda at: look(at)["temperature"], times, first["temperature"], float(highest), kinds
         )
     altitude = way(times)[0]
     for kind, sign in ((Event.LOWEST, -1.0), (Event.HIGHEST, 1.0)):

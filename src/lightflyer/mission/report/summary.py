@@ -63,20 +63,11 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
 
 
 def heat_of_film(dataset: "xr.Dataset") -> dict[str, Any] | None:
-    """When and for how long the film was hotter than it bears; None where that is not stated."""
+    """How hot the film was, and what it bears; None where that is not stated."""
     highest = dataset.attrs.get("highest_temperature_k")
     if highest is None:
         return None
-    events = read_events(dataset)
-    spans = spans_between(events, Event.TOO_HOT, Event.COOL_AGAIN, float(dataset.end_elapsed))
-    heated = events.altitude[events.kind == Event.TOO_HOT]
-    return {
-        "bears_k": highest,
-        "hottest_k": at_event(events, Event.HOTTEST)[2],
-        "too_hot_h": sum(end - begin for begin, end in spans) / SECONDS_AN_HOUR,
-        "too_hot_from_h": spans[0][0] / SECONDS_AN_HOUR if spans else None,
-        "too_hot_from_altitude_km": float(heated[0]) / 1e3 if spans else None,
-    }
+    return {"bears_k": highest, "hottest_k": at_event(read_events(dataset), Event.HOTTEST)[2]}
 
 
 def texts_of(dataset: "xr.Dataset", name: str) -> list[str]:

@@ -25,16 +25,10 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
     rows["released"] = f"{found['released']}, {_place_text(*begin)}"
     rows["ended"] = f"{found['ended']}, {_place_text(*end)}"
     film, warnings = found["film"], found["warnings"]
-    survives = film is None or film["too_hot_from_h"] is None
-    rows["because"] = f"it {found['end']}{'' if survives else ', if its film survived'}"
+    rows["because"] = f"it {found['end']}"
     if film is not None:
         rows["film"] = f"at most {film['hottest_k']:.0f} K, and bears {film['bears_k']:.0f} K"
         warnings = [text for text in warnings if not text.startswith(TOO_HOT)]  # as said there
-    if film is not None and not survives:
-        rows["too hot"] = (
-            f"from {film['too_hot_from_h']:.2f} h after the release, at "
-            f"{film['too_hot_from_altitude_km']:.2f} km; {film['too_hot_h']:.2f} h in all"
-        )
     rows["aloft"] = f"{found['duration_h']:.2f} h, {found['light_h']:.2f} h in light"
     for name in ("lowest", "highest"):
         altitude, when = found[f"{name}_altitude_km"], found[f"{name}_at_h"]
@@ -122,9 +116,13 @@ def _nights(nights: list[dict[str, Any]]) -> Table:
 
 
 def _ensemble(found: dict[str, Any]) -> Table:
-    share = 100.0 * found["still_flying"]
+    members = found["members"]
+    ends = (
+        f"{100.0 * count / members:.1f} % {end.replace('_', ' ')}"
+        for end, count in found["ends"].items()
+    )
     table = _table(
-        f"{found['members']} flights, {share:.1f} % still flying at the end",
+        f"{members} flights: {', '.join(ends)}",
         "95 % interval",
         "from",
         "median",

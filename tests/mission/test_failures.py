@@ -1,0 +1,99 @@
+"""Flights end where their flyer fails: its film too hot, or torn."""
+
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.core import progress
+from lightflyer.mission.path import single
+from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.mission.report.summary import summarise
+
+LIMIT = 480.0
+
+
+def disk(limit=LIMIT, **more):
+    film = lf.FilmProperties(
+        1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9, highest_temperature=limit, **more
+    )
+    return lf.Disk(film, radius=0.0025)
+
+
+def fly(flyer, **more):
+    release = lf.Release("75 km", latitude=10.0, longitude=0.0, time="2026-06-21T11:00Z")
+    options = {"release": release, "duration": "3 h", "every": "1 min"} | more
+    return lf.fly(flyer, lf.Earth(), lf.FreeMolecular(), **options)
+
+
+@pytest.fixture(scope="module")
+def beyond():
+    """The same flight of a film that bears more."""
+    return fly(disk(limit=2000.0))
+
+
+def crossing(flight, limit=LIMIT):
+    """Time at which the flight is as hot as a limit."""
+    return float(np.interp(limit, flight["temperature"][:60], flight["elapsed"][:60]))
+
+
+@pytest.mark.parametrize("every", ["1 min", "1 h"])
+def test_a_flight_ends_where_its_film_is_too_hot(beyond, every):
+    flown = fly(disk(), every=every)
+    assert TerminationReason(int(flown.end_reason)) is TerminationReason.TOO_HOT
+    assert float(flown.end_elapsed) == pytest.approx(crossing(beyond), abs=0.1)
+    found = summarise(flown)
+    assert found["film"] == {"bears_k": LIMIT, "hottest_k": pytest.approx(LIMIT, abs=1e-6)}
+    assert found["end"] == "got hotter than its film bears"
+    assert "because   it got hotter than its film bears" in lf.mission.describe(flown)
+    assert "the flyer reaches" not in lf.mission.describe(flown)
+
+
+def test_a_film_that_is_too_hot_at_its_release_does_not_fly():
+    flown = fly(disk(limit=300.0))
+    assert float(flown.end_elapsed) == 0.0
+    assert flown.attrs["end"] == "got hotter than its film bears"
+
+
+def test_members_of_an_ensemble_end_as_the_stated_flight_does(beyond):
+    """XLA flies them; the altitude of release decides when each is too hot."""
+    ensemble = lf.mission.Ensemble(members=6, altitude=200.0)
+    flown = fly(disk(), ensemble=ensemble, every="10 min")
+    assert summarise(flown)["ensemble"]["ends"] == {"too_hot": 6}
+    assert "6 flights: 100.0 % too hot" in lf.mission.describe(flown)
+    ends = flown.ensemble_end_altitude
+    # the same film is too hot at one altitude, under a sun that hardly moves
+    assert float(np.abs(ends - flown.end_altitude).max()) < 0.1 * float(ends.mean() - 75e3)
+    exact = fly(disk(), ensemble=lf.mission.Ensemble(members=5), every="10 min")
+    np.testing.assert_allclose(exact.ensemble_end_elapsed, exact.end_elapsed, atol=0.05)
+
+
+def test_a_film_that_tears_ends_the_flight():
+    still, grows = (lf.structure.Lamina(5e-7, 7e10, 0.3, expansion, strength=5.6e7)
+                    for expansion in (0.0, 1e-5))  # fmt: skip
+    flyer = disk(limit=None, laminate=lf.structure.Laminate([still, grows]))
+    torn = fly(flyer)
+    assert torn.attrs["end"] == "tore: a layer's tension passed its strength"
+    state = lf.Earth().state(float(torn.end_altitude))
+    heat = lf.equilibrium(flyer, state, lf.FreeMolecular())
+    with lf.float64():
+        shape = flyer.shape(state, heat.temperatures, 0.0)
+    assert float(shape.stress_over_strength) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_an_interrupted_flight_keeps_what_was_flown(monkeypatch):
+    asked = iter([False] * 12 + [True] * 1000)
+    monkeypatch.setattr(single, "asked_to_end", lambda: next(asked))
+    flown = fly(disk(limit=None))
+    assert flown.attrs["end"] == "was interrupted"
+    assert 0.0 < float(flown.end_elapsed) < 3.0 * 3600.0
+    assert np.isfinite(flown.altitude.values).sum() > 1
+
+
+def test_only_work_that_listens_is_asked_to_end():
+    assert not progress.ask_to_end()
+    with progress.ends_early():
+        assert not progress.asked_to_end()
+        assert progress.ask_to_end()
+        assert progress.asked_to_end()
+        assert not progress.ask_to_end()  # the second time the process ends
+    assert not progress.asked_to_end()

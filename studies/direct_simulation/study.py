@@ -13,6 +13,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from dsmc.cells import fits
@@ -60,6 +61,8 @@ class Point:
     floor: float | None = None  # distance below the disk, where not `boundary`
     solid: str = ""  # parts of the vessel that are walls
     floor_temperature: float = 1.0  # over that of the rest
+    # accommodation of tangential energy, top and bottom, where it is not the TAC
+    tangential: tuple[float, float] | None = None
 
     @property
     def measured(self) -> tuple[str, ...]:
@@ -71,12 +74,13 @@ Run = tuple[Point, int, dict[str, tuple[float, float]]]
 """A point, the seed, and mean and standard error of each measured quantity."""
 
 _TENTH, _THIRD = (round(number / HARD_SPHERE_PATH, 6) for number in (0.1, 0.3))
+CL = "cercignani-lampis"
 _HIGH, _LOW = 2.25, 1.0  # disk of 4 cm, and one of 9 cm, 4.5 cm above a floor
 POINTS_TO_RUN = [
     Point("nitrogen", _THIRD, FLIGHT, 0.5, 1.0),
     *(
         Point("nitrogen", _THIRD, FLIGHT, 0.4, 1.0, wall, boundary=2.0)
-        for wall in ("maxwell", "accommodated", "cercignani-lampis")
+        for wall in ("maxwell", "accommodated", CL)
     ),
     *(
         Point("nitrogen", knudsen, FLIGHT, 0.01, 1.0, floor=floor, solid=solid)
@@ -91,6 +95,12 @@ POINTS_TO_RUN = [
     *(
         Point("nitrogen", kn, FLIGHT, 0.99, 1.0, floor=_HIGH, solid="floor")
         for kn in (_THIRD, _TENTH)
+    ),
+    # tangential motion that accommodates otherwise than the rest, by Cercignani and Lampis
+    *(
+        Point(gas, _THIRD, FLIGHT, 0.4, 1.0, CL, boundary=2.0, tangential=tangential)
+        for gas in ("nitrogen", "argon", "hard spheres")
+        for tangential in ((0.9, 0.9), (1.0, 0.4))
     ),
     # and a warm one, beside a reservoir and beside a cold side wall
     *(
@@ -119,6 +129,7 @@ def simulation(point: Point, seed: int) -> Simulation:
         (point.tac_top, point.tac_bottom),
         (point.temperature_ratio, point.temperature_ratio),
         gas.rotational_freedoms,
+        point.tangential,
     )
     vessel = build_vessel(
         point.boundary, point.floor, solid=point.solid, floor_temperature=point.floor_temperature
@@ -168,9 +179,14 @@ def read_runs() -> list[Run]:
         return []
     lines = [json.loads(line) for line in POINTS.read_text(encoding="utf-8").splitlines()]
     return [
-        (Point(**place), seed, {name: tuple(pair) for name, pair in result.items()})
+        (_read_point(place), seed, {name: tuple(pair) for name, pair in result.items()})
         for place, seed, _, result in lines
     ]
+
+
+def _read_point(place: dict[str, Any]) -> Point:
+    pair = place.get("tangential")
+    return Point(**{**place, "tangential": None if pair is None else tuple(pair)})
 
 
 def keep(run: Run, seconds: float) -> None:
@@ -209,8 +225,15 @@ def label(point: Point) -> str:
     """A point in words."""
     return (
         f"{point.gas}, Kn {point.knudsen:.4g}, T_h/T_c {point.temperature_ratio:.4g}, "
-        f"TAC {point.tac_top:g}/{point.tac_bottom:g}, {point.wall}, {vessel(point)}"
+        f"TAC {point.tac_top:g}/{point.tac_bottom:g}, {wall(point)}, {vessel(point)}"
     )
+
+
+def wall(point: Point) -> str:
+    """A point's walls in words."""
+    if point.tangential is None:
+        return point.wall
+    return point.wall + ", tangential {:g}/{:g}".format(*point.tangential)
 
 
 def vessel(point: Point) -> str:
@@ -239,7 +262,7 @@ def table() -> Iterator[str]:
             f"{point.knudsen:.4f}",
             f"{point.temperature_ratio:.3f}",
             f"{point.tac_top:g}, {point.tac_bottom:g}",
-            point.wall,
+            wall(point),
             vessel(point).removeprefix("D "),
             *(_shown(found.get(name)) for name in ("force", "force_reservoir", "heat")),
             by,

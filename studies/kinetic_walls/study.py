@@ -9,6 +9,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, Case, Resolutio
 from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
 from lightflyer.kinetic_theory.disk.operators import assemble
 from lightflyer.kinetic_theory.model_gases import gas_model
-from lightflyer.kinetic_theory.walls import WALLS, Wall
+from lightflyer.kinetic_theory.walls import Wall
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.jsonl"
@@ -113,11 +114,11 @@ def mesh_of(knudsen: float) -> str:
 def linear_points() -> list[list[Point]]:
     """Points of the linear problem, by Knudsen number and mesh."""
     grid = [
-        [Point(g, k, 1.0, a, w, mesh_of(k)) for g in GASES for a in TAC for w in WALLS]
+        [Point(g, k, 1.0, a, w, mesh_of(k)) for g in GASES for a in TAC for w in get_args(Wall)]
         for k in (*KNUDSEN, *DENSE)
     ]
     checked = [
-        [Point(g, k, r, a, w, "medium") for g in GASES for w in WALLS]
+        [Point(g, k, r, a, w, "medium") for g in GASES for w in get_args(Wall)]
         for k, r, a in CHECKED
         if r == 1.0
     ]
@@ -132,7 +133,7 @@ def hot_points() -> Iterator[Point]:
     places += [(k, r, a, mesh) for k, r, a in CHECKED if r != 1.0 for mesh in ("coarse", "medium")]
     for knudsen, ratio, tac, mesh in sorted(places, reverse=True):
         for gas in GASES:
-            for wall in WALLS:
+            for wall in get_args(Wall):
                 yield Point(gas, knudsen, ratio, tac, wall, mesh)
 
 

@@ -71,7 +71,12 @@ def test_table_of_a_hot_disk(run, monkeypatch):
         (("--open-fraction", "1"), "--open-fraction = 1 is not between 0 and 0.999"),
         (("--top-temperature-ratio", "2"), "--top-temperature-ratio needs --temperature-ratio"),
         (("--gas", "argon"), "argon"),
-        (("--wall", "cercignani-lampis"), "cercignani-lampis"),
+        (("--wall", "rough"), "rough"),
+        (("--tangential-accommodation", "0.9"), "--tangential-accommodation"),
+        (
+            ("--wall", "cercignani-lampis", "--tangential-accommodation", "0.2"),
+            "no wall has tac_top",
+        ),
         (("--top-temperature", "inf"), "--top-temperature = inf is not a finite number"),
     ],
 )

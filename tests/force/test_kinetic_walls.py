@@ -1,5 +1,7 @@
 """Walls of the kinetic model of a disk: free molecules, the solver's table, and what is said."""
 
+import dataclasses
+import importlib
 import importlib.util
 import sys
 from pathlib import Path
@@ -11,6 +13,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.design.setup import Setup
 from lightflyer.files.table import shipped_table
+from lightflyer.force.kinetic import scattering
 from lightflyer.force.kinetic import walls as kinetic_walls
 from lightflyer.force.kinetic.walls import wall_fit
 from lightflyer.force.laws import faces as laws
@@ -18,7 +21,9 @@ from lightflyer.prediction.prediction import Prediction
 
 COLD, EXCESS = 205.0, 1.34
 STUDY = Path(__file__).parents[2] / "studies" / "kinetic_walls" / "study.py"
+SIMULATION = STUDY.parents[1] / "direct_simulation"
 CL = "cercignani-lampis"
+KINDS = ("normal", "tangential", "rotational")
 MODEL = lf.Kinetic()
 
 
@@ -138,6 +143,17 @@ def study(monkeypatch):
     return module
 
 
+@pytest.fixture
+def direct_simulation(monkeypatch):
+    """The study and the walls of direct simulation."""
+    monkeypatch.syspath_prepend(SIMULATION)
+    spec = importlib.util.spec_from_file_location("direct_study", SIMULATION / "study.py")
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, spec.name, module)
+    spec.loader.exec_module(module)
+    return module, importlib.import_module("dsmc.walls")
+
+
 def table_of(gas):
     table = shipped_table("kinetic_walls.csv")
     kept = np.array(table.texts["gas"]) == gas
@@ -240,6 +256,80 @@ def test_what_is_assumed_and_where_it_ends_is_said(disk):
     # all of a prediction that it looks at is its setup
     told_of = Prediction.assumptions.fget(SimpleNamespace(setup=Setup(disk, lf.Earth(), MODEL)))
     assert told["unknown"] in told_of
+
+
+def scattering_table(gas):
+    table = shipped_table("kinetic_scattering.csv")
+    kept = np.array(table.texts["gas"]) == gas
+    return {name: column[kept] for name, column in table.numbers.items()}
+
+
+@pytest.mark.parametrize("gas", ["monatomic", "diatomic"])
+def test_weights_of_accommodation_follow_the_table(gas):
+    """Relative to the force of normal motion, also at a Knudsen number that is not fitted."""
+    table = scattering_table(gas)
+    with lf.float64():
+        accommodated = kinetic_walls.force_at_walls_of_one_temperature(table, gas)
+        fits = [kinetic_walls.scattering_fit(gas)]
+        hidden = table["knudsen"] == 0.1
+        shown = {name: column[~hidden] for name, column in table.items()}
+        fits.append(scattering.fit_columns(shown, accommodated[~hidden]))
+        for fit, rows in zip(fits, (~hidden, hidden), strict=True):
+            means = scattering.Accommodations(*(table[name][rows] for name in KINDS))
+            weights = fit.weights(table["knudsen"][rows], means)
+            for kind, weight in zip(KINDS, weights, strict=True):
+                misfit = np.asarray(weight) - (table[f"force_{kind}"] / accommodated)[rows]
+                assert np.sqrt(np.mean(misfit**2)) < 0.015
+                assert abs(misfit).max() < 0.06
+
+
+def test_only_normal_motion_pushes_without_collisions():
+    faces = (scattering.Accommodations(0.4, 0.9, 0.6), scattering.Accommodations(0.7, 0.7, 0.8))
+    thin, dense = (
+        np.ravel(kinetic_walls.scattering_fit().effective(knudsen, faces)) for knudsen in (1e6, 0.1)
+    )
+    assert thin == pytest.approx([0.4, 0.7], abs=1e-5)
+    # where tangential motion heats the gas more above, and rotation below
+    assert 0.2 < dense[1] - dense[0] < 0.28
+
+
+def simulated(study):
+    """Simulations of walls of Cercignani and Lampis, in an open reservoir."""
+    runs = study.combined(study.read_runs())
+    return {point: found for point, found in runs.items() if point.wall == CL}
+
+
+@pytest.mark.parametrize("gas", ["nitrogen", "argon"])
+def test_force_is_that_of_direct_simulation(direct_simulation, monkeypatch, gas):
+    """At temperatures of flight, where the three kinds of accommodation differ."""
+    study, walls = direct_simulation
+    for point, found in simulated(study).items():
+        if point.gas != gas:
+            continue
+        rotates = gas == "nitrogen"
+        normal = np.array([point.tac_top, point.tac_bottom])
+        along = np.array(point.tangential or normal)
+        tacs = (2.0 * normal + along) / 3.0 if rotates else 0.5 * (normal + along)
+        faces = [
+            scattering.Accommodations(*kinds) for kinds in zip(normal, along, normal, strict=True)
+        ]
+        fit = kinetic_walls.scattering_fit("diatomic" if rotates else "monatomic")
+        effective = fit.effective(point.knudsen, tuple(faces))
+        monkeypatch.setattr(kinetic_walls, "effective_tacs", lambda *_, e=effective: e)
+        film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=tacs[0], tac_bottom=tacs[1])
+        disk = lf.Disk(film, radius=0.01)
+        state = state_at(point.knudsen, getattr(lf.gas, gas.upper()))
+        state = dataclasses.replace(state, wall_distance=point.boundary * disk.radius)
+        excess = (point.temperature_ratio - 1.0,)
+        with lf.float64():
+            force = float(lf.Kinetic(wall=CL).model_of(disk).force(disk, state, excess))
+        hot = (point.temperature_ratio,) * 2
+        free, _ = walls.free_molecular(
+            walls.build_faces(CL, tuple(normal), hot, 2 * rotates, tuple(along))
+        )
+        mean, error = found["force"]
+        ratio = force / (free * float(state.pressure) * disk.area)
+        assert ratio == pytest.approx(mean, abs=2.0 * error + 0.03 * mean), point
 
 
 FORCE = '[force]\nmodel = "kinetic"\n'

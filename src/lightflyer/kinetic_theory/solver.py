@@ -12,7 +12,13 @@ from lightflyer.core.extras import extra
 from lightflyer.core.progress import report
 from lightflyer.core.quantity import HIGHEST_OPEN_FRACTION
 from lightflyer.kinetic_theory.model_gases import gas_model
-from lightflyer.kinetic_theory.walls import WALLS, require_wall
+from lightflyer.kinetic_theory.walls import (
+    CERCIGNANI_LAMPIS,
+    WALLS,
+    Accommodation,
+    accommodations,
+    require_wall,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -89,7 +95,8 @@ class Solution:
             **heated,
             "open_fraction": case.open_fraction,
             "gas": case.gas.name,
-            "wall": case.wall,
+            "wall": case.wall_name,
+            **_describe_faces(case.scattering),
             "boundary": self.boundary if np.isfinite(self.boundary) else None,
             **_describe(case.molecule),
         }
@@ -109,7 +116,7 @@ class Solution:
             gas += f" VHS molecules of exponent {case.molecule.viscosity_exponent:g}"
         return (
             f"Kn {self.knudsen:g}, TAC {case.tac[0]:g} top, {case.tac[1]:g} bottom, "
-            f"{WALLS[case.wall]}, {holes}{gas}, {heated}, {where}"
+            f"{WALLS[case.wall_name]}, {holes}{gas}, {heated}, {where}"
         )
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
@@ -149,6 +156,8 @@ def solve(
     open_fraction: float = 0.0,
     gas: str = "monatomic",
     wall: str = "maxwell",
+    tangential_accommodation: float | tuple[float, float] | None = None,
+    rotational_accommodation: float | tuple[float, float] | None = None,
     boundary: float | None = None,
     collisions: str = "shakhov",
     viscosity_exponent: float | None = None,
@@ -176,10 +185,17 @@ def solve(
         Share of the molecules arriving at a face that pass to its other side unchanged, from 0 to
         0.999: holes much smaller than the mean free path. The TACs are those of the rest.
     gas : {"monatomic", "diatomic"}
-    wall : {"maxwell", "accommodated"}
+    wall : {"maxwell", "accommodated", "cercignani-lampis"}
         At Maxwell's the share TAC of the molecules leaves a face diffusely at its temperature, and
         the rest is reflected specularly. Accommodated, all leave diffusely at one temperature, so
         that the TAC is the share of the energy that face and arriving molecules could exchange.
+        At those of Cercignani and Lampis normal motion, tangential motion and rotation accommodate
+        each on its own, and the TAC is that of their energy together; in the linear problem with
+        a model equation.
+    tangential_accommodation, rotational_accommodation : float or (float, float), optional
+        Accommodation coefficients of tangential momentum and of rotational energy of both faces,
+        or of the top and bottom face, at such walls, from 0 to 1. By default tangential and
+        rotational energy accommodate as the TAC says; the normal motion follows.
     boundary : float, optional
         Half-width and half-height of a cylindrical reservoir at T_c [disk radii], at least 1.5
         and up to 338 Kn; by default open space.
@@ -208,7 +224,8 @@ def solve(
     References
     ----------
     [Shakhov1968]_; [Rykov1975]_ and [Wu2015]_ for a diatomic gas, whose constants are nitrogen's
-    ([Bird1994]_, [LemmonJacobsen2004]_); [Bird1994]_ for VHS molecules. Compared with
+    ([Bird1994]_, [LemmonJacobsen2004]_); [Bird1994]_ for VHS molecules;
+    [CercignaniLampis1971]_, [Lord1991]_. Compared with
     [Plimpton2019]_ and [Schafer2025]_.
 
     Examples
@@ -226,6 +243,8 @@ def solve(
         open_fraction,
         gas,
         wall,
+        tangential_accommodation,
+        rotational_accommodation,
         boundary,
     )
     molecule = _molecule(case, collisions, viscosity_exponent, collision_number)
@@ -266,6 +285,8 @@ def _case(
     open_fraction: float,
     gas: str,
     wall: str,
+    tangential: float | tuple[float, float] | None,
+    rotational: float | tuple[float, float] | None,
     boundary: float | None,
 ) -> "Case":
     require_range("knudsen", knudsen, *KNUDSEN_RANGE)
@@ -275,7 +296,15 @@ def _case(
     if boundary is not None:
         require_range("boundary", boundary, SMALLEST_BOUNDARY)
         _require_resolved(knudsen, boundary)
-    model, known = gas_model(gas), require_wall(wall)
+    model, scattering = gas_model(gas), None
+    if wall == CERCIGNANI_LAMPIS and temperature_ratio is None:
+        scattering = accommodations(tac, tangential, rotational, model.has_rotation)
+    elif tangential is not None or rotational is not None:
+        raise ParameterError(
+            "tangential_accommodation and rotational_accommodation belong to "
+            f'wall = "{CERCIGNANI_LAMPIS}" in the linear problem'
+        )
+    known = "accommodated" if scattering else require_wall(wall)
     linear = temperature_ratio is None
     if temperature_ratio is None:
         require_range("top_temperature", perturbation[0])
@@ -299,6 +328,7 @@ def _case(
         boundary=np.inf if boundary is None else float(boundary),
         open_fraction=float(open_fraction),
         wall=known,
+        scattering=scattering,
     )
 
 
@@ -321,6 +351,8 @@ def _molecule(
             'collisions = "vhs" is for the linear problem: omit temperature_ratio, or use '
             "direct simulation"
         )
+    if case.scattering:
+        raise ParameterError(f'wall = "{CERCIGNANI_LAMPIS}" belongs to collisions = "shakhov"')
     if case.open_fraction:
         raise ParameterError('open_fraction must be 0 with collisions = "vhs"')
     from lightflyer.kinetic_theory.collisions.brackets import Molecule
@@ -348,6 +380,16 @@ def _require_resolved(knudsen: float, boundary: float) -> None:
             f"boundary = {boundary:g} exceeds {furthest:.3g}, the largest resolved at knudsen = "
             f"{knudsen:g}; omit it: the effect of a reservoir falls as 1/boundary"
         )
+
+
+def _describe_faces(faces: "tuple[Accommodation, ...] | None") -> dict[str, Any]:
+    if faces is None:
+        return {}
+    _, tangential, rotational = (list(values) for values in zip(*faces, strict=True))
+    return {
+        "tangential_accommodation": tangential,
+        "rotational_accommodation": rotational,
+    }
 
 
 def _describe(molecule: "Molecule | None") -> dict[str, Any]:

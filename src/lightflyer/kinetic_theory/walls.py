@@ -1,21 +1,71 @@
 """What becomes of a molecule that meets a face: the walls that the solver knows."""
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
+import numpy as np
+
+from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
 
 Wall = Literal["maxwell", "accommodated"]
 """A share α of the molecules leaves at the temperature of the face and the rest is reflected, or
 all leave diffusely at one temperature between those of face and arriving gas."""
 
-WALLS: dict[Wall, str] = {"maxwell": "Maxwell walls", "accommodated": "accommodated walls"}
+CERCIGNANI_LAMPIS = "cercignani-lampis"
+
+WALLS: dict[str, str] = {
+    "maxwell": "Maxwell walls",
+    "accommodated": "accommodated walls",
+    CERCIGNANI_LAMPIS: "Cercignani-Lampis walls",
+}
 """Walls in words."""
 
 
 def require_wall(wall: str) -> Wall:
-    """Raise unless the solver knows a wall."""
-    for name in WALLS:
-        if wall == name:
-            return name
-    only = "; for free molecules and the force model only" if wall == "cercignani-lampis" else ""
-    raise ParameterError(f'wall = "{wall}" is not {" or ".join(WALLS)}{only}')
+    """Raise unless a wall is known to every part of the solver."""
+    if wall == "maxwell" or wall == "accommodated":
+        return "maxwell" if wall == "maxwell" else "accommodated"
+    only = "; for a disk at rest in the linear problem only" if wall == CERCIGNANI_LAMPIS else ""
+    raise ParameterError(f'wall = "{wall}" is not maxwell or accommodated{only}')
+
+
+class Accommodation(NamedTuple):
+    """A face of Cercignani and Lampis."""
+
+    normal: float  # Accommodation coefficient of the energy of normal motion [1]
+    tangential: float  # That of tangential momentum [1]
+    rotational: float  # That of rotational energy [1]
+
+
+def accommodations(
+    tacs: tuple[float, float],
+    tangential: float | tuple[float, float] | None,
+    rotational: float | tuple[float, float] | None,
+    rotates: bool,
+) -> tuple[Accommodation, Accommodation]:
+    """Faces of given TACs, top and bottom; what is not given accommodates as the TACs say."""
+    by_face = []
+    pairs = (
+        (None, None) if value is None else np.broadcast_to(value, 2)
+        for value in (tangential, rotational)
+    )
+    for face, tac, along, turning in zip(("top", "bottom"), tacs, *pairs, strict=True):
+        for name, value in (("tangential", along), ("rotational", turning)):
+            if value is not None:
+                require_range(f"{name}_accommodation", float(value), 0.0, 1.0)
+        if turning is not None and not rotates:
+            raise ParameterError('rotational_accommodation belongs to gas = "diatomic"')
+        momentum = 1.0 - np.sqrt(1.0 - tac) if along is None else along
+        rotation = tac if turning is None else turning
+        # normal and tangential motion and rotation carry as much energy to a wall each
+        normal = 2.0 * tac - momentum * (2.0 - momentum) + (tac - rotation if rotates else 0.0)
+        if not -1e-9 <= normal <= 1.0 + 1e-9:
+            raise ParameterError(
+                f"no wall has tac_{face} = {tac:g} with tangential_accommodation = {momentum:.4g}"
+                + (f" and rotational_accommodation = {rotation:.4g}" if rotates else "")
+                + f": that of normal energy would be {normal:.3g}"
+            )
+        by_face.append(
+            Accommodation(float(np.clip(normal, 0.0, 1.0)), float(momentum), float(rotation))
+        )
+    return by_face[0], by_face[1]

@@ -41,7 +41,9 @@ def kinetic_command(
     top_temperature_ratio: float | None = None,
     open_fraction: float = 0.0,
     gas: Literal["monatomic", "diatomic"] = "monatomic",
-    wall: Literal["maxwell", "accommodated"] = "maxwell",
+    wall: Literal["maxwell", "accommodated", "cercignani-lampis"] = "maxwell",
+    tangential_accommodation: float | None = None,
+    rotational_accommodation: float | None = None,
     boundary: float | None = None,
     floor: float | None = None,
     lid: float | None = None,
@@ -89,7 +91,13 @@ def kinetic_command(
     wall
         Maxwell walls re-emit the share TAC of the molecules at their temperature and reflect the
         rest; at accommodated ones all leave diffusely at one temperature between those of wall and
-        arriving gas.
+        arriving gas; those of Cercignani and Lampis, in the linear problem, accommodate normal
+        motion, tangential motion and rotation each on its own.
+    tangential_accommodation
+        Accommodation coefficient of tangential momentum of both faces at walls of Cercignani and
+        Lampis, 0 to 1; if not given, tangential energy accommodates as the TAC says.
+    rotational_accommodation
+        The same of rotational energy.
     boundary
         Half-width and half-height of a cold cylindrical reservoir around the disk, in radii:
         1.5 to 338 Kn.
@@ -158,6 +166,8 @@ def kinetic_command(
         )
         others = {
             "open_fraction": open_fraction,
+            "tangential_accommodation": tangential_accommodation,
+            "rotational_accommodation": rotational_accommodation,
             "boundary": boundary,
             "collisions": collisions,
             "viscosity_exponent": viscosity_exponent,

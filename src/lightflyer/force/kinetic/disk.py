@@ -86,6 +86,7 @@ class KineticDisk(AbstractForceModel):
     wall: Wall = eqx.field(static=True)
     wall_error: StandardErrors | None
     tangential_accommodation: Fraction | None
+    rotational_accommodation: Fraction | None
     collisions: Collisions = eqx.field(static=True)
     film_balance: FilmBalance = eqx.field(static=True)
 
@@ -96,7 +97,12 @@ class KineticDisk(AbstractForceModel):
     @property
     def walls(self) -> Walls:
         """Those around which molecules leave its faces."""
-        return Walls(self.wall, self.wall_error, self.tangential_accommodation)
+        return Walls(
+            self.wall,
+            self.wall_error,
+            self.tangential_accommodation,
+            self.rotational_accommodation,
+        )
 
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
         del flyer
@@ -176,7 +182,7 @@ class KineticDisk(AbstractForceModel):
             yield near, state.wall_distance / flyer.radius
         if self.film_balance == "local":
             yield from local_balance_fit().ranges(knudsen)
-        yield from kinetic_walls.ranges(flyer, self.walls, knudsen, lowest)
+        yield from kinetic_walls.ranges(flyer, self.walls, _kind(state.gas), knudsen, lowest)
 
     def remarks(
         self,

@@ -30,6 +30,7 @@ from lightflyer.program.entry_point import entry_point
 _IDLE = {
     "transmission": "transmission = {0.transmission} has no effect: a disk has no holes",
     "polyatomic": "polyatomic = {0.polyatomic} has no effect: the gas is not polyatomic",
+    "rotational_accommodation": "rotational_accommodation has no effect: the gas has no rotation",
     "wall": f"wall = {{0.wall}} has no effect: walls are {WALLS}",
     "film_balance": "film_balance has no effect: both membranes are isothermal",
 }
@@ -78,8 +79,11 @@ class Kinetic(AbstractForceModel):
     tangential_accommodation : array or None
         Accommodation coefficient of tangential momentum, of both faces, for Cercignani–Lampis walls
         [1]. The normal motion then accommodates so much that the TACs are those of the energy,
-        :func:`~lightflyer.force.laws.faces.normal_accommodation`. Without it both accommodate as
-        the TACs say.
+        :func:`~lightflyer.force.laws.faces.normal_accommodation`. Without it tangential energy
+        accommodates as the TACs say. What each kind of accommodation pushes is solved
+        (:mod:`lightflyer.force.kinetic.scattering`).
+    rotational_accommodation : array or None
+        That of rotational energy of a diatomic gas, likewise.
     collisions : {"vhs", "shakhov"}
         Those of VHS molecules, by factors on what the model equation's take
         (:mod:`lightflyer.force.kinetic.collisions`), or those of the model equation alone, which
@@ -129,6 +133,7 @@ class Kinetic(AbstractForceModel):
     wall: Wall = eqx.field(static=True, default="unknown")
     wall_error: StandardErrors | None = None
     tangential_accommodation: Fraction | None = None
+    rotational_accommodation: Fraction | None = None
     collisions: Collisions = eqx.field(static=True, default="vhs")
     film_balance: FilmBalance = eqx.field(static=True, default="isothermal")
 
@@ -173,7 +178,11 @@ class Kinetic(AbstractForceModel):
         found = model.remarks(flyer, state, temperature)
         idle = {"polyatomic": self.polyatomic != "refused" and state.gas.molecules != "polyatomic"}
         if isinstance(model, KineticDisk):
-            idle |= {"transmission": self.transmission != "aligned"}
+            idle |= {
+                "transmission": self.transmission != "aligned",
+                "rotational_accommodation": self.rotational_accommodation is not None
+                and state.gas.molecules == "monatomic",
+            }
         else:
             idle |= {
                 "wall": self.wall not in ("unknown", "maxwell"),

@@ -17,19 +17,25 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.precision import float64
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.kinetic.ratios import heating_of
-from lightflyer.force.laws.faces import accommodated_force, maxwell_force, normal_accommodation
+from lightflyer.force.kinetic.scattering import ScatteringFit, Stated, mean_tac
+from lightflyer.force.kinetic.scattering import fit_columns as fit_scattering
+from lightflyer.force.kinetic.scattering import ranges as scattering_ranges
+from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.force.laws.faces import accommodated_force, maxwell_force
 from lightflyer.numerics.polynomials import hold_within, least_squares, place_between, polynomial
 
 Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
@@ -37,11 +43,13 @@ Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
 
 _IN_WORDS = {
     "unknown": "walls: the mean of Maxwell's and of fully accommodated ones; half their "
-    "difference is taken as the 95 % error",
+    "difference is taken as the 95 % error, and excludes that normal motion, tangential motion and "
+    "rotation accommodate differently",
     "maxwell": "walls: Maxwell's, a share TAC of the molecules leaves at the temperature of the "
     "face, the rest is reflected",
     "accommodated": "walls: accommodated, all molecules leave a face at one temperature",
-    "cercignani-lampis": "walls: Cercignani-Lampis, with the collisions of accommodated ones",
+    "cercignani-lampis": "walls: Cercignani-Lampis; of small differences, what each kind of "
+    "accommodation pushes is solved",
 }
 
 # powers of heating, TAC and Knudsen number
@@ -59,7 +67,6 @@ _HEAT_POWERS = [
 ]
 _KNUDSEN_0 = 0.25  # where thin gas gives way to dense, for what is fitted only
 _HELD = "the table of walls other than Maxwell's ends there, and what they change is held"
-_NO_WALL = "no wall has TAC and tangential_accommodation as given; it is held within 0 and 1"
 
 
 class Walls(NamedTuple):
@@ -71,15 +78,25 @@ class Walls(NamedTuple):
     # Accommodation of tangential momentum of both faces, for Cercignani–Lampis walls; without it
     # tangential energy is accommodated as well as the rest
     tangential: Numeric | None = None
+    # That of rotational energy of both faces, likewise; without it as the TACs say
+    rotational: Numeric | None = None
+
+    def stated(self, gas: str) -> Stated:
+        """What is known of both faces beside their TACs, in a gas of the table."""
+        return Stated(self.tangential, None if gas == "monatomic" else self.rotational)
 
 
 def require_walls(walls: Walls) -> None:
-    """Raise where a choice of walls has no tangential accommodation and is given one."""
-    if walls.tangential is not None and walls.wall != "cercignani-lampis":
-        raise ParameterError(
-            f'tangential_accommodation has no meaning with wall = "{walls.wall}"; it is for '
-            "cercignani-lampis"
-        )
+    """Raise where a choice of walls is given an accommodation that it does not have."""
+    stated = {
+        "tangential_accommodation": walls.tangential,
+        "rotational_accommodation": walls.rotational,
+    }
+    for name, value in stated.items():
+        if value is not None and walls.wall != "cercignani-lampis":
+            raise ParameterError(
+                f'{name} has no meaning with wall = "{walls.wall}"; it is for cercignani-lampis'
+            )
 
 
 def describe_walls(walls: Walls) -> str:
@@ -163,6 +180,22 @@ def fit_columns(table: dict[str, np.ndarray]) -> WallFit:
     )
 
 
+@lru_cache
+def scattering_fit(gas: str = "diatomic") -> ScatteringFit:
+    """Weights of the three kinds of accommodation, for a gas."""
+    table = shipped_table("kinetic_scattering.csv")
+    kept = np.array(table.texts["gas"]) == gas
+    columns = {name: column[kept] for name, column in table.numbers.items()}
+    with float64(), jax.ensure_compile_time_eval():  # also where a model is being traced
+        return fit_scattering(columns, force_at_walls_of_one_temperature(columns, gas))
+
+
+def force_at_walls_of_one_temperature(table: dict[str, np.ndarray], gas: str) -> np.ndarray:
+    """Linear force of accommodated walls with the TACs of a table, over free molecules', (n,)."""
+    place = table["knudsen"], 1.0, mean_tac(table, rotates=gas == "diatomic")
+    return np.asarray(kinetic_fit(gas).force_ratio(*place) * wall_fit(gas).force_factor(*place))
+
+
 def force(
     disk: Disk,
     state: EnvironmentState,
@@ -178,7 +211,7 @@ def force(
     maxwell = ratio * maxwell_force(disk.area, film.tac_difference, pressure, excess)
     if walls.wall == "maxwell":
         return maxwell
-    top, bottom = normal_accommodations(disk, walls)
+    top, bottom = effective_tacs(disk, walls, kind, knudsen)
     free = accommodated_force(disk.area, top, bottom, pressure, excess)
     other = ratio * wall_fit(kind).force_factor(knudsen, 1.0 + excess, film.tac_mean)
     # Maxwell's collisions at this wall: direct simulation lies between the two
@@ -218,25 +251,24 @@ def _uncertain(value: Array, bound: Array, error: Numeric | None) -> Array:
     return value if error is None else value + error / NORMAL_HALF_WIDTH_95 * bound
 
 
-def normal_accommodations(disk: Disk, walls: Walls) -> tuple[Numeric, Numeric]:
-    """Accommodation of the energy of normal motion at top and bottom, held within 0 and 1 [1]."""
-    top, bottom = disk.film.tac_top, disk.film.tac_bottom
-    if walls.tangential is None:
-        return top, bottom
-    held = [
-        jnp.clip(normal_accommodation(tac, walls.tangential), 0.0, 1.0) for tac in (top, bottom)
-    ]
-    return held[0], held[1]
+def effective_tacs(
+    disk: Disk, walls: Walls, kind: str, knudsen: Numeric
+) -> tuple[Numeric, Numeric]:
+    """TACs with which accommodated walls push as these do, top and bottom [1]."""
+    tacs = disk.film.tac_top, disk.film.tac_bottom
+    if walls.wall != "cercignani-lampis":
+        return tacs
+    stated = walls.stated(kind)
+    return scattering_fit(kind).effective(knudsen, (stated.held(tacs[0]), stated.held(tacs[1])))
 
 
-def ranges(disk: Disk, walls: Walls, knudsen: Numeric, covered: float) -> Looks:
+def ranges(disk: Disk, walls: Walls, kind: str, knudsen: Numeric, covered: float) -> Looks:
     """Of the table of walls, and of what a wall can accommodate."""
     if walls.wall == "maxwell":
         return
     densest = wall_fit().knudsen_range[0]
     if densest > covered:
         yield Validity("the Knudsen number", densest, np.inf, _HELD), knudsen
-    if walls.tangential is not None:
-        for face, tac in (("on top", disk.film.tac_top), ("below", disk.film.tac_bottom)):
-            normal = Validity(f"the accommodation of normal energy {face}", 0.0, 1.0, _NO_WALL)
-            yield normal, normal_accommodation(tac, walls.tangential)
+    if walls.tangential is not None or walls.rotational is not None:
+        stated = walls.stated(kind)
+        yield from scattering_ranges(stated, (disk.film.tac_top, disk.film.tac_bottom))

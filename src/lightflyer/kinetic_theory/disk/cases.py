@@ -10,9 +10,14 @@ from lightflyer.kinetic_theory.disk.free_molecular import FreeMolecularDisk
 from lightflyer.kinetic_theory.disk.linear import FaceResult, LinearSystem, Walls, face_result
 from lightflyer.kinetic_theory.disk.nonlinear import HotDisk, NonlinearProblem
 from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
+from lightflyer.kinetic_theory.disk.scattering import (
+    Scattering,
+    ScatteringSystem,
+    assemble_modes,
+)
 from lightflyer.kinetic_theory.grid.mesh import Mesh, build_mesh
 from lightflyer.kinetic_theory.model_gases import GasModel
-from lightflyer.kinetic_theory.walls import Wall
+from lightflyer.kinetic_theory.walls import CERCIGNANI_LAMPIS, Accommodation, Wall
 
 if TYPE_CHECKING:
     from lightflyer.kinetic_theory.collisions.brackets import Molecule
@@ -64,8 +69,15 @@ class Case:
     boundary: float  # Half-width of the cylindrical reservoir [disk radii], infinite in open space
     open_fraction: float = 0.0  # Share of the molecules arriving at a face that pass the disk
     wall: Wall = "maxwell"
+    # Faces of Cercignani and Lampis, in place of ``wall``
+    scattering: tuple[Accommodation, Accommodation] | None = None
     # What collides by the real operator, in place of the gas's model equation
     molecule: "Molecule | None" = None
+
+    @property
+    def wall_name(self) -> str:
+        """Walls, by the name that they are given."""
+        return CERCIGNANI_LAMPIS if self.scattering else self.wall
 
     @property
     def perturbation(self) -> tuple[float, float]:
@@ -81,7 +93,8 @@ class Case:
             self.linear,
             self.gas.has_rotation,
             self.open_fraction,
-            self.wall,
+            "accommodated" if self.scattering else self.wall,
+            self.scattering and (self.scattering[0].normal, self.scattering[1].normal),
         )
 
 
@@ -106,6 +119,15 @@ def solve_case(
     """Solve a case on one mesh."""
     mesh = resolution.mesh(case.rarefaction, case.boundary)
     operators = assemble(mesh, case.rarefaction, resolution.quadrature)
+    if case.scattering is not None:
+        rows = assemble_modes(operators, case.rarefaction, resolution.quadrature)
+        scatterer = ScatteringSystem(operators, rows, case.gas, case.open_fraction)
+        top, bottom = (
+            Scattering(*face, temperature)
+            for face, temperature in zip(case.scattering, case.temperature, strict=True)
+        )
+        fields, faces = scatterer.solve(top, bottom)
+        return _outcome(mesh, fields, faces, 1)
     mean = 0.5 * sum(case.tac)
     system = LinearSystem(operators, case.gas, mean, case.open_fraction, case.wall)
     walls = Walls(case.tac, case.perturbation, open_fraction=case.open_fraction)
@@ -119,6 +141,10 @@ def solve_case(
             start = system.solve(walls)[0]
         fields, iterations = problem.solve(disk, start, _TOLERANCE)
         faces = [problem.face_result(fields, face, disk) for face in (0, 1)]
+    return _outcome(mesh, fields, faces, iterations)
+
+
+def _outcome(mesh: Mesh, fields: np.ndarray, faces: list[FaceResult], iterations: int) -> Outcome:
     force, heat = totals(mesh, faces)
     if not np.isfinite(force):
         raise ConvergenceError("the kinetic equation gave no finite force")

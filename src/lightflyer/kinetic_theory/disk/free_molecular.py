@@ -20,8 +20,9 @@ class FreeMolecularDisk:
     # for molecules that pass the disk, or leave a face either fully accommodated or specularly
     # reflected (Maxwell). Where all leave at the temperature :math:`T_c + \alpha(T - T_c)`, the
     # heat is the same and :math:`\alpha(\sqrt{T/T_c}-1)` becomes :math:`\sqrt{1+\alpha(T/T_c-1)} -
-    # 1`. With rotation the heat is 3/2 of that. The linear force has half the perturbation of the
-    # temperature in place of that of its root, for both walls.
+    # 1`; at walls of Cercignani and Lampis :math:`\alpha` is there that of the normal motion. With
+    # rotation the heat is 3/2 of that. The linear force has half the perturbation of the
+    # temperature in place of that of its root, for all walls.
 
     tac: tuple[float, float]  # Accommodation coefficients of the top and bottom face [1]
     # Their temperatures, as perturbations if ``linear``, else T_h/T_c
@@ -30,6 +31,8 @@ class FreeMolecularDisk:
     rotation: bool
     open_fraction: float = 0.0  # Share β of the molecules that pass the disk [1]
     wall: Wall = "maxwell"
+    # Accommodation of normal energy, where it is not that of all energy [1]
+    normal: tuple[float, float] | None = None
 
     def _recoil(self, tac: float, temperature: float) -> float:
         """Momentum that leaves a face, over that at the gas's temperature, less 1."""
@@ -43,7 +46,8 @@ class FreeMolecularDisk:
     def force(self) -> float:
         """Upwards [p·A]."""
         top, bottom = (
-            self._recoil(tac, value) for tac, value in zip(self.tac, self.temperature, strict=True)
+            self._recoil(tac, value)
+            for tac, value in zip(self.normal or self.tac, self.temperature, strict=True)
         )
         return 0.5 * (1.0 - self.open_fraction) * (bottom - top)
 

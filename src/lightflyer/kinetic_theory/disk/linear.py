@@ -36,7 +36,45 @@ class Walls:
         return 1.0 - self.open_fraction
 
 
-class LinearSystem:
+class FieldEquations:
+    """Matrices between the fields of a gas on a mesh."""
+
+    def __init__(self, operators: Operators, gas: GasModel) -> None:
+        self.operators, self.gas = operators, gas
+        self.n = operators.mesh.size
+        self.fields = 9 if gas.has_rotation else 6
+        self.size = self.n * self.fields
+
+    def _sources(self) -> tuple[np.ndarray, np.ndarray]:
+        """Matrices from a node's fields to the six translational and three rotational sources."""
+        return source_matrices(self.gas, self.fields)
+
+    def _matrix(self, rows: np.ndarray) -> np.ndarray:
+        """Rows (n, n, 6 sources, 6 moments) as a matrix between fields."""
+        translation, rotation = self._sources()
+        matrix = np.empty((self.n, self.fields, self.n, self.fields))
+        matrix[:, :6] = np.einsum("ijsm,sf->imjf", rows, translation, optimize=True)
+        if self.gas.has_rotation:
+            # rotation moves as density and velocity do
+            part = turning_rows(rows, self.operators.theta, self.operators.theta)
+            matrix[:, 6:] = np.einsum("ijsm,sf->imjf", part, rotation, optimize=True)
+        return matrix.reshape(self.size, self.size)
+
+    def arriving_fluxes(self, fields: np.ndarray) -> np.ndarray:
+        """Fluxes that arrive at the nodes of a face, shape (e, 3 or 4)."""
+        # They are number, momentum, energy and, with rotation, rotational energy.
+        translation, rotation = self._sources()
+        fluxes = self.operators.fluxes
+        arriving = np.einsum("ejsk,sf,jf->ek", fluxes, translation, fields, optimize=True)
+        if self.gas.has_rotation:
+            turning = np.einsum(
+                "ejs,sf,jf->e", fluxes[:, :, :3, 0], rotation, fields, optimize=True
+            )
+            arriving = np.concatenate([arriving, turning[:, None]], axis=1)
+        return arriving
+
+
+class LinearSystem(FieldEquations):
     r"""Linear problem on a mesh for a gas, factorised for one disk and solved for any."""
 
     # A disk with holes lets a share of the molecules pass to its other side. To even fields that is
@@ -51,12 +89,10 @@ class LinearSystem:
         open_fraction: float = 0.0,
         wall: Wall = "maxwell",
     ) -> None:
-        self.operators, self.gas, self.wall = operators, gas, wall
+        super().__init__(operators, gas)
+        self.wall = wall
         self.mean_tac, self.open_fraction = mean_tac, open_fraction
         self.accommodated = (1.0 - open_fraction) * mean_tac
-        self.n = operators.mesh.size
-        self.fields = 9 if gas.has_rotation else 6
-        self.size = self.n * self.fields
         same, other = operators.own + operators.reflected, operators.other
         even = self._matrix(same + other)
         odd = self._matrix(same - other - 2.0 * open_fraction * operators.reflected)
@@ -73,21 +109,6 @@ class LinearSystem:
     def _beyond(self) -> np.ndarray:
         """Fields seen beyond the disk, mirrored."""
         return self._matrix(self.operators.reflected)
-
-    def _sources(self) -> tuple[np.ndarray, np.ndarray]:
-        """Matrices from a node's fields to the six translational and three rotational sources."""
-        return source_matrices(self.gas, self.fields)
-
-    def _matrix(self, rows: np.ndarray) -> np.ndarray:
-        """Rows (n, n, 6 sources, 6 moments) as a matrix between fields."""
-        translation, rotation = self._sources()
-        matrix = np.empty((self.n, self.fields, self.n, self.fields))
-        matrix[:, :6] = np.einsum("ijsm,sf->imjf", rows, translation, optimize=True)
-        if self.gas.has_rotation:
-            # rotation moves as density and velocity do
-            part = turning_rows(rows, self.operators.theta, self.operators.theta)
-            matrix[:, 6:] = np.einsum("ijsm,sf->imjf", part, rotation, optimize=True)
-        return matrix.reshape(self.size, self.size)
 
     def _exchange(self) -> tuple[np.ndarray | None, np.ndarray]:
         """X₀, if there is any, and X₁ of a wall."""
@@ -214,19 +235,6 @@ class LinearSystem:
     def uniform_correction(self, fields: np.ndarray) -> np.ndarray:
         """Correction of given fields by which uniform ones are exact, shape (n, fields)."""
         return correct_uniform(self.operators.corrections, self.gas, fields)
-
-    def arriving_fluxes(self, fields: np.ndarray) -> np.ndarray:
-        """Fluxes that arrive at the nodes of a face, shape (e, 3 or 4)."""
-        # They are number, momentum, energy and, with rotation, rotational energy.
-        translation, rotation = self._sources()
-        fluxes = self.operators.fluxes
-        arriving = np.einsum("ejsk,sf,jf->ek", fluxes, translation, fields, optimize=True)
-        if self.gas.has_rotation:
-            turning = np.einsum(
-                "ejs,sf,jf->e", fluxes[:, :, :3, 0], rotation, fields, optimize=True
-            )
-            arriving = np.concatenate([arriving, turning[:, None]], axis=1)
-        return arriving
 
 
 def turning_rows(rows: np.ndarray, theta: np.ndarray, source_theta: np.ndarray) -> np.ndarray:

@@ -30,14 +30,14 @@ def speed_integral(power: int, depth: np.ndarray) -> np.ndarray:
     return np.exp(-np.asarray(depth)[..., None] / speed) @ weight * step
 
 
-@lru_cache(maxsize=1)
-def spline_table() -> tuple[np.ndarray, float]:
+@lru_cache
+def spline_table(highest_power: int = HIGHEST_POWER) -> tuple[np.ndarray, float]:
     """Spline coefficients for the compiled kernels."""
     root = np.linspace(0.0, np.sqrt(LARGEST_DEPTH) * 1.001, _INTERVALS + 1)
     depth = root**2
     columns = [
         CubicSpline(root, speed_integral(p, depth)).c
-        for p in range(LOWEST_POWER, HIGHEST_POWER + 1)
+        for p in range(LOWEST_POWER, highest_power + 1)
     ]
     table = np.ascontiguousarray(np.transpose(np.stack(columns), (2, 1, 0)))
     return table, float(_INTERVALS / root[-1])

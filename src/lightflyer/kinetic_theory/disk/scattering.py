@@ -1,0 +1,195 @@
+r"""Linear problem of a disk at walls of Cercignani and Lampis.
+
+All molecules that leave a face were scattered by it, and a face is known by how much of each
+:mod:`mode <lightflyer.kinetic_theory.disk.modes>` it keeps. The gas is factorised once: then what
+arrives in each mode where another one leaves is a matrix, and any two faces are a small system.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+from lightflyer.kinetic_theory.disk import modes_kernel
+from lightflyer.kinetic_theory.disk.linear import FaceResult, FieldEquations
+from lightflyer.kinetic_theory.disk.modes import (
+    NORMAL_ENERGY,
+    NUMBER,
+    TANGENTIAL_ENERGY,
+    Mode,
+    modes_up_to,
+)
+from lightflyer.kinetic_theory.disk.operators import (
+    Operators,
+    Quadrature,
+    face_points,
+    kernel_arguments,
+    node_points,
+)
+from lightflyer.kinetic_theory.grid.speed_integrals import spline_table
+from lightflyer.kinetic_theory.model_gases import GasModel
+
+_SQRT_PI = np.sqrt(np.pi)
+_DEGREE, _NORMAL = 6, 6
+"""Modes that are kept: those of a total degree, and of the normal velocity alone up to an m."""
+
+
+@dataclass(frozen=True)
+class Scattering:
+    """A face: what it accommodates of normal energy, tangential momentum and rotation [1]."""
+
+    normal: float
+    tangential: float
+    rotational: float
+    temperature: float = 0.0  # Perturbation
+    velocity: float = 0.0  # Away from the gas it would leave behind, along the face's normal
+
+
+@dataclass(frozen=True)
+class ModeRows:
+    """What a face emits in each mode and what arrives at it, for n nodes and e of a face."""
+
+    modes: tuple[Mode, ...]
+    emitted: np.ndarray  # shape (n, e, 6 moments, k)
+    arriving: np.ndarray  # shape (e, n, 6 sources, k)
+
+
+def assemble_modes(
+    operators: Operators,
+    rarefaction: float,
+    quadrature: Quadrature,
+    modes: tuple[Mode, ...] | None = None,
+) -> ModeRows:
+    """Trace the rays between a face and the gas for all modes."""
+    modes = modes or modes_up_to(_DEGREE, _NORMAL)
+    mesh = operators.mesh
+    setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
+    highest = max(mode.degree for mode in modes)
+    setup = (*setup[:4], *spline_table(highest + 7))
+    size = highest // 2 + 1
+    coefficients = np.array([mode.coefficients(size) for mode in modes])
+    harmonics = np.array([mode.harmonic for mode in modes])
+    n, e = mesh.size, mesh.eta.size
+    emitted = np.zeros((n, e, 6, len(modes)))
+    flat = np.zeros((e, n, 6 * len(modes)))
+    shared = rarefaction, setup, panels, coefficients, harmonics
+    modes_kernel.emitted(node_points(mesh), *shared, emitted)
+    modes_kernel.arriving(face_points(mesh), *shared, flat)
+    arriving = flat.reshape(e, n, 6, len(modes))
+    arriving *= 2.0 * _SQRT_PI * mesh.face_radius[:, None, None, None] ** -harmonics.astype(float)
+    return ModeRows(modes, emitted, arriving)
+
+
+class ScatteringSystem(FieldEquations):
+    """Linear problem on a mesh for a gas, factorised once and solved for any faces."""
+
+    def __init__(
+        self, operators: Operators, rows: ModeRows, gas: GasModel, open_fraction: float = 0.0
+    ) -> None:
+        super().__init__(operators, gas)
+        self.rows, self.open_fraction = rows, open_fraction
+        passing = open_fraction * operators.reflected
+        emission, arrival = self._emission(), self._arrival()
+        unit = np.eye(self.size)
+        # fields, and what arrives at a face, where both faces emit a mode alike or opposite
+        self.fields_of, self.arrives = [], []
+        for sign in (1.0, -1.0):
+            matrix = self._matrix(operators.own + sign * (operators.other + passing))
+            factors = lu_factor(unit - matrix, check_finite=False, overwrite_a=True)
+            self.fields_of.append(lu_solve(factors, emission, check_finite=False))
+            self.arrives.append(arrival @ self.fields_of[-1])
+
+    @property
+    def _parts(self) -> int:
+        """Distributions that are scattered: that of molecules, and of their rotational energy."""
+        return 2 if self.gas.has_rotation else 1
+
+    def _emission(self) -> np.ndarray:
+        """Moments at all nodes of each mode, and last of c·e_z, shape (n · fields, columns)."""
+        emitted = self.rows.emitted
+        n, e, _, k = emitted.shape
+        shape = n, self.fields, self._parts, k, e
+        matrix = np.zeros(shape)
+        matrix[:, :6, 0] = emitted.transpose(0, 2, 3, 1)
+        if self.gas.has_rotation:
+            turning = emitted[:, :, :3].copy()
+            turning[:, :, 0] -= emitted[:, :, 3]
+            matrix[:, 6:, 1] = turning.transpose(0, 2, 3, 1)
+        along = np.zeros((n, self.fields))
+        along[:, :6] = self.operators.velocity
+        return np.column_stack([matrix.reshape(self.size, -1), along.ravel()])
+
+    def _arrival(self) -> np.ndarray:
+        """What arrives in each mode by the fields, shape (parts · k · e, n · fields)."""
+        arriving = self.rows.arriving
+        translation, rotation = self._sources()
+        parts = [np.einsum("ejsk,sf->kejf", arriving, translation, optimize=True)]
+        if self.gas.has_rotation:
+            parts.append(np.einsum("ejsk,sf->kejf", arriving[:, :, :3], rotation, optimize=True))
+        return np.stack(parts).reshape(-1, self.size)
+
+    def _own(self, face: Scattering) -> tuple[np.ndarray, np.ndarray]:
+        """What a face keeps of each mode, and what it emits of its own, shape (parts · k · e,)."""
+        modes, e = self.rows.modes, self.operators.mesh.eta.size
+        kept = np.array([mode.eigenvalue(face.normal, face.tangential) for mode in modes])
+        momentum = np.array([mode.momentum for mode in modes])
+        emits = 2.0 * face.velocity * kept * momentum
+        # the wall's Maxwellian, c² − 2, in modes: each is negative where there is more energy
+        for mode in (NORMAL_ENERGY, TANGENTIAL_ENERGY):
+            place = modes.index(mode)
+            emits[place] -= (1.0 - kept[place]) * face.temperature
+        if self.gas.has_rotation:
+            turning = np.zeros(len(modes))
+            turning[modes.index(NUMBER)] = face.rotational * face.temperature
+            kept = np.concatenate([kept, (1.0 - face.rotational) * kept])
+            emits = np.concatenate([emits, turning])
+        return np.repeat(kept, e), np.repeat(emits, e)
+
+    def solve(self, top: Scattering, bottom: Scattering) -> tuple[np.ndarray, list[FaceResult]]:
+        """Fields of the upper and the mirrored lower half (2, n, fields), and both faces."""
+        solid, faces = 1.0 - self.open_fraction, (top, bottom)
+        kept, own = (np.stack(part) for part in zip(*map(self._own, faces), strict=True))
+        moved = 2.0 * np.array([face.velocity for face in faces])
+        same, other = (0.5 * (self.arrives[0] + sign * self.arrives[1]) for sign in (1.0, -1.0))
+        seen = np.block([[same[:, :-1], other[:, :-1]], [other[:, :-1], same[:, :-1]]])
+        by_motion = np.concatenate(
+            [
+                same[:, -1] * moved[0] + other[:, -1] * moved[1],
+                other[:, -1] * moved[0] + same[:, -1] * moved[1],
+            ]
+        )
+        # b = Λ a + own is emitted by the solid part, a = solid (R b + that of motion) arrives
+        matrix = np.eye(kept.size) - solid * kept.reshape(-1, 1) * seen
+        right = own.ravel() + solid * kept.ravel() * by_motion
+        leaving = np.linalg.solve(matrix, right)
+        arrived = (solid * (seen @ leaving + by_motion)).reshape(2, -1)
+        leaving = leaving.reshape(2, -1)
+        emitted = solid * np.column_stack([leaving, moved])
+        e, o = (
+            (fields @ (0.5 * (emitted[0] + sign * emitted[1]))).reshape(-1, self.fields)
+            for sign, fields in zip((1.0, -1.0), self.fields_of, strict=True)
+        )
+        fields = np.stack([e + o, e - o])
+        return fields, [
+            self._face_result(faces[k], fields[k], leaving[k], arrived[k]) for k in (0, 1)
+        ]
+
+    def _face_result(
+        self, face: Scattering, fields: np.ndarray, leaving: np.ndarray, arrived: np.ndarray
+    ) -> FaceResult:
+        """Normal pressure on a face and heat flux out of it."""
+        modes = self.rows.modes
+        shape = self._parts, len(modes), -1
+        left, come = leaving.reshape(shape), arrived.reshape(shape)
+        momentum = np.array([mode.momentum for mode in modes])
+        recoil = momentum @ left[0] + 2.0 * face.velocity
+        pressure = recoil / (2.0 * _SQRT_PI) + self.arriving_fluxes(fields)[:, 1]
+        normal, tangential = modes.index(NORMAL_ENERGY), modes.index(TANGENTIAL_ENERGY)
+        # the face runs into what arrives
+        gained = come[0, normal] + 2.0 * face.velocity * momentum[normal] - left[0, normal]
+        gained = gained + come[0, tangential] - left[0, tangential]
+        if self.gas.has_rotation:
+            number = modes.index(NUMBER)
+            gained = gained + left[1, number] - come[1, number]
+        solid = 1.0 - self.open_fraction
+        return FaceResult(2.0 * solid * pressure, solid * gained / (2.0 * _SQRT_PI))

@@ -1,0 +1,163 @@
+"""Walls of Cercignani and Lampis in the linear problem, by modes."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import i0e
+
+from lightflyer.core.errors import ParameterError
+from lightflyer.kinetic_theory import solve
+from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, Resolution, totals
+from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic_theory.disk.modes import Mode, modes_up_to
+from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
+from lightflyer.kinetic_theory.disk.scattering import Scattering, ScatteringSystem, assemble_modes
+from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC
+
+ROUGH = Resolution(2, 0.7, Quadrature(2, 2, 2))
+FACES = (0.3, 0.9, 0.5), (0.8, 0.7, 0.9)  # normal, tangential, rotational
+
+
+def systems(rarefaction, level, gas, holes=0.0, modes=None):
+    mesh = level.mesh(rarefaction, np.inf)
+    operators = assemble(mesh, rarefaction, level.quadrature)
+    rows = assemble_modes(operators, rarefaction, level.quadrature, modes)
+    return operators, ScatteringSystem(operators, rows, gas, holes)
+
+
+def result(system, heated=(1.0, 1.0), velocity=0.0, faces=FACES):
+    top, bottom = (
+        Scattering(*face, temperature, sign * velocity)
+        for face, temperature, sign in zip(faces, heated, (1.0, -1.0), strict=True)
+    )
+    return totals(system.operators.mesh, system.solve(top, bottom)[1])
+
+
+def at(mode, normal, along, across):
+    """A mode at velocities, by its coefficients."""
+    table = mode.coefficients(mode.degree // 2 + 1)
+    square = along**2 + across**2
+    powers = np.polynomial.polynomial.polyval2d(*np.broadcast_arrays(normal**2, square), table)
+    return powers * ((along + 1j * across) ** mode.harmonic).real
+
+
+@pytest.mark.parametrize("mode", [Mode(0, 0, 0), Mode(1, 0, 0), Mode(3, 0, 0)])
+def test_normal_modes_are_kept_by_the_published_kernel(mode):
+    """Their mean over what leaves, of molecules that arrive with one speed."""
+    accommodation, speed = 0.6, 1.3
+    kept = 1.0 - accommodation
+
+    def leaving(c):
+        shift = 2.0 * np.sqrt(kept) * c * speed / accommodation
+        exponent = (c - np.sqrt(kept) * speed) ** 2 / accommodation
+        return 2.0 * c / accommodation * np.exp(-exponent) * i0e(shift)
+
+    mean = quad(lambda c: leaving(c) * at(mode, c, 0.0, 0.0), 0.0, 12.0)[0]
+    share = mode.eigenvalue(accommodation, 0.0)
+    assert mean == pytest.approx(share * at(mode, speed, 0.0, 0.0), rel=1e-9)
+
+
+@pytest.mark.parametrize("mode", [Mode(0, 1, 0), Mode(0, 0, 1), Mode(0, 2, 1)])
+def test_tangential_modes_are_kept_by_the_published_kernel(mode):
+    """Both components are scattered about 1 − σ of what they were, by Hermite quadrature."""
+    momentum, along, across = 0.4, 0.9, -0.5
+    nodes, weights = np.polynomial.hermite.hermgauss(20)
+    spread = np.sqrt(momentum * (2.0 - momentum))
+    x, y = np.meshgrid(*((1.0 - momentum) * c + spread * nodes for c in (along, across)))
+    mean = np.sum(np.outer(weights, weights) * at(mode, 0.0, x, y)) / np.pi
+    share = mode.eigenvalue(0.0, momentum)
+    assert mean == pytest.approx(share * at(mode, 0.0, along, across), rel=1e-12)
+
+
+def test_modes_are_orthonormal():
+    x, normal = np.polynomial.laguerre.laggauss(20)
+    nodes, weights = np.polynomial.hermite.hermgauss(20)
+    c, along, across = np.meshgrid(np.sqrt(x), nodes, nodes, indexing="ij")
+    measure = np.einsum("i,j,k->ijk", normal, weights, weights) / np.pi
+    values = np.array([at(mode, c, along, across) for mode in modes_up_to(4, 3)])
+    found = np.einsum("aijk,bijk,ijk->ab", values, values, measure)
+    assert found == pytest.approx(np.eye(len(values)), abs=1e-10)
+
+
+@pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
+@pytest.mark.parametrize("holes", [0.0, 0.4])
+def test_full_accommodation_is_diffuse_reflection(gas, holes):
+    operators, system = systems(1.5, ROUGH, gas, holes)
+    diffuse = LinearSystem(operators, gas, 1.0, holes)
+    for heated, velocity in (((1.0, 0.0), 0.0), ((0.0, 0.0), 1.0)):
+        walls = Walls((1.0, 1.0), heated, velocity, holes)
+        fields = diffuse.solve(walls)[0]
+        expected = totals(
+            operators.mesh, [face_result(diffuse, walls, fields[k], k) for k in (0, 1)]
+        )
+        force, heat = result(system, heated, velocity, ((1.0, 1.0, 1.0),) * 2)
+        assert force == pytest.approx(expected[0], rel=1e-10)
+        assert heat == pytest.approx(expected[1], rel=1e-10)
+
+
+@pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
+def test_free_molecular_limit(gas):
+    """Only normal motion pushes; each kind carries 1/(2√π) of heat."""
+    _, system = systems(1e-7, ROUGH, gas)
+    force, heat = result(system)
+    assert force == pytest.approx(0.25 * (0.8 - 0.3), rel=1e-6)
+    for found, (normal, momentum, rotation) in zip(heat, FACES, strict=True):
+        kinds = normal + momentum * (2.0 - momentum) + rotation * gas.has_rotation
+        assert found == pytest.approx(0.5 * kinds / np.sqrt(np.pi), rel=1e-6)
+
+
+@pytest.mark.parametrize(("gas", "holes"), [(MONATOMIC, 0.0), (DIATOMIC, 0.0), (MONATOMIC, 0.5)])
+@pytest.mark.parametrize(
+    ("rarefaction", "level", "near"), [(0.2, COARSE, 1e-3), (4.4, MEDIUM, 2e-3)]
+)
+def test_force_of_heat_is_heat_of_motion(gas, holes, rarefaction, level, near):
+    """Onsager's reciprocity, face by face."""
+    _, system = systems(rarefaction, level, gas, holes)
+    _, drawn = result(system, (0.0, 0.0), 1.0)
+    for face, heated in enumerate(((1.0, 0.0), (0.0, 1.0))):
+        assert drawn[face] == pytest.approx(result(system, heated)[0], rel=near)
+
+
+def test_more_modes_change_nothing():
+    usual, more = (
+        result(systems(2.0, COARSE, DIATOMIC, modes=modes)[1])
+        for modes in (None, modes_up_to(8, 9))
+    )
+    assert usual[0] == pytest.approx(more[0], rel=2e-4)
+    assert usual[1] == pytest.approx(more[1], rel=2e-5)
+
+
+def test_solution_by_tacs():
+    found = solve(
+        1.0, 0.8, 0.9, gas="diatomic", wall="cercignani-lampis", tangential_accommodation=0.85
+    )
+    # thin gas: α_n = 2α − σ(2 − σ), differences of which are twice those of the TACs
+    assert found.force / found.force_ratio == pytest.approx(0.25 * 0.2)
+    heat = 1.5 * 0.8 / np.sqrt(np.pi)
+    assert found.heat[0] / found.heat_ratio_top == pytest.approx(heat)
+    assert "Cercignani-Lampis walls" in found.title
+    assert found.inputs["tangential_accommodation"] == [0.85, 0.85]
+    # normal motion pushes less than without collisions: direct simulation, page of walls
+    alike = solve(1.0, 0.8, 0.9, gas="diatomic", wall="cercignani-lampis")
+    assert 1.8 < found.force / alike.force < 2.0
+
+
+BAD = {
+    "no wall has tac_top = 0.8 with tangential_accommodation = 0.3": {
+        "tangential_accommodation": 0.3
+    },
+    "tangential_accommodation = 1.3 is not between 0 and 1": {"tangential_accommodation": 1.3},
+    'rotational_accommodation belongs to gas = "diatomic"': {"rotational_accommodation": 0.3},
+    "for a disk at rest in the linear problem only": {"temperature_ratio": 2.0},
+    'belongs to collisions = "shakhov"': {"collisions": "vhs"},
+    "tangential_accommodation and rotational_accommodation belong to": {
+        "wall": "maxwell",
+        "tangential_accommodation": 0.9,
+    },
+}
+
+
+@pytest.mark.parametrize("says", BAD)
+def test_what_no_wall_can_do_is_named(says):
+    with pytest.raises(ParameterError, match=says):
+        solve(1.0, 0.8, 0.9, **{"wall": "cercignani-lampis", **BAD[says]})

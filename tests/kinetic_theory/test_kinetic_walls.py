@@ -106,10 +106,7 @@ def test_drag_of_free_molecules_by_quadrature(rotation, sideways):
     assert found == pytest.approx(quadrature_of_drag(0.3, sideways), rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("call", "wall"),
-    [(solve, "specular"), (solve_moving, "specular"), (solve_moving, "cercignani-lampis")],
-)
-def test_walls_that_the_solver_does_not_know_are_named(call, wall):
-    with pytest.raises(ParameterError, match=f'wall = "{wall}" is not maxwell or accommodated'):
-        call(1.0, 0.8, 0.9, wall=wall)
+@pytest.mark.parametrize("call", [solve, solve_moving])
+def test_walls_that_the_solver_does_not_know_are_named(call):
+    with pytest.raises(ParameterError, match='wall = "specular" is not maxwell, accommodated or'):
+        call(1.0, 0.8, 0.9, wall="specular")

@@ -13,6 +13,8 @@ from lightflyer.kinetic_theory.disk.modes import Mode, modes_up_to
 from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
 from lightflyer.kinetic_theory.disk.scattering import Scattering, ScatteringSystem, assemble_modes
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC
+from lightflyer.kinetic_theory.moving import MovedDisk, moving_outcomes
+from lightflyer.kinetic_theory.walls import Accommodation
 
 ROUGH = Resolution(2, 0.7, Quadrature(2, 2, 2))
 FACES = (0.3, 0.9, 0.5), (0.8, 0.7, 0.9)  # normal, tangential, rotational
@@ -127,6 +129,28 @@ def test_more_modes_change_nothing():
     assert usual[1] == pytest.approx(more[1], rel=2e-5)
 
 
+@pytest.mark.parametrize("gas", ["monatomic", "diatomic"])
+def test_moved_disk_feels_the_free_molecular_drag(gas):
+    """By the kernel: a face that runs into molecules meets c_n of them, and scatters that."""
+    model = DIATOMIC if gas == "diatomic" else MONATOMIC
+    faces = Accommodation(0.5, 0.9, 0.4), Accommodation(0.8, 0.3, 0.9)
+    disk = MovedDisk((0.5, 0.5), scattering=faces)
+    c = np.linspace(1e-6, 7.0, 1201)
+    kept = []
+    for face in faces:
+        # R(c' → c), weighted with the flux of molecules c' that arrive
+        arriving, leaving = np.meshgrid(c, c, indexing="ij")
+        shift = np.sqrt(1.0 - face.normal)
+        exponent = (leaving - shift * arriving) ** 2 / face.normal
+        kernel = np.exp(-exponent) * i0e(2.0 * shift * arriving * leaving / face.normal)
+        flux = 2.0 * arriving * np.exp(-(arriving**2)) * 2.0 * leaving / face.normal
+        kept.append(np.sum(flux * kernel * arriving * leaving) * (c[1] - c[0]) ** 2)
+    expected = 4.0 * (1.0 + np.mean(kept)) / np.sqrt(np.pi)
+    assert disk.free_molecular_drag(model.has_rotation) == pytest.approx(expected, rel=1e-5)
+    (found,) = moving_outcomes(1e-7, ROUGH, [(model, disk)])
+    assert found.drag == pytest.approx(expected, rel=1e-4)
+
+
 def test_solution_by_tacs():
     found = solve(
         1.0, 0.8, 0.9, gas="diatomic", wall="cercignani-lampis", tangential_accommodation=0.85
@@ -148,7 +172,7 @@ BAD = {
     },
     "tangential_accommodation = 1.3 is not between 0 and 1": {"tangential_accommodation": 1.3},
     'rotational_accommodation belongs to gas = "diatomic"': {"rotational_accommodation": 0.3},
-    "for a disk at rest in the linear problem only": {"temperature_ratio": 2.0},
+    "is for the linear problem in open space": {"temperature_ratio": 2.0},
     'belongs to collisions = "shakhov"': {"collisions": "vhs"},
     "tangential_accommodation and rotational_accommodation belong to": {
         "wall": "maxwell",

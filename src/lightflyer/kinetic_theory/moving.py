@@ -5,12 +5,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from scipy.special import hyp2f1
 
 from lightflyer.core.checks import require_range
 from lightflyer.core.extras import extra
 from lightflyer.core.quantity import HIGHEST_OPEN_FRACTION
 from lightflyer.kinetic_theory.model_gases import GasModel, gas_model
-from lightflyer.kinetic_theory.walls import Wall, require_wall
+from lightflyer.kinetic_theory.walls import Accommodation, Wall, walls_of
 
 KNUDSEN_RANGE = (0.004, 100.0)
 """Knudsen numbers λ/(2r) for which the meshes resolve the flow around a moving disk."""
@@ -25,6 +26,8 @@ class MovedDisk:
     # Share of the molecules arriving at a face that pass to its other side
     open_fraction: float = 0.0
     wall: Wall = "maxwell"
+    # Faces of Cercignani and Lampis, in place of ``wall``
+    scattering: tuple[Accommodation, Accommodation] | None = None
 
     def free_molecular_drag(self, rotation: bool) -> float:
         r"""Drag without collisions, :math:`F/(pAs)`."""
@@ -33,9 +36,14 @@ class MovedDisk:
         #     \frac{1-\beta}{\sqrt\pi}\,\left[4 + \pi + \frac{\pi}{8k}(1-\bar\alpha)\right]
         #
         # at Maxwell walls and at those from which all molecules leave at one temperature, with
-        # :math:`k = 1`, or 3/2 with rotation.
+        # :math:`k = 1`, or 3/2 with rotation. At those of Cercignani and Lampis :math:`\pi/4` of
+        # the first becomes :math:`\frac\pi4\,{}_2F_1(-\frac12, -\frac12; 1; 1-\alpha_n)` of each
+        # face, the momentum that its modes keep.
         mean = 0.5 * sum(self.tac)
-        if self.wall == "accommodated":
+        if self.scattering is not None:
+            kept = np.mean([hyp2f1(-0.5, -0.5, 1.0, 1.0 - face.normal) for face in self.scattering])
+            pushed = 4.0 + np.pi * float(kept)
+        elif self.wall == "accommodated":
             kept = np.pi / 8.0 * (1.0 - mean) / (1.5 if rotation else 1.0)
             pushed = 4.0 + np.pi + kept
         else:
@@ -85,6 +93,8 @@ def solve_moving(
     open_fraction: float = 0.0,
     gas: str = "monatomic",
     wall: str = "maxwell",
+    tangential_accommodation: float | tuple[float, float] | None = None,
+    rotational_accommodation: float | tuple[float, float] | None = None,
 ) -> MovingSolution:
     r"""Solve the linear kinetic equation around a thin disk that moves along its axis.
 
@@ -100,7 +110,8 @@ def solve_moving(
         Share of the molecules arriving at a face that pass to its other side unchanged, from 0 to
         0.999.
     gas : {"monatomic", "diatomic"}
-    wall : {"maxwell", "accommodated"}
+    wall : {"maxwell", "accommodated", "cercignani-lampis"}
+    tangential_accommodation, rotational_accommodation : float or (float, float), optional
         As for :func:`solve`.
 
     Returns
@@ -131,11 +142,14 @@ def solve_moving(
     for name, value in (("tac_top", tac_top), ("tac_bottom", tac_bottom)):
         require_range(name, value, 0.0, 1.0, open_below=True)
     require_range("open_fraction", open_fraction, 0.0, HIGHEST_OPEN_FRACTION)
-    model, known = gas_model(gas), require_wall(wall)
+    model = gas_model(gas)
+    tacs = float(tac_top), float(tac_bottom)
+    stated = tangential_accommodation, rotational_accommodation
+    known, scattering = walls_of(wall, tacs, *stated, model.has_rotation)
     extra("numba", "the kinetic solver", "kinetic")
     from lightflyer.kinetic_theory.disk.cases import Outcome, meshes
 
-    disk = MovedDisk((float(tac_top), float(tac_bottom)), float(open_fraction), known)
+    disk = MovedDisk(tacs, float(open_fraction), known, scattering)
     rarefaction = float(np.sqrt(np.pi) / (4.0 * knudsen))
     (fine, mesh), (coarse, _) = (
         (moving_outcomes(rarefaction, level, [(model, disk)])[0], level.mesh(rarefaction, np.inf))
@@ -155,22 +169,39 @@ def moving_outcomes(
     rarefaction: float, level: Any, cases: Sequence[tuple[GasModel, MovedDisk]]
 ) -> list[MovingOutcome]:
     """Solve for several gases and disks on one mesh, whose rays are traced once."""
+    from lightflyer.kinetic_theory.disk.cases import totals
     from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
     from lightflyer.kinetic_theory.disk.operators import assemble
+    from lightflyer.kinetic_theory.disk.scattering import (
+        Scattering,
+        ScatteringSystem,
+        assemble_modes,
+    )
 
     mesh = level.mesh(rarefaction, np.inf)
     operators = assemble(mesh, rarefaction, level.quadrature)
     system: LinearSystem | None = None
     found = []
     for gas, disk in cases:
+        if disk.scattering is not None:
+            rows = assemble_modes(operators, rarefaction, level.quadrature)
+            scatterer = ScatteringSystem(operators, rows, gas, disk.open_fraction)
+            fields, faces = scatterer.solve(
+                *(
+                    Scattering(*face, velocity=sign)
+                    for face, sign in zip(disk.scattering, (1.0, -1.0), strict=True)
+                )
+            )
+            force, heat = totals(mesh, faces)
+            found.append(MovingOutcome(-force, heat, 1, fields))
+            continue
         if system is None or system.gas is not gas or system.wall != disk.wall:
             mean = 0.5 * sum(disk.tac)
             system = LinearSystem(operators, gas, mean, disk.open_fraction, disk.wall)
         walls = Walls(disk.tac, (0.0, 0.0), velocity=1.0, open_fraction=disk.open_fraction)
         fields, iterations = system.solve(walls)
-        top, bottom = (face_result(system, walls, fields[face], face) for face in (0, 1))
-        weights = mesh.face_weights
-        drag = float(weights @ (top.pressure - bottom.pressure))
-        heat = float(weights @ top.heat), float(weights @ bottom.heat)
-        found.append(MovingOutcome(drag, heat, iterations, fields))
+        force, heat = totals(
+            mesh, [face_result(system, walls, fields[face], face) for face in (0, 1)]
+        )
+        found.append(MovingOutcome(-force, heat, iterations, fields))
     return found

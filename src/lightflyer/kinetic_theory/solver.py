@@ -16,8 +16,8 @@ from lightflyer.kinetic_theory.walls import (
     CERCIGNANI_LAMPIS,
     WALLS,
     Accommodation,
-    accommodations,
     require_wall,
+    walls_of,
 )
 
 if TYPE_CHECKING:
@@ -296,15 +296,10 @@ def _case(
     if boundary is not None:
         require_range("boundary", boundary, SMALLEST_BOUNDARY)
         _require_resolved(knudsen, boundary)
-    model, scattering = gas_model(gas), None
-    if wall == CERCIGNANI_LAMPIS and temperature_ratio is None:
-        scattering = accommodations(tac, tangential, rotational, model.has_rotation)
-    elif tangential is not None or rotational is not None:
-        raise ParameterError(
-            "tangential_accommodation and rotational_accommodation belong to "
-            f'wall = "{CERCIGNANI_LAMPIS}" in the linear problem'
-        )
-    known = "accommodated" if scattering else require_wall(wall)
+    model = gas_model(gas)
+    if temperature_ratio is not None and wall == CERCIGNANI_LAMPIS:
+        require_wall(wall)
+    known, scattering = walls_of(wall, tac, tangential, rotational, model.has_rotation)
     linear = temperature_ratio is None
     if temperature_ratio is None:
         require_range("top_temperature", perturbation[0])

@@ -25,8 +25,11 @@ def require_wall(wall: str) -> Wall:
     """Raise unless a wall is known to every part of the solver."""
     if wall == "maxwell" or wall == "accommodated":
         return "maxwell" if wall == "maxwell" else "accommodated"
-    only = "; for a disk at rest in the linear problem only" if wall == CERCIGNANI_LAMPIS else ""
-    raise ParameterError(f'wall = "{wall}" is not maxwell or accommodated{only}')
+    if wall == CERCIGNANI_LAMPIS:
+        raise ParameterError(
+            f'wall = "{wall}" is for the linear problem in open space and reservoirs'
+        )
+    raise ParameterError(f'wall = "{wall}" is not maxwell, accommodated or {CERCIGNANI_LAMPIS}')
 
 
 class Accommodation(NamedTuple):
@@ -37,7 +40,25 @@ class Accommodation(NamedTuple):
     rotational: float  # That of rotational energy [1]
 
 
-def accommodations(
+def walls_of(
+    wall: str,
+    tacs: tuple[float, float],
+    tangential: float | tuple[float, float] | None,
+    rotational: float | tuple[float, float] | None,
+    rotates: bool,
+) -> tuple[Wall, tuple[Accommodation, Accommodation] | None]:
+    """Walls of the linear problem, and both faces where they are of Cercignani and Lampis."""
+    if wall == CERCIGNANI_LAMPIS:
+        return "accommodated", _accommodations(tacs, tangential, rotational, rotates)
+    if tangential is not None or rotational is not None:
+        raise ParameterError(
+            "tangential_accommodation and rotational_accommodation belong to "
+            f'wall = "{CERCIGNANI_LAMPIS}" in the linear problem'
+        )
+    return require_wall(wall), None
+
+
+def _accommodations(
     tacs: tuple[float, float],
     tangential: float | tuple[float, float] | None,
     rotational: float | tuple[float, float] | None,

@@ -1,13 +1,20 @@
 """Reading winds on a grid from an xarray dataset: names, units, order, gaps."""
 
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.core import constants
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE
 from lightflyer.core.units import scale_and_offset
+from lightflyer.environment.wind.heights import (
+    GAS_CONSTANT,
+    altitude_of,
+    hydrostatic_geopotential,
+    on_altitudes,
+)
+from lightflyer.environment.wind.layouts import in_one_layout
 
 EPOCH = np.datetime64("2000-01-01T12:00:00", "ns")
 """Origin of :attr:`lightflyer.environment.Place.time`."""
@@ -25,6 +32,12 @@ _VARIABLES = ("u", "v", "w")
 _MERIDIANS = 36  # for a wind that is the same at every longitude
 _DEGREES = ("degrees", "degree", "deg", "°")
 _OMEGA = "Pa/s"
+_OF_OMEGA = (
+    "winds: w is in Pa/s, a change of pressure, which a temperature on pressure levels turns "
+    "into m/s"
+)
+_AIR = {"temperature": "K", "geopotential": "m**2/s**2", "height": "m"}  # beside winds
+_FEWEST_LEVELS = 2
 
 
 class WindGrid(NamedTuple):
@@ -40,22 +53,12 @@ class WindGrid(NamedTuple):
     east: np.ndarray  # shape (t, z, y, x); [m/s]; ``up`` is zero where the dataset has none
     north: np.ndarray
     up: np.ndarray
-
-
-def open_dataset(path: str | Path) -> Any:
-    """Open a NetCDF file."""
-    import xarray
-
-    try:
-        with xarray.open_dataset(path) as dataset:
-            return dataset.load()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "xarray knows no way to open it"
-        raise ConfigurationError(f"{path}: cannot be read as NetCDF: {reason}") from None
+    told: str = ""  # How the altitudes of pressure levels are known
 
 
 def read_grid(dataset: Any) -> WindGrid:
     """Check a dataset and take the winds from it."""
+    dataset = in_one_layout(dataset)
     given = _variables(dataset)
     names = _dimensions(dataset, given[0])
     by_pressure = "pressure" in names
@@ -72,15 +75,25 @@ def read_grid(dataset: Any) -> WindGrid:
         if name is not None and name != names.get("time") and values.size == 1:
             raise ConfigurationError(f"winds: {name} needs two entries or more")
     shape = [axis.size for axis in axes]
-    fields = [
-        _field(dataset, name, order, sorting) if name in given else np.zeros(shape)
-        for name in _VARIABLES
-    ]
+    known = _known_air(dataset, given) if by_pressure else {}
+    units = dict.fromkeys(given, "m/s") | known
+    found = {
+        name: _field(dataset, name, unit, order, sorting, missing=by_pressure)
+        for name, unit in units.items()
+    }
+    axes[1], found = _whole_levels(axes[1], found)
+    told = ""
+    if by_pressure:
+        axes, by_pressure, told = _put_on_altitudes(axes, found, is_omega=units.get("w") == _OMEGA)
+    shape = [axis.size for axis in axes]
+    fields = [found[name] if name in found else np.zeros(shape) for name in _VARIABLES]
     if order[-1] is None:  # a mean over longitude
         axes[-1] = np.arange(_MERIDIANS) / _MERIDIANS * 2.0 * np.pi
         fields = [np.repeat(field, _MERIDIANS, axis=-1) for field in fields]
     time, height, latitude, longitude = axes
-    return _around(WindGrid(time, height, by_pressure, latitude, longitude, False, *fields))
+    east, north, up = fields
+    grid = WindGrid(time, height, by_pressure, latitude, longitude, False, east, north, up, told)
+    return _around(grid)
 
 
 def _variables(dataset: Any) -> list[str]:
@@ -133,7 +146,7 @@ def _unit(array: Any, name: str, example: str) -> str:
 
 
 def _scale(array: Any, name: str, target: str) -> np.ndarray:
-    unit = _unit(array, name, target)
+    unit = _unit(array, name, target).replace("gpm", "m")  # of geopotential metres
     try:
         scale, offset = scale_and_offset(unit, target)
     except ConfigurationError as error:
@@ -168,26 +181,93 @@ def _seconds(array: Any, name: str) -> np.ndarray:
     return (array.values.astype("datetime64[ns]") - EPOCH) / np.timedelta64(1, "s")
 
 
-def _field(dataset: Any, name: str, order: list[Any], sorting: list[np.ndarray]) -> np.ndarray:
+def _known_air(dataset: Any, given: list[str]) -> dict[str, str]:
+    """What a dataset on pressure levels has beside winds, and units for it all."""
+    units = {name: unit for name, unit in _AIR.items() if name in dataset.data_vars}
+    if "temperature" in units and "w" in given and _is_omega(dataset["w"]):
+        units["w"] = _OMEGA
+    return units
+
+
+def _is_omega(array: Any) -> bool:
+    unit = str(array.attrs.get("units", "")).replace("**", "")
+    return unit.replace("s-1", "/s").replace(" ", "") == _OMEGA
+
+
+def _field(
+    dataset: Any,
+    name: str,
+    unit: str,
+    order: list[Any],
+    sorting: list[np.ndarray],
+    *,
+    missing: bool,
+) -> np.ndarray:
+    """Values of a variable, shape (t, z, y, x); ``missing``: whether some may be NaN."""
     array = dataset[name]
     present = [dimension for dimension in order if dimension is not None]
     if set(array.dims) != set(present):
         raise ConfigurationError(f"winds: {name} has other dimensions than {', '.join(present)}")
-    if _unit(array, name, "m/s").replace("s-1", "/s").replace(" ", "") == _OMEGA:
-        raise ConfigurationError(
-            f"winds: {name} is in Pa/s, a change of pressure; convert it to m/s upwards (divide by "
-            "minus density times gravity) or drop it"
-        )
-    values = _scale(array.transpose(*present), name, "m/s")
+    if unit != _OMEGA and _is_omega(array):
+        raise ConfigurationError(f"{_OF_OMEGA}; give the temperature too, or drop it")
+    values = _scale(array.transpose(*present), name, unit)
+    if not missing:
+        _require_finite(values, name)
+    missing_axes = tuple(axis for axis, dimension in enumerate(order) if dimension is None)
+    values = np.expand_dims(values, missing_axes)
+    return values[np.ix_(*sorting)]
+
+
+def _require_finite(values: np.ndarray, name: str) -> None:
     missing = int(np.sum(~np.isfinite(values)))
     if missing:
         raise ConfigurationError(
             f"winds: {name} has {missing:,} missing values of {values.size:,}; fill them or select "
             "the part without"
         )
-    missing_axes = tuple(axis for axis, dimension in enumerate(order) if dimension is None)
-    values = np.expand_dims(values, missing_axes)
-    return values[np.ix_(*sorting)]
+
+
+def _whole_levels(
+    level: np.ndarray, fields: dict[str, np.ndarray]
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Levels from the lowest one that no mountain reaches."""
+    whole = np.logical_and.reduce(
+        [np.isfinite(values).all(axis=(0, 2, 3)) for values in fields.values()]
+    )
+    first = int(np.argmax(whole))
+    if level.size - first < _FEWEST_LEVELS:
+        first = 0
+    kept = {name: values[:, first:] for name, values in fields.items()}
+    for name, values in kept.items():
+        _require_finite(values, name)
+    return level[first:], kept
+
+
+def _put_on_altitudes(
+    axes: list[np.ndarray], found: dict[str, np.ndarray], *, is_omega: bool
+) -> tuple[list[np.ndarray], bool, str]:
+    """Replace pressure levels by altitudes where the file tells them; changes ``found``."""
+    temperature, latitude = found.pop("temperature", None), axes[2][:, None]
+    pressure = np.exp(-axes[1])[:, None, None]
+    given = [found.pop(name, None) for name in ("geopotential", "height")]
+    if given[0] is not None:
+        geopotential, told = given[0], "the geopotential of the data"
+    elif given[1] is not None:
+        geopotential, told = constants.STANDARD_GRAVITY * given[1], "the heights of the data"
+    elif temperature is not None:
+        geopotential = hydrostatic_geopotential(axes[1], temperature)
+        told = "the temperature of the data, from the lowest level in the standard atmosphere on"
+    else:
+        return axes, True, "the atmosphere"
+    if is_omega and temperature is not None:  # of air in hydrostatic balance
+        weight = pressure / (GAS_CONSTANT * temperature) * constants.STANDARD_GRAVITY
+        found["w"] = -found["w"] / weight
+    altitude = altitude_of(geopotential, latitude)
+    if np.any(np.diff(altitude, axis=1) <= 0.0):
+        raise ConfigurationError("winds: the heights of the data do not grow from level to level")
+    level, fields = on_altitudes(altitude, list(found.values()))
+    found.update(zip(found, fields, strict=True))
+    return [axes[0], level, *axes[2:]], False, told
 
 
 def _around(grid: WindGrid) -> WindGrid:

@@ -36,7 +36,7 @@ _ABOVE = "altitude above 100 km, where the gradient wind ends"
 # Gravity on the ellipsoid at equator and pole [m/s²], and the ratio of the centrifugal force to
 # gravity at the equator; [NIMA2000]_ ch. 3.
 _GRAVITY_EQUATOR, _GRAVITY_POLE = 9.7803253359, 9.8321849378
-_CENTRIFUGAL = 0.00344978650684
+CENTRIFUGAL = 0.00344978650684
 
 
 @entry_point
@@ -59,6 +59,14 @@ def balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: N
     return -rotation_rate * ratio / (1.0 + jnp.sqrt(1.0 - ratio))
 
 
+def normal_gravity(sine: Any) -> Any:
+    """Gravity on the ellipsoid [m/s²], from the sine of the latitude; Somigliana's formula."""
+    flattening = EARTH_PLANET.flattening
+    excess = (1.0 - flattening) * _GRAVITY_POLE / _GRAVITY_EQUATOR - 1.0
+    root = 1.0 - flattening * (2.0 - flattening) * sine**2
+    return _GRAVITY_EQUATOR * (1.0 + excess * sine**2) / np.sqrt(root)
+
+
 def _geopotential_slope(sine: np.ndarray, altitude: np.ndarray) -> np.ndarray:
     """Derivative of the geopotential at an altitude in the sine of the latitude [m²/s²]."""
     # Gravity on the ellipsoid by Somigliana's formula, above by its Taylor series; [NIMA2000]_ ch.
@@ -67,9 +75,9 @@ def _geopotential_slope(sine: np.ndarray, altitude: np.ndarray) -> np.ndarray:
     squeezed = flattening * (2.0 - flattening)
     excess = (1.0 - flattening) * _GRAVITY_POLE / _GRAVITY_EQUATOR - 1.0
     root = 1.0 - squeezed * sine**2
-    gravity = _GRAVITY_EQUATOR * (1.0 + excess * sine**2) / np.sqrt(root)
+    gravity = normal_gravity(sine)
     slope = gravity * sine * (2.0 * excess / (1.0 + excess * sine**2) + squeezed / root)
-    linear = 1.0 + flattening + _CENTRIFUGAL - 2.0 * flattening * sine**2
+    linear = 1.0 + flattening + CENTRIFUGAL - 2.0 * flattening * sine**2
     height = altitude - linear * altitude**2 / equator + altitude**3 / equator**2
     return slope * height + gravity * 4.0 * flattening * sine * altitude**2 / equator
 

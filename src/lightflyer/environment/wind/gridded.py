@@ -13,7 +13,8 @@ from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.environment.wind.dataset import EPOCH, WindGrid, open_dataset, read_grid
+from lightflyer.environment.wind.dataset import EPOCH, WindGrid, read_grid
+from lightflyer.environment.wind.layouts import open_weather
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
 
@@ -48,8 +49,11 @@ class GriddedWind(AbstractWind):
         units; ``time`` as dates in UTC. Without ``time`` the wind does not change, without
         ``longitude`` it is the same all around. Usual other names of dimensions are known, such as
         ``lat``, ``level``, ``valid_time``.
+        ERA5, GFS, MERRA-2, ICON on a regular grid and WRF on pressure levels are read as they are;
+        a ``w`` in Pa/s becomes m/s by the temperature beside it. Pressure levels lie where the
+        dataset's geopotential, or its heights, or its temperature has them.
     atmosphere : AbstractAtmosphere, optional
-        Finds the altitudes of pressure levels; needed for these only.
+        Finds the altitudes of pressure levels where the dataset has none of these.
 
     Raises
     ------
@@ -79,6 +83,7 @@ class GriddedWind(AbstractWind):
     atmosphere: AbstractAtmosphere | None
     reaches: tuple[tuple[float, float], ...] = eqx.field(static=True)
     rises: bool = eqx.field(static=True)
+    told: str = eqx.field(static=True)
 
     def __init__(self, dataset: Any, atmosphere: AbstractAtmosphere | None = None):
         grid = dataset if isinstance(dataset, WindGrid) else read_grid(dataset)
@@ -88,6 +93,7 @@ class GriddedWind(AbstractWind):
             )
         self.atmosphere = atmosphere if grid.by_pressure else None
         self.rises = bool(np.any(grid.up))
+        self.told = grid.told
         table = _as_vectors(grid)
         low, high = grid.latitude[0], grid.latitude[-1]
         nodes = grid.latitude
@@ -111,8 +117,11 @@ class GriddedWind(AbstractWind):
     def from_file(
         cls, path: str | Path, atmosphere: AbstractAtmosphere | None = None
     ) -> "GriddedWind":
-        """Wind from a NetCDF file; ``atmosphere``: as of the class."""
-        dataset = open_dataset(path)
+        """Wind from a NetCDF or GRIB file, or from all that match a pattern such as ``era5-*.nc``.
+
+        ``atmosphere``: as of the class.
+        """
+        dataset = open_weather(path)
         try:
             return cls(dataset, atmosphere)
         except ConfigurationError as error:
@@ -159,7 +168,8 @@ class GriddedWind(AbstractWind):
 
     def describe(self) -> tuple[str, ...]:
         levels = " to ".join(self._level_names())
-        return (f"wind: data, {self._period()}, {levels}{self._upwards()}",)
+        heights = f"; altitudes of its levels by {self.told}" if self.told else ""
+        return (f"wind: data, {self._period()}, {levels}{self._upwards()}{heights}",)
 
     def _period(self) -> str:
         begin, end = (_date(value) for value in self.reaches[0])

@@ -16,10 +16,11 @@ from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.global_nrlmsis import GlobalNRLMSIS
 from lightflyer.environment.atmosphere.nrlmsis import Indices
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.environment.wind.dataset import WindGrid, open_dataset, read_grid
+from lightflyer.environment.wind.dataset import WindGrid, read_grid
 from lightflyer.environment.wind.gradient import GradientWind
 from lightflyer.environment.wind.gridded import GriddedWind
 from lightflyer.environment.wind.hwm14 import HWM14
+from lightflyer.environment.wind.layouts import open_weather, weather_files
 from lightflyer.environment.wind.uniform import SumOfWinds, UniformWind
 from lightflyer.files.section import Alternative
 from lightflyer.files.toml_file import file_beside
@@ -107,7 +108,7 @@ class GradientWindSection(WindSection):
 
 
 class DataWindSection(WindSection):
-    """Wind from a NetCDF file."""
+    """Wind from a NetCDF or GRIB file, or from several."""
 
     kind: Literal["data"]
     file: str
@@ -150,15 +151,15 @@ class Hwm14WindSection(WindSection):
 
 def _grid(path: str) -> WindGrid:
     try:
-        changed = Path(path).stat().st_mtime_ns
+        changed = tuple(Path(part).stat().st_mtime_ns for part in weather_files(path))
     except OSError as error:
         raise ConfigurationError(f"cannot be read: {error.strerror}") from None
     return _grid_of(path, changed)
 
 
 @cache
-def _grid_of(path: str, changed: int) -> WindGrid:  # noqa: ARG001
-    return read_grid(open_dataset(path))
+def _grid_of(path: str, changed: tuple[int, ...]) -> WindGrid:  # noqa: ARG001
+    return read_grid(open_weather(path))
 
 
 def _any(sections: list[Any]) -> Any:

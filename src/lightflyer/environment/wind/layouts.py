@@ -1,0 +1,167 @@
+"""Weather files as they are downloaded, brought to one layout: names, dimensions, several files."""
+
+import glob
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.extras import extra
+
+_PATTERN = re.compile(r"[*?\[]")
+_GRIB = (".grib", ".grib2", ".grb", ".grb2", ".gb2")
+
+# Names in lower case, of ERA5, GFS, MERRA-2, ICON, WRF and the CF conventions.
+_VARIABLES = {
+    "u": "u ua ugrd uwnd u_pl u-component_of_wind_isobaric u_component_of_wind eastward_wind",
+    "v": "v va vgrd vwnd v_pl v-component_of_wind_isobaric v_component_of_wind northward_wind",
+    "w": "w wa omega wap vvel vertical_velocity_pressure_isobaric vertical_velocity"
+    " lagrangian_tendency_of_air_pressure upward_air_velocity",
+    "temperature": "temperature t ta tmp t_pl temperature_isobaric air_temperature",
+    "geopotential": "geopotential z phi fi",
+    "height": "gh zg h hgt ght_pl geopotential_height_isobaric geopotential_height",
+}
+_COORDINATES = {
+    "latitude": "latitude lat",
+    "longitude": "longitude lon",
+    "pressure": "pressure pressure_level level plev isobaricinhpa lev isobaric",
+}
+_COUNTED = re.compile(r"(isobaric|time)\d+")  # as THREDDS numbers what it has several of
+_OF_WRF = {"num_press_levels_stag": "pressure", "south_north": "latitude", "west_east": "longitude"}
+_VERSION = "expver"  # of ERA5, whose latest months are of another version
+_EVEN = 1e-3  # degrees, by which meridians and parallels of a grid may bend
+
+
+def open_weather(path: str | Path) -> Any:
+    """Open a NetCDF or GRIB file, or all whose names match a pattern, in one layout."""
+    import xarray
+
+    parts = [_open(part) for part in weather_files(path)]
+    if len(parts) == 1:
+        return parts[0]
+    try:
+        return xarray.combine_by_coords(parts, combine_attrs="override", join="exact")
+    except ValueError as error:
+        reason = str(error).partition("\n")[0]
+        raise ConfigurationError(f"{path}: these files are no one grid: {reason}") from None
+
+
+def weather_files(path: str | Path) -> list[str]:
+    """The files that a name or a pattern stands for, in order."""
+    text = str(path)
+    if not _PATTERN.search(text) or Path(text).exists():
+        return [text]
+    found = sorted(glob.glob(text))
+    if not found:
+        raise ConfigurationError(f"{path}: no file has such a name")
+    return found
+
+
+def _open(path: str) -> Any:
+    import xarray
+
+    engine = None
+    if path.lower().endswith(_GRIB):
+        extra("cfgrib", f"{path}: GRIB", "grib")
+        engine = "cfgrib"
+    try:
+        with xarray.open_dataset(path, engine=engine) as dataset:
+            found = in_one_layout(dataset)
+            # only what is read is taken from the disk
+            wanted = [name for name in _VARIABLES if name in found.data_vars]
+            return (found[wanted] if wanted else found).load()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "xarray knows no way to open it"
+        kind = "GRIB" if engine else "NetCDF"
+        raise ConfigurationError(f"{path}: cannot be read as {kind}: {reason}") from None
+
+
+def in_one_layout(dataset: Any) -> Any:
+    """A dataset with our names, and without dimensions that say nothing."""
+    if not hasattr(dataset, "data_vars"):
+        return dataset
+    found = _merged_versions(_of_wrf(dataset))
+    found = found.rename(_known(found.data_vars, _VARIABLES, found))
+    known = _known([*found.coords, *found.dims], _COORDINATES)
+    known |= {
+        name: "time" for name in map(str, found.dims) if re.fullmatch(r"time\d+", name.lower())
+    }
+    found = found.rename(known)
+    return _at_valid_times(found)
+
+
+def _known(names: Any, kinds: Mapping[str, str], dataset: Any = None) -> dict[str, str]:
+    """Our name of each of a dataset's, where nothing has it yet."""
+    found: dict[str, str] = {}
+    for given in map(str, names):
+        label = given.lower()
+        counted = _COUNTED.fullmatch(label)
+        label = counted.group(1) if counted else label
+        standard = "" if dataset is None else dataset[given].attrs.get("standard_name", "")
+        for ours, aliases in kinds.items():
+            if (label in aliases.split() or (standard and standard in aliases.split())) and (
+                ours not in found.values() and (given == ours or ours not in names)
+            ):
+                found[given] = ours
+                break
+    return {given: ours for given, ours in found.items() if given != ours}
+
+
+def _of_wrf(dataset: Any) -> Any:
+    """Coordinates of WRF's files of pressure levels, which it keeps as fields."""
+    fields = {name: dataset.variables.get(name) for name in ("XLAT", "XLONG", "P_PL")}
+    if any(field is None for field in fields.values()):
+        return dataset
+    latitude, longitude, pressure = (np.asarray(field, float) for field in fields.values())
+    latitude, longitude = (grid.reshape(-1, *grid.shape[-2:]) for grid in (latitude, longitude))
+    if max(np.ptp(latitude, axis=2).max(), np.ptp(longitude, axis=1).max()) > _EVEN:
+        raise ConfigurationError(
+            "winds: XLAT and XLONG are no grid of latitudes and longitudes; put the file on one, "
+            "such as by cdo remapbil"
+        )
+    levels = pressure.reshape(-1, pressure.shape[-1])[0]
+    places = {
+        "pressure": ("pressure", levels, {"units": "Pa"}),
+        "latitude": ("latitude", latitude[0, :, 0]),
+        "longitude": ("longitude", longitude[0, 0]),
+    }
+    found = dataset.drop_vars(list(fields)).rename(
+        {name: ours for name, ours in _OF_WRF.items() if name in dataset.dims}
+    )
+    found = found.assign_coords(places)
+    if "XTIME" in found.variables and "Time" in found.dims:
+        return found.assign_coords(Time=found["XTIME"].values).rename(Time="time")
+    return found
+
+
+def _merged_versions(dataset: Any) -> Any:
+    """One version of ERA5 where two share the times."""
+    if _VERSION not in dataset.dims:
+        return dataset
+    first, *others = (
+        dataset.isel({_VERSION: row}, drop=True) for row in range(dataset.sizes[_VERSION])
+    )
+    for other in others:
+        first = first.fillna(other)
+    return first
+
+
+def _at_valid_times(dataset: Any) -> Any:
+    """Times for which a forecast holds, and no dimension of one entry but those of the grid."""
+    found = dataset
+    valid = "valid_time"
+    single = [
+        name for name in found.dims if found.sizes[name] == 1
+        and name not in ("latitude", "longitude", "pressure", "altitude", "height", valid)
+        and not (name == "time" and "step" not in found.dims)
+    ]  # fmt: skip
+    found = found.squeeze(single, drop=False)
+    if valid in found.coords and valid not in found.dims and found[valid].ndim == 1:
+        own = str(found[valid].dims[0])
+        found = found.drop_vars("time", errors="ignore") if own != "time" else found
+        found = found.swap_dims({own: valid}).drop_vars(own, errors="ignore")
+        found = found.rename({valid: "time"})
+    return found.drop_vars([name for name in found.coords if not found[name].ndim], errors="ignore")

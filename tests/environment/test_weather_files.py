@@ -1,0 +1,186 @@
+"""Weather files in the layouts of those who make them, beside an independent interpolation."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.interpolate import RegularGridInterpolator
+
+import lightflyer as lf
+from lightflyer.environment import GriddedWind, Place
+from lightflyer.environment.wind.heights import GAS_CONSTANT, altitude_of
+
+START = np.datetime64("2026-06-21T00:00", "ns")
+TIMES = START + np.arange(4) * np.timedelta64(6, "h")
+HPA = np.array([1000.0, 500, 200, 100, 50, 20, 10, 5, 3, 2, 1])
+NORTH, EAST = np.arange(-90.0, 90.1, 2.5), np.arange(0.0, 360.0, 2.5)
+GRAVITY = 9.80665
+DIMS = ("time", "pressure", "latitude", "longitude")
+AXES = (np.arange(4.0), -np.log(100.0 * HPA), NORTH, EAST)
+
+
+def truth(time, log_level, north, east):
+    """Winds [m/s], temperature [K] and geopotential [m²/s²] of an air that is warm in the north."""
+    turned, level = np.radians(east), log_level + np.log(1e5)
+    tropics = np.cos(np.radians(north)) ** 2
+    temperature = 245.0 + 20.0 * np.sin(np.radians(north)) + 0.0 * (time + level + turned)
+    u = tropics * (10.0 + 8.0 * level + 5.0 * np.cos(turned) + time)
+    v = tropics * (6.0 * np.sin(turned) + level)
+    omega = -0.1 * np.exp(-level) * (1.0 + 0.0 * temperature)
+    return u, v, omega, temperature, GAS_CONSTANT * temperature * level + 1000.0
+
+
+def canonical():
+    fields = truth(*np.meshgrid(*AXES, indexing="ij"))
+    names = ("u", "v", "w", "t", "z")
+    units = ("m s**-1", "m s**-1", "Pa s**-1", "K", "m**2 s**-2")
+    return xr.Dataset(
+        {name: (DIMS, field, {"units": unit})
+         for name, field, unit in zip(names, fields, units, strict=True)},
+        coords={"time": TIMES, "pressure": ("pressure", HPA, {"units": "hPa"}),
+                "latitude": NORTH, "longitude": EAST},
+    )  # fmt: skip
+
+
+def as_height(data):
+    return (data.z / GRAVITY).assign_attrs(units="m")
+
+
+def era5(data):
+    """Of the present Climate Data Store: north first, two versions, each with its own times."""
+    data = data.rename(time="valid_time", pressure="pressure_level").isel(
+        latitude=slice(None, None, -1)
+    )
+    early, late = data.copy(deep=True), data.copy(deep=True)
+    early[{"valid_time": slice(2, None)}] = early.isel(valid_time=slice(2, None)) * np.nan
+    late[{"valid_time": slice(None, 2)}] = late.isel(valid_time=slice(None, 2)) * np.nan
+    both = xr.concat([early, late], "expver").assign_coords(expver=[1, 5])
+    return both.expand_dims(number=[0])
+
+
+def gfs(data):
+    """Of THREDDS: names in full, times and levels that are numbered, geopotential metres."""
+    names = {"u": "u-component_of_wind_isobaric", "v": "v-component_of_wind_isobaric",
+             "t": "Temperature_isobaric", "w": "Vertical_velocity_pressure_isobaric"}  # fmt: skip
+    data = data.assign(Geopotential_height_isobaric=as_height(data).assign_attrs(units="gpm"))
+    data["w"].attrs["units"] = "Pa/s"
+    levels = data.assign_coords(pressure=("pressure", 100.0 * HPA, {"units": "Pa"}))
+    levels = levels.isel(pressure=slice(None, None, -1)).drop_vars("z").rename(names)
+    return levels.rename(time="time1", pressure="isobaric3", latitude="lat", longitude="lon")
+
+
+def merra2(data):
+    """In capitals, from -180°, without values below mountains."""
+    data = data.assign_coords(longitude=(data.longitude + 180.0) % 360.0 - 180.0)
+    data = data.sortby("longitude").assign(H=as_height(data)).drop_vars("z")
+    for name in data.data_vars:
+        values = data[name].values.copy()
+        values[:, 0, 40, 20:60] = np.nan
+        data[name] = data[name].copy(data=values)
+    names = {"u": "U", "v": "V", "w": "OMEGA", "t": "T"}
+    return data.rename(names | {"pressure": "lev", "latitude": "lat", "longitude": "lon"})
+
+
+def icon(data):
+    """As cfgrib gives a forecast: one run, its steps, and the times at which they hold."""
+    data = data.rename(time="step", pressure="isobaricInhPa", z="fi").drop_vars("step")
+    steps = (TIMES - START).astype("timedelta64[ns]")
+    return data.assign_coords(
+        step=steps, time=START, valid_time=("step", TIMES), heightAboveGround=10.0
+    )
+
+
+def wrf(data):
+    """Of ``auxhist`` on pressure levels, its map that of latitudes and longitudes."""
+    dims = ("Time", "num_press_levels_stag", "south_north", "west_east")
+    fields = {"u": "U_PL", "v": "V_PL", "t": "T_PL"}
+    found = {ours: (dims, data[name].values, data[name].attrs) for name, ours in fields.items()}
+    found["GHT_PL"] = (dims, as_height(data).values, {"units": "m"})
+    found["P_PL"] = (dims[:2], np.tile(100.0 * HPA, (4, 1)), {"units": "Pa"})
+    north, east = np.meshgrid(NORTH, EAST, indexing="ij")
+    for name, grid in (("XLAT", north), ("XLONG", east)):
+        found[name] = ((dims[0], *dims[2:]), np.tile(grid, (4, 1, 1)))
+    return xr.Dataset(found, coords={"XTIME": ("Time", TIMES)})
+
+
+PLACES = np.radians([[42.0, 13.0], [-33.3, -71.4], [68.0, 181.0], [2.0, 359.0]])
+HEIGHTS = np.array([21e3, 30e3, 36e3, 42e3])
+MOMENTS = np.array([1.3, 0.4, 2.6, 2.0])
+
+
+def independent(index):
+    """Winds by SciPy, linear in pressure's logarithm, at the level whose height is wanted."""
+    north, east = np.degrees(PLACES[index])
+    table = [np.concatenate([field, field[..., :1]], axis=3)
+             for field in truth(*np.meshgrid(*AXES, indexing="ij"))]  # fmt: skip
+    levels = np.linspace(AXES[1][0], AXES[1][-1], 20_001)
+    at = np.stack(np.broadcast_arrays(MOMENTS[index], levels, north, east % 360.0), axis=-1)
+    axes = (*AXES[:3], np.append(EAST, 360.0))
+    table[2] *= -GAS_CONSTANT * table[3] / (np.exp(-AXES[1])[:, None, None] * GRAVITY)
+    u, v, up, _, geopotential = (RegularGridInterpolator(axes, field)(at) for field in table)
+    height = altitude_of(geopotential, PLACES[index, 0])
+    return [np.interp(HEIGHTS[index], height, part) for part in (u, v, up)]
+
+
+@pytest.mark.parametrize("layout", [era5, gfs, merra2, icon, wrf])
+def test_a_file_as_it_is_downloaded(tmp_path, layout):
+    path = tmp_path / "weather.nc"
+    layout(canonical()).to_netcdf(path, engine="h5netcdf")
+    wind = GriddedWind.from_file(path)
+    told = "geopotential" if layout in (era5, icon) else "heights"
+    assert f"altitudes of its levels by the {told} of the data" in wind.describe()[0]
+    since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
+    for index, (height, moment) in enumerate(zip(HEIGHTS, MOMENTS, strict=True)):
+        found = wind.velocity(height, Place(*PLACES[index], since + moment * 21600.0))
+        east, north, up = independent(index)
+        np.testing.assert_allclose([found.east, found.north], [east, north], atol=0.1)
+        if layout is not wrf:
+            assert found.up == pytest.approx(up, rel=1e-3)
+
+
+def test_levels_lie_by_the_temperature_where_there_is_no_geopotential():
+    data = canonical()
+    wind, sure = (GriddedWind(one) for one in (data.drop_vars("z"), data))
+    assert "by the temperature of the data" in wind.describe()[0]
+    where = Place(0.7, 0.2, 835_300_000.0)
+    there = [one.velocity(30e3, where).east for one in (wind, sure)]
+    assert there[0] == pytest.approx(there[1], abs=0.1)
+    alone = data.drop_vars(["z", "t", "w"])
+    assert "by the atmosphere" in GriddedWind(alone, lf.environment.US1976()).describe()[0]
+
+
+def test_several_files_are_one(tmp_path):
+    data = canonical()
+    for number in range(4):
+        path = tmp_path / f"day-{number}.nc"
+        data.isel(time=[number]).to_netcdf(path, engine="h5netcdf")
+    where = Place(0.7, 0.2, 835_300_000.0)
+    found = GriddedWind.from_file(tmp_path / "day-*.nc").velocity(30e3, where)
+    np.testing.assert_allclose(found, GriddedWind(data).velocity(30e3, where), rtol=1e-12)
+    with pytest.raises(lf.ConfigurationError, match="no file has such a name"):
+        GriddedWind.from_file(tmp_path / "week-*.nc")
+
+
+def test_altitude_of_a_geopotential():
+    """Beside the formulas of the World Geodetic System, integrated."""
+    for degrees in (0.0, 45.0, 80.0):
+        sine = np.sin(np.radians(degrees))
+        on_ground = 9.7803253359 * (1.0 + 1.931852652e-3 * sine**2)
+        on_ground /= np.sqrt(1.0 - 6.69437999e-3 * sine**2)
+        height, radius = np.linspace(0.0, 48e3, 4801), 6378137.0
+        linear = 1.0 + 1 / 298.257 + 0.00344978650684 - 2.0 / 298.257 * sine**2
+        gravity = on_ground * (1.0 - 2.0 * linear * height / radius + 3.0 * (height / radius) ** 2)
+        geopotential = np.trapezoid(gravity, height)
+        assert altitude_of(geopotential, np.radians(degrees)) == pytest.approx(48e3, abs=3.0)
+
+
+def test_files_that_are_not_usable_get_one_line(tmp_path):
+    (tmp_path / "era5.grib").write_bytes(b"GRIB")
+    try:
+        import cfgrib  # noqa: F401
+    except ImportError:
+        with pytest.raises(lf.LightflyerError, match=r"era5.grib: GRIB needs cfgrib: pip install"):
+            GriddedWind.from_file(tmp_path / "era5.grib")
+    bent = wrf(canonical())
+    bent["XLAT"] = bent.XLAT + 0.1 * bent.west_east
+    with pytest.raises(lf.ConfigurationError, match="no grid of latitudes and longitudes"):
+        GriddedWind(bent)

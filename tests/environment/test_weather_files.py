@@ -1,5 +1,6 @@
 """Weather files in the layouts of those who make them, beside an independent interpolation."""
 
+import jax
 import numpy as np
 import pytest
 import xarray as xr
@@ -184,3 +185,36 @@ def test_files_that_are_not_usable_get_one_line(tmp_path):
     bent["XLAT"] = bent.XLAT + 0.1 * bent.west_east
     with pytest.raises(lf.ConfigurationError, match="no grid of latitudes and longitudes"):
         GriddedWind(bent)
+
+
+def test_another_wind_takes_over_smoothly_beyond_the_data():
+    data = GriddedWind(canonical())
+    other = lf.environment.UniformWind(east=-60.0)
+    both = lf.environment.WindBeyondData(data, other)
+    top = data.reaches[1][1]
+    here = Place(0.7, 0.2, 835_300_000.0)
+    heights = top + np.array([-10e3, -2e3, -1e3, 0.0, 1.0, 30e3])
+    east = np.array([both.velocity(height, here).east for height in heights])
+    inner = np.array([data.velocity(height, here).east for height in heights[:3]])
+    expected = [*inner[:2], 0.5 * (inner[2] - 60.0), -60.0, -60.0, -60.0]
+    np.testing.assert_allclose(east, expected, atol=1e-9)
+    with lf.float64():
+        slope = jax.grad(lambda height: both.velocity(height, here).east)
+        assert [float(slope(top + above)) for above in (0.0, 1e3)] == [0.0, 0.0]
+        step = [both.velocity(top - 1e3 + way, here).east for way in (-1.0, 1.0)]
+        assert float(slope(top - 1e3)) == pytest.approx(np.diff(step)[0] / 2.0, rel=1e-5)
+    later = here._replace(time=here.time + 1e7)
+    assert both.velocity(30e3, later).east == -60.0
+    assert both.describe()[1] == "wind beyond the data: -60 m/s east, everywhere"
+
+
+def test_the_other_wind_need_not_reach_where_the_data_do():
+    atmosphere = lf.environment.GlobalNRLMSIS(f107=150.0, ap=4.0)
+    gradient = lf.environment.GradientWind(atmosphere)
+    both = lf.environment.WindBeyondData(GriddedWind(canonical()), gradient)
+    equator = Place(0.0, 0.2, 835_300_000.0)
+    assert np.isfinite(both.velocity(30e3, equator).east)
+    with pytest.raises(lf.ParameterError, match="within 15° of the equator"):
+        both.velocity(70e3, equator)
+    north = equator._replace(latitude=0.8)
+    np.testing.assert_allclose(both.velocity(70e3, north), gradient.velocity(70e3, north))

@@ -44,6 +44,7 @@ from .radiation import Radiation as Radiation
 from .radiation import sunlight as sunlight
 from .section import EnvironmentSection as EnvironmentSection
 from .wind.base import AbstractWind as AbstractWind
+from .wind.beyond import WindBeyondData as WindBeyondData
 from .wind.gradient import GradientWind as GradientWind
 from .wind.gridded import GriddedWind as GriddedWind
 from .wind.hwm14 import HWM14 as HWM14

@@ -16,6 +16,7 @@ from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.global_nrlmsis import GlobalNRLMSIS
 from lightflyer.environment.atmosphere.nrlmsis import Indices
 from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.environment.wind.beyond import WindBeyondData
 from lightflyer.environment.wind.dataset import WindGrid, read_grid
 from lightflyer.environment.wind.gradient import GradientWind
 from lightflyer.environment.wind.gridded import GriddedWind
@@ -112,6 +113,7 @@ class DataWindSection(WindSection):
 
     kind: Literal["data"]
     file: str
+    beyond: Literal["gradient"] | None = None
 
     @pydantic.field_validator("file")
     @classmethod
@@ -123,9 +125,21 @@ class DataWindSection(WindSection):
     def build_horizontal(
         self,
         atmosphere: AbstractAtmosphere,
-        indices: Indices | None,  # noqa: ARG002
+        indices: Indices | None,
     ) -> AbstractWind:
-        return GriddedWind(_grid(self.file), atmosphere)
+        data = GriddedWind(_grid(self.file), atmosphere)
+        if self.beyond is None:
+            return data
+        self.require(indices)
+        assert indices is not None
+        return WindBeyondData(data, GradientWind(GlobalNRLMSIS(**indices._asdict())))
+
+    def require(self, indices: Indices | None) -> None:
+        if self.beyond is not None and indices is None:
+            raise ConfigurationError(
+                'wind.beyond = "gradient" is the wind of NRLMSIS: it needs an atmosphere with f107 '
+                "and ap"
+            )
 
 
 class Hwm14WindSection(WindSection):

@@ -1,0 +1,70 @@
+"""Wind from data where they reach, and from another wind above, below and beside them."""
+
+from functools import reduce
+
+import jax.numpy as jnp
+
+from lightflyer.core.quantity import Altitude, require_record
+from lightflyer.core.types import Numeric
+from lightflyer.environment.base import Place, Wind
+from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.environment.wind.gridded import GriddedWind
+from lightflyer.program.entry_point import entry_point
+
+
+class WindBeyondData(AbstractWind):
+    """Wind from data, which another one takes over from smoothly where they end.
+
+    Within the last two kilometres, degree or hour of the data the other wind gains weight, up to
+    all of it at their end.
+
+    Parameters
+    ----------
+    data : GriddedWind
+    beyond : AbstractWind
+        Such as a :class:`GradientWind`. It need not reach where the data do.
+
+    Notes
+    -----
+    Once continuously differentiable where both winds are.
+    """
+
+    data: GriddedWind
+    beyond: AbstractWind
+
+    def __init__(self, data: GriddedWind, beyond: AbstractWind):
+        require_record("data", (GriddedWind,), data)
+        require_record("beyond", (AbstractWind,), beyond)
+        self.data, self.beyond = data, beyond
+
+    def velocity(self, altitude: Altitude, place: Place) -> Wind:
+        return self._require_margins(altitude, place, _velocity(self, altitude, place))
+
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
+        within = _within(self.data, altitude, place) - 1.0
+        found = self.beyond.margins(altitude, place)
+        return {name: jnp.maximum(margin, within) for name, margin in found.items()}
+
+    def describe(self) -> tuple[str, ...]:
+        beyond = (text.removeprefix("wind: ") for text in self.beyond.describe())
+        return (*self.data.describe(), *(f"wind beyond the data: {text}" for text in beyond))
+
+
+@entry_point
+def _within(data: GriddedWind, altitude: Altitude, place: Place) -> Numeric:
+    """How far the nearest end of the data is, in the units of margins."""
+    return reduce(jnp.minimum, data.margins(altitude, place).values())
+
+
+@entry_point
+def _velocity(wind: WindBeyondData, altitude: Altitude, place: Place) -> Wind:
+    share = jnp.clip(_within(wind.data, altitude, place), 0.0, 1.0)
+    weight = share**2 * (3.0 - 2.0 * share)
+    inner = wind.data.velocity(altitude, place)
+    outer = wind.beyond.velocity(altitude, place)
+    parts = (
+        weight * jnp.where(weight > 0.0, here, 0.0)  # NaN where a wind does not reach
+        + (1.0 - weight) * jnp.where(weight < 1.0, there, 0.0)
+        for here, there in zip(inner, outer, strict=True)
+    )
+    return Wind(*parts)

@@ -15,6 +15,7 @@ from lightflyer.mission.path.single import Way
 from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
 from lightflyer.mission.report import events
 from lightflyer.mission.report.figures import coastline
+from lightflyer.mission.report.kml import pieces_of
 from lightflyer.mission.report.summary import day_and_night
 
 
@@ -102,6 +103,19 @@ def test_day_and_night_change_where_half_of_the_light_is_left():
     np.testing.assert_allclose([end for _, end, _ in spans], [1300.0, 2300.0, 3600.0], atol=0.1)
     elapsed, altitude, temperature = events.at_event(found, events.Event.HIGHEST)
     assert (elapsed, altitude, temperature) == pytest.approx((3600.0, 73.6e3, 3900.0))
+
+
+def test_lines_of_a_globe_end_at_the_date_line_and_begin_beyond_it():
+    line = np.array(
+        [[170.0, 10.0, 7e4], [178.0, 11.0, 7e4], [-176.0, 14.0, 6e4], [179.0, 14.0, 6e4]]
+    )
+    first, second, third = pieces_of(line)
+    np.testing.assert_allclose(first, [*line[:2], [180.0, 12.0, 7e4 - 1e4 / 3.0]])
+    np.testing.assert_allclose(second[0], [-180.0, 12.0, 7e4 - 1e4 / 3.0])
+    np.testing.assert_allclose(second[1:], [line[2], [-180.0, 14.0, 6e4]])
+    np.testing.assert_allclose(third, [[180.0, 14.0, 6e4], line[3]])
+    (whole,) = pieces_of(line[:2])
+    np.testing.assert_array_equal(whole, line[:2])
 
 
 def test_coastlines_keep_to_the_world_and_do_not_cross_it():

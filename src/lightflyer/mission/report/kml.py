@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _KML, _EXTENSION = "http://www.opengis.net/kml/2.2", "http://www.google.com/kml/ext/2.2"
+_HALF_A_TURN = 180.0  # degrees
 _MOST_MEMBERS = 200  # Members of an ensemble that are drawn: a globe does not bear more lines
 
 
@@ -46,10 +47,30 @@ def _lines(document: ET.Element, dataset: "xr.Dataset", prefix: str, dimension: 
     folder = _add(document, "Folder")
     _add(folder, "name", f"{dimension}s, at most {_MOST_MEMBERS}")
     for number, line in enumerate(_places(dataset, prefix)[:_MOST_MEMBERS], start=1):
-        string = _add(_placemark(folder, f"{dimension} {number}"), "LineString")
-        _add(string, "altitudeMode", "absolute")
-        known = line[np.isfinite(line).all(axis=1)]
-        _add(string, "coordinates", " ".join(",".join(_coordinates_text(place)) for place in known))
+        pieces = _add(_placemark(folder, f"{dimension} {number}"), "MultiGeometry")
+        for piece in pieces_of(line[np.isfinite(line).all(axis=1)]):
+            string = _add(pieces, "LineString")
+            _add(string, "altitudeMode", "absolute")
+            text = " ".join(",".join(_coordinates_text(place)) for place in piece)
+            _add(string, "coordinates", text)
+
+
+def pieces_of(line: np.ndarray) -> list[np.ndarray]:
+    """Parts of a line between its passes over the date line, where each ends and begins anew."""
+    found, begin = [], line[:0]
+    rest = line
+    for place in np.flatnonzero(np.abs(np.diff(line[:, 0])) > _HALF_A_TURN) + 1:
+        here, there = line[place - 1], line[place]
+        side = np.copysign(_HALF_A_TURN, here[0])
+        beyond = there + np.array(
+            [2.0 * side, 0.0, 0.0]
+        )  # the same place, as the line goes on to it
+        share = (side - here[0]) / (beyond[0] - here[0])
+        edge = here + share * (beyond - here)
+        done = line.shape[0] - rest.shape[0]
+        found.append(np.concatenate([begin, line[done:place], [edge]]))
+        begin, rest = np.array([[-side, *edge[1:]]]), line[place:]
+    return [*found, np.concatenate([begin, rest])]
 
 
 def _places(dataset: "xr.Dataset", prefix: str) -> np.ndarray:

@@ -292,6 +292,7 @@ def test_options_are_written_with_blanks(run, folder, monkeypatch):
     for line, message in (
         (("predict", "flyer.toml", "--at", ""), "names no altitude"),
         (("predict", "flyer.toml", "--at", "70 km;80 km"), "is not a unit"),
+        (("predict", "flyer.toml", "--at", "70 km,-5 km"), "--at: -5 km must be between 0 and"),
         (("compare", "flyer.toml", "flyer.toml", "--altitudes", "80 km to 50 km"), "is no range"),
         (("calibrate", "points.csv", "--free", ""), "no parameters to fit"),
         (("calibrate", "points.csv", "--free", "emittance[Ge 9 cm]"), "has no sample"),

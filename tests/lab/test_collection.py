@@ -39,5 +39,7 @@ def test_a_damaged_record_is_named(tmp_path, content):
 def test_a_folder_without_records(tmp_path):
     with pytest.raises(lf.ConfigurationError, match="has no record of the lab bench"):
         collect_records([tmp_path])
+    with pytest.raises(lf.ConfigurationError, match="folders must be paths"):
+        collect_records([3])
     with pytest.raises(lf.ConfigurationError, match="is not a folder"):
         collect_records([tmp_path / "none"])

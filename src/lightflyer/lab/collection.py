@@ -41,7 +41,11 @@ def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Entry]:
         If a folder does not exist or has no record, or a record is damaged.
     """
     found: list[Entry] = []
-    for folder in map(Path, [folders] if isinstance(folders, str | Path) else folders):
+    if isinstance(folders, str | Path):
+        folders = [folders]
+    if not all(isinstance(folder, str | Path) for folder in folders):
+        raise ConfigurationError("folders must be paths")
+    for folder in map(Path, folders):
         if not folder.is_dir():
             raise ConfigurationError(f"{folder}: is not a folder")
         records = sorted(

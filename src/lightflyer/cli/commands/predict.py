@@ -118,14 +118,15 @@ def _load_in_background() -> threading.Thread:
 
 def _parse_coordinates(at: str | None, where: "Coordinate") -> list[float] | None:
     """The coordinates of ``--at`` in SI units."""
-    from lightflyer.core.units import parse
-
     if at is None:
         return None
-    try:
-        points = [parse(part.strip(), where.unit).value for part in at.split(",") if part.strip()]
-    except ConfigurationError as error:
-        raise ConfigurationError(f"--at: {error}") from None
+    points = []
+    for part in filter(None, map(str.strip, at.split(","))):
+        try:
+            points.append(where.quantity.read(part).value)
+        except ConfigurationError as error:
+            said = "" if part in str(error) else f"{part} "
+            raise ConfigurationError(f"--at: {said}{error}") from None
     if not points:
         raise ConfigurationError(f'--at "{at}" names no {where.name}')
     return points

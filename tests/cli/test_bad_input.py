@@ -195,7 +195,7 @@ COMMANDS = [
     ("predict flyer.toml --at 70", "--at: .* has no unit"),
     ("predict flyer.toml --at 70kg", "of the wrong kind"),
     ("predict flyer.toml --at 3Pa", "of the wrong kind"),
-    ("predict flyer.toml --at 2000km", "is not between"),
+    ("predict flyer.toml --at 2000km", "--at: 2000km must be between"),
     ("predict flyer.toml --samples -3", "--samples. Must be >= 0"),
     ("predict flyer.toml --samples 1000000000", "--samples. Must be <= 1000000"),
     ("predict flyer.toml --samples many", '"many" is not a whole number'),

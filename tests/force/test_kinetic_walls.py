@@ -16,7 +16,7 @@ from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic import scattering
 from lightflyer.force.kinetic import walls as kinetic_walls
 from lightflyer.force.kinetic.walls import wall_fit
-from lightflyer.force.laws import faces as laws
+from lightflyer.kinetic_theory.walls import normal_accommodation
 from lightflyer.prediction.prediction import Prediction
 
 COLD, EXCESS = 205.0, 1.34
@@ -60,7 +60,7 @@ def scattered(rng, normal, tangential):
 def test_law_of_cercignani_and_lampis_is_what_their_wall_does(rng):
     """Momentum and energy of molecules that a wall scatters, one by one."""
     tac, tangential = 0.8, 0.7
-    normal = float(laws.normal_accommodation(tac, tangential))
+    normal = float(normal_accommodation(tac, tangential))
     leaving, sideways = scattered(rng, normal, tangential)
     # momentum over that of as many molecules at temperature 1, less 1
     recoil = leaving.mean() / (0.5 * np.sqrt(np.pi)) - 1.0

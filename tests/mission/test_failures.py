@@ -1,10 +1,13 @@
 """Flights end where their flyer fails: its film too hot, or torn."""
 
+from itertools import chain, repeat
+
 import numpy as np
 import pytest
 
 import lightflyer as lf
 from lightflyer.core import progress
+from lightflyer.mission import fleet
 from lightflyer.mission.path import single
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.summary import summarise
@@ -87,6 +90,14 @@ def test_an_interrupted_flight_keeps_what_was_flown(monkeypatch):
     assert flown.attrs["end"] == "was interrupted"
     assert 0.0 < float(flown.end_elapsed) < 3.0 * 3600.0
     assert np.isfinite(flown.altitude.values).sum() > 1
+
+
+def test_an_interrupted_ensemble_says_how_many_were_flown(monkeypatch):
+    asked = chain([False], repeat(True))
+    monkeypatch.setattr(fleet, "asked_to_end", lambda: next(asked))
+    flown = fly(disk(limit=None), ensemble=lf.mission.Ensemble(members=3))
+    assert flown.sizes["member"] == 1
+    assert "interrupted: 1 of 3 further flights were flown" in flown.attrs["warnings"]
 
 
 def test_only_work_that_listens_is_asked_to_end():

@@ -20,9 +20,9 @@ import lightflyer
 from lightflyer.cli.progress import Display, show_progress
 from lightflyer.cli.report import note_warning, write_report
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
-from lightflyer.core.progress import EXIT_INTERRUPTED
 
 EXIT_FAILURE = 2
+EXIT_INTERRUPTED = 130
 
 _READS = {
     *("predict", "fly", "film", "compare", "sweep", "optimise", "sensitivity", "calibrate"),

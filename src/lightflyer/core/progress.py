@@ -7,12 +7,9 @@ them; from Python nobody does unless :func:`report_to` is used.
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Event
 from typing import NamedTuple
 
-EXIT_INTERRUPTED = 130  # what a process returns that Ctrl-C ended
-
-_listening, _asked = Event(), Event()
+_listening, _asked = threading.Event(), threading.Event()
 
 
 class Step(NamedTuple):

@@ -16,7 +16,6 @@ from lightflyer.kinetic_theory.walls import (
     CERCIGNANI_LAMPIS,
     WALLS,
     Accommodation,
-    require_wall,
     walls_of,
 )
 
@@ -297,10 +296,10 @@ def _case(
         require_range("boundary", boundary, SMALLEST_BOUNDARY)
         _require_resolved(knudsen, boundary)
     model = gas_model(gas)
-    if temperature_ratio is not None and wall == CERCIGNANI_LAMPIS:
-        require_wall(wall)
-    known, scattering = walls_of(wall, tac, tangential, rotational, model.has_rotation)
     linear = temperature_ratio is None
+    known, scattering = walls_of(
+        wall, tac, tangential, rotational, rotates=model.has_rotation, linear=linear
+    )
     if temperature_ratio is None:
         require_range("top_temperature", perturbation[0])
         require_range("bottom_temperature", perturbation[1])

@@ -1,6 +1,6 @@
 """What becomes of a molecule that meets a face: the walls that the solver knows."""
 
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -23,13 +23,14 @@ WALLS: dict[str, str] = {
 
 def require_wall(wall: str) -> Wall:
     """Raise unless a wall is known to every part of the solver."""
-    if wall == "maxwell" or wall == "accommodated":
-        return "maxwell" if wall == "maxwell" else "accommodated"
+    for known in get_args(Wall):
+        if wall == known:
+            return known
     if wall == CERCIGNANI_LAMPIS:
         raise ParameterError(
             f'wall = "{wall}" is for the linear problem in open space and reservoirs'
         )
-    raise ParameterError(f'wall = "{wall}" is not maxwell, accommodated or {CERCIGNANI_LAMPIS}')
+    raise ParameterError(f'wall = "{wall}" is not {", ".join(WALLS)}')
 
 
 class Accommodation(NamedTuple):
@@ -40,22 +41,40 @@ class Accommodation(NamedTuple):
     rotational: float  # That of rotational energy [1]
 
 
+def normal_accommodation(tac: Any, tangential: Any, rotational: Any = None) -> Any:
+    r"""Accommodation of the energy of normal motion at a wall of Cercignani and Lampis [1]."""
+    # .. math:: \alpha_n = 2\alpha - \sigma_t(2-\sigma_t) + (\alpha - \alpha_r)
+    #
+    # The wall turns a Maxwellian of the gas's temperature :math:`T_c` that arrives into one with
+    # :math:`T_c + \alpha_n\theta T_c` for the normal and :math:`T_c + \sigma_t(2-\sigma_t)\theta
+    # T_c` for the tangential velocity. Normal and tangential motion and the rotation of diatomic
+    # molecules carry as much energy to it each; rotation is taken to accommodate as the whole does
+    # where it is not given.
+    #
+    # Source: [CercignaniLampis1971]_, [Lord1991]_ with rotation.
+    normal = 2.0 * tac - tangential * (2.0 - tangential)
+    return normal if rotational is None else normal + tac - rotational
+
+
 def walls_of(
     wall: str,
     tacs: tuple[float, float],
     tangential: float | tuple[float, float] | None,
     rotational: float | tuple[float, float] | None,
+    *,
     rotates: bool,
+    linear: bool,
 ) -> tuple[Wall, tuple[Accommodation, Accommodation] | None]:
-    """Walls of the linear problem, and both faces where they are of Cercignani and Lampis."""
-    if wall == CERCIGNANI_LAMPIS:
+    """Walls, and both faces where they are of Cercignani and Lampis."""
+    if wall == CERCIGNANI_LAMPIS and linear:
         return "accommodated", _accommodations(tacs, tangential, rotational, rotates)
+    known = require_wall(wall)
     if tangential is not None or rotational is not None:
         raise ParameterError(
             "tangential_accommodation and rotational_accommodation belong to "
-            f'wall = "{CERCIGNANI_LAMPIS}" in the linear problem'
+            f'wall = "{CERCIGNANI_LAMPIS}"'
         )
-    return require_wall(wall), None
+    return known, None
 
 
 def _accommodations(
@@ -78,8 +97,7 @@ def _accommodations(
             raise ParameterError('rotational_accommodation belongs to gas = "diatomic"')
         momentum = 1.0 - np.sqrt(1.0 - tac) if along is None else along
         rotation = tac if turning is None else turning
-        # normal and tangential motion and rotation carry as much energy to a wall each
-        normal = 2.0 * tac - momentum * (2.0 - momentum) + (tac - rotation if rotates else 0.0)
+        normal = normal_accommodation(tac, momentum, rotation if rotates else None)
         if not -1e-9 <= normal <= 1.0 + 1e-9:
             raise ParameterError(
                 f"no wall has tac_{face} = {tac:g} with tangential_accommodation = {momentum:.4g}"

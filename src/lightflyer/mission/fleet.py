@@ -187,8 +187,8 @@ def fly_all(
 ) -> Track:
     """Trajectories of flights; ``elapsed``: times to keep, shape (times,)."""
     # Fewer than there are flights where a user asks for an early end. ``first``: that of the first
-    # flight, where it is known. Few are followed one by one, more are
-    # compiled and integrated together.
+    # flight, where it is known. Few are followed one by one, more are compiled and integrated
+    # together.
     count, known = flights.count, [] if first is None else [first]
     if count - len(known) <= FEW:
         rows = range(len(known), count)

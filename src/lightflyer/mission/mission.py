@@ -149,10 +149,13 @@ def fly(
     closely = close_look(mission.craft, way, float(release.time))
     dataset = _fly(mission, plan, first)
     add_events(dataset, events_of(mission.craft, way, *closely))
-    told = (*mission.design.warnings, *diagnose_flight(mission.craft, *closely))
+    told = [*mission.design.warnings, *diagnose_flight(mission.craft, *closely)]
+    flown = len(tracks.end_altitude)
+    whole = flown == flights.count  # unless a user ended it early
+    if not whole:
+        told.append(f"interrupted: {flown - 1} of {flights.count - 1} further flights were flown")
     dataset.attrs["warnings"] = "; ".join(dict.fromkeys(told))
-    whole = len(tracks.end_altitude) == flights.count  # unless a user ended it early
-    if ensemble is not None and len(tracks.end_altitude) > 1:
+    if ensemble is not None and flown > 1:
         members = Several("ensemble_", "member", {}, _rows(tracks, slice(1, 1 + ensemble.members)))
         add_several(dataset, members)
         add_survival(dataset, members)

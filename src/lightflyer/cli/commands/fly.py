@@ -1,14 +1,12 @@
 """``lightflyer fly``: a mission through days, nights and winds."""
 
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, show
-from lightflyer.core.progress import EXIT_INTERRUPTED
 
 
 def fly_command(
@@ -71,4 +69,4 @@ def fly_command(
         show(console, mission_parts(dataset))
         figures.tell(console, written, "add --out FOLDER to write figures and data")
     if interrupted:
-        sys.exit(EXIT_INTERRUPTED)
+        raise KeyboardInterrupt

@@ -78,9 +78,9 @@ class Kinetic(AbstractForceModel):
         walls is what collisions change in them beside Maxwell's, which have none.
     tangential_accommodation : array or None
         Accommodation coefficient of tangential momentum, of both faces, for Cercignani–Lampis walls
-        [1]. The normal motion then accommodates so much that the TACs are those of the energy,
-        :func:`~lightflyer.force.laws.faces.normal_accommodation`. Without it tangential energy
-        accommodates as the TACs say. What each kind of accommodation pushes is solved
+        [1]. The normal motion then accommodates so much that the TACs are those of the energy
+        (:func:`~lightflyer.kinetic_theory.walls.normal_accommodation`). Without it tangential
+        energy accommodates as the TACs say. What each kind of accommodation pushes is solved
         (:mod:`lightflyer.force.kinetic.scattering`).
     rotational_accommodation : array or None
         That of rotational energy of a diatomic gas, likewise.

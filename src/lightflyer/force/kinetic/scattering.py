@@ -20,7 +20,7 @@ from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
-from lightflyer.force.laws.faces import normal_accommodation
+from lightflyer.kinetic_theory.walls import normal_accommodation
 from lightflyer.numerics.polynomials import least_squares, place_between, polynomial
 
 _KINDS = ("normal", "tangential", "rotational")

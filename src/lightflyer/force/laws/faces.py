@@ -59,24 +59,6 @@ def maxwell_force(
     return 0.5 * pressure * area * tac_difference * growth
 
 
-def normal_accommodation(
-    tac: Numeric, tangential: Numeric, rotational: Numeric | None = None
-) -> Array:
-    r"""Accommodation of the energy of normal motion at a wall of Cercignani and Lampis [1]."""
-    # .. math:: \alpha_n = 2\alpha - \sigma_t(2-\sigma_t) + (\alpha - \alpha_r)
-    #
-    # The wall turns a Maxwellian of the gas's temperature :math:`T_c` that arrives into one with
-    # :math:`T_c + \alpha_n\theta T_c` for the normal and :math:`T_c + \sigma_t(2-\sigma_t)\theta
-    # T_c` for the tangential velocity. Normal and tangential motion and the rotation of diatomic
-    # molecules carry as much energy to it each; rotation is taken to accommodate as the whole does
-    # where it is not given. Its free-molecular force is :func:`accommodated_force` with
-    # :math:`\alpha_n`.
-    #
-    # Source: [CercignaniLampis1971]_, [Lord1991]_ with rotation.
-    normal = 2.0 * tac - tangential * (2.0 - tangential)
-    return jnp.asarray(normal if rotational is None else normal + tac - rotational)
-
-
 def in_series(first: Array, second: Array) -> Array:
     """Two conductances in series: zero where either is."""
     return first * second / (first + second)

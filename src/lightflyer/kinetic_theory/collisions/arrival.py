@@ -17,30 +17,21 @@ from lightflyer.kinetic_theory.grid.interpolation import (
     nodes_in_eta,
 )
 from lightflyer.kinetic_theory.grid.kernels import kernel, parallel_kernel
-from lightflyer.kinetic_theory.grid.rays import MOST_CUTS, REACH, SHORTEST, spheroidal, trace_ray
+from lightflyer.kinetic_theory.grid.rays import (
+    MOST_CUTS,
+    REACH,
+    SHORTEST,
+    integrals,
+    spheroidal,
+    trace_ray,
+)
 from lightflyer.kinetic_theory.grid.speed_integrals import LARGEST_DEPTH
 
 FLUXES = 4
 """Fluxes of arriving molecules at a face: number, normal momentum, energy, rotational energy."""
 
 _TINY = 1e-30
-_SHORTENED = 0.999999  # keeps the largest depth inside the table
 _WHOLE = 4.0 * np.pi**-0.5  # all directions, by NORMALISATION and weights of half of them
-
-
-@kernel
-def integrals(depth, table, scale, first, values):
-    """Fill J_p, then I_p, from one of these on."""
-    if depth >= _SHORTENED * LARGEST_DEPTH:
-        values[:] = 0.0
-        return
-    position = np.sqrt(depth) * scale
-    cell = int(position)
-    t = (position - cell) / scale
-    row = table[cell]
-    for p in range(values.size):
-        k = first + p
-        values[p] = ((row[0, k] * t + row[1, k]) * t + row[2, k]) * t + row[3, k]
 
 
 @kernel

@@ -45,12 +45,8 @@ class Mode:
         r"""Normal momentum, :math:`\langle c_n\varphi\rangle`."""
         if self.harmonic or self.radial:
             return 0.0
-        return float(0.5 * np.sqrt(np.pi) * momentum_share(self.normal))
-
-
-def momentum_share(degree: int | np.ndarray) -> np.ndarray:
-    r""":math:`(-\frac12)_m/m!`, the share of a normal mode in the momentum of molecules at rest."""
-    return np.asarray(poch(-0.5, degree) / np.exp(gammaln(np.asarray(degree) + 1.0)))
+        share = poch(-0.5, self.normal) / np.exp(gammaln(self.normal + 1.0))
+        return float(0.5 * np.sqrt(np.pi) * share)
 
 
 def _laguerre(degree: int, order: int) -> np.ndarray:

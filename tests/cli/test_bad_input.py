@@ -195,7 +195,7 @@ COMMANDS = [
     ("predict flyer.toml --at 70", "--at: .* has no unit"),
     ("predict flyer.toml --at 70kg", "of the wrong kind"),
     ("predict flyer.toml --at 3Pa", "of the wrong kind"),
-    ("predict flyer.toml --at 2000km", "--at: 2000km must be between"),
+    ("predict flyer.toml --at 2000km", "--at: altitude 2000km must be between"),
     ("predict flyer.toml --samples -3", "--samples. Must be >= 0"),
     ("predict flyer.toml --samples 1000000000", "--samples. Must be <= 1000000"),
     ("predict flyer.toml --samples many", '"many" is not a whole number'),
@@ -292,7 +292,7 @@ def test_options_are_written_with_blanks(run, folder, monkeypatch):
     for line, message in (
         (("predict", "flyer.toml", "--at", ""), "names no altitude"),
         (("predict", "flyer.toml", "--at", "70 km;80 km"), "is not a unit"),
-        (("predict", "flyer.toml", "--at", "70 km,-5 km"), "--at: -5 km must be between 0 and"),
+        (("predict", "flyer.toml", "--at", "70 km,-5 km"), "--at: altitude -5 km must be between"),
         (("compare", "flyer.toml", "flyer.toml", "--altitudes", "80 km to 50 km"), "is no range"),
         (("calibrate", "points.csv", "--free", ""), "no parameters to fit"),
         (("calibrate", "points.csv", "--free", "emittance[Ge 9 cm]"), "has no sample"),

@@ -125,7 +125,7 @@ def _parse_coordinates(at: str | None, where: "Coordinate") -> list[float] | Non
         try:
             points.append(where.quantity.read(part).value)
         except ConfigurationError as error:
-            said = "" if part in str(error) else f"{part} "
+            said = "" if part in str(error) else f"{where.name} {part} "
             raise ConfigurationError(f"--at: {said}{error}") from None
     if not points:
         raise ConfigurationError(f'--at "{at}" names no {where.name}')

@@ -95,7 +95,9 @@ class Display:
     def _tell(self) -> None:
         pause = _FIRST
         while not self._over.wait(pause):
-            print(f"lightflyer: {self._line()}", file=sys.stderr, flush=True)  # noqa: T201
+            with self._lock:  # no line begins once results may be printed
+                if not self._over.is_set():
+                    print(f"lightflyer: {self._line()}", file=sys.stderr, flush=True)  # noqa: T201
             pause = _EVERY
 
     def _line(self) -> str:

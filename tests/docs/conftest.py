@@ -5,16 +5,15 @@ from pathlib import Path
 
 import pytest
 
-EXTENSIONS = Path(__file__).parents[2] / "docs" / "_extensions"
+DOCS = Path(__file__).parents[2] / "docs"
+EXTENSIONS = DOCS / "_extensions"
 if str(EXTENSIONS) not in sys.path:
     sys.path.insert(0, str(EXTENSIONS))
 
 
 @pytest.fixture(scope="session")
-def calculator_files(tmp_path_factory):
+def calculator_files():
     """Folder with the scripts and the style that the calculator's page loads."""
-    from calculator import write
+    from calculator import written
 
-    folder = tmp_path_factory.mktemp("calculator")
-    write(folder)
-    return folder
+    return written(DOCS / "_build" / ".doctrees")  # where the build of the pages keeps it

@@ -4,7 +4,6 @@ import dataclasses
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -166,7 +165,7 @@ def test_the_longest_night_is_that_of_a_descent(tmp_path):
     assert balloon.verdict.longest_night is None  # its band begins below the search
 
 
-def test_the_verdict_of_sweeps_has_derivatives(tmp_path):
+def test_the_verdict_of_sweeps_has_derivatives(tmp_path, by_numpy):
     """By central differences of predictions."""
     setup = setup_of("earth", tmp_path)
 
@@ -179,7 +178,7 @@ def test_the_verdict_of_sweeps_has_derivatives(tmp_path):
         return found["usable_payload"] * 1e6, found["rest_temperature"]
 
     with float64():
-        slopes = jax.jacfwd(outputs)(jnp.asarray(0.75))
+        slopes = by_numpy(jax.jacfwd(outputs))(0.75)
     step = 1e-3
     ends = [lf.predict(with_absorptance(0.75 + sign * step)).verdict for sign in (1.0, -1.0)]
     payload = [1e6 * end.best.values["payload"] for end in ends]

@@ -7,6 +7,7 @@ shown. The directive ``calculator`` puts it on a page.
 
 from __future__ import annotations
 
+import hashlib
 import re
 import shutil
 from pathlib import Path
@@ -34,18 +35,36 @@ class Calculator(Directive):
         return [nodes.raw("", html(*self.arguments), format="html")]
 
 
-def write(folder: Path) -> None:
-    """Write the scripts and the style that the page needs.
+def written(where: Path) -> Path:
+    """Folder with the scripts and the style that the page needs.
 
     Parameters
     ----------
-    folder : Path
-        Made if need be.
+    where : Path
+        Folder in which it is kept until what it is made from changes: tracing takes a minute.
     """
+    from filelock import FileLock
+
+    from lightflyer.program.kept import sources
+
+    own = b"".join(path.read_bytes() for path in sorted(_HERE.iterdir()) if path.is_file())
+    folder = where / f"calculator-{hashlib.sha256(sources() + own).hexdigest()[:16]}"
+    where.mkdir(parents=True, exist_ok=True)
+    with FileLock(where / "calculator.lock"):
+        if not folder.exists():
+            for stale in where.glob("calculator-*"):
+                shutil.rmtree(stale)
+            stage = folder.with_suffix(".new")
+            stage.mkdir()
+            _write(stage)
+            stage.rename(folder)
+    return folder
+
+
+def _write(folder: Path) -> None:
     from .kinds import KINDS
     from .model import compile_all
 
-    folder.mkdir(parents=True, exist_ok=True)
     for kind in KINDS:
         (folder / _MODEL.format(kind.name)).write_text(compile_all(kind), encoding="utf-8")
     for source, target in _COPIED.items():
@@ -55,9 +74,7 @@ def write(folder: Path) -> None:
 
 def _prepare(app: Sphinx) -> None:
     if app.builder.format == "html":
-        folder = Path(app.doctreedir) / "calculator"
-        write(folder)
-        app.config.html_static_path.append(str(folder))
+        app.config.html_static_path.append(str(written(Path(app.doctreedir))))
 
 
 def _load(app: Sphinx, _page: str, _template: str, context: dict[str, Any], _tree: Any) -> None:

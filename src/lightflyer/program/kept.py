@@ -98,7 +98,7 @@ def _key(function: Callable[..., Any], form: Any) -> str | None:
     if not _is_all_code(function) or {name.split(".")[0] for name in modules} - _KNOWN:
         return None
     name = f"{function.__module__}.{function.__qualname__}".encode()
-    return hashlib.sha256(name + description + _sources()).hexdigest()
+    return hashlib.sha256(name + description + sources()).hexdigest()
 
 
 def _is_all_code(function: Any) -> bool:
@@ -120,8 +120,8 @@ def _modules(description: bytes) -> Iterator[str]:
 
 
 @cache
-def _sources() -> bytes:
-    """Hash of this package, on which the same description depends beside itself."""
+def sources() -> bytes:
+    """Hash of this package, on which whatever is made from it depends."""
     found = hashlib.sha256()
     for path in sorted(_PACKAGE.rglob("*")):
         if path.suffix in _SOURCES:

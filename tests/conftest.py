@@ -59,18 +59,20 @@ def rng():
     return np.random.default_rng(20231118)
 
 
-MOST_MAPS = 40_000
-"""Of the 65,530 mappings of memory that Linux grants a process; each program takes some."""
+MOST_MEMORY = 1.4e9  # bytes
+"""Of a process before it forgets what was compiled; some thousand programs fill it."""
 
 
 @pytest.fixture(autouse=True, scope="module")
 def room_for_programs():
-    """Forget compiled programs before there are too many for one process, which would crash."""
+    """Forget compiled programs before they fill the memory of a worker."""
     yield
-    maps = Path("/proc/self/maps")
-    if maps.exists() and len(maps.read_bytes().splitlines()) > MOST_MAPS:
-        jax.clear_caches()
-        gc.collect()
+    statistics = Path("/proc/self/statm")
+    if statistics.exists():
+        resident = int(statistics.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        if resident > MOST_MEMORY:
+            jax.clear_caches()
+            gc.collect()
 
 
 @pytest.fixture(autouse=True)

@@ -15,6 +15,7 @@ from jax.scipy.special import ndtr
 from lightflyer.core.precision import float64
 from lightflyer.design.tables import evaluate
 from lightflyer.numerics.batches import in_batches
+from lightflyer.program.entry_point import entry_point
 from lightflyer.search.problem import PROBABILITY, Constraint, Objective, Problem
 
 SCREENED = 512  # Designs evaluated at once: first over the whole cube, then around the starts
@@ -63,7 +64,8 @@ class ObjectiveFunction:
     """Objectives and constraints of a problem over the unit cube of its free numbers."""
 
     # A point has one fraction from 0 to 1 for each free number; see
-    # :class:`~lightflyer.search.problem.Bounds`. Each function is compiled when it is first used.
+    # :class:`~lightflyer.search.problem.Bounds`. What is called often is compiled when it is first
+    # used.
 
     def __init__(self, problem: Problem):
         self.problem = problem
@@ -269,7 +271,8 @@ class ObjectiveFunction:
             films = jax.lax.map(lambda one: self._films(one, context), designs)
             return jax.vmap(lambda one, film: self._scores(one, film, context))(designs, films)
 
-        return _compile(many)
+        # films are computed one by one, for which NumPy is slow; the rest is called a few times
+        return _compile(many) if self.is_quick else entry_point(many)
 
     def whatever_films_bear(self) -> "ObjectiveFunction":
         """The same function without the limits of its films; what is compiled, it shares."""
@@ -328,7 +331,7 @@ class ObjectiveFunction:
             scores = self.scores(point, changed, context)
             return scores[0] + jnp.dot(multipliers, scores[1:])
 
-        return _compile(jax.grad(lagrangian))
+        return entry_point(jax.grad(lagrangian))  # called once
 
     def _parameters(self) -> dict[str, float]:
         """Numbers of the design that are neither free nor zero nor costly, by dotted name."""

@@ -308,7 +308,7 @@ def fit_tac(
     }
     return _result(
         run, kept, off_curve, diameter, (law.name, gas.name), accuracy, problem,
-        solve(problem, guess), others,
+        solve([problem], [guess])[0][0], others,
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from lightflyer.lab.estimate import Estimate, student_factor
-from lightflyer.lab.tac.problem import PARAMETERS, Problem, minimise
+from lightflyer.lab.tac.problem import PARAMETERS, JointProblem, Problem, minimise
 from lightflyer.lab.tac.profile import profile_interval
 from lightflyer.numerics.residuals import alike_points
 
@@ -46,70 +46,117 @@ class Solution:
     total_normal: dict[str, Estimate]
 
 
-def solve(problem: Problem, guess: tuple[float, float, float]) -> Solution:
-    """Minimise, and find all intervals; ``guess``: the three parameters near the minimum."""
-    freedom = len(problem.conductance) - len(PARAMETERS)
-    held, (_, result), total, alike = _minimise_both(problem, guess)
-    scatter = _scatter(result, held)
-    freedoms = dict.fromkeys(PARAMETERS, float(freedom))
-    normal = _normal(result, freedoms, alike)
-    statistical = normal
-    if scatter > _ROUNDING:  # rows without scatter have no profile
-        # very many rows are grouped; what scatters within a group is in the scatter already
-        rows = held.group().scale_weights(1.0 / (scatter * math.sqrt(alike)))
-        values = _values(minimise(rows, _values(result, PARAMETERS))[1], PARAMETERS)
-        statistical = _profiles(rows, values, normal, freedoms)
-    if total is None:
-        return Solution(
-            _by_name(result, PARAMETERS), scatter, alike, alike * np.asarray(result.covar),
-            statistical, statistical, normal,
-        )  # fmt: skip
-    freedoms = _freedoms(total[1], normal, freedom)
-    total_normal = _normal(total[1], freedoms)
-    scaled = problem.group().scale_weights(1.0 / _row_error(problem, scatter, alike))
-    return Solution(
-        values=_by_name(total[1], problem.names),
-        scatter=scatter,
-        alike=alike,
-        covariance=np.asarray(total[1].covar)[: len(PARAMETERS), : len(PARAMETERS)],
-        total=_profiles(scaled, _values(total[1], problem.names), total_normal, freedoms),
-        statistical=statistical,
-        total_normal=total_normal,
-    )
+def solve(
+    problems: Sequence[Problem], guesses: Sequence[Sequence[float]]
+) -> tuple[list[Solution], np.ndarray]:
+    """Minimise runs on one bench together, and find all intervals.
+
+    ``guesses``: the three parameters of each run near the minimum. Returns a solution for each
+    run, and the total covariance of their coefficients, shape (n, n).
+    """
+    found = _minimise_all(problems, guesses)
+    statistical = [_statistical(*one) for one in zip(found.held, found.plain, found.alike,
+                                                     found.scatter, strict=True)]  # fmt: skip
+    if found.total is None:
+        alone = [
+            Solution(
+                _by_name(plain, PARAMETERS), scatter, alike, alike * np.asarray(plain.covar),
+                profiled, profiled, normal,
+            )
+            for plain, scatter, alike, (normal, profiled) in zip(
+                found.plain, found.scatter, found.alike, statistical, strict=True
+            )
+        ]  # fmt: skip
+        return alone, np.diag([one.covariance[0, 0] for one in alone])
+    joint, total = found.joint, found.total
+    values, whole = _values(total, joint.names), np.asarray(total.covar)
+    common = dict(zip(joint.names, values, strict=True))
+    solutions, width = [], len(PARAMETERS)
+    for number, (problem, (normal, profiled)) in enumerate(zip(problems, statistical, strict=True)):
+        own = slice(number * width, (number + 1) * width)
+        covariance = whole[own, own]
+        freedoms = _freedoms(covariance, normal, len(problem.conductance) - width)
+        total_normal = _normal(values[own], covariance, freedoms)
+        solutions.append(
+            Solution(
+                values=dict(zip(PARAMETERS, values[own], strict=True))
+                | {name: common[name] for name in problem.errors.names},
+                scatter=found.scatter[number],
+                alike=found.alike[number],
+                covariance=covariance,
+                total=_profiles(joint, values, number, total_normal, freedoms),
+                statistical=profiled,
+                total_normal=total_normal,
+            )
+        )
+    return solutions, whole[: width * len(problems) : width, : width * len(problems) : width]
 
 
-def best_tac(problem: Problem, guess: tuple[float, float, float]) -> float:
+def best_tac(problem: Problem, guess: Sequence[float]) -> float:
     """Coefficient at the minimum of :func:`solve`, without its intervals."""
-    _, plain, total, _ = _minimise_both(problem, guess)
-    return float((plain if total is None else total)[1].params["tac"].value)
+    found = _minimise_all([problem], [guess])
+    result = found.plain[0] if found.total is None else found.total
+    return float(result.params["tac"].value)
 
 
-def _minimise_both(
-    problem: Problem, guess: tuple[float, float, float]
-) -> tuple[Problem, tuple[Any, Any], tuple[Any, Any] | None, float]:
+@dataclass(frozen=True)
+class _Minimum:
     """Fits with the common errors held at their best, and with them free if there are any."""
+
+    held: list[Problem]  # The runs with the common errors held
+    plain: list[Any]  # Their fits by lmfit
+    scatter: list[float]
+    alike: list[float]
+    joint: JointProblem  # Residuals in standard errors
+    total: Any | None  # Its fit by lmfit, of all unknowns
+
+
+def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]]) -> _Minimum:
     # Rows that deviate from the fit together count as fewer, or very many would move the common
     # errors far for what the law leaves out.
-    start, total, alike = [*guess], None, 1.0
-    common = [0.0] * len(problem.errors.names)
+    starts, total, alike = [[*guess] for guess in guesses], None, [1.0] * len(problems)
+    joint, width = JointProblem(tuple(problems)), len(PARAMETERS)
+    names = problems[0].errors.names
+    common = [0.0] * len(names)
     for _ in range(_ROUNDS):
-        held = problem.with_common_errors(common)
-        plain = minimise(held, start)
-        start = _values(plain[1], PARAMETERS)
-        scatter = _scatter(plain[1], held)
+        held = [problem.with_common_errors(common) for problem in problems]
+        plain = [minimise(one, start)[1] for one, start in zip(held, starts, strict=True)]
+        starts = [_values(one, PARAMETERS) for one in plain]
+        scatter = [_scatter(*one) for one in zip(plain, held, strict=True)]
         if not common:
-            alike = _alike(problem, start)
+            alike = [_alike(*one) for one in zip(problems, starts, strict=True)]
             break
-        row_error = _row_error(problem, scatter, alike)
-        total = minimise(
-            problem.group().scale_weights(1.0 / row_error), [*start, *common], scale=False
+        joint = JointProblem(
+            tuple(
+                problem.group().scale_weights(1.0 / _row_error(problem, *one))
+                for problem, *one in zip(problems, scatter, alike, strict=True)
+            )
         )
-        before, common = common, _values(total[1], problem.errors.names)
-        start = _values(total[1], PARAMETERS)
-        known, alike = alike, max(alike, _alike(problem, [*start, *common]))
+        total = minimise(joint, [*np.ravel(starts), *common], scale=False)[1]
+        values = _values(total, joint.names)
+        before, common = common, values[width * len(problems) :]
+        starts = np.reshape(values[: width * len(problems)], (-1, width)).tolist()
+        known, alike = alike, [
+            max(past, _alike(problem, [*start, *common]))
+            for problem, start, past in zip(problems, starts, alike, strict=True)
+        ]  # fmt: skip
         if np.allclose(before, common, atol=_SAME) and alike == known:
             break
-    return held, plain, total, alike
+    return _Minimum(held, plain, scatter, alike, joint, total)
+
+
+def _statistical(
+    held: Problem, plain: Any, alike: float, scatter: float
+) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
+    """Parameters of a run with the intervals of its scatter, by covariance and by profile."""
+    freedoms = dict.fromkeys(PARAMETERS, float(len(held.conductance) - len(PARAMETERS)))
+    normal = _normal(_values(plain, PARAMETERS), alike * np.asarray(plain.covar), freedoms)
+    if scatter <= _ROUNDING:  # rows without scatter have no profile
+        return normal, normal
+    # very many rows are grouped; what scatters within a group is in the scatter already
+    rows = held.group().scale_weights(1.0 / (scatter * math.sqrt(alike)))
+    values = _values(minimise(rows, _values(plain, PARAMETERS))[1], PARAMETERS)
+    return normal, _profiles(JointProblem((rows,)), values, 0, normal, freedoms)
 
 
 def _alike(problem: Problem, values: Sequence[float]) -> float:
@@ -139,13 +186,13 @@ def _by_name(result: Any, names: tuple[str, ...]) -> dict[str, float]:
     return dict(zip(names, _values(result, names), strict=True))
 
 
-def _normal(result: Any, freedoms: Mapping[str, float], alike: float = 1.0) -> dict[str, Estimate]:
-    """The three parameters with the intervals of their covariance."""
-    spread = np.sqrt(alike * np.diag(np.asarray(result.covar)))[: len(PARAMETERS)]
+def _normal(
+    values: Sequence[float], covariance: np.ndarray, freedoms: Mapping[str, float]
+) -> dict[str, Estimate]:
+    """The three parameters of a run with the intervals of their covariance."""
+    spread = np.sqrt(np.diag(covariance))[: len(PARAMETERS)]
     found = {}
-    for name, value, one, unit in zip(
-        PARAMETERS, _values(result, PARAMETERS), spread, _UNITS, strict=True
-    ):
+    for name, value, one, unit in zip(PARAMETERS, values, spread, _UNITS, strict=True):
         make = positive_estimate if name in POSITIVE else Estimate.normal
         found[name] = make(value, float(one), unit, freedoms[name])
     return found
@@ -159,9 +206,11 @@ def positive_estimate(
     return Estimate(value, (value / factor, value * factor), unit, uncertainty)
 
 
-def _freedoms(result: Any, statistical: Mapping[str, Estimate], freedom: int) -> dict[str, float]:
+def _freedoms(
+    covariance: np.ndarray, statistical: Mapping[str, Estimate], freedom: int
+) -> dict[str, float]:
     """Degrees of freedom of the total by Welch's formula; those of common errors are infinite."""
-    spread = np.sqrt(np.diag(np.asarray(result.covar)))[: len(PARAMETERS)]
+    spread = np.sqrt(np.diag(covariance))
     shares = [
         statistical[name].uncertainty / one for name, one in zip(PARAMETERS, spread, strict=True)
     ]
@@ -171,23 +220,17 @@ def _freedoms(result: Any, statistical: Mapping[str, Estimate], freedom: int) ->
 
 
 def _profiles(
-    problem: Problem, values: Sequence[float], normal: Mapping[str, Estimate],
+    joint: JointProblem, values: Sequence[float], run: int, normal: Mapping[str, Estimate],
     freedoms: Mapping[str, float],
 ) -> dict[str, Estimate]:  # fmt: skip
-    """The parameters with profile intervals; residuals of the problem in standard errors."""
+    """A run's parameters with profile intervals; residuals of all runs in standard errors."""
     ends = {
         name: profile_interval(
-            problem, values, name, one.uncertainty or 0.0, student_factor(freedoms[name])
+            joint, values, run, name, one.uncertainty or 0.0, student_factor(freedoms[name])
         )
         for name, one in normal.items()
     }
-    return _with_intervals(normal, ends)
-
-
-def _with_intervals(
-    estimates: Mapping[str, Estimate], ends: Mapping[str, tuple[float, float]]
-) -> dict[str, Estimate]:
     return {
         name: Estimate(one.value, ends[name], one.unit, one.uncertainty)
-        for name, one in estimates.items()
+        for name, one in normal.items()
     }

@@ -44,6 +44,11 @@ class Problem:
     errors: CommonErrors
 
     @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return PARAMETERS
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of the unknowns."""
         return (*PARAMETERS, *self.errors.names)
@@ -93,11 +98,21 @@ class Problem:
 
     def residuals(self, *unknowns: float) -> np.ndarray:
         """Weighted residuals of rows and common errors [1], shape (m + k,)."""
-        rows = (self.model(*unknowns) - self.conductance) * self.weight
-        return np.concatenate([rows, unknowns[len(PARAMETERS) :]])
+        return np.concatenate([self.rows_off(*unknowns), unknowns[len(PARAMETERS) :]])
 
-    def jacobian(self, tac: float, area_ratio: float, offset: float, *common: float) -> np.ndarray:
+    def rows_off(self, *unknowns: float) -> np.ndarray:
+        """Weighted residuals of the rows alone [1], shape (m,)."""
+        return (self.model(*unknowns) - self.conductance) * self.weight
+
+    def jacobian(self, *unknowns: float) -> np.ndarray:
         """Derivatives of the residuals by the unknowns, shape (3 + k, m + k)."""
+        own = _prior(len(unknowns), len(PARAMETERS))
+        return np.concatenate([self.rows_jacobian(*unknowns), own], axis=1)
+
+    def rows_jacobian(
+        self, tac: float, area_ratio: float, offset: float, *common: float
+    ) -> np.ndarray:
+        """Derivatives of the rows' residuals by the unknowns, shape (3 + k, m)."""
         given, errors = np.array(common), self.errors
         gas = self._gas(tac, given)
         amplitude = area_ratio * np.exp(given @ errors.log_conductance)
@@ -114,9 +129,7 @@ class Problem:
                 + errors.log_continuum[number] * dense
             )
             columns.append(amplitude * (of_gas + errors.log_conductance[number] * inside))
-        own = np.zeros((len(columns), len(errors.names)))
-        own[len(PARAMETERS) :] = np.eye(len(errors.names))
-        return np.concatenate([np.stack(columns) * self.weight, own], axis=1)
+        return np.stack(columns) * self.weight
 
     @cached_property
     def _groups(self) -> list[np.ndarray]:
@@ -164,6 +177,63 @@ class Problem:
 
 
 @dataclass(frozen=True)
+class JointProblem:
+    """Runs on one bench, each with parameters of its own, with the errors that all have in common.
+
+    The unknowns are the parameters of each run in turn, and then the errors.
+    """
+
+    runs: tuple[Problem, ...]
+
+    @property
+    def source(self) -> str:
+        """Names of the files, for messages."""
+        return ", ".join(dict.fromkeys(run.source for run in self.runs))
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters, those of several runs with the run's number."""
+        if len(self.runs) == 1:
+            return PARAMETERS
+        return tuple(f"{name}_{run}" for run in range(len(self.runs)) for name in PARAMETERS)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the unknowns."""
+        return (*self.parameters, *self.runs[0].errors.names)
+
+    def residuals(self, *unknowns: float) -> np.ndarray:
+        """Weighted residuals of all rows, and of the common errors once [1]."""
+        last = len(self.parameters)
+        rows = [run.rows_off(*part, *unknowns[last:]) for run, part in self._parts(unknowns)]
+        return np.concatenate([*rows, unknowns[last:]])
+
+    def jacobian(self, *unknowns: float) -> np.ndarray:
+        """Derivatives of the residuals by the unknowns, shape (3 n + k, m + k)."""
+        last, width = len(self.parameters), len(PARAMETERS)
+        blocks = []
+        for number, (run, part) in enumerate(self._parts(unknowns)):
+            own = run.rows_jacobian(*part, *unknowns[last:])
+            block = np.zeros((len(unknowns), own.shape[1]))
+            block[number * width : (number + 1) * width] = own[:width]
+            block[last:] = own[width:]
+            blocks.append(block)
+        return np.concatenate([*blocks, _prior(len(unknowns), last)], axis=1)
+
+    def _parts(self, unknowns: Sequence[float]) -> list[tuple[Problem, Sequence[float]]]:
+        width = len(PARAMETERS)
+        return [
+            (run, unknowns[number * width : (number + 1) * width])
+            for number, run in enumerate(self.runs)
+        ]
+
+
+def _prior(count: int, parameters: int) -> np.ndarray:
+    """Derivatives of the common errors' own residuals, shape (count, count - parameters)."""
+    return np.eye(count)[:, parameters:]
+
+
+@dataclass(frozen=True)
 class _Gas:
     """Free-molecular and continuum conductance in series, each of shape (m,)."""
 
@@ -208,14 +278,18 @@ def require_distinct(problem: Problem, values: Sequence[float]) -> None:
         )
 
 
-def minimise(problem: Problem, start: Sequence[float], *, scale: bool = True) -> tuple[Any, Any]:
+def minimise(
+    problem: Problem | JointProblem, start: Sequence[float], *, scale: bool = True
+) -> tuple[Any, Any]:
     """Minimise the sum of squares; returns ``minimizer``, ``result``."""
     lmfit = import_lmfit()
     parameters = lmfit.Parameters()
     bounds = (TAC_BOUNDS, (0.0, np.inf), (-np.inf, np.inf))
-    for name, value, (low, high) in zip(PARAMETERS, start[: len(PARAMETERS)], bounds, strict=True):
+    last = len(problem.parameters)
+    for number, (name, value) in enumerate(zip(problem.parameters, start[:last], strict=True)):
+        low, high = bounds[number % len(PARAMETERS)]
         parameters.add(name, value=value, min=low, max=high)
-    for name, value in zip(problem.errors.names, start[len(PARAMETERS) :], strict=True):
+    for name, value in zip(problem.names[last:], start[last:], strict=True):
         parameters.add(name, value=value)
 
     def residuals(given: Any) -> np.ndarray:

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import brentq, leastsq
 
-from lightflyer.lab.tac.problem import PARAMETERS, TAC_BOUNDS, Problem
+from lightflyer.lab.tac.problem import PARAMETERS, TAC_BOUNDS, JointProblem
 
-_POSITIVE = 2  # the first parameters are positive; their logarithms are worked on
+_POSITIVE = (0, 1)  # places of the positive parameters; their logarithms are worked on
 _FURTHEST = {"tac": TAC_BOUNDS, "area_ratio": (1e-3, 1e3), "offset": (-1e3, 1e3)}
 _GROWTH = 1.7  # of the step outwards until the interval's end is passed
 _MOST_STEPS = 40
@@ -16,15 +16,16 @@ _TOLERANCE = 1e-3  # of the distance in standard errors
 
 
 def profile_interval(
-    problem: Problem,
+    problem: JointProblem,
     values: Sequence[float],
+    run: int,
     name: str,
     spread: float,
     distance: float,
 ) -> tuple[float, float]:
-    r"""Interval within which the sum of squares rises by less than a square."""
+    r"""Interval of a run's parameter in which the sum of squares rises by less than a square."""
     # The root of the rise is nearly linear in the parameter, so few minimisations are needed.
-    profile = _Profile(problem, values, PARAMETERS.index(name))
+    profile = _Profile(problem, values, len(PARAMETERS) * run + PARAMETERS.index(name))
     lowest, highest = _FURTHEST[name]
     return (
         _end(profile, -spread * distance, lowest, distance, -np.inf),
@@ -35,8 +36,11 @@ def profile_interval(
 class _Profile:
     """Root of the least rise of the sum of squares, with one unknown held."""
 
-    def __init__(self, problem: Problem, values: Sequence[float], held: int):
+    def __init__(self, problem: JointProblem, values: Sequence[float], held: int):
         self.problem, self.held = problem, held
+        width = len(PARAMETERS)
+        places = range(len(problem.parameters))
+        self.positive = [place for place in places if place % width in _POSITIVE]
         self.best = np.array(values, float)
         self.least = float(np.sum(problem.residuals(*values) ** 2))
         self.others = np.delete(np.arange(len(self.best)), held)
@@ -50,12 +54,13 @@ class _Profile:
 
     def _inner(self, values: np.ndarray) -> np.ndarray:
         inner = values.copy()
-        inner[:_POSITIVE] = np.log(np.maximum(inner[:_POSITIVE], np.finfo(float).tiny))
+        positive = np.maximum(inner[self.positive], np.finfo(float).tiny)
+        inner[self.positive] = np.log(positive)
         return inner[self.others]
 
     def _outer(self, inner: np.ndarray, held: float) -> np.ndarray:
         values = np.insert(inner, self.held, held)
-        for index in range(_POSITIVE):
+        for index in self.positive:
             if index != self.held:
                 values[index] = np.exp(np.clip(values[index], -_LOG_RANGE, _LOG_RANGE))
         return values
@@ -74,7 +79,7 @@ class _Profile:
         def jacobian(inner: np.ndarray) -> np.ndarray:
             values = self._outer(inner, held)
             rows = self.problem.jacobian(*values)
-            rows[:_POSITIVE] *= values[:_POSITIVE, None]
+            rows[self.positive] *= values[self.positive, None]
             return np.asarray(rows[self.others])
 
         # a search that does not settle has run off to where the rise hardly changes any more

@@ -19,6 +19,7 @@ from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy, unstated_accuracies
 from lightflyer.lab.tac.data import TacRun
 from lightflyer.lab.tac.diagnostics import misfit_warnings, rows_off_the_curve
 from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC_LAW, KineticLaw
+from lightflyer.lab.tac.preparation import Bench, make_problem
 from lightflyer.lab.tac.record import mean_tac, summary
 
 TRUTH = (0.75, 1.22, 4.09)  # the paper's fit to platinum
@@ -323,12 +324,10 @@ def test_no_row_of_a_good_run_is_off_the_curve(rng):
 
 def test_few_scattered_rows_are_not_called_off_the_curve(rng):
     """Some of so few rows are far off in units of their median deviation, by chance."""
-    accuracy = TacAccuracy()
+    bench = Bench(**OPTIONS)
     for _ in range(60):
         run = independent_run(8, 0.05, rng, lowest=0.1)
-        problem = tac._problem(
-            run, np.ones(8, bool), DIAMETER, None, HEAT_LAWS["printed"], LU2023_AIR, accuracy
-        )
+        problem = make_problem(run, np.ones(8, bool), bench)
         assert not rows_off_the_curve(problem, run.table.lines).any()
 
 

@@ -12,7 +12,7 @@ from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.kinetic.model import Kinetic
 from lightflyer.lab.synthetic.faults import TORR, faulty_table, label
-from lightflyer.lab.tac.fit import LU2023_HEATER_DIAMETER
+from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER
 
 
 class TacTruth(NamedTuple):

@@ -14,15 +14,13 @@ plateau at high pressure :math:`\delta` times a known conductance, and without g
 the plateau is taken to grow with :math:`\delta`, as the slope does, can the three be told apart.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.core import constants
-from lightflyer.core.checks import require_positive, require_range
-from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterError
 from lightflyer.core.quantity import Fraction, Length
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.gas.air import AIR
@@ -36,38 +34,30 @@ from lightflyer.lab.tac.diagnostics import (
     misfit_warnings,
     model_warnings,
     require_possible,
-    require_possible_temperatures,
     result_warnings,
-    rows_off_the_curve,
     why_undetermined,
 )
 from lightflyer.lab.tac.drift import drift_warnings
 from lightflyer.lab.tac.heat_law import (
-    HEAT_LAWS,
     KINETIC,
     KINETIC_LAW,
     AbstractHeatLaw,
     Limits,
     nominal_area,
 )
-from lightflyer.lab.tac.intervals import Solution, best_tac, positive_estimate, solve
-from lightflyer.lab.tac.problem import (
-    PARAMETERS,
-    Problem,
-    first_guess,
-    minimise,
-    require_distinct,
+from lightflyer.lab.tac.intervals import Solution, positive_estimate, solve
+from lightflyer.lab.tac.preparation import (
+    LU2023_HEATER_DIAMETER,
+    Bench,
+    Prepared,
+    prepare,
 )
+from lightflyer.lab.tac.problem import PARAMETERS
 from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-LU2023_HEATER_DIAMETER = 24e-3  # Diameter of the paper's heater [m]; [Lu2023]_ supplement
-
-_LEAST_ROWS = 6
-_WEIGHTINGS = 2
 
 
 @dataclass(frozen=True, repr=False)
@@ -286,98 +276,26 @@ def fit_tac(
     ----------
     [Lu2023]_ supplement, Eqs. (3)-(14).
     """
-    if np.ndim(diameter):
-        raise ParameterError("diameter must be one number: that of the heater")
-    require_positive(diameter=diameter, tolerance=tolerance)
-    require_range("emissivity", emissivity, 0.0, 1.0)
-    accuracy = accuracy or TacAccuracy()
-    require_possible_temperatures(run)
-    kept = _at_constant_temperature(run, tolerance)
-    problem = _problem(run, kept, diameter, emissivity, law, gas, accuracy)
-    off = rows_off_the_curve(problem, run.table.lines[kept])
-    off_curve = np.zeros_like(kept)
-    off_curve[kept] = off
-    if off.any():
-        problem, kept = problem.rows(~off), kept & ~off_curve
-        _require_rows(run, kept)
-    problem, guess = _weigh(problem)
-    others = {
-        name: _coefficient(_problem(run, kept, diameter, emissivity, other, gas, accuracy))
-        for name, other in HEAT_LAWS.items()
-        if name != law.name
-    }
-    return _result(
-        run, kept, off_curve, diameter, (law.name, gas.name), accuracy, problem,
-        solve([problem], [guess])[0][0], others,
-    )  # fmt: skip
+    bench = Bench(diameter, tolerance, emissivity, law, gas, accuracy or TacAccuracy())
+    return fit_together([run], bench)[0][0]
 
 
-def _problem(
-    run: TacRun, kept: np.ndarray, diameter: float, emissivity: float | None,
-    law: AbstractHeatLaw, gas: AbstractGas, accuracy: TacAccuracy,
-) -> Problem:  # fmt: skip
-    heater, ambient = run.heater_temperature[kept], run.ambient_temperature[kept]
-    pressure = run.pressure[kept]
-    radiation = np.zeros_like(heater)
-    if emissivity is not None:
-        both_faces = 2.0 * constants.STEFAN_BOLTZMANN * emissivity
-        radiation = both_faces * (heater + ambient) * (heater**2 + ambient**2)
-    conductance = run.power[kept] / (nominal_area(diameter) * (heater - ambient))
-    return Problem(
-        run.source, conductance, pressure, law.limits(pressure, ambient, heater, diameter, gas),
-        radiation, 1.0 / conductance, accuracy.errors(heater - ambient, diameter),
-    )  # fmt: skip
+def fit_together(runs: Sequence[TacRun], bench: Bench) -> tuple[list[TacFit], np.ndarray]:
+    """Fit runs on one bench, each with parameters of its own, and errors that all have in common.
+
+    Also returns the total covariance of the runs' coefficients [1], shape (n, n).
+    """
+    prepared = [prepare(run, bench) for run in runs]
+    solutions, covariance = solve(
+        [one.problem for one in prepared], [one.guess for one in prepared]
+    )
+    fits = [_result(*both, bench) for both in zip(prepared, solutions, strict=True)]
+    return fits, covariance
 
 
-def _weigh(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
-    """The problem with its residuals over the conductance of a first fit, and that fit."""
-    guess = first_guess(problem.group())
-    for _ in range(_WEIGHTINGS):
-        problem = problem.with_weight(1.0 / problem.model(*guess))
-        require_distinct(problem, guess)
-        plain = problem.with_common_errors([0.0] * len(problem.errors.names)).group()
-        found = minimise(plain, guess)[1].params
-        guess = (float(found["tac"]), float(found["area_ratio"]), float(found["offset"]))
-    return problem, guess
-
-
-def _coefficient(problem: Problem) -> float | None:
-    """Coefficient by another law; None where the fit fails."""
-    try:
-        return best_tac(*_weigh(problem.group()))
-    except LightflyerError:
-        return None
-
-
-def _at_constant_temperature(run: TacRun, tolerance: float) -> np.ndarray:
-    """Rows near the median heater temperature; shape (n,)."""
-    off = np.abs(run.heater_temperature - np.median(run.heater_temperature))
-    kept = off <= tolerance
-    if kept.sum() < max(_LEAST_ROWS, 0.5 * len(kept)):
-        _require_rows(run, np.ones_like(kept))
-        worst = int(np.argmax(off))
-        raise ConfigurationError(
-            f"{run.source}:{run.table.lines[worst]}: the heater's temperature is not constant: "
-            f"only {kept.sum()} of {len(kept)} rows are within {tolerance:g} K of its median; "
-            "--tolerance sets the limit"
-        )
-    return kept
-
-
-def _require_rows(run: TacRun, kept: np.ndarray) -> None:
-    count = int(kept.sum())
-    if count < _LEAST_ROWS:
-        raise ConfigurationError(
-            f"{run.source}:{run.table.lines[0]}: has {count} usable row{'s' * (count > 1)}; "
-            f"a fit of three parameters needs {_LEAST_ROWS} or more"
-        )
-
-
-def _result(
-    run: TacRun, kept: np.ndarray, off_curve: np.ndarray, diameter: float, names: tuple[str, str],
-    accuracy: TacAccuracy, problem: Problem, solution: Solution, others: dict[str, float | None],
-) -> TacFit:  # fmt: skip
-    reading, gas = names
+def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
+    run, problem, others = prepared.run, prepared.problem, prepared.others
+    off_curve, reading = prepared.off_curve, bench.law.name
     require_possible(run.source, solution.total, reading)
     undetermined = why_undetermined(solution.total["tac"], problem, solution.scatter)
     estimates, texts = cut(solution.total)
@@ -397,12 +315,12 @@ def _result(
         texts.append(undetermined)
     return TacFit(
         run=run,
-        kept=kept,
+        kept=prepared.kept,
         off_curve=off_curve,
-        diameter=diameter,
+        diameter=bench.diameter,
         reading=reading,
-        gas=gas,
-        accuracy=accuracy,
+        gas=bench.gas.name,
+        accuracy=bench.accuracy,
         **estimates,
         statistical=statistical,
         covariance_intervals={name: one.interval for name, one in normal.items()},

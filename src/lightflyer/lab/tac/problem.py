@@ -79,6 +79,18 @@ class Problem:
             weight=self.weight * amplitude, errors=CommonErrors.none(len(self.conductance)),
         )  # fmt: skip
 
+    def with_errors_of_conductance(self, names: Sequence[str], effects: np.ndarray) -> "Problem":
+        """The same problem with further common errors; effects of shape (names, m)."""
+        nothing = np.zeros(len(names))
+        errors = CommonErrors(
+            (*self.errors.names, *names),
+            np.concatenate([self.errors.log_pressure, nothing]),
+            np.concatenate([self.errors.zero, nothing]),
+            np.concatenate([self.errors.log_continuum, nothing]),
+            np.concatenate([self.errors.log_conductance, effects]),
+        )
+        return replace(self, errors=errors)
+
     def _gas(self, tac: float, common: np.ndarray) -> "_Gas":
         """Both limits at a coefficient, with errors of the pressure and the plateau."""
         shift = float(common @ self.errors.log_pressure)

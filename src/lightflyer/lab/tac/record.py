@@ -35,7 +35,7 @@ def mean_of(fits: Sequence[TacFit], name: str) -> Estimate:
     if len(fits) == 1:
         return fits[0].estimates()[name]
     common = float(np.mean([_common_part(fit, name) for fit in fits]))
-    mean = weighted_mean([_with_spread(fit.statistical[name]) for fit in fits], common=common)
+    mean = weighted_mean([with_spread(fit.statistical[name]) for fit in fits], common=common)
     low, high = BOUNDS[name]
     interval = (max(mean.interval[0], low), min(mean.interval[1], high))
     return Estimate(mean.value, interval, mean.unit, mean.uncertainty)
@@ -62,7 +62,7 @@ def _common_part(fit: TacFit, name: str) -> float:
     return math.sqrt(max((total or 0.0) ** 2 - (part or 0.0) ** 2, 0.0))
 
 
-def _with_spread(estimate: Estimate) -> Estimate:
+def with_spread(estimate: Estimate) -> Estimate:
     """The estimate; rows computed by a model have rounding for a spread, not zero."""
     spread = max(estimate.uncertainty or 0.0, _ROUNDING * abs(estimate.value))
     return Estimate(estimate.value, estimate.interval, estimate.unit, spread)

@@ -43,8 +43,12 @@ def update_flyer_file(
     origin: str,
     *,
     insist: bool = False,
+    digits: int = _DIGITS,
 ) -> list[str]:
-    """Write values with ± and origin; ``insist``: also what :func:`_require_likely` refuses."""
+    """Write values with ± and origin.
+
+    ``insist``: also what :func:`_require_likely` refuses; ``digits``: of the uncertainties.
+    """
     from lightflyer.config.reader import read_flyer_file  # slow to import
 
     path = Path(path)
@@ -62,9 +66,15 @@ def update_flyer_file(
         table = document[section]
         if section == "film":
             _make_room(table, key)
-        text = measured_text(estimate)
-        _put(table, key, text, f"measured: {origin}, {datetime.date.today().isoformat()}")
-        written.append(f'{section}.{key} = "{text}"')
+        text = measured_text(estimate, digits)
+        exact = estimate.uncertainty is None and not estimate.unit
+        _put(
+            table,
+            key,
+            float(text) if exact else text,
+            f"measured: {origin}, {datetime.date.today().isoformat()}",
+        )
+        written.append(f"{section}.{key} = {text}" if exact else f'{section}.{key} = "{text}"')
     replace_file(
         path, tomlkit.dumps(document), () if insist else [".".join(name) for name in values]
     )
@@ -162,7 +172,7 @@ def _own_comment(item: Any) -> str:
     return str(_ORIGIN.sub("", item.trivia.comment).lstrip("# ").rstrip())
 
 
-def _put(table: Any, key: str, text: str, origin: str) -> None:
+def _put(table: Any, key: str, text: str | float, origin: str) -> None:
     kept = _own_comment(table[key]) if key in table else ""
     table[key] = text
     table[key].comment(f"{kept}; {origin}" if kept else origin)

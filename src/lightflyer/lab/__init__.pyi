@@ -34,6 +34,8 @@ from .tac.data import ResistanceThermometer as ResistanceThermometer
 from .tac.data import TacRun as TacRun
 from .tac.data import read_resistance_calibration as read_resistance_calibration
 from .tac.data import read_tac as read_tac
+from .tac.difference import TacDifference as TacDifference
+from .tac.difference import fit_tac_difference as fit_tac_difference
 from .tac.fit import TacFit as TacFit
 from .tac.fit import fit_tac as fit_tac
 from .tac.heat_law import HEAT_LAWS as HEAT_LAWS

@@ -165,8 +165,12 @@ def updater(
     files: Sequence[Path],
     *,
     insist: bool,
+    digits: int = 2,
 ) -> Callable[[], list[str]]:
-    """Function that writes values into a flyer file, if one is named; see :func:`deliver`."""
+    """Function that writes values into a flyer file, if one is named; see :func:`deliver`.
+
+    ``digits``: of the standard uncertainties.
+    """
 
     def update() -> list[str]:
         if flyer is None:
@@ -174,7 +178,7 @@ def updater(
         from lightflyer.config.update import update_flyer_file
 
         origin = ", ".join([f"lab {name}", *(file.name for file in files)])
-        changes = update_flyer_file(flyer, values, origin, insist=insist)
+        changes = update_flyer_file(flyer, values, origin, insist=insist, digits=digits)
         return [f"{flyer}: {text}" for text in changes]
 
     return update

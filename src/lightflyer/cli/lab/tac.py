@@ -1,12 +1,12 @@
 """``lightflyer lab tac``: accommodation coefficients from a heater's power."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
-    Files,
     Insist,
     deliver,
     difference,
@@ -17,25 +17,27 @@ from lightflyer.cli.lab.shared import (
     share,
     updater,
 )
+from lightflyer.cli.lab.tac_results import OneFace, TwoFaces
 from lightflyer.cli.options import Json, only_with
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from lightflyer.lab.estimate import Estimate
     from lightflyer.lab.tac.fit import TacFit
     from lightflyer.lab.tac.heat_law import AbstractHeatLaw
 
+_Runs = Annotated[list[Path] | None, Parameter(consume_multiple=True, negative=())]
 _KINETIC = "kinetic"  # reading of force models that have none of the paper's
 
 
 @only_with(face="update", insist="update")
 def tac_command(
-    files: Files,
+    files: _Runs = None,
     /,
     *,
+    top: _Runs = None,
+    bottom: _Runs = None,
     columns: str | None = None,
     calibration: Path | None = None,
     ambient: str | None = None,
@@ -69,6 +71,12 @@ def tac_command(
         Tables, one per run, with the columns pressure, heater_power (or heater_voltage and
         heater_current), heater_temperature and ambient_temperature, units in the header such as
         "pressure [mTorr]". Several runs are averaged.
+    top
+        Tables of runs of a sample's top face, in place of files; with --bottom. Runs of both faces
+        are fitted together, so that what they share, such as the gauge's error, drops out of the
+        difference of their coefficients.
+    bottom
+        The same of its bottom face.
     columns
         Columns in the order of the files, in place of a header: "pressure [Pa], -,
         heater_power [mW]"; - skips a column.
@@ -113,7 +121,8 @@ def tac_command(
     out
         Folder to write the record (JSON, NetCDF) and the figure into.
     update
-        Flyer file to write the coefficient into, with its total uncertainty; needs --face.
+        Flyer file to write the coefficient into, with its total uncertainty; needs --face. With
+        --top and --bottom both coefficients and the correlation of their errors are written.
     insist
         Have --update write also what is most likely of a wrong unit, or not determined.
     face
@@ -128,58 +137,74 @@ def tac_command(
     from lightflyer.gas import GASES
     from lightflyer.lab.record import require_distinct
     from lightflyer.lab.tac import fit as tac
-    from lightflyer.lab.tac import record as tac_record
     from lightflyer.lab.tac.accuracy import TacAccuracy, unstated_accuracies
     from lightflyer.lab.tac.data import read_resistance_calibration, read_tac
-    from lightflyer.lab.tac.text import fit_parts, runs_parts
+    from lightflyer.lab.tac.difference import fit_tac_difference
 
-    _require_face(update, face)
+    faces = _faces(files, top, bottom)
+    _require_face(update, face, len(faces))
     thermometer = None if calibration is None else read_resistance_calibration(calibration)
     width, stated = _stated_value(
         diameter, gauge_accuracy, gauge_zero, power_accuracy, temperature_accuracy,
         plateau_accuracy,
     )  # fmt: skip
     options: dict[str, Any] = {
-        "diameter": tac.LU2023_HEATER_DIAMETER if width is None else width,
         "tolerance": difference("--tolerance", tolerance, "K"),
         "law": _law(reading, wall),
         "gas": GASES[gas],
         "accuracy": TacAccuracy(**stated),
         "emissivity": optional_share("--emissivity", emissivity),
     }
+    if width is not None:
+        options["diameter"] = width
     surroundings = None if ambient is None else quantity("--ambient", ambient, "K").value
     how: dict[str, Any] = {
         "columns": columns, "thermometer": thermometer, "ambient_temperature": surroundings,
         "gauge": read_gauge(gauge, gauge_factor),
     }  # fmt: skip
-    runs = [read_tac(file, **how) for file in files]
+    sides = [[read_tac(file, **how) for file in side] for side in faces]
+    runs = [run for side in sides for run in side]
     require_distinct([(run.source, (run.pressure, run.power)) for run in runs])
-    fits = [tac.fit_tac(run, **options) for run in runs]
-    warnings = tac_record.warnings_of(fits)
-    values, about_flyer = _for_flyer_file(fits, update, face)
-    warnings += [*about_flyer, *unstated_accuracies(stated)]
+    found: OneFace | TwoFaces
+    if len(sides) == 1:
+        found = OneFace([tac.fit_tac(run, **options) for run in runs], face)
+    else:
+        found = TwoFaces(fit_tac_difference(*sides, **options))
+    values, about_flyer = _for_flyer_file(found, update)
+    warnings = [*found.warnings, *about_flyer, *unstated_accuracies(stated)]
     read = {"read": read_summary([run.table for run in runs])}
-    document = tac_record.summary(fits) | read | {"warnings": warnings}
-
-    def draw() -> "dict[str, Figure]":
-        from lightflyer.lab.tac.figures import tac_figures
-
-        return tac_figures(fits)
-
-    parts = [part for fit in fits for part in fit_parts(fit)]
-    if len(fits) > 1:
-        parts += runs_parts(fits, tac_record.mean_tac(fits))
+    document = found.summary() | read | {"warnings": warnings}
+    given = [file for side in faces for file in side]
     deliver(
-        "tac", document, tac_record.to_dataset(fits, warnings), draw,
-        [*read_parts(run.table for run in runs), *parts, *warning_lines(warnings)],
-        out=out, figures=figures, json_output=json_output,
-        tables=tac_record.tables(fits),
-        update=updater(update, values, f"tac, {reading} reading, in {gas}", files, insist=insist),
+        "tac", document, found.dataset(warnings), found.figures,
+        [*read_parts(run.table for run in runs), *found.parts(), *warning_lines(warnings)],
+        out=out, figures=figures, json_output=json_output, tables=found.tables(),
+        update=updater(
+            update, values, f"tac, {reading} reading, in {gas}", given, insist=insist,
+            digits=found.digits,
+        ),
     )  # fmt: skip
 
 
-def _require_face(update: Path | None, face: str | None) -> None:
-    if update is not None and face is None:
+def _faces(
+    files: list[Path] | None, top: list[Path] | None, bottom: list[Path] | None
+) -> list[list[Path]]:
+    """Files of one surface, or of the top and the bottom face."""
+    if files and not (top or bottom):
+        return [files]
+    if top and bottom and not files:
+        return [top, bottom]
+    raise ConfigurationError(
+        "give either the files of one surface, or those of both faces: --top FILES --bottom FILES"
+    )
+
+
+def _require_face(update: Path | None, face: str | None, faces: int) -> None:
+    if faces > 1 and face is not None:
+        raise ConfigurationError(
+            "--face is for runs of one surface; with --top and --bottom both are written"
+        )
+    if update is not None and face is None and faces == 1:
         raise ConfigurationError(
             "--update needs --face top, bottom or both: a heater gives one coefficient, of the "
             "surface on it; the same on both faces of a flyer gives no force"
@@ -219,42 +244,21 @@ def _stated_value(
 
 
 def _for_flyer_file(
-    fits: "Sequence[TacFit]", flyer: Path | None, face: Literal["top", "bottom", "both"] | None
+    found: OneFace | TwoFaces, flyer: Path | None
 ) -> "tuple[dict[tuple[str, str], Estimate], list[str]]":
     """Values for a flyer file and what to know about them; raises if they are not fit for one."""
-    if flyer is None or face is None:
+    if flyer is None:
         return {}, []
     from lightflyer.config.reader import read_flyer_file
-    from lightflyer.config.update import tac_keys
-    from lightflyer.lab.tac.record import mean_tac, why_no_property
+    from lightflyer.lab.tac.record import why_no_property
 
-    reason = why_no_property(fits)
-    if reason is not None:
-        raise ConfigurationError(f"{reason}; {flyer} is unchanged")
-    file = read_flyer_file(flyer)
-    texts = [
-        _about_faces(fits, file, face),
-        _about_reading(fits[0], file),
-        _about_gas(fits[0].gas, file),
-    ]
-    values = dict.fromkeys(tac_keys(face), mean_tac(fits))
-    return values, [f"{flyer}: {text}" for text in texts if text]
-
-
-def _about_faces(fits: "Sequence[TacFit]", file: Any, face: str) -> str:
-    from lightflyer.lab.tac.record import correlation_between_samples
-
-    if face == "both":
-        return "the same coefficient on both faces gives a flyer without force"
-    film = getattr(file, "film", None)
-    other = getattr(film, "tac_bottom" if face == "top" else "tac_top", None)
-    if not getattr(other, "uncertainty", None):
-        return ""
-    return (
-        "where both faces were measured on this bench, they share the errors of gauge and plateau: "
-        f"tac_correlation = {correlation_between_samples(fits):.2g} says so (it is "
-        f"{film.tac_correlation.value:g})"  # type: ignore[union-attr]
-    )
+    for fits in found.sides:
+        reason = why_no_property(fits)
+        if reason is not None:
+            raise ConfigurationError(f"{reason}; {flyer} is unchanged")
+    file, first = read_flyer_file(flyer), found.sides[0][0]
+    texts = [found.about_faces(file), _about_reading(first, file), _about_gas(first.gas, file)]
+    return found.values(), [f"{flyer}: {text}" for text in texts if text]
 
 
 def _about_gas(gas: str, file: Any) -> str:

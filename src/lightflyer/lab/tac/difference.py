@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FACES = ("top", "bottom")
+_DIGITS = 3  # of a correlation, as it is written into flyer files
+_LEAST_MISSING = 1e-6  # of a correlation to one
 
 ONE_RUN = (
     "one run of a face does not show what a sample mounted anew changes, and no interval contains "
@@ -84,6 +86,18 @@ class TacDifference(PrintedResult):
         from lightflyer.lab.tac.figures import plot_difference
 
         return plot_difference(self, ax)
+
+    def film_values(self) -> dict[tuple[str, str], Estimate]:
+        """What a flyer file's film has of it, by section and key."""
+        related = self.tac_correlation
+        # digits of what is missing to one: the difference's uncertainty goes with that
+        missing = max(1.0 - abs(related), _LEAST_MISSING)
+        rounded = round(related, _DIGITS - 1 - math.floor(math.log10(missing)))
+        return {
+            ("film", "tac_top"): self.tac_top,
+            ("film", "tac_bottom"): self.tac_bottom,
+            ("film", "tac_correlation"): Estimate(rounded, (rounded, rounded)),
+        }
 
     def summary(self) -> dict[str, Any]:
         """Both coefficients, their difference and every run as a JSON object."""
@@ -153,17 +167,17 @@ def fit_tac_difference(
             raise ParameterError(f"{name} has no run; give one or more of each face")
     bench = Bench(diameter, tolerance, emissivity, law, gas, accuracy or TacAccuracy())
     fits, covariance = fit_together([*faces[0], *faces[1]], bench)
-    sides = tuple(fits[: len(faces[0])]), tuple(fits[len(faces[0]) :])
-    means = [mean_tac(side) for side in sides]
-    spread = _spread(*sides, covariance)
-    texts = [*warnings_of(fits)]
-    if min(map(len, sides)) == 1:
-        texts.append(ONE_RUN)
+    of_top, of_bottom = tuple(fits[: len(faces[0])]), tuple(fits[len(faces[0]) :])
+    tac_top, tac_bottom = mean_tac(of_top), mean_tac(of_bottom)
+    spread = _spread(of_top, of_bottom, covariance)
+    alone = [ONE_RUN] if min(len(of_top), len(of_bottom)) == 1 else []
     return TacDifference(
-        *sides,
-        *means,
-        Estimate.covering(means[0].value - means[1].value, NORMAL_FACTOR * spread),
-        tuple(texts),
+        top=of_top,
+        bottom=of_bottom,
+        tac_top=tac_top,
+        tac_bottom=tac_bottom,
+        difference=Estimate.covering(tac_top.value - tac_bottom.value, NORMAL_FACTOR * spread),
+        warnings=(*warnings_of(fits), *alone),
     )
 
 

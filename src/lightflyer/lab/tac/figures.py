@@ -14,10 +14,11 @@ from lightflyer.files.drawing import (
     plain_decades,
     series_style,
 )
-from lightflyer.files.palette import BLUE, GREY
-from lightflyer.lab.estimate import NORMAL_FACTOR
+from lightflyer.files.palette import BLUE, GREY, MEASURED
+from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate
 
 if TYPE_CHECKING:
+    from lightflyer.lab.tac.difference import TacDifference
     from lightflyer.lab.tac.fit import TacFit
 
 _TITLE = "points: measured; lines through them: fit"
@@ -25,6 +26,7 @@ _SHADED = (0.5, 1.5)  # range of coefficients that the paper shades
 _MOST_POINTS = 3_000  # drawn of one run
 _HEIGHT = 4.8
 _PERCENT = 100.0
+_ELLIPSE_POINTS = 181
 
 
 def _order(fit: "TacFit") -> np.ndarray:
@@ -110,4 +112,55 @@ def plot_tac(fit: "TacFit", ax: Axes | None = None) -> Figure:
         return tac_figures([fit])["tac"]
     figure, ax = figure_for(ax)
     effective_conductance([fit], ax)
+    return figure
+
+
+def both_faces(found: "TacDifference", ax: Axes) -> Axes:
+    """Draw the coefficients of both faces with their joint error, and lines of equal difference."""
+    x, y = found.tac_bottom, found.tac_top
+    spread = np.array([x.uncertainty or 0.0, y.uncertainty or 0.0])
+    related = found.tac_correlation
+    # an ellipse whose projections are the 95 % intervals of both coefficients and the difference
+    turn = np.linspace(0.0, 2.0 * np.pi, _ELLIPSE_POINTS)
+    along = np.array(
+        [np.cos(turn), related * np.cos(turn) + np.sqrt(1 - related**2) * np.sin(turn)]
+    )
+    around = np.array([[x.value], [y.value]]) + NORMAL_FACTOR * spread[:, None] * along
+    ax.plot(*around, color=MEASURED, lw=1.2, label="both; it projects on the 95 % intervals")
+    ax.errorbar(
+        x.value, y.value, xerr=_arms(x), yerr=_arms(y), color=MEASURED, marker="o", ms=4, lw=0.8,
+        capsize=3, ls="", label="each face, 95 % interval",
+    )  # fmt: skip
+    low, high = ax.get_xlim()
+    ends = np.array([low, high])
+    first, last = found.difference.interval
+    ax.fill_between(
+        ends, ends + first, ends + last, color=BLUE, alpha=0.2, lw=0,
+        label=f"top less bottom: {found.difference.value:.3g} (95 %: {first:.3g} to {last:.3g})",
+    )  # fmt: skip
+    ax.plot(ends, ends, color=GREY, ls=":", lw=1, label="equal faces: no force")
+    ax.set_xlim(low, high)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_xlabel("TAC of the bottom face")
+    ax.set_ylabel("TAC of the top face")
+    ax.grid(alpha=0.25)
+    legend_below(ax, most=1)
+    return ax
+
+
+def _arms(one: Estimate) -> np.ndarray:
+    """Lengths of error bars below and above a value, shape (2, 1)."""
+    low, high = one.interval
+    return np.array([[one.value - low], [high - one.value]])
+
+
+def difference_figures(found: "TacDifference") -> dict[str, Figure]:
+    """Figures of all runs and of both coefficients, by file name without suffix."""
+    return {**tac_figures(found.fits), "tac-difference": plot_difference(found)}
+
+
+def plot_difference(found: "TacDifference", ax: Axes | None = None) -> Figure:
+    """Draw what is known of both coefficients."""
+    figure, ax = figure_for(ax)
+    both_faces(found, ax)
     return figure

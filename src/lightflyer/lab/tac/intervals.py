@@ -138,8 +138,8 @@ def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]
             break
         joint = JointProblem(
             tuple(
-                problem.group().scale_weights(1.0 / _row_error(problem, *one, law_error))
-                for problem, *one in zip(sharing, scatter, alike, strict=True)
+                problem.group().scale_weights(1.0 / _row_error(problem, noise, count, law_error))
+                for problem, noise, count in zip(sharing, scatter, alike, strict=True)
             )
         )
         total = minimise(joint, [*np.ravel(starts), *common, *of_law], scale=False)[1]

@@ -10,12 +10,14 @@ from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.tac.accuracy import IN_WORDS
 
 if TYPE_CHECKING:
+    from lightflyer.lab.tac.difference import TacDifference
     from lightflyer.lab.tac.fit import TacFit
 
 _PERCENT = 100.0
 _NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
 _PARAMETERS = ("", "value", "95 % interval", "of the scatter alone", "unit")
 _ERRORS = ("error by the fit", "in stated ±", "stated ±", "unit")
+_FACES = ("", "value", "95 % interval", "standard uncertainty")
 _RUNS = ("run", "TAC α", "95 % interval", "area ratio δ", "offset C\n[W/(m² K)]")
 
 
@@ -47,6 +49,16 @@ def fit_parts(fit: "TacFit") -> Parts:
     yield table_of(_ERRORS, errors, left=(0, 3))
 
 
+def face_parts(fits: "Sequence[TacFit]") -> Parts:
+    """Runs of one surface, and the mean of several."""
+    from lightflyer.lab.tac.record import mean_tac
+
+    for fit in fits:
+        yield from fit_parts(fit)
+    if len(fits) > 1:
+        yield from runs_parts(fits, mean_tac(fits))
+
+
 def _parameter(name: str, one: Estimate, of_scatter: str) -> tuple[str, ...]:
     """Row of a parameter with its total and statistical intervals."""
     unit = one.unit.replace("^2", "²") or "1"
@@ -64,3 +76,23 @@ def runs_parts(fits: "Sequence[TacFit]", mean: Estimate) -> Parts:
         ))  # fmt: skip
     yield table_of(_RUNS, rows)
     yield f"mean accommodation coefficient {mean}"
+
+
+def difference_parts(found: "TacDifference") -> Parts:
+    """Difference of two faces, their coefficients, and the runs of each."""
+    rows = [
+        (name, f"{one.value:.4g}", one.interval_text(), f"{one.uncertainty:.2g}")
+        for name, one in (
+            ("TAC α, top less bottom", found.difference),
+            ("TAC α, top", found.tac_top),
+            ("TAC α, bottom", found.tac_bottom),
+        )
+    ]
+    yield table_of(_FACES, rows, left=(0, 2))
+    yield (
+        f"the errors of both have a correlation of {found.tac_correlation:.4g}; if they shared "
+        f"nothing, the difference would be uncertain by {found.unshared:.2g}"
+    )
+    for name, fits in (("top", found.top), ("bottom", found.bottom)):
+        yield f"{name} face"
+        yield from face_parts(fits)

@@ -59,8 +59,9 @@ def example_files(name: str, seed: int = 0) -> Example:
 
         return Example(
             {**tac_files(seed)},
-            ["tac tac-raw.csv --calibration tac-resistance.csv", "tac tac-reduced.txt --out tac"],
-        )
+            ["tac tac-raw.csv --calibration tac-resistance.csv", "tac tac-reduced.txt --out tac",
+             "tac --top tac-top.txt --bottom tac-bottom.txt --out faces"],
+        )  # fmt: skip
     if name == "thermography":
         from lightflyer.lab.synthetic.thermography import thermography_files
 

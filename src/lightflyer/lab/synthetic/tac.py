@@ -24,6 +24,7 @@ class TacTruth(NamedTuple):
 
 
 PLATINUM = TacTruth()  # Fit of the paper to platinum
+OTHER_FACE = TacTruth(tac=0.88, area_ratio=1.18, offset=4.6)  # of a sample with platinum on top
 
 _AMBIENT, _HEATER = 295.0, 323.0  # [K]
 _PRESSURES = (1e-4, 200.0)  # [Pa]
@@ -36,18 +37,23 @@ _ZERO = 273.15
 
 
 def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
-    """A raw and a reduced run, and the calibration of the heater's resistance."""
+    """A raw and a reduced run, the calibration of the heater's resistance, and another face."""
     rng = np.random.default_rng(seed)
-    said = (
-        f"truth: tac {truth.tac}, area_ratio {truth.area_ratio}, offset {truth.offset} W/(m^2 K), "
-        f"heater 24 mm; gauge reads {_GAUGE_ERROR:+.1%}, power meter {_POWER_ERROR:+.1%}"
-    )
-    lines = label("tac", said)
+    lines, of_other = (label("tac", _said(one)) for one in (truth, OTHER_FACE))
     return {
         "tac-raw.csv": _raw(rng, truth, lines),
         "tac-reduced.txt": _reduce(rng, truth, lines),
         "tac-resistance.csv": _calibration(lines),
+        "tac-top.txt": _reduce(rng, truth, lines),
+        "tac-bottom.txt": _reduce(rng, OTHER_FACE, of_other),
     }
+
+
+def _said(truth: TacTruth) -> str:
+    return (
+        f"truth: tac {truth.tac}, area_ratio {truth.area_ratio}, offset {truth.offset} W/(m^2 K), "
+        f"heater 24 mm; gauge reads {_GAUGE_ERROR:+.1%}, power meter {_POWER_ERROR:+.1%}"
+    )
 
 
 def _run(

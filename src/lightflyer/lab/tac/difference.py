@@ -18,13 +18,14 @@ from lightflyer.core.quantity import Fraction, Length
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
-from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, weighted_mean
+from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.tac.accuracy import TacAccuracy
 from lightflyer.lab.tac.data import TacRun
+from lightflyer.lab.tac.diagnostics import cut
 from lightflyer.lab.tac.fit import TacFit, fit_together
 from lightflyer.lab.tac.heat_law import KINETIC_LAW, AbstractHeatLaw
 from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, Bench
-from lightflyer.lab.tac.record import mean_tac, summary, warnings_of, with_spread
+from lightflyer.lab.tac.record import warnings_of, with_spread
 from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
@@ -32,12 +33,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FACES = ("top", "bottom")
+_APART = np.array([1.0, -1.0])  # of the coefficients, in their difference
 _DIGITS = 3  # of a correlation, as it is written into flyer files
 _LEAST_MISSING = 1e-6  # of a correlation to one
 
 ONE_RUN = (
-    "one run of a face does not show what a sample mounted anew changes, and no interval contains "
-    "it; two runs of each face or more do"
+    "one run of each face does not show what a sample mounted anew changes, and no interval "
+    "contains it; runs of samples mounted several times do"
 )
 
 
@@ -50,25 +52,15 @@ class TacDifference(PrintedResult):
     tac_top: Estimate  #: Mean over the runs
     tac_bottom: Estimate  #: Mean over the runs
     difference: Estimate  #: Coefficient of the top less that of the bottom
+    #: Correlation of the errors of both coefficients [1], by which their standard uncertainties
+    #: give that of the difference
+    tac_correlation: float
     warnings: tuple[str, ...]  #: What a reader of the result must know
 
     @property
     def fits(self) -> tuple[TacFit, ...]:
         """Runs of both faces, those of the top first."""
         return self.top + self.bottom
-
-    @property
-    def tac_correlation(self) -> float:
-        """Correlation of the errors of both coefficients [1].
-
-        With their standard uncertainties it gives that of the difference.
-        """
-        top, bottom, apart = (
-            one.uncertainty or 0.0 for one in (self.tac_top, self.tac_bottom, self.difference)
-        )
-        if not top * bottom:
-            return 0.0
-        return min(max((top**2 + bottom**2 - apart**2) / (2.0 * top * bottom), -1.0), 1.0)
 
     @property
     def unshared(self) -> float:
@@ -112,7 +104,10 @@ class TacDifference(PrintedResult):
                 "tac_bottom": self.tac_bottom.uncertainty,
             },
             "tac_correlation": self.tac_correlation,
-            "faces": {"top": summary(self.top), "bottom": summary(self.bottom)},
+            "faces": {
+                name: {fit.run.source: fit.summary() for fit in fits}
+                for name, fits in zip(FACES, (self.top, self.bottom), strict=True)
+            },
             "warnings": list(self.warnings),
         }
 
@@ -153,9 +148,13 @@ def fit_tac_difference(
     -----
     Least squares over the rows of all runs. Each run has three parameters of its own, and the
     errors that all rows have in common are unknowns that the runs share, each with a normal prior
-    of its accuracy. So the gauge's zero must not drift between runs. Scatter, and an error of the
-    law's shape, are those of each run and do not cancel. The variance between several runs of a
-    face counts as in :func:`~lightflyer.lab.weighted_mean`.
+    of its accuracy. So the gauge's zero must not drift between runs. Scatter, and a quarter of the
+    law's error of shape, are those of each run and do not cancel.
+
+    Runs :math:`i` of a face are averaged by :math:`w_i=1/u_i^2` of their scatter. Where runs of a
+    face differ by more than that, :math:`Q=\sum w_i(\alpha_i-\bar\alpha)^2` over both faces with
+    :math:`\nu` degrees of freedom widens all :math:`u_i` by Student's factor times
+    :math:`\sqrt{Q/\nu}` over 1.96: two mountings of a sample then differ by more than rows do.
 
     References
     ----------
@@ -168,36 +167,53 @@ def fit_tac_difference(
     bench = Bench(diameter, tolerance, emissivity, law, gas, accuracy or TacAccuracy())
     fits, covariance = fit_together([*faces[0], *faces[1]], bench)
     of_top, of_bottom = tuple(fits[: len(faces[0])]), tuple(fits[len(faces[0]) :])
-    tac_top, tac_bottom = mean_tac(of_top), mean_tac(of_bottom)
-    spread = _spread(of_top, of_bottom, covariance)
-    alone = [ONE_RUN] if min(len(of_top), len(of_bottom)) == 1 else []
+    means, joint = _means(of_top, of_bottom, covariance)
+    tac_top, tac_bottom = (
+        _of_face(side, float(mean), math.sqrt(variance))
+        for side, mean, variance in zip((of_top, of_bottom), means, np.diag(joint), strict=True)
+    )
+    apart = float(np.sqrt(_APART @ joint @ _APART))
+    spreads = (tac_top.uncertainty or 0.0) * (tac_bottom.uncertainty or 0.0)
+    alone = [ONE_RUN] if len(fits) == len(faces) else []
     return TacDifference(
         top=of_top,
         bottom=of_bottom,
         tac_top=tac_top,
         tac_bottom=tac_bottom,
-        difference=Estimate.covering(tac_top.value - tac_bottom.value, NORMAL_FACTOR * spread),
+        difference=Estimate.covering(float(_APART @ means), NORMAL_FACTOR * apart),
+        tac_correlation=float(joint[0, 1] / spreads) if spreads else 0.0,
         warnings=(*warnings_of(fits), *alone),
     )
 
 
-def _spread(top: Sequence[TacFit], bottom: Sequence[TacFit], covariance: np.ndarray) -> float:
-    """Standard uncertainty of the difference, that of the normal distribution with its interval.
+def _means(
+    top: Sequence[TacFit], bottom: Sequence[TacFit], covariance: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mean coefficients of both faces, shape (2,), and their covariance, shape (2, 2).
 
     ``covariance``: total one of all runs' coefficients, shape (n, n).
     """
     fits = [*top, *bottom]
-    scatter = np.array([fit.statistical["tac"].uncertainty for fit in fits], float)
-    weights = np.repeat([1.0 / len(top), -1.0 / len(bottom)], [len(top), len(bottom)])
-    shared = float(weights @ (covariance - np.diag(scatter**2)) @ weights)
-    own = sum(_of_scatter(side) ** 2 for side in (top, bottom))
-    return math.sqrt(own + max(shared, 0.0))
+    values = np.array([fit.tac.value for fit in fits])
+    by_rows = [with_spread(fit.statistical["tac"]) for fit in fits]
+    # uncertainties that carry Student's interval of the rows' scatter on
+    own = np.array([np.ptp(one.interval) for one in by_rows]) / (2.0 * NORMAL_FACTOR)
+    face = np.repeat(np.eye(2), [len(top), len(bottom)], axis=1)
+    precision = face / own**2
+    weights = precision / precision.sum(axis=1, keepdims=True)
+    means = weights @ values
+    freedom = len(fits) - len(FACES)
+    wider = 1.0
+    if freedom:
+        scatter = float(np.sum(((values - means @ face) / own) ** 2)) / freedom
+        wider = max((student_factor(freedom) / NORMAL_FACTOR) ** 2 * scatter, 1.0)
+    rows = np.diag([one.uncertainty or 0.0 for one in by_rows]) ** 2
+    shared = weights @ (covariance - rows) @ weights.T
+    return means, np.diag(wider / precision.sum(axis=1)) + shared
 
 
-def _of_scatter(fits: Sequence[TacFit]) -> float:
-    """Standard uncertainty of a face's mean by the scatter of rows and of runs [1]."""
-    estimates = [with_spread(fit.statistical["tac"]) for fit in fits]
-    if len(estimates) > 1:
-        return weighted_mean(estimates).uncertainty or 0.0
-    low, high = estimates[0].interval
-    return 0.5 * (high - low) / NORMAL_FACTOR
+def _of_face(fits: Sequence[TacFit], mean: float, uncertainty: float) -> Estimate:
+    """Mean coefficient of a face; that of one run has its profile interval."""
+    if len(fits) == 1:
+        return Estimate(mean, fits[0].tac.interval, "", uncertainty)
+    return cut({"tac": Estimate.covering(mean, NORMAL_FACTOR * uncertainty)})[0]["tac"]

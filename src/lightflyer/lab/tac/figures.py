@@ -27,6 +27,7 @@ _MOST_POINTS = 3_000  # drawn of one run
 _HEIGHT = 4.8
 _PERCENT = 100.0
 _ELLIPSE_POINTS = 181
+_ROOM = 1.25  # half width of axes over the longest error bar
 
 
 def _order(fit: "TacFit") -> np.ndarray:
@@ -126,21 +127,23 @@ def both_faces(found: "TacDifference", ax: Axes) -> Axes:
         [np.cos(turn), related * np.cos(turn) + np.sqrt(1 - related**2) * np.sin(turn)]
     )
     around = np.array([[x.value], [y.value]]) + NORMAL_FACTOR * spread[:, None] * along
-    ax.plot(*around, color=MEASURED, lw=1.2, label="both; it projects on the 95 % intervals")
+    ax.plot(*around, color=MEASURED, lw=1.2, label="both together; its extents are 95 % intervals")
     ax.errorbar(
         x.value, y.value, xerr=_arms(x), yerr=_arms(y), color=MEASURED, marker="o", ms=4, lw=0.8,
         capsize=3, ls="", label="each face, 95 % interval",
     )  # fmt: skip
-    low, high = ax.get_xlim()
-    ends = np.array([low, high])
+    # the same scale both ways, so that lines of equal difference are at 45°
+    half = _ROOM * max(np.max(np.abs(_arms(one))) for one in (x, y))
+    ends = np.array([x.value - half, x.value + half])
     first, last = found.difference.interval
     ax.fill_between(
         ends, ends + first, ends + last, color=BLUE, alpha=0.2, lw=0,
         label=f"top less bottom: {found.difference.value:.3g} (95 %: {first:.3g} to {last:.3g})",
     )  # fmt: skip
     ax.plot(ends, ends, color=GREY, ls=":", lw=1, label="equal faces: no force")
-    ax.set_xlim(low, high)
-    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_xlim(*ends)
+    ax.set_ylim(y.value - half, y.value + half)
+    ax.set_aspect("equal")
     ax.set_xlabel("TAC of the bottom face")
     ax.set_ylabel("TAC of the top face")
     ax.grid(alpha=0.25)

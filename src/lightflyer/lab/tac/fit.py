@@ -153,9 +153,9 @@ class TacFit(PrintedResult):
         return {name: getattr(self, name) for name in PARAMETERS}
 
     def text_parts(self) -> Parts:
-        from lightflyer.lab.tac.text import fit_parts
+        from lightflyer.lab.tac.text import face_parts
 
-        yield from fit_parts(self)
+        yield from face_parts([self])
         yield from warning_lines(self.warnings)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":

@@ -22,7 +22,7 @@ _RUNS = ("run", "TAC α", "95 % interval", "area ratio δ", "offset C\n[W/(m² K
 
 
 def fit_parts(fit: "TacFit") -> Parts:
-    """Parameters of one run, and the errors of the instruments that the fit takes."""
+    """Parameters of one run."""
     yield (
         f"{fit.run.source}: heater at {fit.mean_temperature:.2f} K, coefficient of variation "
         f"{_PERCENT * fit.temperature_variation:.2g} %; {fit.rows_used} rows used, "
@@ -42,6 +42,10 @@ def fit_parts(fit: "TacFit") -> Parts:
         f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; "
         f"{correlation_text('αδC', fit.covariance)}"
     )
+
+
+def errors_parts(fit: "TacFit") -> Parts:
+    """Errors of the instruments that the fit takes; those of runs fitted together are the same."""
     errors = []
     for name, pull in fit.common_errors.items():
         words, scale, unit = IN_WORDS[name]
@@ -55,6 +59,7 @@ def face_parts(fits: "Sequence[TacFit]") -> Parts:
 
     for fit in fits:
         yield from fit_parts(fit)
+        yield from errors_parts(fit)
     if len(fits) > 1:
         yield from runs_parts(fits, mean_tac(fits))
 
@@ -95,4 +100,6 @@ def difference_parts(found: "TacDifference") -> Parts:
     )
     for name, fits in (("top", found.top), ("bottom", found.bottom)):
         yield f"{name} face"
-        yield from face_parts(fits)
+        for fit in fits:
+            yield from fit_parts(fit)
+    yield from errors_parts(found.fits[0])

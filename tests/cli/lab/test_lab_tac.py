@@ -1,4 +1,5 @@
 import json
+import re
 
 import numpy as np
 import pytest
@@ -6,6 +7,7 @@ import xarray as xr
 
 from lightflyer.config.reader import read_flyer_file
 from lightflyer.lab.tac.fit import heater_power
+from lightflyer.uncertainty import propagate
 
 LU2023_FORCE = """\
 model = "lu2023"
@@ -68,6 +70,63 @@ def test_several_runs_are_averaged_and_written_into_a_flyer_file(examples, lab, 
     assert read.tac_bottom.uncertainty > 0.05
     text = path.read_text(encoding="utf-8")
     assert "measured: lab tac, kinetic reading, in air, tac-raw.csv, tac-reduced.txt, " in text
+
+
+def test_both_faces_are_written_with_their_correlation(examples, lab, flyer_file):
+    folder = examples("tac")
+    path = flyer_file(*KINETIC_FORCE)
+    faces = ("--top", "tac-top.txt", "--bottom", "tac-bottom.txt")
+    code, out, err = lab("tac", *faces, "--out", "o", "--update", path)
+    assert (code, err) == (0, "")
+    assert "the errors of both have a correlation of 0.9" in out
+    names = {one.name for one in (folder / "o").iterdir()}
+    assert {"tac-difference.csv", "tac-difference.png", "tac-rows-1.csv", "tac-rows-2.csv"} < names
+    found = json.loads((folder / "o" / "tac.json").read_text(encoding="utf-8"))
+    low, high = found["difference"]["interval_95"]
+    assert low <= 0.75 - 0.88 <= high
+    widths = [np.ptp(found[name]["interval_95"]) for name in ("tac_top", "tac_bottom")]
+    assert high - low < 0.5 * min(widths)
+    with xr.open_dataset(folder / "o" / "tac.nc", engine="h5netcdf") as record:
+        assert set(record.face_of_row.values) == {"top", "bottom"}
+        apart = np.array([1.0, -1.0])
+        variance = apart @ record.tac_covariance.values @ apart
+        assert np.sqrt(variance) == pytest.approx(float(record.tac_difference_uncertainty))
+    # bands know of it: the force goes with the difference
+    film = read_flyer_file(path).film
+    assert film.tac_correlation.value == pytest.approx(found["tac_correlation"], abs=1e-3)
+    known = propagate(path, samples=0)
+    assert known.tac_correlation == film.tac_correlation.value
+    text = path.read_text(encoding="utf-8")
+    path.write_text(re.sub(r"(?m)^tac_correlation = .*$", "", text), encoding="utf-8")
+    unknown = propagate(path, samples=0)
+    name = "best.lift_over_weight"
+    assert known.first_order[name] < 0.7 * unknown.first_order[name]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--top", "tac-top.txt"], "give either the files of one surface, or those of both"),
+        (["tac-top.txt", "--bottom", "tac-bottom.txt"], "give either the files of one surface"),
+        ([], "give either the files of one surface"),
+        (
+            ["--top", "tac-top.txt", "--bottom", "tac-top.txt"],
+            "tac-top.txt: has the same data as tac-top.txt",
+        ),
+        (
+            ["--top", "tac-top.txt", "--bottom", "tac-bottom.txt", "--update", "flyer.toml",
+             "--face", "top"],
+            "--face is for runs of one surface; with --top and --bottom both are written",
+        ),
+    ],
+)  # fmt: skip
+def test_faces_that_are_not_two(examples, lab, flyer_file, arguments, says):
+    examples("tac")
+    flyer_file(*KINETIC_FORCE)
+    code, out, err = lab("tac", *arguments)
+    assert (code, out) == (2, "")
+    assert says in err
+    assert err.count("\n") == 1
 
 
 def test_accuracy_widens_what_is_written(examples, lab, flyer_file):

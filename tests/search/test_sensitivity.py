@@ -114,6 +114,46 @@ def test_errors_that_are_correlated_count_as_one_input(correlation):
     assert reach == pytest.approx(1.96 * np.sqrt(together), rel=0.05)
 
 
+@pytest.mark.parametrize(("correlation", "spread"), [(0.0, 0.02), (0.95, 0.02), (0.95, 0.04)])
+def test_worth_of_a_measured_difference(correlation, spread):
+    """Small spreads: q is linear in the inputs, so that an observation removes Cov²/Var."""
+    film = FILM | {
+        "tac_top": f"0.8 ± {spread}", "tac_bottom": f"0.9 ± {spread}",
+        "tac_correlation": correlation, "areal_density": "1.0 ± 0.05 g/m^2",
+    }  # fmt: skip
+    flyer = lf.FlyerFile(
+        flyer={"diameter": "2 cm"},
+        film=film,
+        environment={"atmosphere": "lu2023"},
+        force={"model": "lu2023", "force_error": 0},
+    )
+    (found,) = lf.sensitivity(flyer, outputs="payload", at={"altitude": "72 km"})
+    (one,) = found.differences
+    assert (one.top, one.bottom, one.accuracy) == ("film.tac_top", "film.tac_bottom", 0.01)
+    variance = 2.0 * spread**2 * (1.0 - correlation)
+    assert one.known == pytest.approx(np.sqrt(variance), rel=0.03)
+    slope = {
+        name: found.elasticity[name] * found.nominal / value
+        for name, value in (("film.tac_top", 0.8), ("film.tac_bottom", 0.9))
+    }
+    top, bottom = slope.values()
+    shared = spread**2 * (top + correlation * bottom - bottom - correlation * top)
+    removed = shared**2 / (variance + 0.01**2) / found.spread**2
+    assert one.removed == pytest.approx(removed, abs=0.02)
+    assert found.summary()["measured_differences"][0]["standard_deviation_after"] == pytest.approx(
+        found.spread * np.sqrt(1.0 - one.removed)
+    )
+    assert "measuring it to ± 0.01 would remove" in " ".join(str(found).split())
+
+
+def test_no_difference_where_one_face_is_known(uncertain):
+    (found,) = lf.sensitivity(
+        uncertain, outputs="lift", at={"altitude": "72 km"}, points=64,
+        inputs={"film.tac_top": "0.8 ± 0.01", "flyer.diameter": "2.0 ± 0.1 cm"},
+    )  # fmt: skip
+    assert found.differences == ()
+
+
 def test_all_inputs_correlated_are_one_that_does_everything(uncertain):
     film = uncertain.film.model_copy(update={"tac_correlation": lf.Measured(0.5)})
     correlated = uncertain.model_copy(update={"film": film})

@@ -29,6 +29,7 @@ from lightflyer.design.outputs import check_outputs, outputs_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.search.difference import MeasuredDifference, measured_differences
 from lightflyer.search.sobol_estimates import REPLICATES, indices_with_intervals
 from lightflyer.study.axes import Axis, read_entry
 from lightflyer.study.distributions import SAMPLE, Distribution, stated_distributions
@@ -112,6 +113,8 @@ class Indices(PrintedResult):
     #: input whose median is zero
     elasticity: dict[str, float]
     warnings: tuple[str, ...]  #: What a reader must know, one line each
+    #: Worth of measuring the difference of a film's two accommodation coefficients
+    differences: tuple[MeasuredDifference, ...] = ()
     #: Factor from the output's SI unit, and the unit that its values are shown in
     shown: tuple[float, str] = (1.0, "")
 
@@ -194,6 +197,7 @@ class Indices(PrintedResult):
             "elasticities": {name: _finite(value) for name, value in self.elasticity.items()},
             "measure_next": self.next,
             "standard_deviation_after_halving": self.spread_after_halving,
+            "measured_differences": [one.summary(self.spread) for one in self.differences],
             "warnings": list(self.warnings),
         }
 
@@ -348,15 +352,21 @@ def _indices(study: SensitivityStudy) -> list[Indices]:
     sizes, designs = _designs(study, shares, power)
     table = _evaluate(study, designs)
     ends = np.cumsum(sizes)[:-1]
+    drawn = {name: values[: sizes[0]] for name, values in designs.items()}
     return [
-        _output_indices(study, space, name, np.split(table[name], ends)) for name in study.outputs
+        _output_indices(study, space, name, np.split(table[name], ends), drawn)
+        for name in study.outputs
     ]
 
 
 def _output_indices(
-    study: SensitivityStudy, space: dict[str, Any], output: str, blocks: list[np.ndarray]
-) -> Indices:
-    """Indices of an output from its values in each block of designs."""
+    study: SensitivityStudy, space: dict[str, Any], output: str, blocks: list[np.ndarray],
+    drawn: Mapping[str, np.ndarray],
+) -> Indices:  # fmt: skip
+    """Indices of an output from its values in each block of designs.
+
+    ``drawn``: inputs of the first block, by dotted name.
+    """
     values, middle, *alone, down, up = blocks
     if np.isnan(values).any():
         raise ConfigurationError(
@@ -391,6 +401,7 @@ def _output_indices(
         high=high,
         elasticity=_elasticities(study, nominal, up - down),
         warnings=study.design.sampling_warnings,
+        differences=measured_differences(values, drawn, study.seed),
         shown=known.display_unit_for([nominal, *low, *high]),
     )
 

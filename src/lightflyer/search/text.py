@@ -192,6 +192,12 @@ def indices_parts(found: "Indices") -> Parts:
         advice = f"measure {found.next} next: halving its uncertainty would leave ± "
         advice += f"{factor * found.spread_after_halving:.2g}{unit}"
     yield advice
+    for one in found.differences if found.ranked else ():
+        yield wrap(
+            f"the difference {one.top} less {one.bottom}, known to ± {one.known:.2g}: measuring it "
+            f"to ± {one.accuracy:g} would remove {100.0 * one.removed:.0f} % of the variance and "
+            f"leave ± {factor * one.spread_after(found.spread):.2g}{unit}"
+        )
 
 
 def _share(share: float, half_width: float) -> str:

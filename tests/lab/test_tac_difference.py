@@ -188,6 +188,29 @@ def test_several_mountings_of_each_face(rng):
         fit_tac_difference(top, [])
 
 
+def test_sample_on_one_face_of_the_heater(rng):
+    """Both runs see the mean of the sample's face and the heater's other one."""
+    faces = [((alpha + 0.7) / 2.0, ratio, offset) for alpha, ratio, offset in (TOP, BOTTOM)]
+    runs = [run_of(face, rng, noise=1e-3) for face in faces]
+    plain = fit_tac_difference(*runs, accuracy=EXACT)
+    found = fit_tac_difference(*runs, accuracy=EXACT, other_face=lf.Measured(0.7, 0.1))
+    assert found.difference.value == pytest.approx(2.0 * plain.difference.value)
+    assert found.difference.uncertainty == pytest.approx(2.0 * plain.difference.uncertainty)
+    assert found.difference.value == pytest.approx(TOP[0] - BOTTOM[0], abs=0.02)
+    assert found.tac_top.value == pytest.approx(TOP[0], abs=0.02)
+    assert "is the mean of that of the sample and that of the heater's other face, 0.7" in str(
+        found
+    )
+    # the other face's error is that of both, and of no difference
+    assert found.tac_top.uncertainty == pytest.approx(0.1, rel=0.02)
+    assert found.tac_correlation > 0.99
+    rough = [run_of((0.3, 1.2, 4.0), rng, noise=1e-3) for _ in range(2)]
+    with pytest.raises(lf.ConfigurationError, match=r"top face would have a coefficient of -0\.3"):
+        fit_tac_difference(*rough, accuracy=EXACT, other_face=lf.Measured(0.9))
+    with pytest.raises(lf.ParameterError, match=r"other_face = 1\.5 is not between 0 and 1"):
+        fit_tac_difference(*runs, accuracy=EXACT, other_face=lf.Measured(1.5))
+
+
 def test_film_values_give_the_uncertainty_of_the_difference(rng):
     """As a flyer file has them, the correlation rounded."""
     found = fit_tac_difference(run_of(TOP, rng), run_of(BOTTOM, rng), accuracy=USUAL)

@@ -109,6 +109,11 @@ def test_both_faces_are_written_with_their_correlation(examples, lab, flyer_file
         (["--top", "tac-top.txt"], "give either the files of one surface, or those of both"),
         (["tac-top.txt", "--bottom", "tac-bottom.txt"], "give either the files of one surface"),
         ([], "give either the files of one surface"),
+        (["tac-top.txt", "--other-face", "0.8"], "--other-face"),
+        (
+            ["--top", "tac-top.txt", "--bottom", "tac-bottom.txt", "--other-face", "1.6"],
+            "other_face = 1.6 is not between 0 and 1",
+        ),
         (
             ["--top", "tac-top.txt", "--bottom", "tac-top.txt"],
             "tac-top.txt: has the same data as tac-top.txt",

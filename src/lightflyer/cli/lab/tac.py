@@ -31,13 +31,14 @@ _Runs = Annotated[list[Path] | None, Parameter(consume_multiple=True, negative=(
 _KINETIC = "kinetic"  # reading of force models that have none of the paper's
 
 
-@only_with(face="update", insist="update")
+@only_with(face="update", insist="update", other_face="top")
 def tac_command(
     files: _Runs = None,
     /,
     *,
     top: _Runs = None,
     bottom: _Runs = None,
+    other_face: str | None = None,
     columns: str | None = None,
     calibration: Path | None = None,
     ambient: str | None = None,
@@ -77,6 +78,9 @@ def tac_command(
         difference of their coefficients.
     bottom
         The same of its bottom face.
+    other_face
+        Coefficient of the heater's other face, such as "0.80 ± 0.05", where the sample covers one
+        face only; for --top and --bottom. By default the surface measured is on both faces.
     columns
         Columns in the order of the files, in place of a header: "pressure [Pa], -,
         heater_power [mW]"; - skips a column.
@@ -169,7 +173,8 @@ def tac_command(
     if len(sides) == 1:
         found = OneFace([tac.fit_tac(run, **options) for run in runs], face)
     else:
-        found = TwoFaces(fit_tac_difference(*sides, **options))
+        other = None if other_face is None else quantity("--other-face", other_face, "")
+        found = TwoFaces(fit_tac_difference(*sides, **options, other_face=other))
     values, about_flyer = _for_flyer_file(found, update)
     warnings = [*found.warnings, *about_flyer, *unstated_accuracies(stated)]
     read = {"read": read_summary([run.table for run in runs])}

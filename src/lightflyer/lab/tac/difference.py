@@ -13,15 +13,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.checks import require_range
+from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Fraction, Length
+from lightflyer.core.units import Measured
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.tac.accuracy import TacAccuracy
 from lightflyer.lab.tac.data import TacRun
-from lightflyer.lab.tac.diagnostics import cut
+from lightflyer.lab.tac.diagnostics import MOST_TAC, POSSIBLE_TAC, cut
 from lightflyer.lab.tac.fit import TacFit, fit_together
 from lightflyer.lab.tac.heat_law import KINETIC_LAW, AbstractHeatLaw
 from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, Bench
@@ -56,6 +58,8 @@ class TacDifference(PrintedResult):
     #: give that of the difference
     tac_correlation: float
     warnings: tuple[str, ...]  #: What a reader of the result must know
+    #: Coefficient of the heater's other face; None where the surface measured is on both
+    other_face: Measured | None = None
 
     @property
     def fits(self) -> tuple[TacFit, ...]:
@@ -104,6 +108,7 @@ class TacDifference(PrintedResult):
                 "tac_bottom": self.tac_bottom.uncertainty,
             },
             "tac_correlation": self.tac_correlation,
+            "other_face": None if self.other_face is None else self.other_face._asdict(),
             "faces": {
                 name: {fit.run.source: fit.summary() for fit in fits}
                 for name, fits in zip(FACES, (self.top, self.bottom), strict=True)
@@ -123,6 +128,7 @@ def fit_tac_difference(
     law: AbstractHeatLaw = KINETIC_LAW,
     gas: AbstractGas = AIR,
     accuracy: TacAccuracy | None = None,
+    other_face: Measured | None = None,
 ) -> TacDifference:
     r"""Fit runs of two faces together, and find the difference of their coefficients.
 
@@ -132,6 +138,9 @@ def fit_tac_difference(
         Runs of the surface of either face, all with one heater, gauge and chamber.
     diameter, tolerance, emissivity, law, gas, accuracy
         As of :func:`~lightflyer.lab.fit_tac`, of all runs.
+    other_face : Measured, optional
+        Coefficient of the heater's other face with its standard uncertainty, where the sample
+        covers one face only [1]; by default the surface measured is on both.
 
     Returns
     -------
@@ -156,6 +165,10 @@ def fit_tac_difference(
     :math:`\nu` degrees of freedom widens all :math:`u_i` by Student's factor times
     :math:`\sqrt{Q/\nu}` over 1.96: two mountings of a sample then differ by more than rows do.
 
+    A heater that the sample covers on one face loses heat by the mean of its faces'
+    coefficients, :math:`\alpha=(\alpha_\mathrm{sample}+\alpha_\mathrm{other})/2`. The other face
+    drops out of the difference, which is twice that of the runs.
+
     References
     ----------
     [Lu2023]_ supplement, Eqs. (3)-(14).
@@ -164,12 +177,16 @@ def fit_tac_difference(
     for name, runs in zip(FACES, faces, strict=True):
         if not runs:
             raise ParameterError(f"{name} has no run; give one or more of each face")
+    if other_face is not None:
+        require_range("other_face", other_face.value, 0.0, POSSIBLE_TAC)
     bench = Bench(diameter, tolerance, emissivity, law, gas, accuracy or TacAccuracy())
     fits, covariance = fit_together([*faces[0], *faces[1]], bench)
     of_top, of_bottom = tuple(fits[: len(faces[0])]), tuple(fits[len(faces[0]) :])
     means, joint = _means(of_top, of_bottom, covariance)
+    if other_face is not None:
+        means, joint = _without(other_face, means, joint)
     tac_top, tac_bottom = (
-        _of_face(side, float(mean), math.sqrt(variance))
+        _of_face(side, float(mean), math.sqrt(variance), whole=other_face is None)
         for side, mean, variance in zip((of_top, of_bottom), means, np.diag(joint), strict=True)
     )
     apart = float(np.sqrt(_APART @ joint @ _APART))
@@ -183,6 +200,7 @@ def fit_tac_difference(
         difference=Estimate.covering(float(_APART @ means), NORMAL_FACTOR * apart),
         tac_correlation=float(joint[0, 1] / spreads) if spreads else 0.0,
         warnings=(*warnings_of(fits), *alone),
+        other_face=other_face,
     )
 
 
@@ -197,7 +215,8 @@ def _means(
     values = np.array([fit.tac.value for fit in fits])
     by_rows = [with_spread(fit.statistical["tac"]) for fit in fits]
     # uncertainties that carry Student's interval of the rows' scatter on
-    own = np.array([np.ptp(one.interval) for one in by_rows]) / (2.0 * NORMAL_FACTOR)
+    half = 0.5 * np.array([np.ptp(one.interval) for one in by_rows])
+    own = np.maximum(half / NORMAL_FACTOR, [one.uncertainty or 0.0 for one in by_rows])
     face = np.repeat(np.eye(2), [len(top), len(bottom)], axis=1)
     precision = face / own**2
     weights = precision / precision.sum(axis=1, keepdims=True)
@@ -212,8 +231,23 @@ def _means(
     return means, np.diag(wider / precision.sum(axis=1)) + shared
 
 
-def _of_face(fits: Sequence[TacFit], mean: float, uncertainty: float) -> Estimate:
-    """Mean coefficient of a face; that of one run has its profile interval."""
-    if len(fits) == 1:
+def _without(
+    other: Measured, means: np.ndarray, joint: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Coefficients of a sample from means of it and the heater's other face, as of `_means`."""
+    found = 2.0 * means - other.value
+    for name, value in zip(FACES, found, strict=True):
+        if not 0.0 < value <= MOST_TAC:
+            raise ConfigurationError(
+                f"the {name} face would have a coefficient of {value:.3g}, which is impossible, "
+                f"beside {other.value:g} of the heater's other face; does the sample cover one "
+                "face only?"
+            )
+    return found, 4.0 * joint + (other.uncertainty or 0.0) ** 2
+
+
+def _of_face(fits: Sequence[TacFit], mean: float, uncertainty: float, *, whole: bool) -> Estimate:
+    """Coefficient of a face; that of one run of the whole heater has its profile interval."""
+    if len(fits) == 1 and whole:
         return Estimate(mean, fits[0].tac.interval, "", uncertainty)
     return cut({"tac": Estimate.covering(mean, NORMAL_FACTOR * uncertainty)})[0]["tac"]

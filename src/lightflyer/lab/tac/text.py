@@ -98,6 +98,11 @@ def difference_parts(found: "TacDifference") -> Parts:
         f"the errors of both have a correlation of {found.tac_correlation:.4g}; if they shared "
         f"nothing, the difference would be uncertain by {found.unshared:.2g}"
     )
+    if found.other_face is not None:
+        yield (
+            "α of each run below is the mean of that of the sample and that of the heater's other "
+            f"face, {found.other_face.value:g}"
+        )
     for name, fits in (("top", found.top), ("bottom", found.bottom)):
         yield f"{name} face"
         for fit in fits:

@@ -11,9 +11,9 @@ from lightflyer.lab.tac import intervals, preparation
 from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy
 from lightflyer.lab.tac.data import TacRun
 from lightflyer.lab.tac.difference import _means, fit_tac_difference
+from lightflyer.lab.tac.difference_record import difference_tables
 from lightflyer.lab.tac.fit import fit_tac
 from lightflyer.lab.tac.heat_law import KINETIC_LAW
-from lightflyer.lab.tac.record import difference_tables
 
 DIAMETER = 24e-3
 TOP, BOTTOM = (0.75, 1.22, 4.09), (0.90, 1.15, 4.60)

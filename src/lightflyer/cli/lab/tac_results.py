@@ -89,7 +89,7 @@ class TwoFaces:
         self.warnings, self.summary = found.warnings, found.summary
 
     def dataset(self, warnings: Sequence[str]) -> "xr.Dataset":
-        from lightflyer.lab.tac.record import difference_dataset
+        from lightflyer.lab.tac.difference_record import difference_dataset
 
         return difference_dataset(self.found, warnings)
 
@@ -99,7 +99,7 @@ class TwoFaces:
         return difference_figures(self.found)
 
     def tables(self) -> dict[str, str]:
-        from lightflyer.lab.tac.record import difference_tables
+        from lightflyer.lab.tac.difference_record import difference_tables
 
         return difference_tables(self.found)
 

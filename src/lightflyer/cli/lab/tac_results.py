@@ -51,9 +51,14 @@ class OneFace:
         return tables(self.fits)
 
     def parts(self) -> Parts:
-        from lightflyer.lab.tac.text import face_parts
+        from lightflyer.lab.tac.record import mean_tac
+        from lightflyer.lab.tac.text import errors_parts, fit_parts, runs_parts
 
-        return face_parts(self.fits)
+        for fit in self.fits:
+            yield from fit_parts(fit)
+            yield from errors_parts(fit)
+        if len(self.fits) > 1:
+            yield from runs_parts(self.fits, mean_tac(self.fits))
 
     def values(self) -> "dict[tuple[str, str], Estimate]":
         from lightflyer.config.update import tac_keys

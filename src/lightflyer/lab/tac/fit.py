@@ -153,9 +153,10 @@ class TacFit(PrintedResult):
         return {name: getattr(self, name) for name in PARAMETERS}
 
     def text_parts(self) -> Parts:
-        from lightflyer.lab.tac.text import face_parts
+        from lightflyer.lab.tac.text import errors_parts, fit_parts
 
-        yield from face_parts([self])
+        yield from fit_parts(self)
+        yield from errors_parts(self)
         yield from warning_lines(self.warnings)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":

@@ -53,17 +53,6 @@ def errors_parts(fit: "TacFit") -> Parts:
     yield table_of(_ERRORS, errors, left=(0, 3))
 
 
-def face_parts(fits: "Sequence[TacFit]") -> Parts:
-    """Runs of one surface, and the mean of several."""
-    from lightflyer.lab.tac.record import mean_tac
-
-    for fit in fits:
-        yield from fit_parts(fit)
-        yield from errors_parts(fit)
-    if len(fits) > 1:
-        yield from runs_parts(fits, mean_tac(fits))
-
-
 def _parameter(name: str, one: Estimate, of_scatter: str) -> tuple[str, ...]:
     """Row of a parameter with its total and statistical intervals."""
     unit = one.unit.replace("^2", "²") or "1"

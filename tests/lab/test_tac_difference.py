@@ -139,6 +139,13 @@ def test_shape_of_the_law_is_shared(rng, monkeypatch):
     monkeypatch.setattr(intervals, "LAW_OWN", 1.0)
     apart = fit_tac_difference(*runs, accuracy=USUAL)
     assert found.difference.uncertainty < 0.8 * apart.difference.uncertainty
+    monkeypatch.undo()
+    # where the law's error changes with the coefficient, nothing of it is shared
+    monkeypatch.setattr(preparation, "_coefficient", lambda problem: None)
+    low = run_of((0.4, 1.22, 4.09), rng, noise=0.001), runs[1]
+    ours = fit_tac_difference(*low, accuracy=USUAL).difference.uncertainty
+    monkeypatch.setattr(intervals, "LAW_OWN", 1.0)
+    assert fit_tac_difference(*low, accuracy=USUAL).difference.uncertainty == pytest.approx(ours)
 
 
 def test_without_common_errors_nothing_is_shared(rng):

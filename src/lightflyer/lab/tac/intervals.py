@@ -27,6 +27,8 @@ LAW_OWN = 0.25
 """Share of it that two runs on one bench do not share: at one pressure the error changes by 0.05 %
 at most from a coefficient of 0.6 to 0.8, and to 1."""
 
+_ALIKE_TAC = 0.5  # coefficient below which it changes by up to 0.2 %: nothing is taken as shared
+
 _LARGEST_EXPONENT = 300.0
 _UNITS = ("", "", "W/(m^2 K)")
 _ROUNDING = 1e-10  # relative scatter that is rounding, not noise
@@ -124,7 +126,8 @@ def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]
     last, instruments = len(PARAMETERS) * len(problems), len(problems[0].errors.names)
     sharing, law_error = problems, LAW_ERROR
     if len(problems) > 1 and instruments:
-        sharing, law_error = _with_shared_law(problems), LAW_OWN * LAW_ERROR
+        own = LAW_OWN if min(guess[0] for guess in guesses) > _ALIKE_TAC else 1.0
+        sharing, law_error = _with_shared_law(problems, own), own * LAW_ERROR
     joint = JointProblem(tuple(sharing))
     of_law = [0.0] * (len(joint.names) - last - instruments)
     common = [0.0] * instruments
@@ -155,7 +158,7 @@ def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]
     return _Minimum(held, plain, scatter, alike, joint, total)
 
 
-def _with_shared_law(problems: Sequence[Problem]) -> list[Problem]:
+def _with_shared_law(problems: Sequence[Problem], own: float) -> list[Problem]:
     """Runs with the law's error of shape, which they share, as unknowns over pressure."""
     # Several a decade, whose mean over it keeps the law's error: one a decade would leave the shape
     # within a decade exact, and by that very good rows would seem to measure the gauge's error.
@@ -164,7 +167,7 @@ def _with_shared_law(problems: Sequence[Problem]) -> list[Problem]:
     levels = [each * np.log10(problem.pressure) for problem in problems]
     lowest = min(level.min() for level in levels)
     parts = np.arange(int(max(level.max() for level in levels) - lowest) + 1)
-    size = LAW_ERROR * math.sqrt(each * (1.0 - LAW_OWN**2))
+    size = LAW_ERROR * math.sqrt(each * (1.0 - own**2))
     return [
         problem.with_errors_of_conductance(
             [f"law_{part}" for part in parts],

@@ -129,7 +129,7 @@ TAKES_NUMBERS = {
         lambda x: lf.environment.EARTH_PLANET.curvature_radius(x, 0.0), 0.3, "deg", np.pi / 180.0
     ),
     "place": (
-        lambda x: lf.environment.Place.at("2026-06-21", x, 10.0).latitude, 45.0, "rad",
+        lambda x: lf.environment.Place.at("2026-06-21T12:00Z", x, 10.0).latitude, 45.0, "rad",
         180.0 / np.pi,
     ),
     "light": (lambda x: lf.environment.Radiation(x).irradiance, 1361.0, "kW/m^2", 1e3),

@@ -35,6 +35,9 @@ from lightflyer.files.table_rows import Rejected
 from lightflyer.program.arguments import reads_units
 
 _SCALED = Quantity("Pa*m", likely=(0.01, 0.5), known="the paper's disks in air have 0.09")
+_OPTIMUM = Quantity(
+    "Pa", likely=(0.9, 18.0), known="disks of 10 cm to 5 mm in air; the diameter would tell"
+)
 
 
 def _positive(kind: object) -> Quantity:
@@ -230,9 +233,12 @@ class Points:
 def doubts(pressure: np.ndarray, irradiance: np.ndarray, diameter: float | None) -> list[str]:
     """What in points of one sample is most likely of a wrong unit; pressure and light (n,)."""
     least = int(np.argmin(irradiance))
+    optimum = float(pressure[least])
     found = [("irradiance", _LIGHT.unlikely(irradiance))]
-    if diameter is not None:
-        scaled = _SCALED.unlikely(float(pressure[least]) * diameter)
+    if diameter is None:
+        found.append(("pressure of least irradiance", _OPTIMUM.unlikely(optimum)))
+    else:
+        scaled = _SCALED.unlikely(optimum * diameter)
         found.append(("pressure of least irradiance times diameter", scaled))
     return [f"{name} = {why}" for name, why in found if why]
 

@@ -250,7 +250,12 @@ def _parameter(
         raise ParameterError(
             f"{name} is {own} in the design; a fit needs a positive value to start from"
         )
-    return Parameter(text, target, chosen, float(np.exp(np.mean(np.log(values)))))
+    if np.ptp(values) > 0.0:
+        raise ParameterError(
+            f"{name} is one number in the fit, and {points.source} has several; fit it sample by "
+            f'sample, such as "{name}[{points.samples[0]}]"'
+        )
+    return Parameter(text, target, chosen, float(values[0]))
 
 
 def _index(fields: Fields, points: Points, parameters: Sequence[Parameter]) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Dates and the seconds that places count: since 2000-01-01 12:00 UTC."""
 
 import datetime
+import re
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,19 @@ EPOCH = datetime.datetime(2000, 1, 1, 12, tzinfo=datetime.UTC)
 
 _EPOCH = np.datetime64("2000-01-01T12:00:00", "ns")
 _NANOSECONDS = 1e9
+_DAY = re.compile(r"\d{4}-\d\d-\d\d")
+
+
+def require_hour(instant: Any) -> Any:
+    """Raise :class:`ParameterError` for a day without an hour, which is no instant; else it."""
+    if _DAY.fullmatch(str(instant).strip()):
+        raise ParameterError(f"{instant} is a day; add the hour, as in {instant}T12:00Z")
+    return instant
 
 
 def seconds_of(instant: Any) -> Any:
     """Seconds since the epoch [s]; leap seconds are not counted."""
+    require_hour(instant)
     if isinstance(instant, str):
         try:
             instant = datetime.datetime.fromisoformat(instant)
@@ -27,8 +37,6 @@ def seconds_of(instant: Any) -> Any:
         if instant.tzinfo is None:
             instant = instant.replace(tzinfo=datetime.UTC)
         return (instant - EPOCH).total_seconds()
-    if isinstance(instant, datetime.date):
-        raise ParameterError(f"time = {instant} names a day; add the hour, as in {instant}T12:00Z")
     if isinstance(instant, np.datetime64):
         return float((instant.astype("datetime64[ns]") - _EPOCH).astype(float) / _NANOSECONDS)
     return instant

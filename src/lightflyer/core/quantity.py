@@ -16,7 +16,7 @@ concrete values against the range when it is made. The section reads a text with
 import dataclasses
 import inspect
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from types import NoneType
@@ -332,7 +332,10 @@ ForceCoefficient = Annotated[
         likely=(0.04, 30.0), known="the paper has 0.4 and 3"),
 ]  # fmt: skip
 Correlation = Annotated[Numeric, Quantity("", -1.0, 1.0)]
-StandardErrors = Annotated[Numeric, Quantity("", -10.0, 10.0, in_files=Measured(0.0, 1.0))]
+StandardErrors = Annotated[
+    Numeric, Quantity("", -10.0, 10.0, in_files=Measured(0.0, 1.0),
+        likely=(-3.0, 3.0), known="a model is seldom off by three of its standard errors"),
+]  # fmt: skip
 Incidence = Annotated[Numeric, Quantity("deg", 0.0, 90.0)]
 Tilt = Annotated[Numeric, Quantity("deg", 0.0, 180.0)]
 Azimuth = Annotated[Numeric, Quantity("deg", -360.0, 360.0)]
@@ -440,15 +443,22 @@ def require_fit(shapes: Shapes) -> None:
 
 def shapes_in(part: Any, prefix: str = "", *, labelled: bool = False) -> dict[str, tuple[int, ...]]:
     """Shapes of the numbers of a record and of those in it, by name."""
-    found: dict[str, tuple[int, ...]] = {}
+    return {
+        name: getattr(value, "shape", ())
+        for name, _, value in numbers_in(part, prefix)
+        if labelled or not is_labelled(value)
+    }
+
+
+def numbers_in(part: Any, prefix: str = "") -> Iterator[tuple[str, Quantity, Any]]:
+    """Name, quantity and value of the numbers of a record and of those in it."""
     known = quantities_of(part.__class__)
     for name in part.__dataclass_fields__:
         value = getattr(part, name)
         if isinstance(value, eqx.Module):
-            found |= shapes_in(value, f"{prefix}{name}.", labelled=labelled)
-        elif name in known and (labelled or not is_labelled(value)):
-            found[f"{prefix}{name}"] = getattr(value, "shape", ())
-    return found
+            yield from numbers_in(value, f"{prefix}{name}.")
+        elif name in known:
+            yield f"{prefix}{name}", known[name], value
 
 
 class Checked(eqx.Module):

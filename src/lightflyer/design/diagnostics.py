@@ -1,11 +1,13 @@
 """What a reader of a result must know: where the force model, or the film, is beyond its range."""
 
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
 from lightflyer.budget.payload import light_on_cells
+from lightflyer.core.quantity import numbers_in
 from lightflyer.core.types import Numeric
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
@@ -47,6 +49,7 @@ def _state(environment: AbstractEnvironment, coordinate: Numeric) -> Environment
 def diagnose(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
     """Diagnostics of a flyer in some surroundings; ``temperature`` (n,)."""
     return (
+        *_number_diagnostics(setup),
         *_walls_diagnostics(setup, state),
         *setup.model.diagnostics(setup.flyer, state, temperature),
         *setup.flyer.diagnostics(state, temperature),
@@ -77,6 +80,15 @@ def diagnose_design(design: AbstractDesign, values: Mapping[str, float]) -> tupl
             places = np.linspace(band.lower, band.upper, _LOOKS)
     found = diagnose_in_light(setup, places) if np.size(places) else ()
     return (*design.warnings_for(values), *found)
+
+
+def _number_diagnostics(setup: Setup) -> Iterator[str]:
+    """That numbers of flyer or force model are possible, but most likely of a wrong unit."""
+    numbers = chain(numbers_in(setup.flyer, "flyer."), numbers_in(setup.model, "force."))
+    for name, quantity, value in numbers:
+        doubt = None if value is None else quantity.unlikely(value)
+        if doubt:
+            yield f"{name} = {doubt}"
 
 
 def _walls_diagnostics(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:

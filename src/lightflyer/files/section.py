@@ -19,6 +19,7 @@ import pydantic
 from pydantic import ConfigDict
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from lightflyer.core.clock import require_hour
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Quantity, contradiction_in, quantity_of
 from lightflyer.core.types import Numeric
@@ -133,6 +134,11 @@ class Section(pydantic.BaseModel):
         if isinstance(value, tuple):
             return tuple(entry.make() for entry in value)
         return value.make() if isinstance(value, Section) else value
+
+    @pydantic.field_validator("date", mode="before", check_fields=False)
+    @classmethod
+    def _has_an_hour(cls, date: Any) -> Any:
+        return require_hour(date)
 
     @pydantic.model_validator(mode="after")
     def _possible_together(self) -> "Section":

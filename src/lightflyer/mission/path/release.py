@@ -105,7 +105,7 @@ def require_steady_fall(craft: Craft, start: Start) -> None:
 
 def require_release_inside(release: Release, limits: Limits) -> None:
     """Raise unless a flyer is released between the limits of the mission, and under a known sun."""
-    first, last = (seconds_of(f"{year}-01-01") for year in _YEARS)
+    first, last = (seconds_of(f"{year}-01-01T00:00") for year in _YEARS)
     if not first <= float(release.time) < last:
         raise ParameterError(
             f"the date of the release is outside the years {_YEARS[0]} to {_YEARS[1]}, in which "

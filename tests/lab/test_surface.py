@@ -173,7 +173,8 @@ def test_a_cut_or_skewed_surface_is_said():
     assert any("exactly the highest" in text for text in roughness(of(height)).warnings)
     skewed = roughness(of(1e-8 * filtered_noise(0, 3.0, 2.0)))
     assert any("is skewed" in text for text in skewed.warnings)
-    assert "all heights are equal" in roughness(of(np.full((40, 40), 1e-6))).warnings[0]
+    with pytest.raises(lf.ConfigurationError, match="synthetic: all heights are equal"):
+        roughness(of(np.full((40, 40), 1e-6)))
 
 
 def test_units_and_scales(rng):

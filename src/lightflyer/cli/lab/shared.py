@@ -49,6 +49,10 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
         raise ConfigurationError(f"{option}: {error}") from None
     if unit in _IMPOSSIBLE and (found.value < 0.0 or (unit == "m" and found.value == 0.0)):
         raise ConfigurationError(f'{option}: "{text}" is {_IMPOSSIBLE[unit]}')
+    if unit == "K":
+        from lightflyer.core.quantity import Quantity, Temperature, quantity_of
+
+        (quantity_of(Temperature) or Quantity()).check(option, found.value)
     return found
 
 
@@ -66,13 +70,14 @@ def difference(option: str, text: str, unit: str) -> float:
     """Value of an option that is a difference, for which 1 °C is 1 K."""
     from lightflyer.core.units import parse, scale_and_offset
 
-    quantity(option, text, unit)
     written = text.lstrip("+-.0123456789eE ")
     try:
-        offset = scale_and_offset(written, unit)[1]
+        value = parse(text, unit).value - scale_and_offset(written, unit)[1]
     except ConfigurationError as error:
         raise ConfigurationError(f"{option}: {error}") from None
-    return parse(text, unit).value - offset
+    if value < 0.0:
+        raise ConfigurationError(f'{option}: "{text}" is negative')
+    return value
 
 
 def share(option: str, text: str) -> float:

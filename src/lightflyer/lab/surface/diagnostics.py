@@ -27,9 +27,7 @@ def warnings_of(
     """Warnings of one map; ``raw`` (rows, columns); ``masked`` (rows, columns)."""
     said = [*source.notes, *_pixel_diagnostics(source)]
     share = float(masked.mean())
-    if np.ptp(raw) == 0.0:
-        said.append("all heights are equal: this is no map of a surface")
-    elif (clipped := _clip_share(source.height)) > _MOST_CLIPPED:
+    if (clipped := _clip_share(source.height)) > _MOST_CLIPPED:
         said.append(
             f"{_PERCENT * clipped:.1f} % of the heights are exactly the highest or the lowest: "
             "the range of the scanner or of the file may cut the surface off; measure with a "
@@ -51,7 +49,7 @@ def warnings_of(
             f"and the map has only about {patches:.0f} independent patches: Sq is that of the "
             "levelled map, the interval that of the surface; a wider map narrows it"
         )
-    if not flattened and np.ptp(raw) > 0.0 and _rows_are_shifted(raw):
+    if not flattened and _rows_are_shifted(raw):
         said.append("scan lines are shifted against each other; compare with --flatten rows")
     return tuple(said)
 

@@ -172,7 +172,7 @@ def roughness(
     Raises
     ------
     ConfigurationError
-        If more than 90 % of the map is masked, or a mask has another shape.
+        If all heights are equal, more than 90 % of the map is masked, or a mask has another shape.
 
     Notes
     -----
@@ -192,6 +192,10 @@ def roughness(
     rows = None if flatten == "none" else flatten_order
     missing = source.missing
     raw = fill_missing(source.height)
+    if np.ptp(raw) == 0.0:
+        raise ConfigurationError(
+            f"{source.source}: all heights are equal: this is no map of a surface"
+        )
     raw = raw if rows is None else flatten_rows(raw, rows)
     whole = level(raw, missing, order)
     nothing = np.zeros(raw.shape, bool)
@@ -219,6 +223,8 @@ def roughness(
     everything = _estimates(whole, missing, *common)[0]
     said = warnings_of(source, raw, masked, inside["skewness"].value, lost, patches,
                        flattened=rows is not None)  # fmt: skip
+    if not isinstance(mask, str) and not mask.any():
+        said += ("the mask given is empty: Sq is that of the whole map",)
     if height_accuracy is None:
         said += assumed_accuracies({"heights": f"± {_PERCENT * HEIGHT_ACCURACY:g} %"})
     rows_columns = zip((source.length, source.width), raw.shape, strict=True)
@@ -238,7 +244,10 @@ def _require_fitting(source: HeightMap, mask: np.ndarray) -> None:
             f"{source.source}: the mask has {' and the map '.join(sizes)} pixels"
         )
     if mask.mean() > MOST_MASKED:
-        raise ConfigurationError(f"{source.source}: more than {MOST_MASKED:.0%} is masked")
+        raise ConfigurationError(
+            f"{source.source}: the mask given leaves out more than {MOST_MASKED:.0%} of the map; "
+            "what is 1, or not black, is left out"
+        )
 
 
 def _estimates(

@@ -610,6 +610,7 @@ def test_one_emittance_where_the_file_gives_two(flyer_file):
         (["c_fm", "force.c_fm[synthetic 2 cm]"], "fitted twice"),
         (["emittance", "film.emittance_top"], "both"),
         (["payload"], "payload is 0 in the design"),
+        (["diameter"], 'several; fit it sample by sample, such as "diameter[synthetic 2 cm]"'),
         (["gravity", "temperature", "emittance[gold]"], 'synthetic.csv has no sample "gold"'),
         (["c_fm", "c_cont", "tac_top", "tac_bottom"], "cannot tell"),
     ],

@@ -42,10 +42,14 @@ def test_a_gauge_in_a_wrong_unit_is_said(tmp_path):
     with pytest.raises(lf.ConfigurationError, match="is within its calibration; check the units"):
         gauge.correct(np.array([1e-3, 0.5]))
     assert "pressure over shown = 0.2 is unlikely" in gauge.correct(np.array([2.0]))[1][0]
-    assert "pressure over shown = 1000 is unlikely" in Gauge(1000.0).correct(np.ones(1))[1][0]
+    assert "pressure over shown = 20 is unlikely" in Gauge(20.0).correct(np.ones(1))[1][0]
+    wrong = TABLE.replace("[Pa]", "[kPa]").replace("mTorr", "Pa")
+    (tmp_path / "gauge.csv").write_text(wrong, encoding="utf-8")
+    with pytest.raises(lf.ParameterError, match=r"gauge.csv: pressure over shown = 200 must be"):
+        read_gauge(tmp_path / "gauge.csv")
 
 
-@pytest.mark.parametrize("factor", [0.0, -1.0, np.nan])
+@pytest.mark.parametrize("factor", [0.0, -1.0, np.nan, 1000.0])
 def test_an_impossible_factor_is_refused(factor):
     with pytest.raises(lf.ParameterError, match="gauge_factor"):
         Gauge(factor)

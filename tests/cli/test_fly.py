@@ -190,6 +190,8 @@ def test_a_mission_in_the_polar_night_says_that_it_finds_no_light(fly):
         ('"75 ± 0.2 km"', '"130 km"', "release altitude 130 km is at or above the highest"),
         ('"120 km"', '"2000 km"', "highest altitude 2000 km is outside the atmosphere"),
         ("2026-06-21T12:00:00Z", '"soon"', "mission.toml:2: mission.date"),
+        ("2026-06-21T12:00:00Z", "2026-06-21", "2026-06-21 is a day; add the hour"),
+        ("2026-06-21T12:00:00Z", '"2026-06-21"', "2026-06-21 is a day; add the hour"),
         ("2026-06-21T12:00:00Z", "3026-06-21T12:00:00Z", "outside the years 1950 to 2050"),
         ('every = "5 min"', 'every = "31 h"', "every, 111600 s, is longer than the duration"),
         ('latitude = "45 deg"', 'latitude = "95 deg"', "mission.toml:3: mission.latitude"),

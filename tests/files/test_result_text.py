@@ -125,7 +125,7 @@ def test_a_calibration(disk):
     fit = lf.calibrate(disk, chamber, lf.Lu2023(0.5, 2.0), points=points)
     low, high = fit.intervals[0]
     assert f" c_fm {fit.values[0]:.4g} {low:.4g} to {high:.4g}" in words(fit)
-    assert "8 points of 1 samples" in words(fit)
+    assert "8 points of 1 sample " in words(fit)
 
 
 @pytest.fixture(scope="module")

@@ -279,9 +279,10 @@ def test_a_span_that_cannot_follow_the_points_is_said():
     assert widths[1] > 0.9 * widths[0]
 
 
-def test_kilowatts_and_millitorr_taken_for_others_are_said(truth, rng):
+@pytest.mark.parametrize("properties", [{"diameter": 0.02}, {}])
+def test_kilowatts_and_millitorr_taken_for_others_are_said(truth, rng, properties):
     points = draw(truth, rng)
-    points.properties.update(diameter=0.02)
+    points.properties.update(properties)
     assert not any("unlikely" in text for text in levitation_curve(points).warnings)
     for wrong in (replace(points, irradiance=1e-3 * points.irradiance),
                   replace(points, pressure=7.5 * points.pressure)):  # fmt: skip

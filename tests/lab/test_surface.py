@@ -219,6 +219,14 @@ def test_many_particles_are_warned_of(rng):
     assert any("of the map is masked" in text for text in found.warnings)
 
 
+def test_a_mask_given_may_leave_out_nothing_but_not_most(rng):
+    height = random_surface(rng)
+    mask = np.zeros(height.shape, bool)
+    assert any("mask given is empty" in text for text in roughness(of(height), mask=mask).warnings)
+    with pytest.raises(lf.ConfigurationError, match="leaves out more than 90% of the map"):
+        roughness(of(height), mask=~mask)
+
+
 def test_several_maps_are_averaged(rng):
     maps = [roughness(of(random_surface(rng, rms_height=height * 1e-9))) for height in (30.0, 40.0)]
     found = summary(maps)

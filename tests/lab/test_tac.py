@@ -385,7 +385,7 @@ def test_narrow_range_is_cut_and_says_what_would_determine(rng):
     low, high = narrow.tac.interval
     assert 0.0 <= low < high <= 2.0
     assert narrow.undetermined in narrow.warnings
-    assert any("cut to what is possible, 0 to 2" in text for text in narrow.warnings)
+    assert any("bound it to what is possible, 0 to 2" in text for text in narrow.warnings)
     words = narrow.undetermined.split()
     first, last = (float(words[words.index("from") + step]) for step in (1, 3))
     wide = tac.fit_tac(independent_run(20, 0.02, rng, lowest=first, highest=last), **OPTIONS)

@@ -47,6 +47,15 @@ def test_what_a_designer_must_know(film, says):
     assert says not in warnings_of(environment=environment)
 
 
+def test_numbers_most_likely_of_a_wrong_unit_are_said():
+    force = {"model": "lu2023", "c_fm": 162.0, "force_error": -5.0}
+    told = warnings_of(FILM | TACS | {"emittance": 8e-4}, force=force)
+    assert "force.c_fm = 162 is unlikely" in told
+    assert "force.force_error = -5 is unlikely" in told
+    assert "flyer.film.emittance_bottom = 0.0008 is unlikely" in told
+    assert "unlikely" not in warnings_of()
+
+
 def test_a_film_upside_down_is_pushed_down_under_a_cold_sky_too():
     """High up it is colder than the gas, which pushes it up a little."""
     film = FILM | {"tac_top": 0.9, "tac_bottom": 0.8}

@@ -1,19 +1,21 @@
 """What a pressure gauge shows, and what the pressure is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Pressure, Quantity
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.program.arguments import reads_units
 
-_FACTOR = Quantity(likely=(0.1, 10.0), known="gauges in other gases show 0.1 to 6 of the pressure")
-_RATIO = Quantity(likely=(0.3, 3.0), known="calibrations move a gauge by less")
+_POSSIBLE = Quantity("", 0.0, open_below=True, sizes=(0.02, 50.0), why="no gauge is farther off")
+_FACTOR = replace(
+    _POSSIBLE, likely=(0.1, 10.0), known="gauges in other gases show 0.1 to 6 of the pressure"
+)
+_RATIO = replace(_POSSIBLE, likely=(0.3, 3.0), known="calibrations move a gauge by less")
 _COLUMNS = (
     Column("shown", Pressure, ("reading", "indicated", "gauge", "display"), required=True),
     Column("pressure", Pressure, ("p", "true", "reference"), required=True),
@@ -36,7 +38,9 @@ class Gauge:
         whole = (self.shown is None) is (self.pressure is None)
         if one.ndim or one.dtype.kind not in "iuf" or not whole:
             raise ParameterError("a gauge has one factor, and both shown and pressure or neither")
-        require_positive(gauge_factor=self.factor)
+        _FACTOR.check("gauge_factor", self.factor)
+        if self.shown is not None and self.pressure is not None:
+            _RATIO.check(f"{self.source}: pressure over shown", self.pressure / self.shown)
 
     def correct(self, shown: np.ndarray) -> tuple[np.ndarray, list[str]]:
         """Pressures for what is shown, shape (m,) [Pa], and what must be known of them."""

@@ -313,7 +313,8 @@ def read_points(
         lines=tuple(table.lines.tolist()),
         rejected=tuple(table.rejected),
         unused=tuple(table.unused),
-        reading=(*table.notes, *said),
+        reading=tuple(table.notes),
+        notes=tuple(said),
     )
 
 

@@ -46,8 +46,9 @@ def _explain(fit: "Calibration") -> list[str]:
     shares = ", ".join(
         f"{name} ({_percentages(values)})" for name, values in fit.contributions.items()
     )
+    samples = len(set(fit.points.samples))
     return [
-        f"{len(fit.points)} points of {len(set(fit.points.samples))} samples scatter by "
+        f"{len(fit.points)} points of {samples} sample{'s' * (samples > 1)} scatter by "
         f"{100.0 * fit.scatter:.2g} % of the irradiance; their uncertainty is {kind}{chi_squared}",
         "given inputs: the points' scatter alone, everything else exactly as stated",
         f"total: also the ± of {shares or 'nothing else, since nothing has one'}",

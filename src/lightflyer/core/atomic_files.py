@@ -57,7 +57,7 @@ def _say_what_else(directory: Path, names: set[str]) -> None:
         if path.suffix in _RESULTS or (path.suffix == ".csv" and path.stem in stems)
     )
     if others := [name for name in found if name not in names]:
-        text = f"{directory}: {', '.join(others)} are not of this run, but were there before"
+        text = f"{directory}: not of this run, but there before: {', '.join(others)}"
         warnings.warn(text, ParameterWarning, stacklevel=3)
 
 

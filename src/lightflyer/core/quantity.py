@@ -78,7 +78,7 @@ class Quantity:
             return None
         bad, most = size[beyond][0], size[beyond][0] > largest
         limit = f"at most {largest:g}" if most else f"at least {smallest:g}"
-        return f"{bad:g} must be {limit} {self.unit}: {self.why}"
+        return f"{bad:g} must be {f'{limit} {self.unit}'.strip()}: {self.why}"
 
     def unlikely(self, value: Any) -> str | None:
         """Say in words why a measured value is in doubt, None where it is not."""

@@ -208,7 +208,7 @@ def _diagnostics(
     points: LiftOffs, least: Minimum, pressure: Estimate, step: float
 ) -> tuple[str, ...]:
     """What a reader of the result must know."""
-    said = []
+    said = list(points.notes)
     if least.edge:
         said.append(
             f"{points.place}: {points.name} has its minimum at the end of its pressures; the "

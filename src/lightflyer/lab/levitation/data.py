@@ -34,6 +34,7 @@ class LiftOffs:
     properties: dict[str, float] = field(default_factory=dict)
     #: shape (n,); stated standard uncertainties, by the names of their columns
     uncertainties: dict[str, np.ndarray] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()  #: What was done to the points, one line each
 
     @property
     def in_ground_effect(self) -> bool:
@@ -102,4 +103,5 @@ def _sample(points: Points, name: str) -> LiftOffs:
             for column, values in here.numbers.items()
             if column.endswith("_uncertainty")
         },
+        notes=here.notes,
     )

@@ -46,6 +46,7 @@ class TacRun:
     #: shape (n,); temperatures of the heater, and of the gas and walls [K]
     heater_temperature: np.ndarray
     ambient_temperature: np.ndarray  #: As ``heater_temperature``
+    notes: tuple[str, ...] = ()  #: What was done to the rows, one line each
 
     @property
     def source(self) -> str:
@@ -112,13 +113,13 @@ def read_tac(
         raise ConfigurationError(f"{table.rejected[0]}; all rows are rejected")
     power, heater = _power(table), _heater_temperature(table, thermometer)
     pressure, said = (gauge or Gauge()).correct(table.numbers["pressure"])
-    table.notes.extend(said)
     return TacRun(
         table=table,
         pressure=pressure,
         power=power,
         heater_temperature=heater,
         ambient_temperature=_ambient(table, ambient_temperature),
+        notes=tuple(said),
     )
 
 

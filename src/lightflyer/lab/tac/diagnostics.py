@@ -163,7 +163,7 @@ def why_undetermined(estimate: Estimate, problem: Problem, scatter: float) -> st
 def require_possible(source: str, estimates: dict[str, Estimate], reading: str) -> None:
     """Raise if a result is impossible beyond its uncertainty; ``source``: name of the file."""
     ratio, tac, offset = (estimates[name] for name in ("area_ratio", "tac", "offset"))
-    check = "check the units of pressure and power, the temperatures and the diameter"
+    check = "check the units of pressure and power, gas, temperatures and diameter"
     low, high = AREA_RATIOS
     if not low <= ratio.value <= high:
         raise ConfigurationError(
@@ -196,8 +196,8 @@ def cut(estimates: dict[str, Estimate]) -> tuple[dict[str, Estimate], list[str]]
         if ends != one.interval:
             allowed = f"{low:g} to {high:g}" if math.isfinite(high) else f"{low:g} or more"
             texts.append(
-                f"the interval of the {said[name]} is cut to what is possible, {allowed}; the "
-                "rows alone do not bound it"
+                f"the interval of the {said[name]} is cut at {ends[0]:.3g} to {ends[1]:.3g}: the "
+                f"rows alone do not bound it to what is possible, {allowed}"
             )
     return changed, texts
 

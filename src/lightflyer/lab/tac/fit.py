@@ -308,7 +308,7 @@ def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
         texts.insert(
             0, f"{list_lines(lines, run.source)}: left out, off the curve of all other rows"
         )
-    texts += result_warnings(estimates, reading)
+    texts += [*run.notes, *result_warnings(estimates, reading)]
     texts += model_warnings(estimates["tac"].value, reading, others.get(KINETIC))
     texts += misfit_warnings(solution.alike, len(fitted), solution.values)
     texts += drift_warnings(problem.conductance / fitted - 1.0, problem.pressure, solution.alike)

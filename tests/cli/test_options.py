@@ -76,7 +76,10 @@ def test_the_same_data_twice_are_refused(name, run, tmp_path, monkeypatch):
         (["tac", "tac-reduced.txt", "--diameter", "-3 mm"], '--diameter: "-3 mm" is not positive'),
         (["tac", "tac-reduced.txt", "--diameter", "24 ± 30 mm"], "is not known by its ±"),
         (["tac", "tac-reduced.txt", "--ambient", "-300 °C"], "is below absolute zero"),
-        (["tac", "tac-reduced.txt", "--ambient", "1e6 K"], "--ambient = 1e+06 must be at most 5000"),
+        (
+            ["tac", "tac-reduced.txt", "--ambient", "1e6 K"],
+            "--ambient = 1e+06 must be at most",
+        ),
         (["tac", "tac-reduced.txt", "--tolerance", "-1 °C"], '--tolerance: "-1 °C" is negative'),
         (["tac", "tac-reduced.txt", "--gauge-accuracy", "-5 %"], "--gauge-accuracy"),
         (["tac", "tac-reduced.txt", "--diameter", "24"], 'write "24 mm"'),

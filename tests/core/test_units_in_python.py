@@ -68,7 +68,10 @@ def test_every_record_reads_units():
         (True, "radius must be a number"),
         (1j, "radius must be a number"),
         ({}, "radius must be a number"),
-        (pd.DataFrame({"radius": [0.01, 0.02]}), "radius is a table of pandas; give one column"),
+        (
+            pd.DataFrame({"radius": [0.01, 0.02]}),
+            "radius is a table of pandas; give one of its columns",
+        ),
         ([0.01, "x"], r'radius = "x" is not a number with a unit'),
         ([[0.01], [0.01, 0.02]], "radius must be a number"),
         ("-2 cm", "radius = -0.02 is not positive"),

@@ -23,7 +23,7 @@ from lightflyer.environment.mars import season_irradiance
 from lightflyer.environment.view_factor import ground_view_factor
 from lightflyer.environment.wind.gradient import balanced_rotation
 from lightflyer.film.media import effective_media
-from lightflyer.film.media.dispersion import drude, lorentz, tauc_lorentz
+from lightflyer.film.media.dispersion import CodyLorentz, Drude, Gaussian, Lorentz, TaucLorentz
 from lightflyer.program.entry_point import is_entry_point
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
@@ -126,11 +126,21 @@ for name, atmosphere in ATMOSPHERES.items():
             )(73e3 * x)  # between the knots of every table
 
 _EV = 1.602176634e-19
-CASES["film.tauc_lorentz"] = lambda x: tauc_lorentz(
-    2.2 * _EV, 122.0 * _EV, 3.45 * x * _EV, 2.54 * _EV, 1.2 * _EV
-)[0]
-CASES["film.lorentz"] = lambda x: lorentz(1.8 * _EV, 1.5, 2.0 * x * _EV, 0.3 * _EV)[1]
-CASES["film.drude"] = lambda x: drude(0.2 * x * _EV, 9.0 * _EV, 0.1 * _EV)[1]
+CASES["film.TaucLorentz.permittivity"] = lambda x: TaucLorentz(
+    122.0 * _EV, 3.45 * x * _EV, 2.54 * _EV, 1.2 * _EV
+).permittivity(2.2 * _EV)[0]
+CASES["film.Lorentz.permittivity"] = lambda x: Lorentz(1.5, 2.0 * x * _EV, 0.3 * _EV).permittivity(
+    1.8 * _EV
+)[1]
+CASES["film.Drude.permittivity"] = lambda x: Drude(9.0 * _EV, 0.1 * _EV).permittivity(
+    0.2 * x * _EV
+)[1]
+CASES["film.Gaussian.permittivity"] = lambda x: Gaussian(
+    0.8, 0.12 * x * _EV, 0.03 * _EV
+).permittivity(0.11 * _EV)[0]
+CASES["film.CodyLorentz.permittivity"] = lambda x: CodyLorentz(
+    80.0 * _EV, 3.5 * _EV, 2.3 * x * _EV, 1.1 * _EV, 0.9 * _EV
+).permittivity(2.2 * _EV)[0]
 for name in ("bruggeman", "maxwell_garnett", "parallel", "series"):
     CASES[f"film.{name}"] = lambda x, name=name: getattr(effective_media, name)(
         np.array([1.0, 2.5]) * x, np.array([0.1, 0.3]), np.array([0.4, 0.6])

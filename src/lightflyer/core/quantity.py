@@ -102,7 +102,7 @@ class Quantity:
         if isinstance(value, int | float) and not isinstance(value, bool):
             return value
         if hasattr(value, "columns"):
-            raise ParameterError(f'{name} is a table of pandas; give one column, such as frame["a"]')
+            raise ParameterError(f"{name} is a table of pandas; give one of its columns")
         if hasattr(value, "index") or not hasattr(value, "dtype"):  # pandas has both
             value = _array_of(value)
         if isinstance(value, np.ma.MaskedArray):

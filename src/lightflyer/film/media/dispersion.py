@@ -11,14 +11,14 @@ imaginary part,
 
 import abc
 import dataclasses
-from typing import Annotated, Any
+from typing import Annotated
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lightflyer.core.checks import is_concrete, is_traced, require_range
+from lightflyer.core.checks import is_traced, require_range
 from lightflyer.core.constants import PLANCK, SPEED_OF_LIGHT
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
@@ -40,46 +40,92 @@ _NODES = [0.5 * (1.0 + np.polynomial.legendre.leggauss(80)[0]),
 _NEAR_GAP = 1e-150  # relative: at the gap itself x² ln|x| is zero
 
 
-@entry_point
-def lorentz(
-    energy: Numeric, strength: Numeric, centre: Numeric, broadening: Numeric
-) -> tuple[Numeric, Numeric]:
-    """Permittivity of a damped oscillator; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2."""
-    # .. math:: \varepsilon = \frac{f E_0^2}{E_0^2-E^2-i\Gamma E}
-    below = centre**2 - energy**2
-    width = broadening * energy
-    scale = strength * centre**2 / (below**2 + width**2)
-    return scale * below, scale * width
+class Term(Checked):
+    """A term of a permittivity, which obeys causality by itself."""
+
+    @abc.abstractmethod
+    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
+        """Real and imaginary part; ``energy``: photon energy [J]."""
 
 
-@entry_point
-def drude(energy: Numeric, plasma: Numeric, broadening: Numeric) -> tuple[Numeric, Numeric]:
-    """Permittivity of free carriers; ``energy``: photon energy; [Fujiwara2007]_ ch. 5.2."""
-    # .. math:: \varepsilon = -\frac{E_p^2}{E^2+i\Gamma E}
-    scale = plasma**2 / (energy**2 + broadening**2)
-    return -scale, scale * broadening / energy
+class Lorentz(Term):
+    """A damped oscillator; [Fujiwara2007]_ ch. 5.2.
+
+    Attributes
+    ----------
+    strength : array
+        [1].
+    energy, broadening : array
+        [J], or a text such as ``"0.09 eV"``.
+    """
+
+    strength: OscillatorStrength
+    energy: PhotonEnergy
+    broadening: PhotonEnergy
+
+    @entry_point
+    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
+        # .. math:: \varepsilon = \frac{f E_0^2}{E_0^2-E^2-i\Gamma E}
+        below = self.energy**2 - energy**2
+        width = self.broadening * energy
+        scale = self.strength * self.energy**2 / (below**2 + width**2)
+        return scale * below, scale * width
 
 
-@entry_point
-def tauc_lorentz(
-    energy: Numeric, amplitude: Numeric, centre: Numeric, broadening: Numeric, gap: Numeric
-) -> tuple[Numeric, Numeric]:
-    """Permittivity of an amorphous semiconductor or insulator between its bands."""
-    # .. math::
-    #     \varepsilon_2 = \frac{A E_0 C (E-E_g)^2}{(E^2-E_0^2)^2+C^2E^2}\,\frac1E
-    #     \quad(E>E_g),\qquad 0\quad(E\le E_g),
-    #
-    # and the closed Kramers-Kronig transform of it.
-    #
-    # Source: [JellisonModine1996]_, with the erratum.
-    # in units of the centre, where sums of logarithms lose no digits
-    e, a, c, g = (one / centre for one in (energy, amplitude, broadening, gap))
-    return a * _tauc_lorentz_real(e, c, g), a * _tauc_lorentz_imaginary(e, c, g)
+class Drude(Term):
+    """Free carriers; [Fujiwara2007]_ ch. 5.2.
+
+    Attributes
+    ----------
+    plasma, broadening : array
+        [J], or a text such as ``"8.9 eV"``.
+    """
+
+    plasma: PhotonEnergy
+    broadening: PhotonEnergy
+
+    @entry_point
+    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
+        # .. math:: \varepsilon = -\frac{E_p^2}{E^2+i\Gamma E}
+        scale = self.plasma**2 / (energy**2 + self.broadening**2)
+        return -scale, scale * self.broadening / energy
 
 
-def _tauc_lorentz_imaginary(e: Numeric, c: Numeric, g: Numeric) -> Numeric:
-    above = jnp.maximum(e - g, 0.0)
-    return c * above**2 / (((e**2 - 1.0) ** 2 + (c * e) ** 2) * e)
+class TaucLorentz(Term):
+    r"""Interband absorption of an amorphous semiconductor or insulator.
+
+    .. math::
+        \varepsilon_2 = \frac{A E_0 C (E-E_g)^2}{(E^2-E_0^2)^2+C^2E^2}\,\frac1E
+        \quad(E>E_g),\qquad 0\quad(E\le E_g),
+
+    and the closed Kramers-Kronig transform of it; [JellisonModine1996]_, with the erratum.
+
+    Attributes
+    ----------
+    amplitude, energy, broadening, gap : array
+        :math:`A`, :math:`E_0`, :math:`C`, :math:`E_g` [J], or a text such as ``"1.2 eV"``. The
+        broadening is below twice the energy: the closed form needs it.
+    """
+
+    amplitude: PhotonEnergy
+    energy: PhotonEnergy
+    broadening: PhotonEnergy
+    gap: EnergyGap
+
+    @staticmethod
+    def contradiction(energy: Numeric, broadening: Numeric) -> str | None:
+        if np.any(broadening >= 2.0 * energy):
+            return "broadening of a Tauc-Lorentz term must be below twice its energy"
+        return None
+
+    @entry_point
+    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
+        # in units of the centre, where sums of logarithms lose no digits
+        numbers = (energy, self.amplitude, self.broadening, self.gap)
+        e, a, c, g = (one / self.energy for one in numbers)
+        above = jnp.maximum(e - g, 0.0)
+        imaginary = c * above**2 / (((e**2 - 1.0) ** 2 + (c * e) ** 2) * e)
+        return a * _tauc_lorentz_real(e, c, g), a * imaginary
 
 
 def _tauc_lorentz_real(e: Numeric, c: Numeric, g: Numeric) -> Numeric:
@@ -109,151 +155,50 @@ def _tauc_lorentz_real(e: Numeric, c: Numeric, g: Numeric) -> Numeric:
     return terms / (jnp.pi * zeta)
 
 
-@entry_point
-def gaussian(
-    energy: Numeric, amplitude: Numeric, centre: Numeric, broadening: Numeric
-) -> tuple[Numeric, Numeric]:
-    """Permittivity of a Gaussian band; ``broadening``: its full width at half height."""
-    # .. math:: \varepsilon_2 = A\,[e^{-(E-E_0)^2/\sigma^2} - e^{-(E+E_0)^2/\sigma^2}],\qquad
-    #     \varepsilon_1 = \frac{2A}{\sqrt\pi}\left[D\left(\frac{E+E_0}\sigma\right)
-    #     - D\left(\frac{E-E_0}\sigma\right)\right]
-    #
-    # with Dawson's function D. Source: [Meneses2006]_.
-    sigma = broadening / (2.0 * np.sqrt(np.log(2.0)))
-    near, far = (energy - centre) / sigma, (energy + centre) / sigma
-    real = 2.0 / np.sqrt(np.pi) * (dawson(far) - dawson(near))
-    return amplitude * real, amplitude * (jnp.exp(-(near**2)) - jnp.exp(-(far**2)))
-
-
-@entry_point
-def cody_lorentz(
-    energy: Numeric, amplitude: Numeric, centre: Numeric, broadening: Numeric, gap: Numeric,
-    transition: Numeric,
-) -> tuple[Numeric, Numeric]:  # fmt: skip
-    """Permittivity of an amorphous semiconductor with a constant dipole at its gap."""
-
-    # .. math:: \varepsilon_2 = \frac{(E-E_g)^2}{(E-E_g)^2+E_p^2}\,
-    #     \frac{A E_0\Gamma E}{(E^2-E_0^2)^2+\Gamma^2E^2}\quad(E>E_g)
-    #
-    # of [Ferlauto2002]_, without the tail below the gap. The other part is its Kramers-Kronig
-    # integral, in which the pole is subtracted, by Gauss-Legendre nodes beyond the gap.
-    def absorbed(e: Numeric) -> Numeric:
-        above = jnp.maximum(e - gap, 0.0) ** 2
-        peak = amplitude * centre * broadening * e
-        shape = above / (above + transition**2)
-        return shape * peak / ((e**2 - centre**2) ** 2 + (broadening * e) ** 2)
-
-    here, square, real = absorbed(energy), energy**2, jnp.zeros_like(energy)
-    share, weight = _NODES
-    for at, part in zip(share, weight, strict=True):
-        e = gap + centre * at / (1.0 - at)
-        apart = e**2 - square
-        safe = jnp.where(apart == 0.0, 1.0, apart)
-        step = part * centre / (1.0 - at) ** 2
-        real = real + step * jnp.where(apart == 0.0, 0.0, (e * absorbed(e) - energy * here) / safe)
-    safe = jnp.where(energy == gap, 1.0, jnp.abs(gap - energy))
-    pole = here * jnp.log((gap + energy) / safe)
-    return (2.0 * real + pole) / np.pi, here
-
-
-class Term(Checked):
-    """A term of a permittivity, which obeys causality by itself."""
-
-    @abc.abstractmethod
-    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        """Real and imaginary part; ``energy``: photon energy."""
-
-
-class Lorentz(Term):
-    """A damped oscillator; see :func:`lorentz`.
-
-    Attributes
-    ----------
-    strength : array
-        [1].
-    energy, broadening : array
-        [J], or a text such as ``"0.09 eV"``.
-    """
-
-    strength: OscillatorStrength
-    energy: PhotonEnergy
-    broadening: PhotonEnergy
-
-    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        return lorentz(energy, self.strength, self.energy, self.broadening)
-
-
-class Drude(Term):
-    """Free carriers; see :func:`drude`.
-
-    Attributes
-    ----------
-    plasma, broadening : array
-        [J], or a text such as ``"8.9 eV"``.
-    """
-
-    plasma: PhotonEnergy
-    broadening: PhotonEnergy
-
-    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        return drude(energy, self.plasma, self.broadening)
-
-
-class TaucLorentz(Term):
-    """Interband absorption of an amorphous medium; see :func:`tauc_lorentz`.
-
-    Attributes
-    ----------
-    amplitude, energy, broadening, gap : array
-        [J], or a text such as ``"1.2 eV"``.
-
-    Raises
-    ------
-    ParameterError
-        If a concrete broadening is not below twice the energy: the closed form needs it.
-    """
-
-    amplitude: PhotonEnergy
-    energy: PhotonEnergy
-    broadening: PhotonEnergy
-    gap: EnergyGap
-
-    def __check_init__(self) -> None:
-        if is_concrete((self.energy, self.broadening)) and np.any(
-            self.broadening >= 2.0 * self.energy
-        ):
-            raise ParameterError("broadening of a Tauc-Lorentz term must be below twice its energy")
-
-    def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        return tauc_lorentz(energy, self.amplitude, self.energy, self.broadening, self.gap)
-
-
 class Gaussian(Term):
-    """A Gaussian band, such as a polymer's in the infrared; see :func:`gaussian`.
+    r"""A Gaussian band, such as a polymer's in the infrared; [Meneses2006]_.
+
+    .. math:: \varepsilon_2 = A\,[e^{-(E-E_0)^2/\sigma^2} - e^{-(E+E_0)^2/\sigma^2}],\qquad
+        \varepsilon_1 = \frac{2A}{\sqrt\pi}\left[D\left(\frac{E+E_0}\sigma\right)
+        - D\left(\frac{E-E_0}\sigma\right)\right]
+
+    with Dawson's function D.
 
     Attributes
     ----------
     amplitude : array
         Imaginary part at the centre [1].
     energy, broadening : array
-        [J], or a text such as ``"0.09 eV"``.
+        Centre, and full width at half height [J], or a text such as ``"0.09 eV"``.
     """
 
     amplitude: OscillatorStrength
     energy: PhotonEnergy
     broadening: PhotonEnergy
 
+    @entry_point
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        return gaussian(energy, self.amplitude, self.energy, self.broadening)
+        sigma = self.broadening / (2.0 * np.sqrt(np.log(2.0)))
+        near, far = (energy - self.energy) / sigma, (energy + self.energy) / sigma
+        real = 2.0 / np.sqrt(np.pi) * (dawson(far) - dawson(near))
+        imaginary = jnp.exp(-(near**2)) - jnp.exp(-(far**2))
+        return self.amplitude * real, self.amplitude * imaginary
 
 
 class CodyLorentz(Term):
-    """Interband absorption of an amorphous semiconductor; see :func:`cody_lorentz`.
+    r"""Interband absorption of an amorphous semiconductor with a constant dipole at its gap.
+
+    .. math:: \varepsilon_2 = \frac{(E-E_g)^2}{(E-E_g)^2+E_p^2}\,
+        \frac{A E_0\Gamma E}{(E^2-E_0^2)^2+\Gamma^2E^2}\quad(E>E_g)
+
+    of [Ferlauto2002]_, without the tail below the gap. The other part is its Kramers-Kronig
+    integral, in which the pole is subtracted, by Gauss-Legendre nodes beyond the gap.
 
     Attributes
     ----------
     amplitude, energy, broadening, gap, transition : array
-        [J], or a text such as ``"1.2 eV"``.
+        :math:`A`, :math:`E_0`, :math:`\Gamma`, :math:`E_g`, :math:`E_p` [J], or a text such as
+        ``"1.2 eV"``.
     """
 
     amplitude: PhotonEnergy
@@ -262,10 +207,25 @@ class CodyLorentz(Term):
     gap: EnergyGap
     transition: PhotonEnergy
 
+    @entry_point
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        return cody_lorentz(
-            energy, self.amplitude, self.energy, self.broadening, self.gap, self.transition
-        )
+        here, square, real = self._absorbed(energy), energy**2, jnp.zeros_like(energy)
+        for at, part in zip(*_NODES, strict=True):
+            e = self.gap + self.energy * at / (1.0 - at)
+            apart = e**2 - square
+            safe = jnp.where(apart == 0.0, 1.0, apart)
+            step = part * self.energy / (1.0 - at) ** 2
+            excess = (e * self._absorbed(e) - energy * here) / safe
+            real = real + step * jnp.where(apart == 0.0, 0.0, excess)
+        safe = jnp.where(energy == self.gap, 1.0, jnp.abs(self.gap - energy))
+        pole = here * jnp.log((self.gap + energy) / safe)
+        return (2.0 * real + pole) / np.pi, here
+
+    def _absorbed(self, e: Numeric) -> Numeric:
+        above = jnp.maximum(e - self.gap, 0.0) ** 2
+        peak = self.amplitude * self.energy * self.broadening * e
+        shape = above / (above + self.transition**2)
+        return shape * peak / ((e**2 - self.energy**2) ** 2 + (self.broadening * e) ** 2)
 
 
 class Cauchy(Checked):
@@ -358,13 +318,10 @@ class Formula(Medium):
         return tuple(found)
 
     def with_extrapolation(self, policy: Extrapolation | str) -> "Formula":
-        return self._with(extrapolation=Extrapolation.of(policy))
+        return dataclasses.replace(self, extrapolation=Extrapolation.of(policy))
 
     def with_density(self, density: Numeric) -> "Formula":
-        return self._with(density=density, density_source="given by the user")
-
-    def _with(self, **changes: Any) -> "Formula":
-        return dataclasses.replace(self, **changes)
+        return dataclasses.replace(self, density=density, density_source="given by the user")
 
     def extrapolations(self, shortest: float, longest: float) -> tuple[str, ...]:
         if self.extrapolation is Extrapolation.ERROR or np.all(self.covers([shortest, longest])):

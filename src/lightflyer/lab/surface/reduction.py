@@ -191,12 +191,7 @@ def roughness(
     require_range("height_accuracy", height_accuracy, 0.0, 0.5)
     rows = None if flatten == "none" else flatten_order
     missing = source.missing
-    raw = fill_missing(source.height)
-    if np.ptp(raw) == 0.0:
-        raise ConfigurationError(
-            f"{source.source}: all heights are equal: this is no map of a surface"
-        )
-    raw = raw if rows is None else flatten_rows(raw, rows)
+    raw = _raw(source, rows)
     whole = level(raw, missing, order)
     nothing = np.zeros(raw.shape, bool)
     if not isinstance(mask, str):
@@ -223,8 +218,7 @@ def roughness(
     everything = _estimates(whole, missing, *common)[0]
     said = warnings_of(source, raw, masked, inside["skewness"].value, lost, patches,
                        flattened=rows is not None)  # fmt: skip
-    if not isinstance(mask, str) and not mask.any():
-        said += ("the mask given is empty: Sq is that of the whole map",)
+    said += _empty(mask)
     if height_accuracy is None:
         said += assumed_accuracies({"heights": f"± {_PERCENT * HEIGHT_ACCURACY:g} %"})
     rows_columns = zip((source.length, source.width), raw.shape, strict=True)
@@ -233,6 +227,16 @@ def roughness(
         source, found.height, found.particles, found.holes, inside, everything, accuracy, patches,
         lost, texture_of(found.height, masked, (down, right)), said,
     )  # fmt: skip
+
+
+def _raw(source: HeightMap, rows: int | None) -> np.ndarray:
+    """Heights, missing ones filled; rows flattened by a polynomial of order ``rows``, if any."""
+    raw = fill_missing(source.height)
+    if np.ptp(raw) == 0.0:
+        raise ConfigurationError(
+            f"{source.source}: all heights are equal: this is no map of a surface"
+        )
+    return raw if rows is None else flatten_rows(raw, rows)
 
 
 def _require_fitting(source: HeightMap, mask: np.ndarray) -> None:
@@ -248,6 +252,11 @@ def _require_fitting(source: HeightMap, mask: np.ndarray) -> None:
             f"{source.source}: the mask given leaves out more than {MOST_MASKED:.0%} of the map; "
             "what is 1, or not black, is left out"
         )
+
+
+def _empty(mask: Mask) -> tuple[str, ...]:
+    empty = not isinstance(mask, str) and not mask.any()
+    return ("the mask given is empty: Sq is that of the whole map",) if empty else ()
 
 
 def _estimates(

@@ -4,6 +4,8 @@ import pytest
 import lightflyer as lf
 from lightflyer.calibration.gauge import Gauge, read_gauge
 from lightflyer.calibration.points import read_points
+from lightflyer.lab.levitation.curve import levitation_curve
+from lightflyer.lab.levitation.data import read_lift_offs
 
 TABLE = "shown [mTorr],pressure [Pa]\n1,0.2\n10,1.5\n1000,200\n"
 
@@ -27,6 +29,19 @@ def test_a_factor_moves_every_pressure_with_its_uncertainty(tmp_path):
     points = read_points(tmp_path / "points.csv", gauge=Gauge(1.7))
     assert points.pressure == pytest.approx([1.7, 3.4])
     assert points.numbers["pressure_uncertainty"] == pytest.approx([0.17, 0.51])
+
+
+def test_what_is_held_beyond_a_calibration_is_a_warning(tmp_path):
+    (tmp_path / "gauge.csv").write_text(
+        "shown [Pa],pressure [Pa]\n2,2.2\n9,9.9\n", encoding="utf-8"
+    )
+    rows = "".join(f"{p},{1000 + 9 * (p - 4) ** 2}\n" for p in range(1, 10))
+    (tmp_path / "points.csv").write_text(
+        f"pressure [Pa],irradiance [W/m^2]\n{rows}", encoding="utf-8"
+    )
+    (points,), _ = read_lift_offs(tmp_path / "points.csv", gauge=read_gauge(tmp_path / "gauge.csv"))
+    said = levitation_curve(points, draws=100).warnings
+    assert said[0].startswith("1 pressure is beyond the gauge's calibration")
 
 
 @pytest.mark.parametrize("rows", ["1,1\n", "1,1\n1,2\n", "1,2\n2,1\n", "1,1\n2,x\n", "1,-1\n2,2\n"])

@@ -33,6 +33,16 @@ def flyer_file(run, tmp_path):
     return path
 
 
+def test_a_balloon_too_heavy_to_fly_gets_no_advice_on_accommodation(run, flyer_file):
+    text = flyer_file.read_text(encoding="utf-8")
+    text = text.replace('payload = "1.7 kg"', 'payload = "1.7 kg"\ngas_mass = "6 kg"')
+    flyer_file.write_text(text, encoding="utf-8")
+    code, text, _ = run("predict", flyer_file, "--samples", "0")
+    assert code == 0
+    assert "It does not fly" in text
+    assert "tac_bottom" not in text
+
+
 def test_predict_a_balloon(run, flyer_file, tmp_path):
     out = tmp_path / "out"
     certain = 'model = "balloon"\nconvection_error = "0"'

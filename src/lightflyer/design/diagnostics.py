@@ -177,8 +177,10 @@ def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:
     return {name: words for name, (fails, words) in told.items() if fails}
 
 
-def diagnose_force(table: dict[str, Any]) -> Iterator[str]:
+def diagnose_force(flyer: AbstractFlyer, table: dict[str, Any]) -> Iterator[str]:
     """Diagnostics of a flyer that the gas does not push up where it pushes hardest."""
+    if flyer.floats:
+        return
     lift = np.nan_to_num(table["lift"])
     strongest = float(lift[np.argmax(np.abs(lift))])
     if strongest < 0.0:

@@ -222,7 +222,10 @@ def _words_of_optimum(
 def _warnings_at(setup: Setup, place: float) -> list[str]:
     """What the optimum's reader must know; elsewhere on the map nobody has looked."""
     table = Evaluator(setup)(np.array([place]))
-    found = (*diagnose_force(table), *diagnose_at(setup, np.array([place]), table["temperature"]))
+    found = (
+        *diagnose_force(setup.flyer, table),
+        *diagnose_at(setup, np.array([place]), table["temperature"]),
+    )
     return [
         *(f"at the optimum: {text}" for text in found),
         "whether models are within their range is checked at the optimum only",

@@ -355,7 +355,7 @@ def predict_design(
             *design.warnings,
             *_describe_unsolved(where, coordinates, table),
             *_describe_unsolved(where, asked, at_asked),
-            *diagnose_force(table),
+            *diagnose_force(setup.flyer, table),
             *shape_failures(setup, table).values(),
             *diagnose_at(setup, reported[solved], temperature[solved]),
         ),

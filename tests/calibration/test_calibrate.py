@@ -77,6 +77,10 @@ def test_fits_film_properties_of_one_sample(setup, exact):
         setup, points=points(hotter), free=["c_fm", "c_cont", "emittance[synthetic 2 cm]"]
     )
     assert fit.values == pytest.approx([*TRUTH, 0.12], rel=1e-6)
+    assert not any("is only where the fit starts" in text for text in fit.warnings)
+    sized = lf.calibrate(setup, points=points(exact), free=["diameter[synthetic 2 cm]"], **EXACT)
+    said = "diameter[synthetic 2 cm] is fitted: its column in synthetic.csv is only where the"
+    assert any(text.startswith(said) for text in sized.warnings)
     # what belongs to one sample alone is not the setup's
     assert fit.setup.flyer.film.emittance_top == 0.08
 

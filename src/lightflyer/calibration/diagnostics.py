@@ -6,6 +6,7 @@ import numpy as np
 
 from lightflyer.calibration.calibration import Calibration
 from lightflyer.calibration.steps import found_step
+from lightflyer.calibration.targets import target_of
 
 LEAST_PROBABILITY = 0.01
 """Probability of chi-squared below which, or above one minus which, a warning says so."""
@@ -18,10 +19,22 @@ def diagnose(fit: Calibration) -> list[str]:
     """Diagnostics of a fit, one line each."""
     return [
         *fit.problem.model.design.warnings,
+        *_about_columns(fit),
         *_about_errors(fit),
         *_about_intervals(fit),
         *_about_inputs(fit),
         *_about_steps(fit),
+    ]
+
+
+def _about_columns(fit: Calibration) -> list[str]:
+    """That a number is stated for the points, and yet fitted."""
+    design, points = fit.problem.model.design, fit.points
+    stated = {target_of(design, name, describes_flyer=True).fields for name in points.properties}
+    return [
+        f"{one.name} is fitted: its column in {points.source} is only where the fit starts"
+        for one in fit.problem.parameters
+        if one.target.fields in stated
     ]
 
 

@@ -238,7 +238,7 @@ def test_warnings_are_those_of_the_package(name, computed, expected, designs):
         told = {*diagnose_at(setup, _si(row)[ALTITUDE : ALTITUDE + 1], hot)}
         lift = table["lift"][index : index + 1]
         if lift[0] <= 0.0:
-            told |= {*diagnose_force({"lift": lift})}
+            told |= {*diagnose_force(setup.flyer, {"lift": lift})}
         assert set(computed[name, "warnings"][index]) == told
         kinds |= {text.split(" is ")[0] for text in told}
     assert len(kinds) > 1

@@ -49,8 +49,8 @@
           `${limit.toFixed(0)} K`,
       );
     }
-    if (results.lift_over_weight < 0) said.push(about.pushed.down);
-    if (results.lift_over_weight === 0) said.push(about.pushed.not);
+    if (results.lift_over_weight < 0) said.push(...about.pushed.down);
+    if (results.lift_over_weight === 0) said.push(...about.pushed.not);
     return [...new Set(said)];
   }
 

@@ -217,6 +217,7 @@ def compile_all(kind: Kind = DISK) -> str:
 
 def _about(compiled: list[Compiled], kind: Kind) -> str:
     """Names, units, ranges and words, in JSON."""
+    flyer = design(force_models(kind)[0], kind).setup.flyer
     about = {
         "version": lightflyer.__version__,
         "numbers": [described(number, kind) for number in kind.numbers],
@@ -234,7 +235,7 @@ def _about(compiled: list[Compiled], kind: Kind) -> str:
             for one in compiled
         },
         "pushed": {
-            sign: next(diagnose_force({"lift": np.array([lift])}))
+            sign: list(diagnose_force(flyer, {"lift": np.array([lift])}))
             for sign, lift in (("down", -1.0), ("not", 0.0))
         },
         "template": _fixed(kind),

@@ -19,7 +19,7 @@ def test_results_of_another_run_are_named(tmp_path):
     write(tmp_path, "tac.json", "tac.svg")
     (tmp_path / "rows.csv").write_text("an input", encoding="utf-8")
     write(tmp_path, "tac.json", "tac.svg")
-    with pytest.warns(ParameterWarning, match=r"tac\.svg are not of this run"):
+    with pytest.warns(ParameterWarning, match=r"there before: tac\.svg"):
         write(tmp_path, "tac.json", "tac.png")
     assert {path.name for path in tmp_path.iterdir()} == {
         "rows.csv", "tac.json", "tac.png", "tac.svg"
@@ -28,7 +28,7 @@ def test_results_of_another_run_are_named(tmp_path):
 
 def test_a_table_of_another_run_is_named(tmp_path):
     write(tmp_path, "prediction.json", "prediction.csv")
-    with pytest.warns(ParameterWarning, match=r"prediction\.csv are not of this run"):
+    with pytest.warns(ParameterWarning, match=r"there before: prediction\.csv"):
         write(tmp_path, "prediction.json")
 
 

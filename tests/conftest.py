@@ -59,20 +59,32 @@ def rng():
     return np.random.default_rng(20231118)
 
 
-MOST_MEMORY = 1.4e9  # bytes
-"""Of a process before it forgets what was compiled; some thousand programs fill it."""
+ROOM = 2e9
+"""Memory that compiled programs may fill before they are forgotten [bytes]; what a process once
+had stays its own."""
+
+
+def resident():
+    """Memory of this process [bytes]; zero where the system does not tell."""
+    statistics = Path("/proc/self/statm")
+    pages = int(statistics.read_text().split()[1]) if statistics.exists() else 0
+    return pages * os.sysconf("SC_PAGE_SIZE") if pages else 0
+
+
+@pytest.fixture(scope="session")
+def memory():
+    """Memory of this process when programs were last forgotten, under ``"before"`` [bytes]."""
+    return {"before": resident()}
 
 
 @pytest.fixture(autouse=True, scope="module")
-def room_for_programs():
+def room_for_programs(memory):
     """Forget compiled programs before they fill the memory of a worker."""
     yield
-    statistics = Path("/proc/self/statm")
-    if statistics.exists():
-        resident = int(statistics.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-        if resident > MOST_MEMORY:
-            jax.clear_caches()
-            gc.collect()
+    if resident() > memory["before"] + ROOM:
+        jax.clear_caches()
+        gc.collect()
+        memory["before"] = resident()
 
 
 @pytest.fixture(autouse=True)

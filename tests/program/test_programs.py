@@ -294,7 +294,7 @@ def test_what_others_can_write_is_not_read(folder, monkeypatch):
 
 def test_a_change_of_the_package_is_another_program(folder, monkeypatch):
     _answer()
-    monkeypatch.setattr(kept, "_sources", lambda: b"after an upgrade")
+    monkeypatch.setattr(kept, "sources", lambda: b"after an upgrade")
     _answer()
     assert len(list(folder.glob("*.program"))) == 2
 

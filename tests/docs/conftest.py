@@ -16,4 +16,4 @@ def calculator_files():
     """Folder with the scripts and the style that the calculator's page loads."""
     from calculator import written
 
-    return written(DOCS / "_build" / ".doctrees")  # where the build of the pages keeps it
+    return written(DOCS / "_build" / ".doctrees" / "calculator")  # where the pages' build keeps it

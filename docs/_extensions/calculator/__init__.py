@@ -41,21 +41,21 @@ def written(where: Path) -> Path:
     Parameters
     ----------
     where : Path
-        Folder in which it is kept until what it is made from changes: tracing takes a minute.
+        Folder of its own, in which it is kept until what it is made from changes: tracing takes a
+        minute.
     """
     from filelock import FileLock
 
     from lightflyer.program.kept import sources
 
     own = b"".join(path.read_bytes() for path in sorted(_HERE.iterdir()) if path.is_file())
-    folder = where / f"calculator-{hashlib.sha256(sources() + own).hexdigest()[:16]}"
-    where.mkdir(parents=True, exist_ok=True)
-    with FileLock(where / "calculator.lock"):
+    folder = where / hashlib.sha256(sources() + own).hexdigest()[:16]
+    where.parent.mkdir(parents=True, exist_ok=True)
+    with FileLock(where.with_suffix(".lock")):
         if not folder.exists():
-            for stale in where.glob("calculator-*"):
-                shutil.rmtree(stale)
+            shutil.rmtree(where, ignore_errors=True)  # of sources before
             stage = folder.with_suffix(".new")
-            stage.mkdir()
+            stage.mkdir(parents=True)
             _write(stage)
             stage.rename(folder)
     return folder
@@ -74,7 +74,7 @@ def _write(folder: Path) -> None:
 
 def _prepare(app: Sphinx) -> None:
     if app.builder.format == "html":
-        app.config.html_static_path.append(str(written(Path(app.doctreedir))))
+        app.config.html_static_path.append(str(written(Path(app.doctreedir) / "calculator")))
 
 
 def _load(app: Sphinx, _page: str, _template: str, context: dict[str, Any], _tree: Any) -> None:

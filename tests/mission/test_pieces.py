@@ -6,7 +6,7 @@ import xarray as xr
 
 import lightflyer as lf
 from lightflyer.environment import EARTH_PLANET, Attitude, Place, Radiation, Wind
-from lightflyer.mission import FollowSun, Own
+from lightflyer.mission import FollowSun, Moment, Own
 from lightflyer.mission.mission import times_of
 from lightflyer.mission.path.integration import rate_of
 from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
@@ -39,7 +39,8 @@ def test_a_pole_has_a_place():
 def test_following_the_sun_halves_its_angle_and_lets_go_of_it_at_night():
     def tilt(zenith_angle, visible):
         light = Radiation(zenith_angle=zenith_angle, azimuth=0.7, visible=visible)
-        found = FollowSun().attitude(light, None)
+        nothing = Place(0.0, 0.0, 0.0), light, Wind(0.0, 0.0, 0.0), None, lf.Earth()
+        found = FollowSun().attitude(Moment(0.0, 75e3, *nothing))
         assert float(found.azimuth) == pytest.approx(0.7)
         return float(found.tilt)
 

@@ -2,14 +2,13 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property, lru_cache
 from itertools import combinations
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Any, cast
 
 import jax
 import pydantic
-from pydantic import Discriminator, Tag
 
 from lightflyer.budget.section import PayloadSection
 from lightflyer.config.discovery import discover
@@ -21,7 +20,7 @@ from lightflyer.core.units import Measured
 from lightflyer.design.design import AbstractDesign, AbstractStacks, digest
 from lightflyer.design.setup import Setup
 from lightflyer.environment.section import EnvironmentSection
-from lightflyer.files.section import Alternative, Section
+from lightflyer.files.section import Alternative, Section, any_of
 from lightflyer.film.section import FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
@@ -32,12 +31,6 @@ PARTS = ("flyer", "film", "environment", "force", "payload")
 """Sections whose numbers describe a design."""
 
 _ANY_MODEL = "kinetic"  # where the flyer is unknown: the error about that comes first
-
-
-def _union(base: type[Alternative]) -> Any:
-    """Type of a section that is any of its alternatives."""
-    members = [Annotated[kind, Tag(tag)] for tag, kind in base.alternatives.items()]
-    return Annotated[reduce(lambda one, other: one | other, members), Discriminator(base.tag_of)]
 
 
 class FlyerFile(Section):
@@ -55,10 +48,10 @@ class FlyerFile(Section):
     (angles in degrees).
     """
 
-    flyer: _union(FlyerSection)  # type: ignore[valid-type]
-    film: _union(FilmSection) | None = None  # type: ignore[valid-type]
-    environment: _union(EnvironmentSection)  # type: ignore[valid-type]
-    force: _union(ForceSection)  # type: ignore[valid-type]
+    flyer: any_of(FlyerSection)  # type: ignore[valid-type]
+    film: any_of(FilmSection) | None = None  # type: ignore[valid-type]
+    environment: any_of(EnvironmentSection)  # type: ignore[valid-type]
+    force: any_of(ForceSection)  # type: ignore[valid-type]
     payload: PayloadSection | None = None
 
     @pydantic.model_validator(mode="before")
@@ -154,10 +147,10 @@ def _flyer_file_of(kinds: frozenset[type[Alternative]]) -> type[FlyerFile]:
     return pydantic.create_model(
         "FlyerFile",
         __base__=FlyerFile,
-        flyer=(_union(FlyerSection), ...),
-        film=(_union(FilmSection) | None, None),
-        environment=(_union(EnvironmentSection), ...),
-        force=(_union(ForceSection), ...),
+        flyer=(any_of(FlyerSection), ...),
+        film=(any_of(FilmSection) | None, None),
+        environment=(any_of(EnvironmentSection), ...),
+        force=(any_of(ForceSection), ...),
     )
 
 
@@ -416,6 +409,11 @@ def section_at(name: str, content: Any) -> type[Section] | None:
     kind: type[Section] | None = PayloadSection if first == "payload" else None
     if first in bases:
         kind = bases[first].alternatives.get(bases[first].tag_of(given))
+    return section_within(kind, rest, given)
+
+
+def section_within(kind: type[Section] | None, rest: str, given: Any) -> type[Section] | None:
+    """Class of the section at a dotted name within a section of some content."""
     for key in rest.split(".") if rest else []:
         if kind is None or key.isdigit():
             continue  # entries of a list are all alike

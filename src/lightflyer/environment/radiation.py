@@ -234,6 +234,14 @@ class Radiation(Checked):
         """What is left of the light of all the source where only part of it is visible."""
         return light if self.visible is None else self.visible * light
 
+    def dimmed(self, share: Numeric) -> "Radiation":
+        """The same with a share of all light, and all of the heat radiation."""
+        return eqx.tree_at(
+            lambda radiation: (radiation.irradiance, radiation.diffuse_above),
+            self,
+            (share * self.irradiance, share * self.diffuse_above),
+        )
+
     def beam_alone(self) -> "Radiation":
         """The same with all of the source visible, and without its reflection from the ground."""
         return replace(self, albedo=0.0, visible=None, scattered=None)

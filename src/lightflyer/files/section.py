@@ -12,11 +12,12 @@ of that section's base; it enters the file's grammar by being defined::
 import dataclasses
 import inspect
 from collections.abc import Iterator, Mapping
+from functools import reduce
 from types import NoneType
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin
 
 import pydantic
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Discriminator, Tag
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from lightflyer.core.clock import require_hour
@@ -297,6 +298,12 @@ class Alternative(Section):
             if len(parts) > position and parts[:position] == before
         )
         return list(dict.fromkeys(values))
+
+
+def any_of(base: type[Alternative]) -> Any:
+    """Type of a section that is any of the alternatives of a base."""
+    members = [Annotated[kind, Tag(tag)] for tag, kind in base.alternatives.items()]
+    return Annotated[reduce(lambda one, other: one | other, members), Discriminator(base.tag_of)]
 
 
 def alternative_tags() -> set[str]:

@@ -17,6 +17,7 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.mission.areas import Circle
 from lightflyer.mission.fleet import Ensemble, flights_of, fly_all
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
@@ -44,6 +45,7 @@ from lightflyer.mission.report.assumptions import assumptions_of, describe_objec
 from lightflyer.mission.report.dataset import Several, add_several, add_survival, dataset_of
 from lightflyer.mission.report.diagnostics import diagnose_flight, termination_text
 from lightflyer.mission.report.events import add_events, close_look, events_of
+from lightflyer.mission.report.station import add_station, stay_of
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
 from lightflyer.statics.balance import ENERGY_TOLERANCE, require_converged
@@ -73,6 +75,7 @@ def fly(
     launches: Sequence[float] = (),
     lowest: Any = None,
     highest: Any = None,
+    station: Circle | None = None,
     inertia: Inertia | None = None,
     tolerance: float = TOLERANCE,
 ) -> "xr.Dataset":
@@ -100,6 +103,8 @@ def fly(
         Further releases of the same flyer, so many seconds after the first.
     lowest, highest : float, optional
         Altitudes at which the mission ends [m]; by default the ends of the environment.
+    station : Circle, optional
+        A place near which the flyer is to stay; the result says for how long it does.
     inertia : Inertia, optional
         Integrate velocity and temperature too, as a check that both follow at once.
     tolerance : float
@@ -131,6 +136,8 @@ def fly(
     """
     rule = require_record("attitude", (AbstractAttitudeRule,), attitude or Own())
     mission = _Mission(as_design(what, environment, model), rule, release)
+    if station is not None:
+        require_record("station", (Circle,), station)
     limits = limits_of(mission.setup.environment, lowest, highest)
     require_release_inside(release, limits)
     with float64():  # raises where the data of winds or ground do not reach
@@ -162,6 +169,9 @@ def fly(
     if len(launches) > 0 and whole:
         add_several(dataset, _launch(tracks, launches))
     dataset.attrs |= _record(mission, ensemble, inertia)
+    if station is not None:
+        radius = float(planet_of(mission.setup.environment).radius)
+        add_station(dataset, station, stay_of(way, station, radius))
     return dataset
 
 

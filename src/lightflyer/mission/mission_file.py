@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lightflyer.config.flyer_file import FileDesign, flyer_file_type, section_at
+from lightflyer.config.flyer_file import FileDesign, flyer_file_type, section_at, section_within
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import read_text
 from lightflyer.files.section import Section
 from lightflyer.files.toml_file import FileKind, check, parse_toml, place_of
-from lightflyer.mission.section import EnsembleSection, LaunchesSection, MissionSection
+from lightflyer.mission.section import MissionSection
 
 _MISSION = "mission"
 _SHARED = ("date", "latitude", "longitude")
@@ -18,15 +18,13 @@ _SHARED = ("date", "latitude", "longitude")
 _OF_GIVEN_LIGHT = {"sun", "irradiance", "incidence"}
 """Keys of ``[environment]`` that say what the light is, so that the sun need not move."""
 
-_SECTIONS: dict[str, type[Section]] = {
-    _MISSION: MissionSection,
-    f"{_MISSION}.ensemble": EnsembleSection,
-    f"{_MISSION}.launches": LaunchesSection,
-}
-
 
 def _keys_of(section: str, document: Any) -> list[str]:
-    kind = _SECTIONS.get(section) or section_at(section, document)
+    first, _, rest = section.partition(".")
+    if first == _MISSION:
+        kind = section_within(MissionSection, rest, document.get(_MISSION))
+    else:
+        kind = section_at(section, document)
     own = [] if kind is None else list(kind.model_fields)
     return own if section else [*own, _MISSION]
 

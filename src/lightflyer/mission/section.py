@@ -1,7 +1,9 @@
 """``[mission]`` of a mission file: release, duration, attitude, launches, ensemble."""
 
+import abc
 import datetime
 from collections.abc import Mapping
+from functools import partial
 from typing import Annotated, Any, ClassVar, Literal
 
 import pydantic
@@ -12,14 +14,24 @@ from lightflyer.core.quantity import (
     Altitude,
     Duration,
     Fraction,
+    GroundDistance,
     Latitude,
     Longitude,
     Tilt,
 )
-from lightflyer.files.section import Section, Spelling
+from lightflyer.core.units import Measured
+from lightflyer.files.section import Alternative, Section, Spelling, any_of
+from lightflyer.mission.areas import Circle
 from lightflyer.mission.fleet import MEMBERS, Ensemble
-from lightflyer.mission.path.attitude import AbstractAttitudeRule, FollowSun, Level, Own
+from lightflyer.mission.path.attitude import (
+    AbstractAttitudeRule,
+    FollowSun,
+    Level,
+    Own,
+    TowardsStation,
+)
 from lightflyer.mission.path.release import Release
+from lightflyer.mission.path.shading import AbstractShading, ChooseWind, HoldAltitude, Shaded
 
 MOST_MEMBERS = 100_000  # Largest ensemble of one command: its tracks are kept in memory
 
@@ -29,7 +41,9 @@ _Members = Annotated[int, pydantic.Field(strict=True, ge=2, le=MOST_MEMBERS)]
 _Seed = Annotated[int, pydantic.Field(strict=True, ge=0)]
 _Launches = Annotated[int, pydantic.Field(strict=True, ge=1, le=MOST_LAUNCHES)]
 
-_RULES = ("own", "level", "follow-sun")
+_RULES = ("own", "level", "follow-sun", "towards-station")
+_TILTED = {"largest_tilt": ("follow-sun", "towards-station"), "tilt_share": ("follow-sun",)}
+_STATION_RADIUS = Measured(100e3)  # m, unless the file says otherwise
 _EXACT = ("latitude", "longitude", "duration")
 
 
@@ -60,6 +74,44 @@ class LaunchesSection(Section):
         return [self.every.value * (1 + number) for number in range(self.count)]
 
 
+class StationSection(Section, of=Circle):
+    """``[mission.station]``: a place near which the flyer is to stay."""
+
+    latitude: Latitude | None = None  # by default that of the release
+    longitude: Longitude | None = None
+    radius: GroundDistance = _STATION_RADIUS
+
+
+class ShadingSection(Alternative, abc.ABC):
+    """``[mission.shading]``: how the flyer lets in less light than there is."""
+
+    choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = (("rule", "hold-altitude"),)
+
+    def build(self, station: Circle) -> AbstractShading:
+        """The rule, of a flyer that is to stay near a station."""
+        del station
+        shading: AbstractShading = self.make()
+        return shading
+
+
+class HoldAltitudeSection(ShadingSection, of=HoldAltitude):
+    """All light below an altitude, none above."""
+
+    rule: Literal["hold-altitude"] = "hold-altitude"
+
+
+class ChooseWindSection(ShadingSection, of=ChooseWind):
+    """The altitude whose wind leads to the station."""
+
+    left_out: ClassVar[tuple[str, ...]] = ("station",)
+
+    rule: Literal["choose-wind"]
+
+    def build(self, station: Circle) -> AbstractShading:
+        shading: AbstractShading = self.make(station=station)
+        return shading
+
+
 class MissionSection(Section, of=Release):
     """``[mission]``: from where and when, for how long, and how the flyer lies."""
 
@@ -72,16 +124,21 @@ class MissionSection(Section, of=Release):
     attitude: Literal[_RULES] = "own"  # type: ignore[valid-type]
     tilt_share: Fraction | None = None
     largest_tilt: Tilt | None = None
+    shading: any_of(ShadingSection) | None = None  # type: ignore[valid-type]
+    station: StationSection | None = None
     lowest_altitude: Altitude | None = None
     highest_altitude: Altitude | None = None
     launches: LaunchesSection | None = None
     ensemble: EnsembleSection | None = None
 
     def idle(self) -> dict[str, str]:
-        """Only a flyer that follows the sun has a tilt."""
-        why = f'beside attitude = "{self.attitude}"; it belongs to attitude = "follow-sun"'
-        follows = self.attitude == "follow-sun"
-        return {} if follows else dict.fromkeys(("tilt_share", "largest_tilt"), why)
+        """Only some rules have a tilt."""
+        return {
+            key: f'beside attitude = "{self.attitude}"; it belongs to attitude = '
+            + " or ".join(f'"{rule}"' for rule in rules)
+            for key, rules in _TILTED.items()
+            if self.attitude not in rules
+        }
 
     @pydantic.model_validator(mode="after")
     def _exact(self) -> "MissionSection":
@@ -108,15 +165,33 @@ class MissionSection(Section, of=Release):
         return found
 
     def rule(self) -> AbstractAttitudeRule:
-        """How the flyer lies."""
-        if self.attitude != "follow-sun":
-            return Level() if self.attitude == "level" else Own()
-        given: dict[str, Any] = {}
-        if self.tilt_share is not None:
-            given["share"] = self.tilt_share.value
-        if self.largest_tilt is not None:
-            given["largest"] = self.largest_tilt.value * RADIANS_PER_DEGREE
-        return FollowSun(**given)
+        """How the flyer lies, and what light it lets in."""
+        largest = {} if self.largest_tilt is None else {"largest": _radians(self.largest_tilt)}
+        share = {} if self.tilt_share is None else {"share": self.tilt_share.value}
+        rule: AbstractAttitudeRule = {
+            "own": Own,
+            "level": Level,
+            "follow-sun": partial(FollowSun, **share, **largest),
+            "towards-station": partial(TowardsStation, self._circle, **largest),
+        }[self.attitude]()
+        return rule if self.shading is None else Shaded(self.shading.build(self._circle), rule)
+
+    @property
+    def _circle(self) -> Circle:
+        """The station, by default about the place of the release."""
+        given = self.station or StationSection()
+        latitude, longitude = (
+            (getattr(given, key) or getattr(self, key)).value for key in ("latitude", "longitude")
+        )
+        return Circle(latitude, longitude, given.radius.value)
+
+    @property
+    def _has_station(self) -> bool:
+        """Whether there is a place near which the flyer is to stay."""
+        makes_for_it = self.attitude == "towards-station"
+        return (
+            makes_for_it or self.station is not None or isinstance(self.shading, ChooseWindSection)
+        )
 
     def build_ensemble(self) -> Ensemble | None:
         """What is varied from flight to flight."""
@@ -136,6 +211,11 @@ class MissionSection(Section, of=Release):
             "every": None if self.every is None else self.every.value,
             "ensemble": self.build_ensemble(),
             "launches": [] if self.launches is None else self.launches.delays,
+            "station": self._circle if self._has_station else None,
             "lowest": None if self.lowest_altitude is None else self.lowest_altitude.value,
             "highest": None if self.highest_altitude is None else self.highest_altitude.value,
         }
+
+
+def _radians(angle: Measured) -> float:
+    return angle.value * RADIANS_PER_DEGREE

@@ -1,4 +1,4 @@
-"""How a flyer lies during a mission: rules that give its attitude from the light."""
+"""How a flyer lies during a mission: rules that give its attitude from what they see."""
 
 import abc
 from typing import Any
@@ -6,16 +6,56 @@ from typing import Any
 import equinox as eqx
 import jax.numpy as jnp
 
-from lightflyer.core.quantity import Checked, Fraction, PolarAngle
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, Checked, Fraction, PolarAngle
+from lightflyer.core.types import Numeric
+from lightflyer.environment.base import AbstractEnvironment, Place, Wind
 from lightflyer.environment.radiation import Attitude, Radiation
+from lightflyer.mission.areas import Circle
+from lightflyer.mission.path.position import angles_towards
+
+_NEAR = 10e3
+"""Distance from a station at which a flyer tilts by half of the largest tilt [m]."""
+
+
+class Moment(eqx.Module):
+    """What a rule sees: a flyer at one moment of its flight."""
+
+    elapsed: Numeric  #: Time since the release [s]
+    altitude: Numeric  #: [m]
+    place: Place
+    radiation: Radiation
+    wind: Wind  #: That meets the flyer, with its error in an ensemble [m/s]
+    own: Attitude | None  #: Attitude that the flyer itself states; None means level
+    environment: AbstractEnvironment
+
+    def wind_at(self, altitude: Numeric) -> Wind:
+        """Wind at other altitudes here and now, shape (...), without its error [m/s]."""
+        found = self.environment.state(altitude, self.place).wind
+        still = jnp.zeros_like(jnp.asarray(altitude, float))
+        return Wind(still, still, still) if found is None else found
+
+    def way_to(self, station: Circle) -> tuple[Any, Any]:
+        """Way along the ground to the middle of a station, eastward and northward [m]."""
+        latitude, longitude = (
+            RADIANS_PER_DEGREE * part for part in (station.latitude, station.longitude)
+        )
+        planet = self.environment.planet
+        assert planet is not None, "places are over planets"
+        east, north = angles_towards(self.place.latitude, self.place.longitude, latitude, longitude)
+        return planet.radius * east, planet.radius * north
 
 
 class AbstractAttitudeRule(Checked):
     """Rule that gives the attitude of a flyer. Subclasses are final."""
 
     @abc.abstractmethod
-    def attitude(self, radiation: Radiation, own: Attitude | None) -> Attitude | None:
-        """Attitude in the light of the surroundings; ``own``: the flyer's; None means level."""
+    def attitude(self, moment: Moment) -> Attitude | None:
+        """Attitude at a moment of the flight; None means level."""
+
+    def light(self, moment: Moment) -> Numeric | None:
+        """Share of the light that the flyer lets in [1]; None means all, at all times."""
+        del moment
+        return None
 
     @abc.abstractmethod
     def describe(self) -> str:
@@ -25,9 +65,8 @@ class AbstractAttitudeRule(Checked):
 class Own(AbstractAttitudeRule):
     """The attitude that the flyer itself states, level where it states none."""
 
-    def attitude(self, radiation: Radiation, own: Attitude | None) -> Attitude | None:
-        del radiation
-        return own
+    def attitude(self, moment: Moment) -> Attitude | None:
+        return moment.own
 
     def describe(self) -> str:
         return "the flyer's own, at all times"
@@ -36,8 +75,8 @@ class Own(AbstractAttitudeRule):
 class Level(AbstractAttitudeRule):
     """Level at all times."""
 
-    def attitude(self, radiation: Radiation, own: Attitude | None) -> Attitude | None:
-        del radiation, own
+    def attitude(self, moment: Moment) -> Attitude | None:
+        del moment
         return None
 
     def describe(self) -> str:
@@ -66,11 +105,11 @@ class FollowSun(AbstractAttitudeRule):
     share: Fraction = 0.5
     largest: PolarAngle = 0.25 * jnp.pi
 
-    def attitude(self, radiation: Radiation, own: Attitude | None) -> Attitude | None:
-        del own
-        lit = radiation.visible_part(1.0)
-        tilt = jnp.minimum(self.share * radiation.zenith_angle, self.largest) * lit
-        return _attitude(tilt, radiation.azimuth)
+    def attitude(self, moment: Moment) -> Attitude | None:
+        light = moment.radiation
+        lit = light.visible_part(1.0)
+        tilt = jnp.minimum(self.share * light.zenith_angle, self.largest) * lit
+        return _attitude(tilt, light.azimuth)
 
     def describe(self) -> str:
         degrees = float(self.largest) * 180.0 / jnp.pi
@@ -78,6 +117,36 @@ class FollowSun(AbstractAttitudeRule):
             f"tilted towards the sun by {float(self.share):g} of its zenith angle, at most "
             f"{degrees:g}°; level at night"
         )
+
+
+class TowardsStation(AbstractAttitudeRule):
+    r"""Tilted towards a station, so that the flyer slides there through the air.
+
+    At a distance :math:`d` the tilt is :math:`d/(d+10\,\mathrm{km})` of the largest one.
+
+    Attributes
+    ----------
+    station : Circle
+        Whose middle the flyer makes for.
+    largest : array
+        Tilt far from it [rad].
+    """
+
+    station: Circle
+    largest: PolarAngle = RADIANS_PER_DEGREE * 15.0
+
+    def attitude(self, moment: Moment) -> Attitude | None:
+        east, north = moment.way_to(self.station)
+        square = east**2 + north**2
+        there = square == 0.0
+        # a stand-in, so that derivatives at the station are numbers
+        distance = jnp.where(there, 0.0, jnp.sqrt(jnp.where(there, 1.0, square)))
+        azimuth = jnp.arctan2(east, jnp.where(there, 1.0, north))
+        return _attitude(self.largest * distance / (distance + _NEAR), azimuth)
+
+    def describe(self) -> str:
+        degrees = float(self.largest) / RADIANS_PER_DEGREE
+        return f"tilted by at most {degrees:g}° towards {self.station.middle}"
 
 
 def _attitude(tilt: Any, azimuth: Any) -> Attitude:

@@ -30,6 +30,7 @@ VARIABLES = {
     "lift": Variable("N", "upward force of the gas on the flyer at rest, with buoyancy"),
     "weight": Variable("N", "weight with payload"),
     "irradiance": Variable("W m-2", "irradiance of the light on a surface that faces it"),
+    "light_share": Variable("1", "share of the light that the flyer lets in"),
     "sun_elevation": Variable(
         "degree", "geometric elevation of the sun, or of what lights the flyer"
     ),
@@ -121,6 +122,8 @@ def _moment(
         "wind_up": around.wind.up,
         "residual": jnp.abs(heat.residual),
     }
+    if around.share is not None:
+        found["light_share"] = around.share
     if len(heat.nodes) > 1:
         for node, temperature in zip(heat.nodes, heat.temperatures, strict=True):
             found[NODE.format(node)] = temperature

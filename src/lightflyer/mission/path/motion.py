@@ -15,6 +15,7 @@ those of a flyer at rest.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -27,7 +28,7 @@ from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, P
 from lightflyer.environment.planet import Planet
 from lightflyer.environment.radiation import Attitude
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.mission.path.attitude import AbstractAttitudeRule
+from lightflyer.mission.path.attitude import AbstractAttitudeRule, Moment
 from lightflyer.mission.path.wind_error import WindError
 from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
 from lightflyer.statics.balance import Equilibrium, equilibrium
@@ -52,6 +53,7 @@ class Surroundings(eqx.Module):
     flyer: AbstractFlyer  # With its attitude of the moment
     state: EnvironmentState
     wind: Wind  # With its error, if one is assumed [m/s]
+    share: Numeric | None = None  # Of the light, which the flyer lets in [1]; None for all
 
 
 class Forces(eqx.Module):
@@ -81,14 +83,20 @@ class Craft(eqx.Module):
         """What surrounds the flyer, and how it lies there; ``elapsed``: time since the release."""
         state = self.setup.environment.state(altitude, place)
         flyer = self.setup.flyer
-        attitude = self.rule.attitude(state.radiation, flyer.attitude)
         wind = Wind(0.0, 0.0, 0.0) if state.wind is None else state.wind
         if self.wind_error is not None:
             wind = self.wind_error.add_to_wind(wind, place, elapsed)
-        return Surroundings(with_attitude(flyer, attitude), state, wind)
+        moment = Moment(
+            elapsed, altitude, place, state.radiation, wind, flyer.attitude, self.setup.environment
+        )
+        attitude = self.rule.attitude(moment)
+        return Surroundings(with_attitude(flyer, attitude), state, wind, self.rule.light(moment))
 
     def heat(self, around: Surroundings) -> Equilibrium:
-        return equilibrium(around.flyer, around.state, self.setup.model, throw=False)
+        state = around.state
+        if around.share is not None:
+            state = replace(state, radiation=state.radiation.dimmed(around.share))
+        return equilibrium(around.flyer, state, self.setup.model, throw=False)
 
     def forces(self, around: Surroundings, unknowns: tuple[Array, ...]) -> Forces:
         """Forces in some surroundings."""

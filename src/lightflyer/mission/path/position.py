@@ -51,3 +51,19 @@ def directions(latitude: Numeric, longitude: Numeric) -> Directions:
     east = jnp.broadcast_arrays(-sine, cosine, 0.0 * sine)
     north = jnp.broadcast_arrays(-up * cosine, -up * sine, across)
     return Directions(jnp.stack(east, axis=-1), jnp.stack(north, axis=-1))
+
+
+def angles_towards(
+    latitude: Numeric, longitude: Numeric, of_latitude: Numeric, of_longitude: Numeric
+) -> tuple[Array, Array]:
+    """Angle of the great circle to another place, as components to the east and north [rad]."""
+    there = unit_vector(of_latitude, of_longitude)
+    to_east, to_north = directions(latitude, longitude)
+    east, north = (jnp.sum(there * part, axis=-1) for part in (to_east, to_north))
+    ahead = jnp.sum(there * unit_vector(latitude, longitude), axis=-1)
+    square = east**2 + north**2
+    known = square > 0.0
+    # a stand-in, so that a derivative at the place itself is a number
+    sine = jnp.sqrt(jnp.where(known, square, 1.0))
+    stretch = jnp.where(known, jnp.arctan2(sine, ahead) / sine, 1.0)
+    return stretch * east, stretch * north

@@ -43,6 +43,8 @@ def mission_figures(dataset: "xr.Dataset") -> dict[str, Figure]:
     }
     if "ensemble_flying" in dataset:
         figures["survival"] = _survival(dataset)
+    if "station_distance" in dataset:
+        figures["station"] = _station(dataset)
     if "launch_altitude" in dataset:
         figures["launches"] = _launches(dataset)
     return figures
@@ -159,6 +161,26 @@ def _survival(dataset: "xr.Dataset") -> Figure:
     axes.set_ylim(0.0, 105.0)
     axes.set_ylabel("share still flying [%]")
     _draw_over_time(axes, dataset)
+    return figure
+
+
+def _station(dataset: "xr.Dataset") -> Figure:
+    """Distance from a place near which the flyer is to stay."""
+    figure = new_figure(width=8.0)
+    (axes,) = figure.axes
+    _shade(axes, dataset)
+    time = dataset.time.values
+    if "ensemble_station_distance" in dataset:
+        low, high = _spread(dataset.ensemble_station_distance.values / _KILOMETRE)
+        label = "95 % of the ensemble still flying"
+        axes.fill_between(time, low, high, color=SKY, alpha=0.5, linewidth=0.0, label=label)
+    axes.plot(time, dataset.station_distance / _KILOMETRE, color=BLUE, label="flyer as stated")
+    radius = dataset.attrs["station_radius_km"]
+    axes.axhline(radius, color=GREY, linestyle="--", label=dataset.attrs["station"])
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel("distance from its middle [km]")
+    _draw_over_time(axes, dataset)
+    legend_below(axes)
     return figure
 
 

@@ -11,6 +11,7 @@ from lightflyer.mission.path.position import unit_vector
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.mission.report.events import Event, at_event, read_events, spans_between
+from lightflyer.mission.report.station import summarise_station
 from lightflyer.program.entry_point import entry_point
 
 if TYPE_CHECKING:
@@ -55,6 +56,8 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         "nights": nights,
         "film": heat_of_film(dataset),
     }
+    if "station" in dataset.attrs:
+        found["station"] = summarise_station(dataset)
     if "ensemble_flying" in dataset:
         found["ensemble"] = _summarise_ensemble(dataset)
     if "launch_end_reason" in dataset:
@@ -116,7 +119,7 @@ def _light(dataset: "xr.Dataset") -> tuple[float, list[dict[str, Any]]]:
 
 def _summarise_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
     reasons = dataset.ensemble_end_reason.values
-    return {
+    found = {
         "members": int(dataset.sizes["member"]),
         "still_flying": float(np.mean(reasons == TerminationReason.STILL_FLYING)),
         "ends": {
@@ -128,6 +131,10 @@ def _summarise_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
         "end_altitude_km": _interval(dataset.ensemble_end_altitude.values / 1e3),
         "distance_from_nominal_end_km": _interval(_distances(dataset)),
     }
+    if "ensemble_station_within" in dataset:
+        within = dataset.ensemble_station_within.values
+        found["within_station_h"] = _interval(within / SECONDS_AN_HOUR)
+    return found
 
 
 def _interval(values: np.ndarray) -> dict[str, float]:

@@ -33,6 +33,8 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
     for name in ("lowest", "highest"):
         altitude, when = found[f"{name}_altitude_km"], found[f"{name}_at_h"]
         rows[name] = f"{altitude:.2f} km, {when:.2f} h after the release"
+    if "station" in found:
+        rows["station"] = _stay_text(found["station"])
     yield rows_of(rows)
     if found["nights"]:
         yield _nights(found["nights"])
@@ -42,6 +44,18 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
         yield _launches(found["launches"])
     yield from found["assumptions"]
     yield from warning_lines(warnings)
+
+
+def _stay_text(stay: dict[str, Any]) -> str:
+    """How long a flyer stays near a place, in words."""
+    left = stay["left_after_h"]
+    leaves = "does not leave it" if left is None else f"leaves it first after {left:.2f} h"
+    if stay["within_h"] == 0.0:
+        leaves = "does not reach it"
+    return (
+        f"{stay['within_h']:.2f} h {stay['place']}, {leaves}; at most "
+        f"{stay['farthest_km']:.1f} km from its middle"
+    )
 
 
 def spread_parts(dataset: "xr.Dataset") -> Parts:
@@ -132,7 +146,10 @@ def _ensemble(found: dict[str, Any]) -> Table:
         ("time aloft [h]", "duration_h"),
         ("altitude at the end [km]", "end_altitude_km"),
         ("distance from the stated flyer's end [km]", "distance_from_nominal_end_km"),
+        ("time within the station [h]", "within_station_h"),
     ):
+        if key not in found:
+            continue
         interval = found[key]
         table.add_row(name, *(f"{interval[end]:.2f}" for end in ("low", "median", "high")))
     return table

@@ -21,6 +21,7 @@ from lightflyer.core.progress import Counted, Step, report_to
 from lightflyer.design.design import AbstractDesign, digest
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.mission.areas import AbstractArea, describe_all
 from lightflyer.mission.fleet import BATCH, Ensemble, flights_of, fly_all
 from lightflyer.mission.mission import times_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
@@ -31,7 +32,6 @@ from lightflyer.mission.path.release import Release, limits_of, require_release_
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of
 from lightflyer.mission.report.dataset import ELAPSED, degrees_of
-from lightflyer.mission.swarms.areas import AbstractArea, describe_all
 from lightflyer.program.entry_point import entry_point
 
 if TYPE_CHECKING:

@@ -52,15 +52,22 @@ class Circle(AbstractArea):
     radius: GroundDistance
 
     def contains(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
-        middle = _units(self.latitude, self.longitude)
+        return self.distances(position, planet_radius) <= float(self.radius)
+
+    def distances(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
+        """Distances of positions from the middle, along the ground [m], shape (...)."""
+        middle = units_of(self.latitude, self.longitude)
         # by the chord, which small distances do not round away
         chord = np.linalg.norm(position - middle, axis=-1)
-        angle = min(float(self.radius) / planet_radius, np.pi)
-        return np.asarray(chord <= 2.0 * np.sin(0.5 * angle))
+        return np.asarray(2.0 * planet_radius * np.arcsin(np.minimum(0.5 * chord, 1.0)))
+
+    @property
+    def middle(self) -> str:
+        """Where its middle is, in words."""
+        return _describe(float(self.latitude), float(self.longitude))
 
     def describe(self) -> str:
-        place = _describe(float(self.latitude), float(self.longitude))
-        return f"within {float(self.radius) / 1e3:g} km of {place}"
+        return f"within {float(self.radius) / 1e3:g} km of {self.middle}"
 
 
 class Polygon(AbstractArea):
@@ -87,14 +94,14 @@ class Polygon(AbstractArea):
             raise ParameterError("a polygon needs one latitude and one longitude for each corner")
         if corners[0] < _FEWEST_CORNERS:
             raise ParameterError(f"a polygon of {corners[0]} corners has no area")
-        units = _units(self.latitudes, self.longitudes)
+        units = units_of(self.latitudes, self.longitudes)
         if np.any(units @ _middle(units) <= _EDGE):
             raise ParameterError("the corners of a polygon must lie within one half of the planet")
 
     def contains(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
         """Counts how often the edges wind around a position."""
         del planet_radius
-        units = _units(self.latitudes, self.longitudes)
+        units = units_of(self.latitudes, self.longitudes)
         winding = np.zeros(position.shape[:-1])
         for corner, following in zip(units, np.roll(units, -1, axis=0), strict=True):
             # directions to both corners in the plane that touches the planet at the position
@@ -109,7 +116,7 @@ class Polygon(AbstractArea):
         return "polygon of " + "; ".join(_describe(*map(float, corner)) for corner in corners)
 
 
-def _units(latitude: Any, longitude: Any) -> np.ndarray:
+def units_of(latitude: Any, longitude: Any) -> np.ndarray:
     """Unit vectors of places in degrees, shape (..., 3)."""
     north, east = (RADIANS_PER_DEGREE * np.asarray(part, float) for part in (latitude, longitude))
     parts = np.cos(north) * np.cos(east), np.cos(north) * np.sin(east), np.sin(north)

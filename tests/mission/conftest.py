@@ -49,6 +49,7 @@ class IsothermalAir(AbstractEnvironment):
     radiation: Any
     gas: Any = lf.gas.US1976_AIR
     sky: Any = None
+    wind: Any = None
 
     @property
     def coordinate(self):
@@ -64,7 +65,8 @@ class IsothermalAir(AbstractEnvironment):
         light = self.radiation.with_ground_view(view)
         if self.sky is not None:
             light = self.sky.radiation(coordinate, place)
-        return EnvironmentState(pressure, 220.0, 9.6, self.gas, light)
+        wind = None if self.wind is None else self.wind.velocity(coordinate, place)
+        return EnvironmentState(pressure, 220.0, 9.6, self.gas, light, wind=wind)
 
 
 class TurningSky(AbstractEnvironment):
@@ -141,6 +143,12 @@ def sky():
 @pytest.fixture(scope="session")
 def isothermal_air():
     return IsothermalAir(lf.environment.sunlight(), sky=lf.environment.Daylight())
+
+
+@pytest.fixture(scope="session")
+def lit_air():
+    """Air of one temperature under a sun that stands still, with a wind."""
+    return lambda wind=None: IsothermalAir(lf.environment.sunlight(zenith_angle=0.3), wind=wind)
 
 
 @pytest.fixture(scope="session")

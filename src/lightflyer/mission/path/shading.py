@@ -11,8 +11,11 @@ import abc
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
+from lightflyer.core.checks import is_concrete
+from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Altitude, Checked, Duration, GroundDistance
 from lightflyer.core.types import Numeric
 from lightflyer.environment.radiation import Attitude
@@ -86,6 +89,11 @@ class ChooseWind(AbstractShading):
     highest: Altitude
     ahead: Duration = 3.0 * _HOURS
     width: GroundDistance = 1e3
+
+    def __check_init__(self) -> None:
+        super().__check_init__()
+        if is_concrete(self.lowest, self.highest) and not np.all(self.lowest < self.highest):
+            raise ParameterError("highest of the winds to choose from must be above lowest")
 
     def light(self, moment: Moment) -> Numeric:
         return _let_in(moment, self.wanted(moment), self.width)

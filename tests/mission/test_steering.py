@@ -1,0 +1,231 @@
+"""Flights that are steered, against plain NumPy, closed forms and still air."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import RectBivariateSpline
+
+import lightflyer as lf
+from lightflyer.environment import Place, Wind
+from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.mission import Circle, Release
+from lightflyer.mission.path.position import angles_towards, unit_vector
+from lightflyer.mission.path.single import Way
+from lightflyer.mission.report.station import stay_of
+
+EQUATOR, FLATTENING = 6_378_137.0, 1.0 / 298.257223563  # WGS 84
+RADIUS = 6_371e3
+DEGREE = np.pi / 180.0
+RELEASE = {"latitude": 20.0, "longitude": 179.9, "time": "2026-06-21T12:00Z"}
+
+
+class Shear(AbstractWind):
+    """Wind that turns with altitude."""
+
+    def velocity(self, altitude, place):
+        east = (altitude - 72e3) * 1e-3
+        return Wind(east, 0.3 * east - 1.0, 0.0 * altitude)
+
+    def describe(self):
+        return ("wind: turning with altitude",)
+
+
+@pytest.fixture(scope="module")
+def station():
+    return Circle(20.2, -179.9, "60 km")
+
+
+def lift_table(disk, surroundings):
+    """Lift over altitude and share of light, from statics at lights of their own."""
+    altitudes, shares = np.linspace(50e3, 95e3, 181), np.linspace(0.0, 1.0, 41)
+    light = lf.environment.sunlight(1361.0 * shares, 0.3)
+    dimmed = type(surroundings)(light).state(altitudes[:, None])
+    lit = lf.lift(disk, dimmed, lf.FreeMolecular())
+    return RectBivariateSpline(altitudes, shares, lit, kx=3, ky=3)
+
+
+def test_choosing_the_wind_is_what_plain_numpy_makes_of_the_rule(closed_form_disk, lit_air, station):
+    disk, air, hours = closed_form_disk(2e-3, inertia=0.0), lit_air(Shear()), 8.0
+    rule = lf.mission.Shaded(lf.mission.ChooseWind(station, "66 km", "78 km", ahead="2 h"))
+    times = np.linspace(0.0, 3600.0 * hours, 33)
+    flown = lf.fly(
+        disk, air, lf.FreeMolecular(), release=Release("75 km", **RELEASE),
+        duration=times[-1], every=900.0, attitude=rule,
+    )  # fmt: skip
+    lift = lift_table(disk, air)
+    target = np.array([station.latitude, station.longitude], float) * DEGREE
+    mass = float(disk.mass)
+
+    def rate(time, flown):
+        altitude, latitude, longitude = flown
+        turn = target[1] - longitude
+        ahead = np.sin(latitude) * np.sin(target[0]) + np.cos(latitude) * np.cos(
+            target[0]
+        ) * np.cos(turn)
+        bearing = np.arctan2(
+            np.sin(turn) * np.cos(target[0]),
+            np.cos(latitude) * np.sin(target[0])
+            - np.sin(latitude) * np.cos(target[0]) * np.cos(turn),
+        )
+        way = RADIUS_OF_PLANET * np.arccos(ahead) * np.array([np.sin(bearing), np.cos(bearing)])
+        levels = np.linspace(66e3, 78e3, 21)
+        east = (levels - 72e3) * 1e-3
+        missed = np.hypot(way[0] - 7200.0 * east, way[1] - 7200.0 * (0.3 * east - 1.0))
+        weights = np.exp(-(missed - missed.min()) / 2e3)
+        wanted = (weights * levels).sum() / weights.sum()
+        below = np.clip(0.5 + (wanted - altitude) / 1e3, 0.0, 1.0)
+        share = below**2 * (3.0 - 2.0 * below)
+        # the thin and the dense drag of the disk, one after the other
+        pressure, temperature = 5.0 * np.exp((70e3 - altitude) / 6500.0), 220.0
+        thermal = np.sqrt(2.0 * GAS.specific_gas_constant * temperature)
+        free = float(disk.area) * pressure / thermal * (4.0 / np.sqrt(np.pi) + np.sqrt(np.pi))
+        slow = 16.0 * float(GAS.viscosity(temperature)) * 1e-3
+        up = (lift(altitude, share)[0, 0] - mass * 9.6) * (1.0 / free + 1.0 / slow)
+        squared = 1.0 - (2.0 * FLATTENING - FLATTENING**2) * np.sin(latitude) ** 2
+        normal = EQUATOR / np.sqrt(squared)
+        meridian = normal * (1.0 - FLATTENING) ** 2 / squared
+        here = (altitude - 72e3) * 1e-3
+        return [
+            up,
+            (0.3 * here - 1.0) / (meridian + altitude),
+            here / (normal + altitude) / np.cos(latitude),
+        ]
+
+    GAS, RADIUS_OF_PLANET = lf.gas.US1976_AIR, float(air.planet.radius)
+    begin = [75e3, 20.0 * DEGREE, 179.9 * DEGREE]
+    expected = solve_ivp(rate, (0.0, times[-1]), begin, t_eval=times, rtol=1e-9, atol=1e-7)
+    altitude, latitude, longitude = expected.y
+    assert np.ptp(altitude) > 3e3
+    np.testing.assert_allclose(flown.altitude, altitude, atol=2.0)
+    np.testing.assert_allclose(flown.latitude, latitude / DEGREE, atol=2e-5)
+    apart = (flown.longitude - longitude / DEGREE + 180.0) % 360.0 - 180.0
+    np.testing.assert_allclose(apart, 0.0, atol=2e-5)
+    assert 0.0 < float(flown.light_share.min()) < 0.9
+
+
+def test_a_shaded_flyer_rests_where_it_lets_in_what_lifts_it(closed_form_disk, lit_air):
+    disk, air = closed_form_disk(2e-3), lit_air()
+    rule = lf.mission.Shaded(lf.mission.HoldAltitude("72 km", width="400 m"))
+    flown = lf.fly(
+        disk, air, lf.FreeMolecular(), release=Release("75 km", **RELEASE), duration="8 h",
+        attitude=rule,
+    )  # fmt: skip
+    end = float(flown.end_altitude)
+    assert abs(end - 72e3) < 200.0
+    assert abs(float(flown.vertical_speed[-1])) < 1e-3
+    share = float(flown.light_share[-1])
+    dimmed = type(air)(lf.environment.sunlight(1361.0 * share, 0.3))
+    held = lf.lift(disk, dimmed.state(end), lf.FreeMolecular())
+    assert held == pytest.approx(float(disk.mass) * 9.6, rel=1e-3)
+    assert float(flown.irradiance[-1]) == 1361.0  # what there is, not what is let in
+
+
+@pytest.mark.parametrize("bearing", [0.0, 1.5, 3.0, 4.5])
+def test_a_tilted_flyer_makes_for_its_station_at_the_speed_of_steady_drift(
+    closed_form_disk, lit_air, bearing
+):
+    disk, air, away = closed_form_disk(0.01), lit_air(), 1.0 * DEGREE
+    north = 20.0 + np.cos(bearing) * away / DEGREE
+    east = 179.9 + np.sin(bearing) * away / DEGREE / np.cos(20.0 * DEGREE)
+    rule = lf.mission.TowardsStation(Circle(north, (east + 180.0) % 360.0 - 180.0, 1e3), 0.2)
+    flown = lf.fly(
+        disk, air, lf.FreeMolecular(), release=Release("72 km", **RELEASE), duration="10 min",
+        attitude=rule,
+    )  # fmt: skip
+    near = np.radians(float(flown.tilt[0]))
+    assert near == pytest.approx(0.2 * 111.2 / 121.2, rel=2e-3)
+    steady = lf.mission.steady_drift(
+        disk, air, lf.FreeMolecular(), altitude=72e3, tilt=near, azimuth=bearing
+    )
+    moving = np.array([flown.northward_speed[0], flown.eastward_speed[0]])
+    speed = float(steady.speed) * np.array([np.cos(bearing), np.sin(bearing)])
+    np.testing.assert_allclose(moving, speed, atol=0.01 * float(steady.speed))
+    assert float(steady.speed) > 0.3
+
+
+def test_the_way_to_a_place_is_that_of_spherical_trigonometry(rng):
+    here, there = (
+        np.array([rng.uniform(-1.5, 1.5, 200), rng.uniform(-np.pi, np.pi, 200)]) for _ in range(2)
+    )
+    with lf.float64():
+        east, north = map(np.asarray, angles_towards(*here, *there))
+        none = angles_towards(0.7, 0.2, 0.7, 0.2)
+    half = (
+        np.sin(0.5 * (there[0] - here[0])) ** 2
+        + np.cos(here[0]) * np.cos(there[0]) * np.sin(0.5 * (there[1] - here[1])) ** 2
+    )
+    turn = there[1] - here[1]
+    bearing = np.arctan2(
+        np.sin(turn) * np.cos(there[0]),
+        np.cos(here[0]) * np.sin(there[0]) - np.sin(here[0]) * np.cos(there[0]) * np.cos(turn),
+    )
+    angle = 2.0 * np.arcsin(np.sqrt(half))
+    np.testing.assert_allclose(east, angle * np.sin(bearing), atol=1e-9)
+    np.testing.assert_allclose(north, angle * np.cos(bearing), atol=1e-9)
+    np.testing.assert_allclose(none, 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize(("begin", "speed", "within", "left"), [
+    (0.0, 20.0, 5000.0, 5000.0),  # leaves, and does not come back
+    (-300e3, 20.0, 10_000.0, 20_000.0),  # passes through
+    (-300e3, 10.0, 16_000.0, np.inf),  # stays
+    (-300e3, 5.0, 0.0, np.inf),  # does not come there
+])  # fmt: skip
+def test_a_stay_lasts_as_long_as_the_way_through_the_station(begin, speed, within, left):
+    duration = 36_000.0
+
+    def along(at):
+        with lf.float64():
+            unit = unit_vector(0.0 * at, (begin + speed * at) / RADIUS)
+        return np.vstack([np.asarray(unit).T, 0.0 * at])
+
+    way = Way(np.array([0.0, duration]), [along])
+    stay = stay_of(way, Circle(0.0, 0.0, 100e3), RADIUS)
+    assert stay.within == pytest.approx(within, abs=0.02)
+    assert stay.left == pytest.approx(left, abs=0.02)
+    farthest = max(abs(begin), abs(begin + speed * duration))
+    assert stay.farthest == pytest.approx(farthest, rel=1e-9)
+
+
+class Daytime(lf.mission.AbstractAttitudeRule):
+    """A rule of a user's own: tilted in the first hour, dim after."""
+
+    def attitude(self, moment):
+        del moment
+
+    def light(self, moment):
+        import jax.numpy as jnp
+
+        return jnp.where(moment.elapsed < 3600.0, 1.0, 0.25)
+
+    def describe(self):
+        return "dim after an hour"
+
+
+def test_a_rule_of_ones_own_flies_and_so_does_an_ensemble_of_it(closed_form_disk, lit_air):
+    flown = lf.fly(
+        closed_form_disk(2e-3), lit_air(Shear()), lf.FreeMolecular(), duration="2 h",
+        release=Release("75 km", **RELEASE), attitude=Daytime(), every="15 min",
+        ensemble=lf.mission.Ensemble(3, wind=5.0), station=Circle(20.0, 179.9, "20 km"),
+    )  # fmt: skip
+    np.testing.assert_allclose(flown.light_share, [1.0] * 4 + [0.25] * 5)
+    assert "attitude: dim after an hour" in flown.attrs["assumptions"]
+    stay = lf.mission.summarise(flown)["station"]
+    assert stay["place"] == "within 20 km of 20° N, 179.9° E"
+    assert stay["within_h"] == pytest.approx(stay["left_after_h"])
+    members = flown.ensemble_station_within.values
+    assert members.shape == (3,) and np.ptp(members) > 60.0
+    assert np.all(members < 7200.0)
+
+
+def test_a_lowest_wind_above_the_highest_is_refused(station):
+    with pytest.raises(lf.ParameterError, match="highest of the winds"):
+        lf.mission.ChooseWind(station, "80 km", "70 km")
+
+
+def test_wind_of_other_altitudes_is_none_where_the_air_is_at_rest():
+    light = lf.environment.sunlight()
+    moment = lf.mission.Moment(
+        0.0, 70e3, Place(0.0, 0.0, 0.0), light, Wind(0.0, 0.0, 0.0), None, lf.Earth()
+    )
+    np.testing.assert_array_equal(moment.wind_at(np.array([60e3, 70e3])), np.zeros((3, 2)))

@@ -210,3 +210,55 @@ def test_mistakes_get_a_line_each(fly, old, new, says):
     assert not shown
     assert says in errors
     assert len(errors.splitlines()) <= 3
+
+
+STEERED = """\
+attitude = "towards-station"
+largest_tilt = "10 deg"
+
+[mission.shading]
+rule = "choose-wind"
+lowest = "64 km"
+highest = "90 km"
+
+[mission.station]
+longitude = "171 deg"
+radius = "150 km"
+
+[mission.ensemble]"""
+
+
+def test_a_steered_mission_says_how_long_it_stays_near_its_station(fly, folder):
+    out = folder / "steered"
+    code, shown, errors = fly(
+        ('duration = "30 h"', 'duration = "8 h"'), ("[mission.ensemble]", STEERED),
+        ("members = 6", "members = 3"), ('[mission.launches]\nevery = "6 h"\ncount = 2\n', ""),
+        options=("--out", out, "--format", "png"),
+    )  # fmt: skip
+    assert code == 0, errors
+    assert "h within 150 km of 45° N, 171° E, leaves it first after" in " ".join(shown.split())
+    assert (out / "station.png").stat().st_size > 300
+    summary = json.loads((out / "mission.json").read_text(encoding="utf-8"))
+    stay = summary["station"]
+    assert 0.0 < stay["within_h"] == pytest.approx(stay["left_after_h"])
+    assert summary["ensemble"]["within_station_h"]["high"] > stay["within_h"] / 2.0
+    assert any("tilted by at most 10° towards 45° N, 171° E" in a for a in summary["assumptions"])
+    with xr.open_dataset(out / "mission.nc", engine="h5netcdf") as dataset:
+        inside = dataset.station_distance <= 150e3
+        hours = float(inside.sum()) * 300.0 / 3600.0
+    assert hours == pytest.approx(stay["within_h"], abs=0.1)
+
+
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ('"choose-wind"', '"choose"', 'mission.shading.rule = "choose" is unknown'),
+    ('lowest = "64 km"', "", "[mission.shading] needs lowest"),
+    ('lowest = "64 km"', 'lowest = "95 km"', "highest of the winds to choose from must be above"),
+    ('lowest = "64 km"', 'lowest = "64 ± 1 km"', "lowest takes no ±"),
+    ('"towards-station"', '"level"', "largest_tilt has no effect beside attitude"),
+    ('"150 km"', '"150"', 'mission.station.radius: "150" has no unit'),
+])  # fmt: skip
+def test_a_mistake_in_steering_is_said_with_its_place(fly, old, new, said):
+    code, _, errors = fly(("[mission.ensemble]", STEERED.replace(old, new)))
+    assert code == 2
+    assert said in errors
+    assert "mission.toml:" in errors

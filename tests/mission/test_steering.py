@@ -44,7 +44,9 @@ def lift_table(disk, surroundings):
     return RectBivariateSpline(altitudes, shares, lit, kx=3, ky=3)
 
 
-def test_choosing_the_wind_is_what_plain_numpy_makes_of_the_rule(closed_form_disk, lit_air, station):
+def test_choosing_the_wind_is_what_plain_numpy_makes_of_the_rule(
+    closed_form_disk, lit_air, station
+):
     disk, air, hours = closed_form_disk(2e-3, inertia=0.0), lit_air(Shear()), 8.0
     rule = lf.mission.Shaded(lf.mission.ChooseWind(station, "66 km", "78 km", ahead="2 h"))
     times = np.linspace(0.0, 3600.0 * hours, 33)
@@ -67,7 +69,7 @@ def test_choosing_the_wind_is_what_plain_numpy_makes_of_the_rule(closed_form_dis
             np.cos(latitude) * np.sin(target[0])
             - np.sin(latitude) * np.cos(target[0]) * np.cos(turn),
         )
-        way = RADIUS_OF_PLANET * np.arccos(ahead) * np.array([np.sin(bearing), np.cos(bearing)])
+        way = planet_radius * np.arccos(ahead) * np.array([np.sin(bearing), np.cos(bearing)])
         levels = np.linspace(66e3, 78e3, 21)
         east = (levels - 72e3) * 1e-3
         missed = np.hypot(way[0] - 7200.0 * east, way[1] - 7200.0 * (0.3 * east - 1.0))
@@ -77,9 +79,9 @@ def test_choosing_the_wind_is_what_plain_numpy_makes_of_the_rule(closed_form_dis
         share = below**2 * (3.0 - 2.0 * below)
         # the thin and the dense drag of the disk, one after the other
         pressure, temperature = 5.0 * np.exp((70e3 - altitude) / 6500.0), 220.0
-        thermal = np.sqrt(2.0 * GAS.specific_gas_constant * temperature)
+        thermal = np.sqrt(2.0 * gas.specific_gas_constant * temperature)
         free = float(disk.area) * pressure / thermal * (4.0 / np.sqrt(np.pi) + np.sqrt(np.pi))
-        slow = 16.0 * float(GAS.viscosity(temperature)) * 1e-3
+        slow = 16.0 * float(gas.viscosity(temperature)) * 1e-3
         up = (lift(altitude, share)[0, 0] - mass * 9.6) * (1.0 / free + 1.0 / slow)
         squared = 1.0 - (2.0 * FLATTENING - FLATTENING**2) * np.sin(latitude) ** 2
         normal = EQUATOR / np.sqrt(squared)
@@ -91,7 +93,7 @@ def test_choosing_the_wind_is_what_plain_numpy_makes_of_the_rule(closed_form_dis
             here / (normal + altitude) / np.cos(latitude),
         ]
 
-    GAS, RADIUS_OF_PLANET = lf.gas.US1976_AIR, float(air.planet.radius)
+    gas, planet_radius = lf.gas.US1976_AIR, float(air.planet.radius)
     begin = [75e3, 20.0 * DEGREE, 179.9 * DEGREE]
     expected = solve_ivp(rate, (0.0, times[-1]), begin, t_eval=times, rtol=1e-9, atol=1e-7)
     altitude, latitude, longitude = expected.y
@@ -214,7 +216,8 @@ def test_a_rule_of_ones_own_flies_and_so_does_an_ensemble_of_it(closed_form_disk
     assert stay["place"] == "within 20 km of 20° N, 179.9° E"
     assert stay["within_h"] == pytest.approx(stay["left_after_h"])
     members = flown.ensemble_station_within.values
-    assert members.shape == (3,) and np.ptp(members) > 60.0
+    assert members.shape == (3,)
+    assert np.ptp(members) > 60.0
     assert np.all(members < 7200.0)
 
 

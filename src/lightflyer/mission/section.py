@@ -44,7 +44,7 @@ _Launches = Annotated[int, pydantic.Field(strict=True, ge=1, le=MOST_LAUNCHES)]
 _RULES = ("own", "level", "follow-sun", "towards-station")
 _TILTED = {"largest_tilt": ("follow-sun", "towards-station"), "tilt_share": ("follow-sun",)}
 _STATION_RADIUS = Measured(100e3)  # m, unless the file says otherwise
-_EXACT = ("latitude", "longitude", "duration")
+_PLACE = ("latitude", "longitude")
 
 
 class EnsembleSection(Section, of=Ensemble):
@@ -142,11 +142,10 @@ class MissionSection(Section, of=Release):
 
     @pydantic.model_validator(mode="after")
     def _exact(self) -> "MissionSection":
-        for key in _EXACT:
-            if getattr(self, key).uncertainty is not None:
-                raise ConfigurationError(
-                    f"{key} takes no ±; the release's is position_uncertainty in [mission.ensemble]"
-                )
+        for part in (self, self.shading, self.station, self.launches):
+            for key, value in () if part is None else part:
+                if key != "altitude" or part is not self:
+                    _require_exact(key, value)
         if self.every is not None and self.every.value > self.duration.value:
             raise ConfigurationError(
                 f"every, {self.every.value:g} s, is longer than the duration, "
@@ -219,3 +218,9 @@ class MissionSection(Section, of=Release):
 
 def _radians(angle: Measured) -> float:
     return angle.value * RADIANS_PER_DEGREE
+
+
+def _require_exact(key: str, value: Any) -> None:
+    if isinstance(value, Measured) and value.uncertainty is not None:
+        placed = "; the release's is position_uncertainty in [mission.ensemble]"
+        raise ConfigurationError(f"{key} takes no ±{placed if key in _PLACE else ''}")

@@ -14,8 +14,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from lightflyer.core.checks import is_concrete
-from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Altitude, Checked, Duration, GroundDistance
 from lightflyer.core.types import Numeric
 from lightflyer.environment.radiation import Attitude
@@ -87,13 +85,14 @@ class ChooseWind(AbstractShading):
     station: Circle
     lowest: Altitude
     highest: Altitude
-    ahead: Duration = 3.0 * _HOURS
+    ahead: Duration = _HOURS
     width: GroundDistance = 1e3
 
-    def __check_init__(self) -> None:
-        super().__check_init__()
-        if is_concrete(self.lowest, self.highest) and not np.all(self.lowest < self.highest):
-            raise ParameterError("highest of the winds to choose from must be above lowest")
+    @staticmethod
+    def contradiction(lowest: Numeric, highest: Numeric) -> str | None:
+        if np.all(lowest < highest):
+            return None
+        return "highest of the winds to choose from must be above lowest"
 
     def light(self, moment: Moment) -> Numeric:
         return _let_in(moment, self.wanted(moment), self.width)

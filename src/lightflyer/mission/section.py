@@ -2,7 +2,7 @@
 
 import abc
 import datetime
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -167,12 +167,13 @@ class MissionSection(Section, of=Release):
         """How the flyer lies, and what light it lets in."""
         largest = {} if self.largest_tilt is None else {"largest": _radians(self.largest_tilt)}
         share = {} if self.tilt_share is None else {"share": self.tilt_share.value}
-        rule: AbstractAttitudeRule = {
+        rules: dict[str, Callable[[], AbstractAttitudeRule]] = {
             "own": Own,
             "level": Level,
             "follow-sun": partial(FollowSun, **share, **largest),
             "towards-station": partial(TowardsStation, self._circle, **largest),
-        }[self.attitude]()
+        }
+        rule = rules[self.attitude]()
         return rule if self.shading is None else Shaded(self.shading.build(self._circle), rule)
 
     @property

@@ -5,6 +5,7 @@ from typing import Any, ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from lightflyer.core.errors import ParameterError
@@ -183,6 +184,10 @@ class KineticDisk(AbstractForceModel):
         if self.film_balance == "local":
             yield from local_balance_fit().ranges(knudsen)
         yield from kinetic_walls.ranges(flyer, self.walls, _kind(state.gas), knudsen, lowest)
+
+    def left_open(self, flyer: Disk) -> str:
+        unlike = bool(np.any(flyer.film.tac_difference != 0.0))
+        return kinetic_walls.LEFT_OPEN if self.wall == "unknown" and unlike else ""
 
     def remarks(
         self,

@@ -149,6 +149,10 @@ class Kinetic(AbstractForceModel):
     def _model(self, kind: type) -> Any:
         return kind(**{one.name: getattr(self, one.name) for one in dataclasses.fields(kind)})
 
+    def left_open(self, flyer: AbstractFlyer) -> str:
+        found: str = self.model_of(flyer).left_open(flyer)
+        return found
+
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
         return self.model_of(flyer).assumptions(flyer)
 

@@ -52,6 +52,12 @@ _IN_WORDS = {
     "accommodation pushes is solved",
 }
 
+LEFT_OPEN = (
+    "where tangential motion accommodates alike on both faces, they push about twice as hard, and "
+    "three times where rotation does too (wall under [force])"
+)
+"""What a pair of TACs leaves open: the page on the kinetic force has numbers."""
+
 # powers of heating, TAC and Knudsen number
 _HEATED_POWERS = [(1, tac, knudsen) for tac in range(3) for knudsen in range(4)]
 _FORCE_POWERS = [

@@ -45,7 +45,8 @@ def assumptions_of(
     """What is assumed, in short texts with units."""
     environment = setup.environment
     wind = getattr(environment, "wind", None)
-    told = [f"force model: {describe_object(setup.model)}", *_light_assumptions(environment)]
+    told = [f"force model: {type(setup.model).__name__}", *setup.model.assumptions(setup.flyer)]
+    told += _light_assumptions(environment)
     told += ["wind: none"] if wind is None else list(wind.describe())
     told.append(f"attitude: {rule.describe()}")
     if inertia is None:

@@ -61,7 +61,7 @@ _WORDS = {
     "angstrom", "ohm": "ohm", "ohms": "ohm", "\N{GREEK SMALL LETTER OMEGA}": "ohm", "volt": "V",
     "volts": "V", "amp": "A", "amps": "A", "watt": "W", "watts": "W", "sec": "s", "secs": "s",
     "second": "s", "seconds": "s", "sun": "sun", "suns": "sun", "ev": "eV", "percent": "%",
-    "degrees_north": "deg", "degrees_east": "deg",
+    "degrees_north": "deg", "degrees_east": "deg", "degree_north": "deg", "degree_east": "deg",
     "1/cm": "cm^-1", "1/m": "m^-1",
 }  # fmt: skip
 _BY_TARGET = {

@@ -50,6 +50,12 @@ class MissionFile:
         """Arguments of :func:`lightflyer.fly` beside the design."""
         return self.mission.arguments()
 
+    def flight_arguments(self) -> dict[str, Any]:
+        """Those of the one flight, such as :func:`compare_track` takes."""
+        names = ("release", "duration", "attitude", "lowest", "highest")
+        given = self.arguments()
+        return {name: given[name] for name in names}
+
 
 def read_mission_file(path: str | Path) -> MissionFile:
     """Read and check a mission file.

@@ -13,6 +13,7 @@ def fly_command(
     mission_file: Path,
     /,
     *,
+    compare: list[Path] | None = None,
     out: Path | None = None,
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -24,6 +25,9 @@ def fly_command(
     mission_file
         TOML file: a flyer file with a section [mission]; "lightflyer init --kind mission" writes
         one.
+    compare
+        Measured track to lay beside the flight: a table (CSV) with time, latitude, longitude and
+        altitude, or GPX, or KML with times; may be given several times.
     out
         Folder to write figures, the dataset (NetCDF), the flight as a table (CSV), the track
         (KML) and the summary (JSON) into.
@@ -34,6 +38,10 @@ def fly_command(
     """
     out = figures.folder(out)
     from lightflyer.core.progress import asked_to_end, ends_early, report
+    from lightflyer.mission.measured.comparison import compare_track, join_comparisons
+    from lightflyer.mission.measured.summary import comparison_parts, summarise_comparison
+    from lightflyer.mission.measured.tables import write_comparison_csv
+    from lightflyer.mission.measured.track import read_track
     from lightflyer.mission.mission import fly
     from lightflyer.mission.mission_file import read_mission_file
     from lightflyer.mission.report.kml import write_kml
@@ -42,16 +50,28 @@ def fly_command(
     from lightflyer.mission.report.text import mission_parts
 
     mission = read_mission_file(mission_file)
+    tracks = [read_track(path) for path in compare or ()]
     with ends_early():
         dataset = fly(mission.design, **mission.arguments())
+        compared = [
+            compare_track(track, mission.design, **mission.flight_arguments()) for track in tracks
+        ]
         interrupted = asked_to_end()
     found = summarise(dataset)
+    if compared:
+        found["measured"] = [summarise_comparison(one) for one in compared]
+        dataset = dataset.merge(join_comparisons(compared), combine_attrs="override")
     dataset.attrs |= {"configuration": mission.design.text, "summary": json.dumps(found)}
 
     def draw() -> Any:
         from lightflyer.mission.report.figures import mission_figures
 
-        return mission_figures(dataset)
+        figures = mission_figures(dataset)
+        if compared:
+            from lightflyer.mission.measured.figures import comparison_figure
+
+            figures["comparison"] = comparison_figure(dataset, compared)
+        return figures
 
     if out is not None:
         report("writing")
@@ -61,12 +81,16 @@ def fly_command(
         "mission.kml": lambda path: write_kml(dataset, path),
         "mission.json": found,
     }
+    if compared:
+        files["comparison.csv"] = lambda path: write_comparison_csv(compared, path)
     written = figures.write_folder(out, files, draw)
     if json_output:
         print_json(found)
     else:
         console = printer()
         show(console, mission_parts(dataset))
+        for one in found.get("measured", ()):
+            show(console, comparison_parts(one))
         figures.tell(console, written, "add --out FOLDER to write figures and data")
     if interrupted:
         raise KeyboardInterrupt

@@ -65,7 +65,7 @@ def plot_spread(dataset: "xr.Dataset") -> Figure:
         axes.fill_between(dataset.time.values, low, high, color=colour, alpha=0.2, lw=0.0)
     axes.set_ylim(0.0, 105.0)
     axes.set_ylabel(f"share of {int(dataset.members)} members [%]")
-    _draw_over_time(axes, dataset)
+    draw_over_time(axes, dataset)
     figure.legend(title=f"shaded: {INTERVAL}", fontsize="small", loc="outside right upper")
     return figure
 
@@ -73,7 +73,7 @@ def plot_spread(dataset: "xr.Dataset") -> Figure:
 def _altitude(dataset: "xr.Dataset") -> Figure:
     figure = new_figure(width=8.0)
     (axes,) = figure.axes
-    _shade(axes, dataset)
+    shade_nights(axes, dataset)
     time = dataset.time.values
     if "ensemble_altitude" in dataset:
         low, high = _spread(dataset.ensemble_altitude.values / _KILOMETRE)
@@ -84,7 +84,7 @@ def _altitude(dataset: "xr.Dataset") -> Figure:
     altitude = float(dataset.end_altitude) / _KILOMETRE
     axes.plot(end, altitude, "o", color=VERMILION, label=f"end: {dataset.attrs['end']}")
     axes.set_ylabel("altitude [km]")
-    _draw_over_time(axes, dataset)
+    draw_over_time(axes, dataset)
     legend_below(axes)
     return figure
 
@@ -103,8 +103,8 @@ def _flight(dataset: "xr.Dataset") -> Figure:
     heat.plot(time, dataset.gas_temperature, color=GREY, linestyle="--", label="gas")
     heat.set_ylabel("temperature [K]")
     for axes in figure.axes:
-        _shade(axes, dataset)
-        _draw_over_time(axes, dataset)
+        shade_nights(axes, dataset)
+        draw_over_time(axes, dataset)
     for axes in (lift, light):
         axes.set_xlabel("")
         axes.tick_params(labelbottom=False)
@@ -155,12 +155,12 @@ def _ground_track(dataset: "xr.Dataset") -> Figure:
 def _survival(dataset: "xr.Dataset") -> Figure:
     figure = new_figure(width=8.0)
     (axes,) = figure.axes
-    _shade(axes, dataset)
+    shade_nights(axes, dataset)
     flying = np.isfinite(dataset.ensemble_altitude.values).mean(axis=0)
     axes.step(dataset.time.values, 100.0 * flying, where="post", color=BLUE)
     axes.set_ylim(0.0, 105.0)
     axes.set_ylabel("share still flying [%]")
-    _draw_over_time(axes, dataset)
+    draw_over_time(axes, dataset)
     return figure
 
 
@@ -206,7 +206,8 @@ def _colours(count: int) -> list[Any]:
     return [colormaps["viridis"](share) for share in np.linspace(0.0, 0.9, count)]
 
 
-def _shade(axes: Axes, dataset: "xr.Dataset") -> None:
+def shade_nights(axes: Axes, dataset: "xr.Dataset") -> None:
+    """Shade the nights of a flight on axes over time."""
     start, named = dataset.time.values[0], False
     for begin, end, is_day in day_and_night(dataset):
         if is_day:
@@ -217,7 +218,8 @@ def _shade(axes: Axes, dataset: "xr.Dataset") -> None:
         named = True
 
 
-def _draw_over_time(axes: Axes, dataset: "xr.Dataset") -> None:
+def draw_over_time(axes: Axes, dataset: "xr.Dataset") -> None:
+    """Give axes the time of a flight, from its release to its last moment."""
     locator = AutoDateLocator()  # type: ignore[no-untyped-call]
     axes.xaxis.set_major_locator(locator)
     written = ConciseDateFormatter(locator)  # type: ignore[no-untyped-call]

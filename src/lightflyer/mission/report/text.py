@@ -22,8 +22,8 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
     begin = (dataset[name].values[0] for name in names)
     end = (dataset[f"end_{name}"] for name in names)
     rows["flyer"] = dataset.attrs["flyer"]
-    rows["released"] = f"{found['released']}, {_place_text(*begin)}"
-    rows["ended"] = f"{found['ended']}, {_place_text(*end)}"
+    rows["released"] = f"{found['released']}, {place_text(*begin)}"
+    rows["ended"] = f"{found['ended']}, {place_text(*end)}"
     film, warnings = found["film"], found["warnings"]
     rows["because"] = f"it {found['end']}"
     if film is not None:
@@ -74,7 +74,7 @@ def spread_parts(dataset: "xr.Dataset") -> Parts:
     yield table
     if float(last.flying) > 0.0:
         yield (
-            f"middle {_place_text(last.latitude, last.longitude, last.altitude)}, "
+            f"middle {place_text(last.latitude, last.longitude, last.altitude)}, "
             f"root mean square distance from it {float(last.distance) / 1e3:.4g} km"
         )
     yield from warning_lines(texts_of(dataset, "warnings"))
@@ -106,7 +106,7 @@ def describe(dataset: "xr.Dataset") -> str:
     return as_text(spread_parts(dataset) if "flying" in dataset else mission_parts(dataset))
 
 
-def _place_text(latitude: Any, longitude: Any, altitude: Any) -> str:
+def place_text(latitude: Any, longitude: Any, altitude: Any) -> str:
     """A place and an altitude in words; angles in degrees."""
     north, east = "N" if latitude >= 0.0 else "S", "E" if longitude >= 0.0 else "W"
     degrees = f"{abs(float(latitude)):.2f}° {north}, {abs(float(longitude)):.2f}° {east}"

@@ -1,0 +1,1 @@
+"""Flights beside tracks that were measured."""

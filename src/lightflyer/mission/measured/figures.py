@@ -1,0 +1,52 @@
+"""Figure of a comparison: both altitudes and the residuals, over time."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from lightflyer.files.drawing import LINES, legend_below, new_figure
+from lightflyer.files.palette import COMPUTED, GREY, MEASURED, PALETTE
+from lightflyer.mission.report.figures import draw_over_time, shade_nights
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_KILOMETRE = 1e3
+_RESIDUALS = {"along": LINES[0], "across": LINES[1]}
+
+
+def comparison_figure(flown: "xr.Dataset", compared: Sequence["xr.Dataset"]) -> Figure:
+    """A flight beside measured tracks; ``flown``: of :func:`lightflyer.fly`."""
+    figure = new_figure(width=8.0, height=7.5, rows=3)
+    heights, vertical, ground = figure.axes
+    heights.plot(flown.time, flown.altitude / _KILOMETRE, color=COMPUTED, label="flight")
+    colours = [MEASURED, *(one for one in PALETTE if one not in (COMPUTED, MEASURED))]
+    for number, one in enumerate(compared):
+        colour, time = colours[number % len(colours)], one.measured_time
+        name = _name_of(one) if len(compared) > 1 else "measured"
+        style = {"color": colour, "lw": 1.2}
+        heights.plot(time, one.measured_altitude / _KILOMETRE, label=name, **style)
+        vertical.plot(time, one.altitude_residual / _KILOMETRE, **style)
+        for part, line in _RESIDUALS.items():
+            label = f"{part} the track" if number == 0 else None
+            values = one[f"{part}_residual"] / _KILOMETRE
+            ground.plot(time, values, ls=line, label=label, **style)
+    for axes, label in ((vertical, "altitude"), (ground, "place")):
+        axes.axhline(0.0, color=GREY, lw=0.8)
+        axes.set_ylabel(f"{label}, measured\nless flown [km]")
+    heights.set_ylabel("altitude [km]")
+    for axes in figure.axes:
+        shade_nights(axes, flown)
+        draw_over_time(axes, flown)
+    for axes in (heights, vertical):
+        axes.set_xlabel("")
+        axes.tick_params(labelbottom=False)
+        axes.xaxis.get_offset_text().set_visible(False)
+    heights.legend(fontsize="small", frameon=False)
+    legend_below(ground)
+    return figure
+
+
+def _name_of(compared: "xr.Dataset") -> str:
+    return str(compared.attrs["source"]).replace("\\", "/").rpartition("/")[2]

@@ -1,0 +1,82 @@
+"""Distances and directions on a sphere, between a measured track and a flight."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from lightflyer.core.quantity import RADIANS_PER_DEGREE
+from lightflyer.mission.measured.track import MeasuredTrack
+from lightflyer.mission.path.position import directions, unit_vector
+from lightflyer.program.entry_point import entry_point
+
+_unit_vector, _directions = entry_point(unit_vector), entry_point(directions)
+_LOOK = 300.0  # to either side, by which the direction of a track is found [s]
+_AT_REST = 0.1  # speed below which it has no direction that receivers could show [m/s]
+
+
+class Apart(NamedTuple):
+    """From the flight to the measured track, over ground; shape (n,) [m]."""
+
+    distance: np.ndarray
+    along: np.ndarray  # The way that the measured track goes; NaN where it is at rest
+    across: np.ndarray  # To the right of it
+
+
+class Moved(NamedTuple):
+    """Mean velocities between moments, and where; shape (n,)."""
+
+    east: np.ndarray  # [m/s]
+    north: np.ndarray  # [m/s]
+    latitude: np.ndarray  # Of the middle [rad]
+    longitude: np.ndarray  # [rad]
+    altitude: np.ndarray  # [m]
+
+
+def positions(latitude: np.ndarray, longitude: np.ndarray) -> np.ndarray:
+    """Unit vectors (n, 3) of places [deg]."""
+    return np.asarray(
+        _unit_vector(latitude * RADIANS_PER_DEGREE, longitude * RADIANS_PER_DEGREE)
+    )
+
+
+def apart(track: MeasuredTrack, flown: np.ndarray, radius: float) -> Apart:
+    """How far a track is from a flight at its fixes; ``flown`` (n, 3): unit vectors."""
+    measured = positions(track.latitude, track.longitude)
+    away = -_tangential(flown, measured)
+    sine = np.linalg.norm(away, axis=1)
+    distance = radius * np.arctan2(sine, np.sum(flown * measured, axis=1))
+    away *= (distance / np.where(sine > 0.0, sine, 1.0))[:, None]
+    ends = [_at(track, measured, track.time + step) for step in (-_LOOK, _LOOK)]
+    course = _tangential(ends[1] - ends[0], measured)
+    length = np.linalg.norm(course, axis=1)
+    lasted = np.ptp([np.clip(track.time + step, *track.time[[0, -1]])
+                     for step in (-_LOOK, _LOOK)], axis=0)  # fmt: skip
+    moves = length * radius > _AT_REST * lasted
+    course /= np.where(moves, length, np.nan)[:, None]
+    right = np.cross(course, measured)
+    return Apart(distance, np.sum(away * course, axis=1), np.sum(away * right, axis=1))
+
+
+def moved(track: MeasuredTrack, moments: np.ndarray, radius: float) -> Moved:
+    """Mean velocity of a track between moments [s since 2000-01-01 12:00 UTC], (n + 1,)."""
+    ends = _at(track, positions(track.latitude, track.longitude), moments)
+    middle = ends[1:] + ends[:-1]
+    middle /= np.linalg.norm(middle, axis=1, keepdims=True)
+    way = radius * (ends[1:] - ends[:-1]) / np.diff(moments)[:, None]
+    latitude = np.arcsin(np.clip(middle[:, 2], -1.0, 1.0))
+    longitude = np.arctan2(middle[:, 1], middle[:, 0])
+    east, north = (np.sum(way * one, axis=1) for one in _directions(latitude, longitude))
+    heights = np.interp(0.5 * (moments[1:] + moments[:-1]), track.time, track.altitude)
+    return Moved(east, north, latitude, longitude, heights)
+
+
+def _at(track: MeasuredTrack, places: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Unit vectors between the fixes, shape (m, 3)."""
+    found = np.stack([np.interp(time, track.time, column) for column in places.T], axis=1)
+    found /= np.linalg.norm(found, axis=1, keepdims=True)
+    return found
+
+
+def _tangential(vectors: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Parts of vectors (n, 3) that are perpendicular to unit vectors (n, 3)."""
+    return vectors - np.sum(vectors * normal, axis=1, keepdims=True) * normal

@@ -1,0 +1,171 @@
+"""A comparison in numbers and words."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lightflyer.core.clock import date_text, seconds_of
+from lightflyer.files.display_units import suitable
+from lightflyer.files.result_text import Parts, rows_of, table_of
+from lightflyer.mission.measured.comparison import BAND, PERIOD
+from lightflyer.mission.measured.explanation import TELLING, evidence, rms_of, weights_of
+from lightflyer.mission.report.summary import SECONDS_AN_HOUR
+from lightflyer.mission.report.text import place_text
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from rich.table import Table
+
+RESIDUALS = {
+    "altitude": "altitude_residual",
+    "along": "along_residual",
+    "across": "across_residual",
+    "distance": "distance",
+}
+EXPLANATIONS = {"mass": "kg", "vertical_wind": "m/s"}
+
+_MASS_STANDS_FOR = (
+    "the mass stands for all that weighs or lifts as much, such as a wrong absorptance"
+)
+
+
+def summarise_comparison(compared: "xr.Dataset") -> dict[str, Any]:
+    """A comparison in numbers, ready for JSON."""
+    elapsed = compared.measured_elapsed.values
+    beside = np.isfinite(compared.altitude_residual.values)
+    found: dict[str, Any] = {
+        "source": compared.attrs["source"],
+        "fixes": int(elapsed.size),
+        "compared": int(beside.sum()),
+        "compared_h": float(np.ptp(elapsed[beside])) / SECONDS_AN_HOUR,
+        "ended": date_text(seconds_of(compared.measured_time.values[-1])),
+        "end_latitude_deg": float(compared.measured_latitude[-1]),
+        "end_longitude_deg": float(compared.measured_longitude[-1]),
+        "end_altitude_km": float(compared.measured_altitude[-1]) / 1e3,
+        "residuals": {
+            name: _size(elapsed, compared[variable].values) for name, variable in RESIDUALS.items()
+        },
+        "wind_by_time": _winds(compared, PERIOD, SECONDS_AN_HOUR, "h"),
+        "wind_by_altitude": _winds(compared, BAND, 1e3, "km"),
+    }
+    if "altitude_rms" in compared:
+        found["explanations"] = _explanations(compared)
+    return found | {"notes": [note for note in compared.attrs["notes"].split("\n") if note]}
+
+
+def comparison_parts(found: dict[str, Any]) -> Parts:
+    """Lines and tables of a comparison, from its summary."""
+    place = (found["end_latitude_deg"], found["end_longitude_deg"], found["end_altitude_km"] * 1e3)
+    yield ""
+    yield rows_of({
+        "beside": f"{found['source']}, {found['compared']} of {found['fixes']} fixes, "
+        f"{found['compared_h']:.2f} h",
+        "ended": f"{found['ended']}, {place_text(*place)}",
+    })  # fmt: skip
+    rows = [
+        (f"{name} [km]", f"{one['rms_km']:.3f}", f"{one['largest_km']:.3f}", f"{one['at_h']:.2f}")
+        for name, one in found["residuals"].items()
+        if one is not None
+    ]
+    yield table_of(("measured less flown", "rms", "largest", "at [h]"), rows, pad_edge=False)
+    for key, name in (("time", "after the release [h]"), ("altitude", "altitude [km]")):
+        if found[f"wind_by_{key}"]:
+            yield _wind_table(found[f"wind_by_{key}"], name)
+    if "explanations" in found:
+        yield from _explanation_parts(found["explanations"])
+    yield from found["notes"]
+
+
+def verdict(found: dict[str, Any]) -> str:
+    """Which explanation is preferred; ``found``: ``explanations`` of a summary."""
+    better, other = sorted(EXPLANATIONS, key=lambda name: found[name]["rms_km"])
+    said = f"the residuals are worth {found['independent']:.2g} independent ones"
+    if found["evidence"] < TELLING:
+        return f"neither mass nor vertical wind explains the altitudes: {said}"
+    better, other = (name.replace("_", " ") for name in (better, other))
+    if found["evidence_between"] < TELLING:
+        return f"{better} and {other} explain the altitudes, and are not told apart: {said}"
+    return f"the {better} explains the altitudes better than the {other}"
+
+
+def _size(elapsed: np.ndarray, values: np.ndarray) -> dict[str, float] | None:
+    known = np.isfinite(values)
+    if known.sum() < 2:
+        return None
+    elapsed, values = elapsed[known], values[known]
+    largest = int(np.argmax(np.abs(values)))
+    return {
+        "rms_km": rms_of(values, weights_of(elapsed)) / 1e3,
+        "largest_km": float(values[largest]) / 1e3,
+        "at_h": float(elapsed[largest]) / SECONDS_AN_HOUR,
+        "last_km": float(values[-1]) / 1e3,
+    }
+
+
+def _winds(
+    compared: "xr.Dataset", dimension: str, size: float, unit: str
+) -> list[dict[str, float]]:
+    columns = {
+        f"from_{unit}": compared[f"{dimension}_lowest"].values / size,
+        f"to_{unit}": compared[f"{dimension}_highest"].values / size,
+        "east_m_s": compared[f"{dimension}_east"].values,
+        "north_m_s": compared[f"{dimension}_north"].values,
+        "duration_h": compared[f"{dimension}_duration"].values / SECONDS_AN_HOUR,
+        "altitude_km": compared[f"{dimension}_altitude"].values / 1e3,
+    }
+    rows = zip(*columns.values(), strict=True)
+    return [dict(zip(columns, map(float, row), strict=True)) for row in rows]
+
+
+def _explanations(compared: "xr.Dataset") -> dict[str, Any]:
+    independent = float(compared.independent_residuals)
+    found: dict[str, Any] = {
+        name: {
+            key: float(compared[f"{name}_{end}"])
+            for key, end in (("value", "value"), ("low", "low"), ("high", "high"))
+        }
+        | {"unit": unit, "rms_km": float(compared[f"{name}_rms"]) / 1e3}
+        for name, unit in EXPLANATIONS.items()
+    }
+    better, worse = sorted(found[name]["rms_km"] for name in EXPLANATIONS)
+    before = float(compared.altitude_rms) / 1e3
+    alike = float(compared.explanations_alike)
+    found |= {
+        "rms_before_km": before,
+        "independent": independent,
+        "alike": alike if np.isfinite(alike) else None,
+        "evidence": evidence(before, better, independent),
+        "evidence_between": evidence(worse, better, independent),
+    }
+    return found | {"verdict": verdict(found)}
+
+
+def _wind_table(rows: list[dict[str, float]], name: str) -> "Table":
+    low, high = list(rows[0])[:2]
+    return table_of(
+        (name, "east [m/s]", "north [m/s]"),
+        [
+            (f"{row[low]:g} to {row[high]:g}", f"{row['east_m_s']:.2f}", f"{row['north_m_s']:.2f}")
+            for row in rows
+        ],
+        title="velocity less the wind in use", pad_edge=False,
+    )  # fmt: skip
+
+
+def _explanation_parts(found: dict[str, Any]) -> Parts:
+    rows = [("as stated", "", "", f"{found['rms_before_km']:.3f}")]
+    for name, unit in EXPLANATIONS.items():
+        one = found[name]
+        ends = [one[end] for end in ("value", "low", "high")]
+        factor, shown = suitable(unit, ends)
+        value, low, high = (f"{factor * end:+.3g}" for end in ends)
+        label = f"{name.replace('_', ' ')} [{shown}]"
+        rows.append((label, value, f"{low} to {high}", f"{one['rms_km']:.3f}"))
+    headings = ("what would explain the altitudes", "add", "95 % interval", "rms [km]")
+    yield table_of(headings, rows, pad_edge=False)
+    yield found["verdict"]
+    if found["alike"] is not None:
+        yield (
+            f"what the two change of the altitudes is alike to {found['alike']:.2f} (1: the same); "
+            f"{_MASS_STANDS_FOR}"
+        )

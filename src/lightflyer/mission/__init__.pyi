@@ -3,6 +3,8 @@ from .areas import Circle as Circle
 from .areas import Polygon as Polygon
 from .fleet import Ensemble as Ensemble
 from .measured.comparison import compare_track as compare_track
+from .measured.summary import describe_comparison as describe_comparison
+from .measured.summary import summarise_comparison as summarise_comparison
 from .measured.track import MeasuredTrack as MeasuredTrack
 from .measured.track import read_track as read_track
 from .mission import fly as fly

@@ -1,12 +1,19 @@
 """``lightflyer fly``: a mission through days, nights and winds."""
 
 import json
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, show
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from lightflyer.mission.measured.track import MeasuredTrack
+    from lightflyer.mission.mission_file import MissionFile
 
 
 def fly_command(
@@ -38,10 +45,9 @@ def fly_command(
     """
     out = figures.folder(out)
     from lightflyer.core.progress import asked_to_end, ends_early, report
-    from lightflyer.mission.measured.comparison import compare_track, join_comparisons
+    from lightflyer.mission.measured.comparison import join_comparisons
     from lightflyer.mission.measured.summary import comparison_parts, summarise_comparison
     from lightflyer.mission.measured.tables import write_comparison_csv
-    from lightflyer.mission.measured.track import read_track
     from lightflyer.mission.mission import fly
     from lightflyer.mission.mission_file import read_mission_file
     from lightflyer.mission.report.kml import write_kml
@@ -50,12 +56,10 @@ def fly_command(
     from lightflyer.mission.report.text import mission_parts
 
     mission = read_mission_file(mission_file)
-    tracks = [read_track(path) for path in compare or ()]
+    tracks = _read_tracks(compare or [], mission)
     with ends_early():
         dataset = fly(mission.design, **mission.arguments())
-        compared = [
-            compare_track(track, mission.design, **mission.flight_arguments()) for track in tracks
-        ]
+        compared = _compare(tracks, mission)
         interrupted = asked_to_end()
     found = summarise(dataset)
     if compared:
@@ -90,7 +94,30 @@ def fly_command(
         console = printer()
         show(console, mission_parts(dataset))
         for one in found.get("measured", ()):
-            show(console, comparison_parts(one))
+            show(console, ["", *comparison_parts(one)])
         figures.tell(console, written, "add --out FOLDER to write figures and data")
     if interrupted:
         raise KeyboardInterrupt
+
+
+def _read_tracks(paths: list[Path], mission: "MissionFile") -> "list[MeasuredTrack]":
+    """Measured tracks that share time with the mission."""
+    from lightflyer.mission.measured.comparison import require_shared_time
+    from lightflyer.mission.measured.track import read_track
+
+    tracks = [read_track(path) for path in paths]
+    released = float(mission.mission.release.time)
+    for track in tracks:
+        require_shared_time(track, released, released + mission.mission.duration.value)
+    return tracks
+
+
+def _compare(tracks: "list[MeasuredTrack]", mission: "MissionFile") -> "list[xr.Dataset]":
+    """The mission beside each track, until interrupted."""
+    from lightflyer.mission.measured.comparison import compare_track
+
+    compared: list[xr.Dataset] = []
+    with suppress(KeyboardInterrupt):
+        for track in tracks:
+            compared.append(compare_track(track, mission.design, **mission.flight_arguments()))
+    return compared

@@ -133,11 +133,14 @@ def compare_track(
         start = release.start()
     span = float(times_of(duration)[-1])
     craft, released = Craft(setup, rule), float(release.time)
+    require_shared_time(measured, released, released + span)
     accuracy = Accuracy.for_duration(span, tolerance)
     _, way = follow(craft, start, limits, np.array([0.0, span]), accuracy)
+    if asked_to_end():
+        raise KeyboardInterrupt
     elapsed, end = measured.time - released, float(way.times[-1])
+    require_shared_time(measured, released, released + end)
     beside = (elapsed >= 0.0) & (elapsed <= end)
-    _require_shared(measured, beside, released, end)
     heights, places = way(np.clip(elapsed, 0.0, end))
     between = apart(measured, places, float(planet_of(setup.environment).radius))
     flown = {"flown_altitude": heights}
@@ -172,9 +175,9 @@ def join_comparisons(compared: Sequence["xr.Dataset"]) -> "xr.Dataset":
     """Comparisons of one flight with several tracks, over ``measured_track``."""
     import xarray as xr
 
+    rows = (FIX, PERIOD, BAND)  # numbered, so that shorter ones are filled up
     parts = [
-        one.assign_coords({name: np.arange(one.sizes[name]) for name in (FIX, PERIOD, BAND)})
-        for one in compared
+        one.assign_coords({name: np.arange(one.sizes[name]) for name in rows}) for one in compared
     ]
     joined = xr.concat(parts, TRACK, join="outer", data_vars="all", combine_attrs="drop")
     for name in ("source", "notes"):
@@ -182,32 +185,16 @@ def join_comparisons(compared: Sequence["xr.Dataset"]) -> "xr.Dataset":
     return joined
 
 
-def split_comparisons(joined: "xr.Dataset") -> list["xr.Dataset"]:
-    """The comparisons of each track."""
-    found = []
-    for number in range(joined.sizes[TRACK]):
-        one = joined[[name for name in joined if TRACK in joined[name].dims]].isel({TRACK: number})
-        for dimension, last in ((FIX, "measured_elapsed"), (PERIOD, "period_east"),
-                                (BAND, "band_east")):  # fmt: skip
-            one = one.isel({dimension: np.isfinite(one[last].values)})
-        one.attrs = {
-            name: str(one.coords[f"{TRACK}_{name}"].values) for name in ("source", "notes")
-        }
-        found.append(one)
-    return found
-
-
-def _require_shared(
-    track: MeasuredTrack, beside: np.ndarray, released: float, end: float
-) -> None:
-    if np.sum(beside) >= 2:
+def require_shared_time(track: MeasuredTrack, released: float, end: float) -> None:
+    """Raise unless a track has two fixes between release and end [s since 2000-01-01 12:00 UTC]."""
+    count = np.sum((track.time >= released) & (track.time <= end))
+    if count >= 2:
         return
-    spans = (track.time[0], track.time[-1]), (released, released + end)
+    spans = (track.time[0], track.time[-1]), (released, end)
     measured, flown = (" to ".join(map(date_text, span)) for span in spans)
-    count = "one" if beside.any() else "none"
     raise ConfigurationError(
-        f"{track.source}: {count} of its fixes, of {measured}, lies within the flight, of {flown}; "
-        "give [mission] the date of the track"
+        f"{track.source}: {'one' if count else 'none'} of its fixes, of {measured}, lies within "
+        f"the flight, of {flown}; give [mission] the date of the track"
     )
 
 
@@ -252,11 +239,11 @@ def _explain(dataset: "xr.Dataset", asked: Question) -> list[str]:
             dataset[f"{name}_{end}"] = _scalar(getattr(one, end), unit, said)
         rms = f"rms of the altitudes' residuals after the {name.replace('_', ' ')}"
         dataset[f"{name}_rms"] = _scalar(one.rms, _METRES, rms)
-    alike = alikeness(*(one.effect for one in found.values()), weights)
+    alike = alikeness([one.effect for one in found.values()], weights)
     words = "correlation of what mass and vertical wind change of the altitudes"
     dataset["explanations_alike"] = _scalar(alike, "1", words)
-    independent = min(one.independent for one in found.values())
-    words = "number of independent ones that the altitudes' residuals are worth"
+    independent = min(found.values(), key=lambda one: one.rms).independent
+    words = "number of independent ones that the better explanation's residuals are worth"
     dataset["independent_residuals"] = _scalar(independent, "1", words)
     return [
         f"the {name.replace('_', ' ')} lies at an end of what was searched: it explains little"

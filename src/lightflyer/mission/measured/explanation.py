@@ -11,7 +11,7 @@ for the residuals' autocorrelations :math:`\rho_k` up to where they first fall b
 number's interval is Student's with :math:`n' - 1` degrees of freedom.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -30,7 +30,7 @@ evidence on the scale of [KassRaftery1995]_."""
 _TOLERANCE = 1e-7  # of the flights tried; metres at the end of days
 _STEP = 3e-3  # of the number, for its derivative
 _CLOSE = 1e-5  # of the number and of the mean square, relative: where the search ends
-_EVEN = 512  # moments of the autocorrelation
+_EVEN = 4096  # moments, at most, of the autocorrelation
 _UPPER = 0.975  # of a 95 % interval
 
 
@@ -175,7 +175,7 @@ def interval_half_width(
 
 
 def independent_number(times: np.ndarray, values: np.ndarray) -> float:
-    """How many independent values a series is worth that stays alike for some time; at least one."""
+    """How many independent values a series is worth whose neighbours are alike; at least one."""
     count = min(_EVEN, times.size)
     series = np.interp(np.linspace(times[0], times[-1], count), times, values)
     series = series - series.mean()
@@ -197,7 +197,8 @@ def evidence(worse: float, better: float, independent: float) -> float:
     return 2.0 * independent * float(np.log(worse / better)) if better > 0.0 else np.inf
 
 
-def alikeness(first: np.ndarray, second: np.ndarray, weights: np.ndarray) -> float:
+def alikeness(effects: Sequence[np.ndarray], weights: np.ndarray) -> float:
     """Correlation of two effects on a track, 1 where they cannot be told apart."""
+    first, second = effects
     sizes = rms_of(first, weights) * rms_of(second, weights)
     return float(np.sum(weights * first * second) / sizes) if sizes > 0.0 else np.nan

@@ -1,7 +1,7 @@
 """Figure of a comparison: both altitudes and the residuals, over time."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
@@ -17,21 +17,33 @@ _RESIDUALS = {"along": LINES[0], "across": LINES[1]}
 
 
 def comparison_figure(flown: "xr.Dataset", compared: Sequence["xr.Dataset"]) -> Figure:
-    """A flight beside measured tracks; ``flown``: of :func:`lightflyer.fly`."""
+    """Draw a flight beside measured tracks.
+
+    Parameters
+    ----------
+    flown : xarray.Dataset
+        From :func:`lightflyer.fly`.
+    compared : sequence of xarray.Dataset
+        From :func:`lightflyer.mission.compare_track`, one for each track.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
     figure = new_figure(width=8.0, height=7.5, rows=3)
     heights, vertical, ground = figure.axes
     heights.plot(flown.time, flown.altitude / _KILOMETRE, color=COMPUTED, label="flight")
     colours = [MEASURED, *(one for one in PALETTE if one not in (COMPUTED, MEASURED))]
+    named = [f"{part} the track" for part in _RESIDUALS]
     for number, one in enumerate(compared):
         colour, time = colours[number % len(colours)], one.measured_time
         name = _name_of(one) if len(compared) > 1 else "measured"
-        style = {"color": colour, "lw": 1.2}
+        style: dict[str, Any] = {"color": colour, "lw": 1.2}
         heights.plot(time, one.measured_altitude / _KILOMETRE, label=name, **style)
         vertical.plot(time, one.altitude_residual / _KILOMETRE, **style)
-        for part, line in _RESIDUALS.items():
-            label = f"{part} the track" if number == 0 else None
+        for (part, line), label in zip(_RESIDUALS.items(), named, strict=True):
             values = one[f"{part}_residual"] / _KILOMETRE
-            ground.plot(time, values, ls=line, label=label, **style)
+            ground.plot(time, values, ls=line, label=label if number == 0 else None, **style)
     for axes, label in ((vertical, "altitude"), (ground, "place")):
         axes.axhline(0.0, color=GREY, lw=0.8)
         axes.set_ylabel(f"{label}, measured\nless flown [km]")
@@ -44,7 +56,7 @@ def comparison_figure(flown: "xr.Dataset", compared: Sequence["xr.Dataset"]) -> 
         axes.tick_params(labelbottom=False)
         axes.xaxis.get_offset_text().set_visible(False)
     heights.legend(fontsize="small", frameon=False)
-    legend_below(ground)
+    legend_below(ground, [one for one in ground.lines if one.get_label() in named])
     return figure
 
 

@@ -1,10 +1,12 @@
-"""Distances and directions on a sphere, between a measured track and a flight."""
+"""Distances and directions between a measured track and a flight, and a track's velocity."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.quantity import RADIANS_PER_DEGREE
+from lightflyer.environment.planet import Planet
 from lightflyer.mission.measured.track import MeasuredTrack
 from lightflyer.mission.path.position import directions, unit_vector
 from lightflyer.program.entry_point import entry_point
@@ -34,9 +36,7 @@ class Moved(NamedTuple):
 
 def positions(latitude: np.ndarray, longitude: np.ndarray) -> np.ndarray:
     """Unit vectors (n, 3) of places [deg]."""
-    return np.asarray(
-        _unit_vector(latitude * RADIANS_PER_DEGREE, longitude * RADIANS_PER_DEGREE)
-    )
+    return np.asarray(_unit_vector(latitude * RADIANS_PER_DEGREE, longitude * RADIANS_PER_DEGREE))
 
 
 def apart(track: MeasuredTrack, flown: np.ndarray, radius: float) -> Apart:
@@ -57,17 +57,27 @@ def apart(track: MeasuredTrack, flown: np.ndarray, radius: float) -> Apart:
     return Apart(distance, np.sum(away * course, axis=1), np.sum(away * right, axis=1))
 
 
-def moved(track: MeasuredTrack, moments: np.ndarray, radius: float) -> Moved:
+def moved(track: MeasuredTrack, moments: np.ndarray, planet: Planet) -> Moved:
     """Mean velocity of a track between moments [s since 2000-01-01 12:00 UTC], (n + 1,)."""
     ends = _at(track, positions(track.latitude, track.longitude), moments)
     middle = ends[1:] + ends[:-1]
     middle /= np.linalg.norm(middle, axis=1, keepdims=True)
-    way = radius * (ends[1:] - ends[:-1]) / np.diff(moments)[:, None]
+    turned = (ends[1:] - ends[:-1]) / np.diff(moments)[:, None]
     latitude = np.arcsin(np.clip(middle[:, 2], -1.0, 1.0))
     longitude = np.arctan2(middle[:, 1], middle[:, 0])
-    east, north = (np.sum(way * one, axis=1) for one in _directions(latitude, longitude))
     heights = np.interp(0.5 * (moments[1:] + moments[:-1]), track.time, track.altitude)
+    ways, radii = _directions(latitude, longitude), _curvature_radii(planet, latitude)
+    east, north = (
+        np.sum(turned * way, axis=1) * (np.asarray(radius) + heights)
+        for way, radius in zip(ways, radii, strict=True)
+    )
     return Moved(east, north, latitude, longitude, heights)
+
+
+@entry_point
+def _curvature_radii(planet: Planet, latitude: Any) -> tuple[Any, Any]:
+    """Radii of the planet's curvature towards east and north [m], shape (n,)."""
+    return planet.curvature_radius(latitude, 0.5 * jnp.pi), planet.curvature_radius(latitude, 0.0)
 
 
 def _at(track: MeasuredTrack, places: np.ndarray, time: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.files.display_units import suitable
-from lightflyer.files.result_text import Parts, rows_of, table_of
+from lightflyer.files.result_text import Parts, as_text, rows_of, table_of
 from lightflyer.mission.measured.comparison import BAND, PERIOD
 from lightflyer.mission.measured.explanation import TELLING, evidence, rms_of, weights_of
 from lightflyer.mission.report.summary import SECONDS_AN_HOUR
@@ -30,7 +30,18 @@ _MASS_STANDS_FOR = (
 
 
 def summarise_comparison(compared: "xr.Dataset") -> dict[str, Any]:
-    """A comparison in numbers, ready for JSON."""
+    """A comparison with a measured track in numbers.
+
+    Parameters
+    ----------
+    compared : xarray.Dataset
+        From :func:`lightflyer.mission.compare_track`.
+
+    Returns
+    -------
+    dict
+        Ready for JSON, with a unit at the end of each name.
+    """
     elapsed = compared.measured_elapsed.values
     beside = np.isfinite(compared.altitude_residual.values)
     found: dict[str, Any] = {
@@ -53,10 +64,24 @@ def summarise_comparison(compared: "xr.Dataset") -> dict[str, Any]:
     return found | {"notes": [note for note in compared.attrs["notes"].split("\n") if note]}
 
 
+def describe_comparison(compared: "xr.Dataset") -> str:
+    """A comparison with a measured track as a short text.
+
+    Parameters
+    ----------
+    compared : xarray.Dataset
+        From :func:`lightflyer.mission.compare_track`.
+
+    Returns
+    -------
+    str
+    """
+    return as_text(comparison_parts(summarise_comparison(compared)))
+
+
 def comparison_parts(found: dict[str, Any]) -> Parts:
     """Lines and tables of a comparison, from its summary."""
     place = (found["end_latitude_deg"], found["end_longitude_deg"], found["end_altitude_km"] * 1e3)
-    yield ""
     yield rows_of({
         "beside": f"{found['source']}, {found['compared']} of {found['fixes']} fixes, "
         f"{found['compared_h']:.2f} h",
@@ -78,14 +103,16 @@ def comparison_parts(found: dict[str, Any]) -> Parts:
 
 def verdict(found: dict[str, Any]) -> str:
     """Which explanation is preferred; ``found``: ``explanations`` of a summary."""
-    better, other = sorted(EXPLANATIONS, key=lambda name: found[name]["rms_km"])
-    said = f"the residuals are worth {found['independent']:.2g} independent ones"
+    better, other = (
+        name.replace("_", " ")
+        for name in sorted(EXPLANATIONS, key=lambda name: found[name]["rms_km"])
+    )
+    worth = f"what is left of them is worth {found['independent']:.2g} independent residuals"
     if found["evidence"] < TELLING:
-        return f"neither mass nor vertical wind explains the altitudes: {said}"
-    better, other = (name.replace("_", " ") for name in (better, other))
+        return f"neither is established: {worth}, and they fall too little for that"
     if found["evidence_between"] < TELLING:
-        return f"{better} and {other} explain the altitudes, and are not told apart: {said}"
-    return f"the {better} explains the altitudes better than the {other}"
+        return f"{better} or {other}: the altitudes do not tell which, {worth}"
+    return f"the {better} explains the altitudes better than the {other}: {worth}"
 
 
 def _size(elapsed: np.ndarray, values: np.ndarray) -> dict[str, float] | None:

@@ -22,6 +22,7 @@ def write_comparison_csv(compared: Sequence["xr.Dataset"], path: Path) -> None:
         for one in compared:
             dates = np.datetime_as_string(one.measured_time.values, unit="ms")
             source = '"' + one.attrs["source"].replace('"', '""') + '"'
-            for date, row in zip(dates, zip(*(one[name].values for name in names)), strict=True):
+            numbers = np.stack([one[name].values for name in names], axis=1)
+            for date, row in zip(dates, numbers, strict=True):
                 cells = (f"{number:.10g}" if np.isfinite(number) else "" for number in row)
                 file.write(",".join([source, f"{date}Z", *cells]) + "\n")

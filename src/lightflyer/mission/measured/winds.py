@@ -36,7 +36,7 @@ def wind_differences(
     """By time and by altitude, within a span of time; both [s since 2000-01-01 12:00 UTC]."""
     steps = int(np.clip(np.ceil((span[1] - span[0]) / _STEP), 1, _MOST_STEPS))
     moments = np.linspace(*span, steps + 1)
-    found = moved(track, moments, float(planet_of(environment).radius))
+    found = moved(track, moments, planet_of(environment))
     middle = 0.5 * (moments[1:] + moments[:-1])
     wind = _winds(environment, found.altitude, Place(found.latitude, found.longitude, middle))
     gaps = track.gaps

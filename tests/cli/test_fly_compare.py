@@ -52,7 +52,7 @@ def folder(tmp_path_factory):
 def test_a_flight_is_laid_beside_tracks(run, folder):
     out = folder / "out"
     tracks = [folder / "first.csv", folder / "second.csv"]
-    options = ("--compare", tracks[0], "--compare", tracks[1], "--out", out, "--format", "png")
+    options = ("--compare", *tracks, "--out", out, "--format", "png")
     code, shown, errors = run("fly", folder / "mission.toml", *options)
     assert code == 0, errors
     assert "first.csv, 10 of 13 fixes, 3.00 h" in shown

@@ -1,13 +1,18 @@
 """``lightflyer fly``: a mission through days, nights and winds."""
 
 import json
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, show
+
+Tracks = Annotated[Sequence[Path], Parameter(consume_multiple=True, negative=())]
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,7 +25,7 @@ def fly_command(
     mission_file: Path,
     /,
     *,
-    compare: list[Path] | None = None,
+    compare: Tracks = (),
     out: Path | None = None,
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -33,8 +38,8 @@ def fly_command(
         TOML file: a flyer file with a section [mission]; "lightflyer init --kind mission" writes
         one.
     compare
-        Measured track to lay beside the flight: a table (CSV) with time, latitude, longitude and
-        altitude, or GPX, or KML with times; may be given several times.
+        Measured tracks to lay beside the flight: tables (CSV) with time, latitude, longitude and
+        altitude, GPX, or KML with times.
     out
         Folder to write figures, the dataset (NetCDF), the flight as a table (CSV), the track
         (KML) and the summary (JSON) into.
@@ -56,7 +61,7 @@ def fly_command(
     from lightflyer.mission.report.text import mission_parts
 
     mission = read_mission_file(mission_file)
-    tracks = _read_tracks(compare or [], mission)
+    tracks = _read_tracks(compare, mission)
     with ends_early():
         dataset = fly(mission.design, **mission.arguments())
         compared = _compare(tracks, mission)
@@ -100,7 +105,7 @@ def fly_command(
         raise KeyboardInterrupt
 
 
-def _read_tracks(paths: list[Path], mission: "MissionFile") -> "list[MeasuredTrack]":
+def _read_tracks(paths: Sequence[Path], mission: "MissionFile") -> "list[MeasuredTrack]":
     """Measured tracks that share time with the mission."""
     from lightflyer.mission.measured.comparison import require_shared_time
     from lightflyer.mission.measured.track import read_track

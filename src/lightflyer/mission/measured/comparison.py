@@ -226,11 +226,12 @@ def _explain(dataset: "xr.Dataset", asked: Question) -> list[str]:
     if used.sum() < 3:
         return ["fewer than three fixes lie within the limits of the mission: nothing is explained"]
     asked = asked._replace(elapsed=asked.elapsed[used], altitude=asked.altitude[used])
-    found = explain(asked)
-    if found is None or asked_to_end():
+    stated = asked.flown(asked.craft)
+    found = explain(asked, stated)
+    if found is None:
         return ["interrupted: what would explain the altitudes was not looked for"]
     weights = weights_of(asked.elapsed)
-    before = rms_of(asked.altitude - asked.flown(asked.craft), weights)
+    before = rms_of(asked.altitude - stated, weights)
     dataset["altitude_rms"] = _scalar(before, _METRES, "rms of the altitudes' residuals")
     for name, one in found.items():
         unit, words = _UNITS[name]

@@ -87,8 +87,11 @@ def with_vertical_wind(craft: Craft, upwards: float) -> Craft:
     return eqx.tree_at(lambda one: one.wind_error, craft, error, is_leaf=lambda one: one is None)
 
 
-def explain(question: Question) -> dict[str, Explanation] | None:
-    """Mass [kg] and vertical wind [m/s] that explain a track best; None where interrupted."""
+def explain(question: Question, stated: np.ndarray) -> dict[str, Explanation] | None:
+    """Mass [kg] and vertical wind [m/s] that explain a track best; None where interrupted.
+
+    ``stated``: altitudes of the flight as it is stated [m], shape (n,).
+    """
     numbers = (
         _Number(
             "mass",
@@ -99,7 +102,6 @@ def explain(question: Question) -> dict[str, Explanation] | None:
         ),
         _Number("vertical_wind", 1.0, (0.8, 0.95, 1.05, 1.2), (-9.0, 11.0), with_vertical_wind),
     )
-    stated = question.flown(question.craft)
     found: dict[str, Explanation] = {}
     for number in numbers:
         found[number.name] = _fit(question, number, stated)

@@ -107,12 +107,15 @@ def verdict(found: dict[str, Any]) -> str:
         name.replace("_", " ")
         for name in sorted(EXPLANATIONS, key=lambda name: found[name]["rms_km"])
     )
-    worth = f"what is left of them is worth {found['independent']:.2g} independent residuals"
+    count = f"{found['independent']:.2g}"
+    left = f"what is left counts as {count} independent residual{'s' * (count != '1')}"
     if found["evidence"] < TELLING:
-        return f"neither is established: {worth}, and they fall too little for that"
+        after = min(found[name]["rms_km"] for name in EXPLANATIONS)
+        fall = f"the rms falls from {found['rms_before_km']:.3g} km to {after:.3g} km"
+        return f"neither is established: {fall}, and {left}"
     if found["evidence_between"] < TELLING:
-        return f"{better} or {other}: the altitudes do not tell which, {worth}"
-    return f"the {better} explains the altitudes better than the {other}: {worth}"
+        return f"{better} or {other}: the altitudes do not tell which; {left}"
+    return f"the {better} explains the altitudes better than the {other}; {left}"
 
 
 def _size(elapsed: np.ndarray, values: np.ndarray) -> dict[str, float] | None:

@@ -49,7 +49,7 @@ class _Element:
 
 def read_gpx(path: Path) -> _Found:
     """Fixes of a GPX file: its track points."""
-    # Source: [GPX].
+    # Source: [GPX2004]_.
     root = _parse(path, "gpx")
     points = [
         Fix(

@@ -122,7 +122,7 @@ def compare_track(
     ...     explained=False,
     ... )
     >>> print(f"{float(compared.distance[-1]):.0f} m apart")
-    7876 m apart
+    7863 m apart
     """
     rule = require_record("attitude", (AbstractAttitudeRule,), attitude or Own())
     setup = as_design(what, environment, model).setup

@@ -23,7 +23,7 @@ from lightflyer.mission.measured.explanation import (
 )
 from lightflyer.mission.measured.geometry import apart
 from lightflyer.mission.measured.track import MeasuredTrack, read_track
-from lightflyer.mission.measured.winds import wind_differences
+from lightflyer.mission.measured.winds import WindOfTrack, wind_differences
 from lightflyer.mission.mission import times_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.integration import TOLERANCE, Accuracy
@@ -55,8 +55,8 @@ _OF_FIXES = {
 _OF_WINDS = {
     "lowest": Variable("", "lower end of the {}"),
     "highest": Variable("", "upper end of the {}"),
-    "east": Variable(_SPEED, "eastward velocity of the track less that of the wind in use"),
-    "north": Variable(_SPEED, "northward velocity of the track less that of the wind in use"),
+    "east": Variable(_SPEED, "eastward velocity of the track less that of the flyer"),
+    "north": Variable(_SPEED, "northward velocity of the track less that of the flyer"),
     "duration": Variable("s", "time of the mean"),
     "altitude": Variable(_METRES, "mean measured altitude"),
 }
@@ -93,7 +93,8 @@ def compare_track(
     -------
     xarray.Dataset
         Over ``fix``: both altitudes and places, and residuals, measured less flown. Over ``period``
-        and ``band``: the measured velocity less the wind, in means over time and over altitude.
+        and ``band``: the measured velocity less the flyer's in the wind in use, in means over time
+        and over altitude.
         Attributes name the file, and what was done to its fixes.
 
     Raises
@@ -106,8 +107,9 @@ def compare_track(
     Notes
     -----
     The number that explains most brings the altitudes nearest to the measured ones, in the mean
-    square over time; its 95 % interval counts residuals that are alike as one. A mass stands for
-    all that weighs or lifts as much: a wrong absorptance looks like it.
+    square over time, for flights in the wind that the track shows. Its 95 % interval counts
+    residuals that are alike as one. A mass stands for all that weighs or lifts as much: a wrong
+    absorptance looks like it.
 
     Examples
     --------
@@ -156,7 +158,7 @@ def compare_track(
     }
     dataset = _dataset(measured, columns)
     shared = (measured.time[beside][0], measured.time[beside][-1])
-    by_time, by_altitude = wind_differences(measured, setup.environment, shared, released)
+    by_time, by_altitude = wind_differences(measured, craft, shared, released)
     _add_winds(dataset, PERIOD, "s", by_time._asdict())
     _add_winds(dataset, BAND, _METRES, by_altitude._asdict())
     notes = [*measured.notes]
@@ -166,7 +168,10 @@ def compare_track(
             "flight's end, and are not compared"
         )
     if explained:
-        notes += _explain(dataset, Question(craft, start, limits, elapsed, measured.altitude, span))
+        there: Any = WindOfTrack.of(by_time)
+        carried = Craft(setup, rule, there)
+        asked = Question(carried, start, limits, elapsed, measured.altitude, span)
+        notes += _explain(dataset, asked)
     dataset.attrs = {"source": measured.source, "notes": "\n".join(notes)}
     return dataset
 
@@ -232,6 +237,8 @@ def _explain(dataset: "xr.Dataset", asked: Question) -> list[str]:
         return ["interrupted: what would explain the altitudes was not looked for"]
     weights = weights_of(asked.elapsed)
     before = rms_of(asked.altitude - stated, weights)
+    mass = float(np.asarray(asked.craft.setup.flyer.mass))
+    dataset["flyer_mass"] = _scalar(mass, "kg", "mass of the flyer as stated")
     dataset["altitude_rms"] = _scalar(before, _METRES, "rms of the altitudes' residuals")
     for name, one in found.items():
         unit, words = _UNITS[name]

@@ -1,6 +1,7 @@
 r"""Which one number brings a flight to a measured track: its mass, or a wind upwards.
 
-The number minimises the mean square of the altitudes' residuals. These stay alike for some time, so
+The number minimises the mean square of the altitudes' residuals, of flights in the wind that the
+track shows, so that they are where the track is. The residuals stay alike for some time, so
 that :math:`n` of them are worth fewer that are independent,
 
 .. math::
@@ -21,7 +22,6 @@ from lightflyer.core.progress import asked_to_end, report
 from lightflyer.mission.path.integration import Accuracy, Limits, Start
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.single import follow
-from lightflyer.mission.path.wind_error import WindError
 
 TELLING = 6.0
 """Twice the logarithm of a ratio of likelihoods above which one explanation is preferred; strong
@@ -49,7 +49,7 @@ class Explanation(NamedTuple):
 class Question(NamedTuple):
     """Altitudes that a flight should have had."""
 
-    craft: Craft
+    craft: Craft  # In the wind of the track
     start: Start
     limits: Limits
     elapsed: np.ndarray  # shape (n,); of the fixes [s]
@@ -81,10 +81,8 @@ def with_mass(craft: Craft, added: float) -> Craft:
 
 
 def with_vertical_wind(craft: Craft, upwards: float) -> Craft:
-    """A craft in a wind that is stronger upwards by a speed [m/s]."""
-    steady = np.array([[0.0], [0.0], [0.0], [upwards]])
-    error = WindError(np.zeros(1), steady, np.zeros_like(steady))
-    return eqx.tree_at(lambda one: one.wind_error, craft, error, is_leaf=lambda one: one is None)
+    """A craft in the wind of a track, stronger upwards by a speed [m/s]."""
+    return eqx.tree_at(lambda one: one.wind_error.upwards, craft, upwards)
 
 
 def explain(question: Question, stated: np.ndarray) -> dict[str, Explanation] | None:

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from lightflyer.files.drawing import LINES, legend_below, new_figure
+from lightflyer.files.drawing import LINES, new_figure, shared_legend
 from lightflyer.files.palette import COMPUTED, GREY, MEASURED, PALETTE
 from lightflyer.mission.report.figures import draw_over_time, shade_nights
 
@@ -32,18 +33,19 @@ def comparison_figure(flown: "xr.Dataset", compared: Sequence["xr.Dataset"]) -> 
     """
     figure = new_figure(width=8.0, height=7.5, rows=3)
     heights, vertical, ground = figure.axes
-    heights.plot(flown.time, flown.altitude / _KILOMETRE, color=COMPUTED, label="flight")
+    handles = heights.plot(
+        flown.time, flown.altitude / _KILOMETRE, color=COMPUTED, lw=2.5, label="flight"
+    )
     colours = [MEASURED, *(one for one in PALETTE if one not in (COMPUTED, MEASURED))]
-    named = [f"{part} the track" for part in _RESIDUALS]
     for number, one in enumerate(compared):
         colour, time = colours[number % len(colours)], one.measured_time
         name = _name_of(one) if len(compared) > 1 else "measured"
         style: dict[str, Any] = {"color": colour, "lw": 1.2}
-        heights.plot(time, one.measured_altitude / _KILOMETRE, label=name, **style)
+        handles += heights.plot(time, one.measured_altitude / _KILOMETRE, label=name, **style)
         vertical.plot(time, one.altitude_residual / _KILOMETRE, **style)
-        for (part, line), label in zip(_RESIDUALS.items(), named, strict=True):
+        for part, line in _RESIDUALS.items():
             values = one[f"{part}_residual"] / _KILOMETRE
-            ground.plot(time, values, ls=line, label=label if number == 0 else None, **style)
+            ground.plot(time, values, ls=line, **style)
     for axes, label in ((vertical, "altitude"), (ground, "place")):
         axes.axhline(0.0, color=GREY, lw=0.8)
         axes.set_ylabel(f"{label}, measured\nless flown [km]")
@@ -55,8 +57,11 @@ def comparison_figure(flown: "xr.Dataset", compared: Sequence["xr.Dataset"]) -> 
         axes.set_xlabel("")
         axes.tick_params(labelbottom=False)
         axes.xaxis.get_offset_text().set_visible(False)
-    heights.legend(fontsize="small", frameon=False)
-    legend_below(ground, [one for one in ground.lines if one.get_label() in named])
+    handles += [
+        Line2D([], [], color=MEASURED, ls=line, lw=1.2, label=f"place {part} the track")
+        for part, line in _RESIDUALS.items()
+    ]
+    shared_legend(figure, [*handles, *heights.patches[:1]], most=3)
     return figure
 
 

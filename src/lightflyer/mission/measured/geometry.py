@@ -29,8 +29,7 @@ class Moved(NamedTuple):
 
     east: np.ndarray  # [m/s]
     north: np.ndarray  # [m/s]
-    latitude: np.ndarray  # Of the middle [rad]
-    longitude: np.ndarray  # [rad]
+    position: np.ndarray  # Unit vectors of the middle, shape (n, 3)
     altitude: np.ndarray  # [m]
 
 
@@ -71,7 +70,7 @@ def moved(track: MeasuredTrack, moments: np.ndarray, planet: Planet) -> Moved:
         np.sum(turned * way, axis=1) * (np.asarray(radius) + heights)
         for way, radius in zip(ways, radii, strict=True)
     )
-    return Moved(east, north, latitude, longitude, heights)
+    return Moved(east, north, middle, heights)
 
 
 @entry_point

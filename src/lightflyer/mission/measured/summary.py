@@ -24,9 +24,8 @@ RESIDUALS = {
 }
 EXPLANATIONS = {"mass": "kg", "vertical_wind": "m/s"}
 
-_MASS_STANDS_FOR = (
-    "the mass stands for all that weighs or lifts as much, such as a wrong absorptance"
-)
+_WAYS, _VALUE = ("east", "north"), ("value", "low", "high")
+_PERCENT = 100.0
 
 
 def summarise_comparison(compared: "xr.Dataset") -> dict[str, Any]:
@@ -150,10 +149,7 @@ def _winds(
 def _explanations(compared: "xr.Dataset") -> dict[str, Any]:
     independent = float(compared.independent_residuals)
     found: dict[str, Any] = {
-        name: {
-            key: float(compared[f"{name}_{end}"])
-            for key, end in (("value", "value"), ("low", "low"), ("high", "high"))
-        }
+        name: {end: float(compared[f"{name}_{end}"]) for end in _VALUE}
         | {"unit": unit, "rms_km": float(compared[f"{name}_rms"]) / 1e3}
         for name, unit in EXPLANATIONS.items()
     }
@@ -161,6 +157,7 @@ def _explanations(compared: "xr.Dataset") -> dict[str, Any]:
     before = float(compared.altitude_rms) / 1e3
     alike = float(compared.explanations_alike)
     found |= {
+        "flyer_kg": float(compared.flyer_mass),
         "rms_before_km": before,
         "independent": independent,
         "alike": alike if np.isfinite(alike) else None,
@@ -175,18 +172,23 @@ def _wind_table(rows: list[dict[str, float]], name: str) -> "Table":
     return table_of(
         (name, "east [m/s]", "north [m/s]"),
         [
-            (f"{row[low]:g} to {row[high]:g}", f"{row['east_m_s']:.2f}", f"{row['north_m_s']:.2f}")
+            (f"{row[low]:g} to {row[high]:g}", *(_plain(row[f"{way}_m_s"]) for way in _WAYS))
             for row in rows
         ],
-        title="velocity less the wind in use", pad_edge=False,
+        title="wind that is missing", pad_edge=False,
     )  # fmt: skip
 
 
+def _plain(speed: float) -> str:
+    """A speed without the sign of a zero."""
+    return f"{round(speed, 2) + 0.0:.2f}"
+
+
 def _explanation_parts(found: dict[str, Any]) -> Parts:
-    rows = [("as stated", "", "", f"{found['rms_before_km']:.3f}")]
+    rows = [("as stated, in the track's wind", "", "", f"{found['rms_before_km']:.3f}")]
     for name, unit in EXPLANATIONS.items():
         one = found[name]
-        ends = [one[end] for end in ("value", "low", "high")]
+        ends = [one[end] for end in _VALUE]
         factor, shown = suitable(unit, ends)
         value, low, high = (f"{factor * end:+.3g}" for end in ends)
         label = f"{name.replace('_', ' ')} [{shown}]"
@@ -194,8 +196,11 @@ def _explanation_parts(found: dict[str, Any]) -> Parts:
     headings = ("what would explain the altitudes", "add", "95 % interval", "rms [km]")
     yield table_of(headings, rows, pad_edge=False)
     yield found["verdict"]
+    shares = (f"{_PERCENT * found['mass'][end] / found['flyer_kg']:+.3g}" for end in _VALUE)
+    yield (
+        "the mass is {} % ({} % to {} %) of the flyer's; it stands for all that weighs or lifts as "
+        "much, such as a wrong absorptance".format(*shares)
+    )
     if found["alike"] is not None:
-        yield (
-            f"what the two change of the altitudes is alike to {found['alike']:.2f} (1: the same); "
-            f"{_MASS_STANDS_FOR}"
-        )
+        alike = f"{found['alike']:.2f}"
+        yield f"what mass and wind change of the altitudes is alike to {alike} (1: the same)"

@@ -1,16 +1,18 @@
 """The wind that a measured track shows, less the wind in use at the same places."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import jax
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.environment.base import AbstractEnvironment, Place
+from lightflyer.core.types import Numeric
+from lightflyer.environment.base import Place, Wind
 from lightflyer.mission.measured.geometry import moved
 from lightflyer.mission.measured.track import MeasuredTrack
-from lightflyer.mission.path.motion import planet_of
-from lightflyer.program.entry_point import entry_point
+from lightflyer.mission.path.moments import Course, moments
+from lightflyer.mission.path.motion import Craft
+from lightflyer.numerics.cubic_grid import Axis, interpolate
 
 _STEP = 300.0  # over which a velocity is taken: receivers are off by metres [s]
 _MOST_STEPS = 2000
@@ -30,25 +32,51 @@ class WindDifference(NamedTuple):
     altitude: np.ndarray  # Mean [m]
 
 
+class WindOfTrack(eqx.Module):
+    """What a track adds to the wind in use, over time; in place of a random error of the wind."""
+
+    axis: Axis  # Of the time since the release [s]
+    table: Numeric  # shape (n, 2); eastward and northward [m/s]
+    upwards: Numeric = 0.0  # [m/s]
+
+    @classmethod
+    def of(cls, found: WindDifference) -> "WindOfTrack":
+        """The means over time, and the first and the last of them before and after."""
+        if not found.east.size:
+            return cls(Axis([0.0]), np.zeros((1, 2)))
+        middle = 0.5 * (found.lowest + found.highest)
+        return cls(Axis(middle), np.stack([found.east, found.north], axis=1))
+
+    def add_to_wind(self, wind: Wind, place: Place, elapsed: Numeric) -> Wind:
+        """A wind with it; ``elapsed``: time since the release."""
+        del place
+        nodes = self.axis.nodes
+        more = interpolate(self.table, (self.axis,), (jnp.clip(elapsed, nodes[0], nodes[-1]),))
+        return Wind(wind.east + more[0], wind.north + more[1], wind.up + self.upwards)
+
+
 def wind_differences(
-    track: MeasuredTrack, environment: AbstractEnvironment, span: tuple[float, float], released: Any
+    track: MeasuredTrack, craft: Craft, span: tuple[float, float], released: float
 ) -> tuple[WindDifference, WindDifference]:
-    """By time and by altitude, within a span of time; both [s since 2000-01-01 12:00 UTC]."""
+    """By time and by altitude, within a span of time; both [s since 2000-01-01 12:00 UTC].
+
+    The flyer's own way through the air, which only a tilted one has, is taken off.
+    """
     steps = int(np.clip(np.ceil((span[1] - span[0]) / _STEP), 1, _MOST_STEPS))
-    moments = np.linspace(*span, steps + 1)
-    found = moved(track, moments, planet_of(environment))
-    middle = 0.5 * (moments[1:] + moments[:-1])
-    wind = _winds(environment, found.altitude, Place(found.latitude, found.longitude, middle))
+    edges = np.linspace(*span, steps + 1)
+    found = moved(track, edges, craft.planet)
+    since = 0.5 * (edges[1:] + edges[:-1]) - released
+    there = moments(craft, Course(since, found.altitude, found.position, released))
     gaps = track.gaps
     in_gap = np.any(
-        (moments[:-1, None] < track.time[gaps + 1]) & (moments[1:, None] > track.time[gaps]), axis=1
+        (edges[:-1, None] < track.time[gaps + 1]) & (edges[1:, None] > track.time[gaps]), axis=1
     )
-    east, north = found.east - np.asarray(wind[0]), found.north - np.asarray(wind[1])
+    east = found.east - np.asarray(there["eastward_speed"])
+    north = found.north - np.asarray(there["northward_speed"])
     known = np.isfinite(east) & np.isfinite(north) & ~in_gap
-    values = east[known], north[known], np.diff(moments)[known], found.altitude[known]
-    since = middle[known] - released
+    values = east[known], north[known], np.diff(edges)[known], found.altitude[known]
     return (
-        _means(since, _edges(span[0] - released, span[1] - released, _LENGTHS), values),
+        _means(since[known], _edges(span[0] - released, span[1] - released, _LENGTHS), values),
         _means(values[3], _edges(*_range(values[3]), _THICKNESSES), values),
     )
 
@@ -78,15 +106,3 @@ def _means(by: np.ndarray, edges: np.ndarray, values: tuple[np.ndarray, ...]) ->
     return WindDifference(
         edges[:-1][held], edges[1:][held], mean(east), mean(north), duration[held], mean(altitude)
     )
-
-
-@entry_point
-def _winds(environment: AbstractEnvironment, altitude: Any, place: Place) -> tuple[Any, Any]:
-    """Wind towards east and north [m/s], shape (n,); NaN where it is not known."""
-
-    def at(height: Any, place: Place) -> tuple[Any, Any]:
-        wind = environment.state(height, place).wind
-        none = 0.0 * height
-        return (none, none) if wind is None else (wind.east + none, wind.north + none)
-
-    return jax.vmap(at)(jnp.asarray(altitude), Place(*map(jnp.asarray, place)))

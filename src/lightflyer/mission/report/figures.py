@@ -168,7 +168,7 @@ def _station(dataset: "xr.Dataset") -> Figure:
     """Distance from a place near which the flyer is to stay."""
     figure = new_figure(width=8.0)
     (axes,) = figure.axes
-    _shade(axes, dataset)
+    shade_nights(axes, dataset)
     time = dataset.time.values
     if "ensemble_station_distance" in dataset:
         low, high = _spread(dataset.ensemble_station_distance.values / _KILOMETRE)
@@ -179,7 +179,7 @@ def _station(dataset: "xr.Dataset") -> Figure:
     axes.axhline(radius, color=GREY, linestyle="--", label=dataset.attrs["station"])
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel("distance from its middle [km]")
-    _draw_over_time(axes, dataset)
+    draw_over_time(axes, dataset)
     legend_below(axes)
     return figure
 

@@ -1,5 +1,6 @@
 """``lightflyer fly`` as a user runs it; all runs but the first reuse its compiled programs."""
 
+import csv
 import json
 import xml.etree.ElementTree as ET
 
@@ -117,6 +118,7 @@ def test_a_mission_writes_what_it_says(fly, folder):
     assert any("wind" in text for text in summary["assumptions"])
     with xr.open_dataset(out / "mission.nc", engine="h5netcdf") as dataset:
         check_dataset(dataset.load())
+        check_ends((out / "mission-ends.csv").read_text(encoding="utf-8"), dataset)
     lines = (out / "mission.csv").read_text(encoding="utf-8").splitlines()
     assert lines[0].startswith("time [UTC],elapsed [s],altitude [m],latitude [degree_north]")
     assert len(lines) == 362
@@ -126,6 +128,22 @@ def test_a_mission_writes_what_it_says(fly, folder):
     assert len(document.findall(".//gx:Track/gx:coord", spaces)) == 361
     assert len(document.findall(".//k:Folder/k:Placemark/k:MultiGeometry", spaces)) == 9
     assert len(document.findall(".//k:Folder/k:Placemark//k:LineString", spaces)) >= 9
+
+
+def check_ends(text, dataset):
+    """A row for the flyer as it is stated, each member and each launch."""
+    header, *rows = csv.reader(text.splitlines())
+    assert header[2:] == [
+        "end_elapsed [s]", "end_altitude [m]", "end_latitude [degree_north]",
+        "end_longitude [degree_east]", "end_reason",
+    ]  # fmt: skip
+    flights = [row[:2] for row in rows]
+    members = [["member", str(number)] for number in range(6)]
+    assert flights == [["stated", ""], *members, *(["launch", str(number)] for number in range(3))]
+    assert float(rows[2][3]) == pytest.approx(float(dataset.ensemble_end_altitude[1]))
+    assert float(rows[-1][5]) == pytest.approx(float(dataset.launch_end_longitude[2]))
+    names = dataset.launch_end_reason.attrs["flag_meanings"].split()
+    assert rows[-1][6] == names[int(dataset.launch_end_reason[2])]
 
 
 def check_dataset(dataset):

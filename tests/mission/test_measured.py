@@ -11,9 +11,17 @@ from scipy.optimize import brentq
 import lightflyer as lf
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.progress import ask_to_end, ends_early
-from lightflyer.mission.measured.explanation import interval_half_width, weights_of
+from lightflyer.mission.measured.explanation import (
+    independent_number,
+    interval_half_width,
+    weights_of,
+)
 from lightflyer.mission.measured.geometry import apart, positions
 from lightflyer.mission.measured.summary import summarise_comparison
+from lightflyer.mission.measured.winds import WindOfTrack, wind_differences
+from lightflyer.mission.path.integration import Accuracy, Limits
+from lightflyer.mission.path.motion import Craft
+from lightflyer.mission.path.single import follow
 from lightflyer.mission.report.kml import write_kml
 from lightflyer.mission.report.tables import write_csv
 
@@ -138,6 +146,39 @@ def test_the_wind_of_the_air_is_taken_off(measured, compare, sky, closed_form_di
     np.testing.assert_allclose(compared.period_north, WIND[1], rtol=2e-3)
 
 
+def test_a_flyer_s_own_way_through_the_air_is_no_wind(film):
+    disk = lf.Disk(film, radius=2e-3, attitude=lf.environment.Attitude(0.3, 0.8))
+    release = lf.Release("78 km", latitude=-60.0, longitude=0.0, time="2026-06-21T12:00Z")
+    given = {"release": release, "duration": "2 h"}
+    flown = lf.fly(disk, lf.Earth(), lf.FreeMolecular(), every=60.0, **given)
+    names = ("time", "latitude", "longitude", "altitude")
+    track = lf.mission.MeasuredTrack.from_arrays(*(flown[name].values for name in names))
+    compared = lf.mission.compare_track(
+        track, disk, lf.Earth(), lf.FreeMolecular(), explained=False, **given
+    )
+    gone = np.hypot(flown.eastward_speed, flown.northward_speed).min()
+    assert gone > 0.3
+    assert float(np.abs(compared.period_east).max()) < 0.01 * gone
+    assert float(np.abs(compared.band_north).max()) < 0.01 * gone
+
+
+def test_a_flight_in_the_wind_of_a_track_is_where_the_track_is(sky, closed_form_disk, measured):
+    still = replace(sky(0.0), air=np.zeros(3))
+    setup = lf.Setup(closed_form_disk(2.0 * RADIUS, 0.85, 0.85), still, lf.Lu2023())
+    track, released = measured(), float(RELEASE.time)
+    span = (track.time[0], track.time[-1])
+    found, _ = wind_differences(track, Craft(setup, lf.mission.Level()), span, released)
+    carried = Craft(setup, lf.mission.Level(), WindOfTrack.of(found))
+    with lf.float64():
+        start = RELEASE.start()
+    times = np.array([0.0, HOURS * 3600.0])
+    _, way = follow(carried, start, Limits(0.0, 100e3), times, Accuracy.for_duration(times[1]))
+    _, flown = way(track.time - released)
+    beside = apart(track, flown, ROUND)
+    assert beside.distance.max() < 1e3
+    assert np.hypot(*WIND) * times[1] > 400e3
+
+
 def test_along_and_across_are_those_of_a_track_that_goes_north():
     latitude = np.linspace(10.0, 12.0, 50)
     track = lf.mission.MeasuredTrack.from_arrays(
@@ -165,6 +206,15 @@ def test_intervals_hold_the_truth_though_residuals_are_alike(correlation):
         half, _ = interval_half_width(times, one - value * times, times, weights)
         inside += abs(value) < half
     assert 0.91 < inside / runs < 0.99
+
+
+def test_waves_are_worth_about_as_many_numbers_as_their_correlation_says(rng):
+    times, width = np.linspace(0.0, 1.0, 300), 0.02
+    covariance = np.exp(-0.5 * ((times[:, None] - times) / width) ** 2) + 1e-9 * np.eye(300)
+    waves = np.linalg.cholesky(covariance) @ rng.normal(size=(300, 100))
+    found = np.median([independent_number(times, one) for one in waves.T])
+    truth = 1.0 / (np.sqrt(2.0 * np.pi) * width)  # over the integral of the correlation
+    assert 0.5 * truth < found < 1.1 * truth
 
 
 def test_interval_is_that_of_scipy_where_residuals_are_independent(rng):

@@ -57,7 +57,7 @@ def fly_command(
     from lightflyer.mission.mission_file import read_mission_file
     from lightflyer.mission.report.kml import write_kml
     from lightflyer.mission.report.summary import summarise
-    from lightflyer.mission.report.tables import write_csv
+    from lightflyer.mission.report.tables import has_several, write_csv, write_ends_csv
     from lightflyer.mission.report.text import mission_parts
 
     mission = read_mission_file(mission_file)
@@ -90,6 +90,8 @@ def fly_command(
         "mission.kml": lambda path: write_kml(dataset, path),
         "mission.json": found,
     }
+    if has_several(dataset):
+        files["mission-ends.csv"] = lambda path: write_ends_csv(dataset, path)
     if compared:
         files["comparison.csv"] = lambda path: write_comparison_csv(compared, path)
     written = figures.write_folder(out, files, draw)

@@ -5,11 +5,12 @@ track shows, so that they are where the track is. The residuals stay alike for s
 that :math:`n` of them are worth fewer that are independent,
 
 .. math::
-    n' = n\,\min\left(\frac{1 - \rho}{1 + \rho}, \frac{1}{1 + 2\sum_k \rho_k}\right)
+    n' = \min\left(\frac nm\,\frac{1 - \rho}{1 + \rho}, \frac{n}{1 + 2\sum_k \rho_k}\right)
 
-for the residuals' autocorrelations :math:`\rho_k` up to where they first fall below zero, and
-:math:`\rho = \rho_1 + (1 + 4\rho_1)/n`, without the error of a short series [Kendall1954]_. The
-number's interval is Student's with :math:`n' - 1` degrees of freedom.
+for the residuals' autocorrelations :math:`\rho_k` up to where they first fall below zero. With
+:math:`m`, where they first fall below one half, :math:`\rho = \rho_m + (1 + 4\rho_m)\,m/n` is
+without the error of a short series [Kendall1954]_. The number's interval is Student's with
+:math:`n' - 1` degrees of freedom.
 """
 
 from collections.abc import Callable, Sequence
@@ -184,12 +185,14 @@ def independent_number(times: np.ndarray, values: np.ndarray) -> float:
     spectrum = np.abs(np.fft.rfft(series, 2 * count)) ** 2
     correlation = np.fft.irfft(spectrum)[:count]
     correlation /= correlation[0]
-    below = np.flatnonzero(correlation < 0.0)
-    last = int(below[0]) if below.size else count
-    of_all = 1.0 + 2.0 * float(correlation[1:last].sum())
-    first = float(correlation[1])
-    first = min(max(first + (1.0 + 4.0 * first) / count, 0.0), 1.0 - 1.0 / count)
-    return max(count / max((1.0 + first) / (1.0 - first), of_all), 1.0)
+    half, zero = (
+        max(int(np.argmax(correlation < level)), 1) if (correlation < level).any() else count - 1
+        for level in (0.5, 0.0)
+    )
+    of_all = 1.0 + 2.0 * float(correlation[1:zero].sum())
+    alike = float(correlation[half])
+    alike = min(max(alike + (1.0 + 4.0 * alike) * half / count, 0.0), 1.0 - 1.0 / count)
+    return max(count / max((1.0 + alike) / (1.0 - alike) * half, of_all), 1.0)
 
 
 def evidence(worse: float, better: float, independent: float) -> float:

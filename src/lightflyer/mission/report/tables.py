@@ -1,16 +1,18 @@
-"""A mission as comma-separated values."""
+"""A mission, and the ends of its flights, as comma-separated values."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lightflyer.mission.report.dataset import ELAPSED
+from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.mission.report.dataset import ELAPSED, ENDS
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _FORMAT = "%.10g"
+_SEVERAL = (("ensemble_", "member"), ("launch_", "launch"))  # prefixes, and dimensions
 
 
 def write_csv(dataset: "xr.Dataset", path: Path) -> None:
@@ -27,3 +29,26 @@ def write_csv(dataset: "xr.Dataset", path: Path) -> None:
         file.write(f"{header}\n")
         for date, row in zip(dates, numbers, strict=True):
             file.write(f"{date}Z,{','.join(_FORMAT % number for number in row)}\n")
+
+
+def has_several(dataset: "xr.Dataset") -> bool:
+    """Whether there are flights beside that of the flyer as it is stated."""
+    return any(f"{prefix}end_reason" in dataset for prefix, _ in _SEVERAL)
+
+
+def write_ends_csv(dataset: "xr.Dataset", path: Path) -> None:
+    """Write how each flight ended: of the flyer as it is stated, each member and each launch."""
+    names = [name for name in ENDS if name != "end_reason"]
+    units = [f"{name} [{dataset[name].attrs['units']}]" for name in names]
+    lines = [",".join(["flight", "number", *units, "end_reason"])]
+    for prefix, dimension in (("", ""), *_SEVERAL):
+        if f"{prefix}end_reason" not in dataset:
+            continue
+        columns = [np.atleast_1d(dataset[prefix + name].values) for name in ENDS]
+        for number, row in enumerate(zip(*columns, strict=True)):
+            given = dict(zip(ENDS, row, strict=True))
+            cells = [_FORMAT % given[name] for name in names]
+            reason = TerminationReason(int(given["end_reason"])).name.lower()
+            which = [dimension, str(number)] if dimension else ["stated", ""]
+            lines.append(",".join([*which, *cells, reason]))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")

@@ -92,3 +92,5 @@ def test_mistakes_are_told_before_anything_is_flown(run, folder):
         assert said in errors
         assert len(errors.strip().splitlines()) == 1
         assert not out.exists()
+    code, _, errors = run("fly", folder / "mission.toml", "--compare")
+    assert (code, errors) == (2, "lightflyer: error: --compare needs a file\n")

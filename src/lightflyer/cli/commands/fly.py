@@ -1,7 +1,6 @@
 """``lightflyer fly``: a mission through days, nights and winds."""
 
 import json
-from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,8 +10,9 @@ from cyclopts import Parameter
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, show
+from lightflyer.core.errors import ParameterError
 
-Tracks = Annotated[Sequence[Path], Parameter(consume_multiple=True, negative=())]
+Tracks = Annotated[list[Path] | None, Parameter(consume_multiple=True, negative=())]
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +25,7 @@ def fly_command(
     mission_file: Path,
     /,
     *,
-    compare: Tracks = (),
+    compare: Tracks = None,
     out: Path | None = None,
     json_output: Json = False,
     figures: ResultOptions = AS_USUAL,
@@ -107,12 +107,14 @@ def fly_command(
         raise KeyboardInterrupt
 
 
-def _read_tracks(paths: Sequence[Path], mission: "MissionFile") -> "list[MeasuredTrack]":
+def _read_tracks(paths: list[Path] | None, mission: "MissionFile") -> "list[MeasuredTrack]":
     """Measured tracks that share time with the mission."""
     from lightflyer.mission.measured.comparison import require_shared_time
     from lightflyer.mission.measured.track import read_track
 
-    tracks = [read_track(path) for path in paths]
+    if paths is not None and not paths:
+        raise ParameterError("--compare needs a file")
+    tracks = [read_track(path) for path in paths or ()]
     released = float(mission.mission.release.time)
     for track in tracks:
         require_shared_time(track, released, released + mission.mission.duration.value)

@@ -8,6 +8,8 @@ from matplotlib.lines import Line2D
 
 from lightflyer.files.drawing import LINES, new_figure, shared_legend
 from lightflyer.files.palette import COMPUTED, GREY, MEASURED, PALETTE
+from lightflyer.mission.measured.comparison import FIX
+from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.mission.report.figures import draw_over_time, shade_nights
 
 if TYPE_CHECKING:
@@ -37,7 +39,10 @@ def comparison_figure(flown: "xr.Dataset", compared: Sequence["xr.Dataset"]) -> 
         flown.time, flown.altitude / _KILOMETRE, color=COMPUTED, lw=2.5, label="flight"
     )
     colours = [MEASURED, *(one for one in PALETTE if one not in (COMPUTED, MEASURED))]
-    for number, one in enumerate(compared):
+    last = float(flown[ELAPSED][-1])
+    for number, whole in enumerate(compared):
+        elapsed = whole.measured_elapsed
+        one = whole.isel({FIX: ((elapsed >= 0.0) & (elapsed <= last)).values})
         colour, time = colours[number % len(colours)], one.measured_time
         name = _name_of(one) if len(compared) > 1 else "measured"
         style: dict[str, Any] = {"color": colour, "lw": 1.2}

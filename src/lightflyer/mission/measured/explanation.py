@@ -33,6 +33,7 @@ _STEP = 3e-3  # of the number, for its derivative
 _CLOSE = 1e-5  # of the number and of the mean square, relative: where the search ends
 _EVEN = 4096  # moments, at most, of the autocorrelation
 _UPPER = 0.975  # of a 95 % interval
+_LEAST = 5.0  # rms below which residuals are those of receivers and of the integration [m]
 
 
 class Explanation(NamedTuple):
@@ -197,7 +198,7 @@ def independent_number(times: np.ndarray, values: np.ndarray) -> float:
 
 def evidence(worse: float, better: float, independent: float) -> float:
     """Twice the logarithm of a ratio of likelihoods; of root mean squares [m]."""
-    return 2.0 * independent * float(np.log(worse / better)) if better > 0.0 else np.inf
+    return 2.0 * independent * float(np.log(max(worse, _LEAST) / max(better, _LEAST)))
 
 
 def alikeness(effects: Sequence[np.ndarray], weights: np.ndarray) -> float:

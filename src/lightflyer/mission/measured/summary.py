@@ -149,22 +149,25 @@ def _winds(
 def _explanations(compared: "xr.Dataset") -> dict[str, Any]:
     independent = float(compared.independent_residuals)
     found: dict[str, Any] = {
-        name: {end: float(compared[f"{name}_{end}"]) for end in _VALUE}
+        name: {end: _known(float(compared[f"{name}_{end}"])) for end in _VALUE}
         | {"unit": unit, "rms_km": float(compared[f"{name}_rms"]) / 1e3}
         for name, unit in EXPLANATIONS.items()
     }
     better, worse = sorted(found[name]["rms_km"] for name in EXPLANATIONS)
     before = float(compared.altitude_rms) / 1e3
-    alike = float(compared.explanations_alike)
     found |= {
         "flyer_kg": float(compared.flyer_mass),
         "rms_before_km": before,
         "independent": independent,
-        "alike": alike if np.isfinite(alike) else None,
-        "evidence": evidence(before, better, independent),
-        "evidence_between": evidence(worse, better, independent),
+        "alike": _known(float(compared.explanations_alike)),
+        "evidence": evidence(before * 1e3, better * 1e3, independent),
+        "evidence_between": evidence(worse * 1e3, better * 1e3, independent),
     }
     return found | {"verdict": verdict(found)}
+
+
+def _known(value: float) -> float | None:
+    return value if np.isfinite(value) else None
 
 
 def _wind_table(rows: list[dict[str, float]], name: str) -> "Table":
@@ -184,11 +187,17 @@ def _plain(speed: float) -> str:
     return f"{round(speed, 2) + 0.0:.2f}"
 
 
+def _ends(found: dict[str, Any]) -> list[float]:
+    """A value and the ends of its interval, which are infinite where they are not known."""
+    unknown = {"low": -np.inf, "high": np.inf}
+    return [unknown[end] if found[end] is None else found[end] for end in _VALUE]
+
+
 def _explanation_parts(found: dict[str, Any]) -> Parts:
     rows = [("as stated, in the track's wind", "", "", f"{found['rms_before_km']:.3f}")]
     for name, unit in EXPLANATIONS.items():
         one = found[name]
-        ends = [one[end] for end in _VALUE]
+        ends = _ends(one)
         factor, shown = suitable(unit, ends)
         value, low, high = (f"{factor * end:+.3g}" for end in ends)
         label = f"{name.replace('_', ' ')} [{shown}]"
@@ -196,7 +205,7 @@ def _explanation_parts(found: dict[str, Any]) -> Parts:
     headings = ("what would explain the altitudes", "add", "95 % interval", "rms [km]")
     yield table_of(headings, rows, pad_edge=False)
     yield found["verdict"]
-    shares = (f"{_PERCENT * found['mass'][end] / found['flyer_kg']:+.3g}" for end in _VALUE)
+    shares = (f"{_PERCENT * end / found['flyer_kg']:+.3g}" for end in _ends(found["mass"]))
     yield (
         "the mass is {} % ({} % to {} %) of the flyer's; it stands for all that weighs or lifts as "
         "much, such as a wrong absorptance".format(*shares)

@@ -182,8 +182,9 @@ def _numbers(fix: Fix) -> tuple[float, ...] | str:
         if value in ("", None):
             return f"has no {name}"
         try:
-            number = float(value)
-            _KINDS[name].check(name, number)
+            number, possible = float(value), _KINDS[name]
+            if not possible.lowest <= number <= possible.highest:
+                possible.check(name, number)
         except ParameterError as error:
             return str(error)
         except ValueError:

@@ -382,9 +382,11 @@ def test_gaps_are_said_and_no_wind_is_told_across_them(compare, measured):
     holed = lf.mission.MeasuredTrack.from_arrays(**parts)
     lasted = track.time[300] - track.time[99]
     assert holed.notes[0].startswith(f"1 gap without a fix: {lasted / 3600.0:.2g} h after")
-    whole, left = (float(compare(one, explained=False).period_duration.sum())
-                   for one in (track, holed))  # fmt: skip
-    assert left == pytest.approx(whole - lasted, abs=620.0)  # of two steps
+    whole, cut = (compare(one, explained=False) for one in (track, holed))
+    left = float(cut.period_duration.sum())
+    assert left == pytest.approx(float(whole.period_duration.sum()) - lasted, abs=620.0)  # 2 steps
+    assert f"the wind is told for {left / 3600.0:.2f} h of" in cut.attrs["notes"]
+    assert whole.attrs["notes"] == ""
 
 
 BAD = {

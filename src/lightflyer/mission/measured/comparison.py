@@ -32,12 +32,14 @@ from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.release import Release, limits_of, require_release_inside
 from lightflyer.mission.path.single import follow
 from lightflyer.mission.report.dataset import degrees_of
+from lightflyer.mission.report.summary import SECONDS_AN_HOUR
 
 if TYPE_CHECKING:
     import xarray as xr
 
 FIX, PERIOD, BAND, TRACK = "fix", "period", "band", "measured_track"  # Dimensions
 
+_WHOLE = 0.99  # share of the time that is as good as all of it
 _METRES, _SPEED = "m", "m s-1"
 _OF_FIXES = {
     "measured_elapsed": Variable("s", "time of the fix since the release"),
@@ -162,6 +164,12 @@ def compare_track(
     _add_winds(dataset, PERIOD, "s", by_time._asdict())
     _add_winds(dataset, BAND, _METRES, by_altitude._asdict())
     notes = [*measured.notes]
+    hours, told = (float(one) / SECONDS_AN_HOUR for one in (np.ptp(shared), by_time.duration.sum()))
+    if told < _WHOLE * hours:
+        notes.append(
+            f"the wind is told for {told:.2f} h of {hours:.2f} h: elsewhere the track has gaps, or "
+            "the flyer's velocity is not known for want of wind or air"
+        )
     if not beside.all():
         notes.append(
             f"{np.sum(~beside)} of {beside.size} fixes are before the release or after the "

@@ -1,16 +1,22 @@
 """Flights that are steered, against plain NumPy, closed forms and still air."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import RectBivariateSpline
 
 import lightflyer as lf
+from lightflyer.config.designs import as_design
 from lightflyer.environment import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.mission import Circle, Release
+from lightflyer.mission.fleet import flights_of
+from lightflyer.mission.path.integration import Accuracy, Limits
+from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.position import angles_towards, unit_vector
-from lightflyer.mission.path.single import Way
+from lightflyer.mission.path.single import Way, follow
 from lightflyer.mission.report.station import stay_of
 
 EQUATOR, FLATTENING = 6_378_137.0, 1.0 / 298.257223563  # WGS 84
@@ -120,6 +126,42 @@ def test_a_shaded_flyer_rests_where_it_lets_in_what_lifts_it(closed_form_disk, l
     held = lf.lift(disk, dimmed.state(end), lf.FreeMolecular())
     assert held == pytest.approx(float(disk.mass) * 9.6, rel=1e-3)
     assert float(flown.irradiance[-1]) == 1361.0  # what there is, not what is let in
+
+
+def test_shade_and_errors_of_the_drag_hold_with_inertia_too(closed_form_disk, lit_air):
+    flights = [
+        lf.fly(
+            closed_form_disk(2e-3), lit_air(), lf.FreeMolecular(), duration="1 h",
+            release=Release("75 km", **RELEASE), inertia=inertia,
+            attitude=lf.mission.Shaded(lf.mission.HoldAltitude("74 km", width="500 m")),
+        )
+        for inertia in (None, lf.mission.Inertia())
+    ]  # fmt: skip
+    assert float(flights[0].end_altitude) < 74.5e3
+    assert float(flights[1].end_altitude) == pytest.approx(float(flights[0].end_altitude), abs=1.0)
+
+
+def test_more_drag_makes_the_same_flight_slower(closed_form_disk, lit_air):
+    disk, hours, more = closed_form_disk(2e-3, inertia=0.0), 4.0, 1.25
+    craft = Craft(lf.Setup(disk, lit_air(), lf.FreeMolecular()), lf.mission.Level())
+    start, limits = Release("60 km", **RELEASE).start(), Limits(0.0, 120e3)
+    times = np.linspace(0.0, 3600.0 * hours, 9)
+    accuracy = Accuracy.for_duration(times[-1])
+    stated, _ = follow(craft, start, limits, times / more, accuracy)
+    slower, _ = follow(replace(craft, drag=more), start, limits, times, accuracy)
+    assert np.ptp(stated.altitude) > 1e3
+    np.testing.assert_allclose(slower.altitude, stated.altitude, atol=0.5)
+
+
+def test_members_have_a_drag_of_their_own(closed_form_disk, lit_air):
+    design = as_design(closed_form_disk(2e-3), lit_air(), lf.FreeMolecular())
+    start = Release("75 km", **RELEASE).start()
+    members = lf.mission.Ensemble(4000, drag=0.05)
+    drags = flights_of(design, lf.mission.Level(), start, members, [3600.0]).drags
+    assert drags[0] == drags[-1] == 1.0
+    assert np.log(drags[1:-1]).std() == pytest.approx(0.05, rel=0.03)
+    still = lf.mission.Ensemble(3, drag=0.0)
+    assert flights_of(design, lf.mission.Level(), start, still).drags is None
 
 
 @pytest.mark.parametrize("bearing", [0.0, 1.5, 3.0, 4.5])

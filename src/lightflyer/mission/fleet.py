@@ -13,7 +13,7 @@ from jax import Array
 from lightflyer.compute.scheduler import processors
 from lightflyer.core.precision import float64
 from lightflyer.core.progress import asked_to_end, report
-from lightflyer.core.quantity import Checked, Distance, Duration, Speed
+from lightflyer.core.quantity import Checked, Distance, Duration, Fraction, Speed
 from lightflyer.core.types import Numeric
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
@@ -33,7 +33,7 @@ BATCH = 256
 MEMBERS = 200  # of an ensemble, unless it says otherwise
 FEW = 4  # Flights up to which each is followed by itself
 _A_DAY = 86_400.0
-_WIND, _RELEASE = 1, 2  # added to the seed, so that one does not follow the other
+_WIND, _RELEASE, _DRAG = 1, 2, 3  # added to the seed, so that one does not follow the other
 _ANOTHER = 7  # any number of flights that no table of a flyer happens to have as its length
 
 
@@ -49,6 +49,9 @@ class Ensemble(Checked):
         [m/s].
     wind_correlation_time : array
         Time over which an error of the wind stays what it is [s].
+    drag : array
+        Relative standard uncertainty of the drag [1]; by default a sixth of what warmth adds to
+        that of a disk of 1.6 times the air's temperature.
     altitude, distance, time : array
         Standard uncertainty of the release: of its altitude [m], of its place northward and
         eastward [m], and of its time [s].
@@ -59,6 +62,7 @@ class Ensemble(Checked):
     wind: Speed = 0.0
     vertical_wind: Speed = 0.0
     wind_correlation_time: Duration = _A_DAY
+    drag: Fraction = 0.03
     altitude: Distance = 0.0
     distance: Distance = 0.0
     time: Numeric = 0.0
@@ -71,6 +75,7 @@ class Flights(eqx.Module):
     varied: Setup  # The others, each with a leading axis
     starts: Start  # Numbers have a leading axis
     wind_errors: WindError | None  # Fields have a leading axis
+    drags: Array | None  # Over what the flyer's law has [1], shape (flights,)
     rule: AbstractAttitudeRule
 
     @property
@@ -89,7 +94,8 @@ def flights_of(
     setup, varied = _separate(design, ensemble, len(delays))
     radius = float(planet_of(design.setup.environment).radius)
     starts = _starts(start, ensemble, delays, radius)
-    return Flights(setup, varied, starts, _wind_errors(ensemble, len(delays)), rule)
+    wind_errors, drags = _wind_errors(ensemble, len(delays)), _drags(ensemble, len(delays))
+    return Flights(setup, varied, starts, wind_errors, drags, rule)
 
 
 def _separate(
@@ -131,6 +137,14 @@ def _wind_errors(ensemble: Ensemble | None, launches: int) -> WindError | None:
     return jax.tree.map(lambda part: _among_others(part, launches), errors)
 
 
+def _drags(ensemble: Ensemble | None, launches: int) -> Any:
+    """The members' drag over that of the law, 1 in the other flights."""
+    if ensemble is None or not np.any(ensemble.drag):
+        return None
+    normal = np.random.default_rng(ensemble.seed + _DRAG).standard_normal(ensemble.members)
+    return np.exp(_among_others(float(ensemble.drag) * normal, launches))
+
+
 def _among_others(members: np.ndarray, launches: int) -> np.ndarray:
     """Values of the members, with zeros for the flyer as it is stated and for the launches."""
     return np.pad(members, [(1, launches)] + [(0, 0)] * (members.ndim - 1))
@@ -168,11 +182,11 @@ def _move(place: Place, north: Any, east: Any) -> tuple[Array, Array]:
 
 
 def _integrate(flights: Flights, limits: Limits, elapsed: Any, accuracy: Accuracy) -> Track:
-    def one(varied: Setup, start: Start, wind_error: WindError | None) -> Track:
-        setup = eqx.combine(varied, flights.setup)
-        return track(Craft(setup, flights.rule, wind_error), start, limits, elapsed, accuracy)
+    def one(varied: Setup, start: Start, wind_error: WindError | None, drag: Any) -> Track:
+        craft = Craft(eqx.combine(varied, flights.setup), flights.rule, wind_error, drag)
+        return track(craft, start, limits, elapsed, accuracy)
 
-    return jax.vmap(one)(flights.varied, flights.starts, flights.wind_errors)
+    return jax.vmap(one)(flights.varied, flights.starts, flights.wind_errors, flights.drags)
 
 
 _tracks = entry_point(_integrate, way="xla")  # thousands of steps one after the other
@@ -223,15 +237,14 @@ def fly_all(
 
 def _one(flights: Flights, row: int) -> tuple[Craft, Start]:
     """Who flies one of the flights, and from where."""
-    varied, start, error = jax.tree.map(
-        lambda leaf: np.asarray(leaf)[row], (flights.varied, flights.starts, flights.wind_errors)
-    )
-    return Craft(eqx.combine(varied, flights.setup), flights.rule, error), start
+    parts = (flights.varied, flights.starts, flights.wind_errors, flights.drags)
+    varied, start, *errors = jax.tree.map(lambda leaf: np.asarray(leaf)[row], parts)
+    return Craft(eqx.combine(varied, flights.setup), flights.rule, *errors), start
 
 
 def _take(flights: Flights, start: int, size: int) -> Flights:
     """Some of the flights, filled up with the last one."""
     rows = np.minimum(np.arange(start, start + size), flights.count - 1)
-    parts = (flights.varied, flights.starts, flights.wind_errors)
-    varied, starts, errors = jax.tree.map(lambda leaf: np.asarray(leaf)[rows], parts)
-    return Flights(flights.setup, varied, starts, errors, flights.rule)
+    parts = (flights.varied, flights.starts, flights.wind_errors, flights.drags)
+    taken = jax.tree.map(lambda leaf: np.asarray(leaf)[rows], parts)
+    return Flights(flights.setup, *taken, flights.rule)

@@ -54,6 +54,7 @@ class EnsembleSection(Section, of=Ensemble):
         "wind": Spelling("wind_uncertainty"),
         "vertical_wind": Spelling("vertical_wind_uncertainty"),
         "distance": Spelling("position_uncertainty"),
+        "drag": Spelling("drag_uncertainty"),
     }
     left_out: ClassVar[tuple[str, ...]] = ("altitude", "time")
 

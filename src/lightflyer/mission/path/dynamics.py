@@ -126,7 +126,7 @@ def _heating(
     craft: Craft, around: Surroundings, unknowns: tuple[Array, ...], inertia: Inertia
 ) -> Array:
     """Rates of the temperatures [K/s]."""
-    flyer, state = around.flyer, around.state
+    flyer, state = around.flyer, around.lit
     equations = FlightEquations(flyer, state, craft.setup.model)
     powers, losses = equations.powers(state.radiation.irradiance), equations.losses(unknowns)
     capacity = inertia.specific_heat * flyer.own_mass / len(flyer.nodes)

@@ -24,6 +24,7 @@ from jax import Array
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.design.setup import Setup
+from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
 from lightflyer.environment.planet import Planet
 from lightflyer.environment.radiation import Attitude
@@ -54,6 +55,14 @@ class Surroundings(eqx.Module):
     state: EnvironmentState
     wind: Wind  # With its error, if one is assumed [m/s]
     share: Numeric | None = None  # Of the light, which the flyer lets in [1]; None for all
+    drag: Numeric | None = None  # Over what the flyer's law has [1]; None for the law's
+
+    @property
+    def lit(self) -> EnvironmentState:
+        """The state with the light that the flyer lets in."""
+        if self.share is None:
+            return self.state
+        return replace(self.state, radiation=self.state.radiation.dimmed(self.share))
 
 
 class Forces(eqx.Module):
@@ -73,6 +82,8 @@ class Craft(eqx.Module):
     rule: AbstractAttitudeRule
     # By how much the wind differs from the environment's; None for not at all
     wind_error: WindError | None = None
+    # Drag over what the flyer's law has [1]; None for the law's
+    drag: Numeric | None = None
 
     @property
     def planet(self) -> Planet:
@@ -89,14 +100,11 @@ class Craft(eqx.Module):
         moment = Moment(
             elapsed, altitude, place, state.radiation, wind, flyer.attitude, self.setup.environment
         )
-        attitude = self.rule.attitude(moment)
-        return Surroundings(with_attitude(flyer, attitude), state, wind, self.rule.light(moment))
+        lying = with_attitude(flyer, self.rule.attitude(moment))
+        return Surroundings(lying, state, wind, self.rule.light(moment), self.drag)
 
     def heat(self, around: Surroundings) -> Equilibrium:
-        state = around.state
-        if around.share is not None:
-            state = replace(state, radiation=state.radiation.dimmed(around.share))
-        return equilibrium(around.flyer, state, self.setup.model, throw=False)
+        return equilibrium(around.flyer, around.lit, self.setup.model, throw=False)
 
     def forces(self, around: Surroundings, unknowns: tuple[Array, ...]) -> Forces:
         """Forces in some surroundings."""
@@ -123,11 +131,15 @@ def steady_speeds(
 ) -> tuple[Array, Array]:
     """Speeds through the air at which drag balances the other forces [m/s]."""
     flyer, state = around.flyer, around.state
-    axial = _speed(lambda speed: flyer.drag(state, unknowns, speed, "broadside"), forces.axial)
+    drag = 1.0 if around.drag is None else around.drag  # which the law's balances force / drag
+
+    def speed_of(force: Array, direction: Direction) -> Array:
+        return _speed(lambda speed: flyer.drag(state, unknowns, speed, direction), force / drag)
+
+    axial = speed_of(forces.axial, "broadside")
     if flyer.attitude is None:
         return axial, jnp.zeros_like(axial)
-    slope = _speed(lambda speed: flyer.drag(state, unknowns, speed, "edgewise"), forces.slope)
-    return axial, slope
+    return axial, speed_of(forces.slope, "edgewise")
 
 
 def settle(speed: Array, force: Array, stiffness: Array) -> Array:

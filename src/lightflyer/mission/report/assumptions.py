@@ -79,6 +79,8 @@ def _ensemble_assumptions(ensemble: Ensemble | None) -> tuple[str, ...]:
             f"error of the wind: ± {winds[0]:g} m/s east and north, ± {winds[1]:g} m/s up, the "
             f"same at all altitudes, correlated over {hours:g} h"
         )
+    if float(ensemble.drag):
+        told.append(f"drag: ± {100.0 * float(ensemble.drag):g} %, the same throughout a flight")
     spread = [float(part) for part in (ensemble.altitude, ensemble.distance, ensemble.time)]
     if any(spread):
         told.append(

@@ -268,6 +268,10 @@ class ObjectDesign(AbstractDesign):
                     raise ConfigurationError(f"a correlation of {name} has no effect without its ±")
         self._require_joint_distribution()
 
+    def __repr__(self) -> str:
+        setup = self._base
+        return f"ObjectDesign({setup.flyer.describe()}, {type(setup.model).__name__})"
+
     def _spread(self, name: str, given: Any) -> float:
         """A standard uncertainty by the rules of files, in the unit of the number."""
         if name not in self._numbers:

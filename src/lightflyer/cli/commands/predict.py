@@ -118,6 +118,8 @@ def _load_in_background() -> threading.Thread:
 
 def _parse_coordinates(at: str | None, where: "Coordinate") -> list[float] | None:
     """The coordinates of ``--at`` in SI units."""
+    from lightflyer.core.units import scale_and_offset
+
     if at is None:
         return None
     points = []
@@ -126,7 +128,11 @@ def _parse_coordinates(at: str | None, where: "Coordinate") -> list[float] | Non
             points.append(where.quantity.read(part).value)
         except ConfigurationError as error:
             said = "" if part in str(error) else f"{where.name} {part} "
-            raise ConfigurationError(f"--at: {said}{error}") from None
+            factor, _ = scale_and_offset(where.quantity.unit, where.shown_unit)
+            low, high = factor * where.lowest, factor * where.highest
+            allowed = f"must be between {low:g} and {high:g} {where.shown_unit}"
+            told = str(error).replace(f"must be {where.quantity.allowed}", allowed)
+            raise ConfigurationError(f"--at: {said}{told}") from None
     if not points:
         raise ConfigurationError(f'--at "{at}" names no {where.name}')
     return points

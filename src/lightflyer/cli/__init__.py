@@ -25,7 +25,8 @@ EXIT_FAILURE = 2
 EXIT_INTERRUPTED = 130
 
 _READS = {
-    *("predict", "fly", "film", "compare", "sweep", "optimise", "sensitivity", "calibrate"),
+    *("predict", "fly", "spread", "film", "compare", "sweep", "optimise", "sensitivity"),
+    "calibrate",
     *(f"lab {kind}" for kind in
       ("tac", "levitation", "thermography", "ftir", "roughness", "optics")),
 }  # fmt: skip
@@ -60,6 +61,11 @@ app.command(
     "lightflyer.cli.commands.fly:fly_command",
     name="fly",
     help="Fly a mission: where a flyer goes, whether it survives the night, what ends it.",
+)
+app.command(
+    "lightflyer.cli.commands.spread:spread_command",
+    name="spread",
+    help="Spread a swarm: which shares still fly, and are near a place, after days.",
 )
 app.command(
     "lightflyer.cli.commands.compare:compare_command",

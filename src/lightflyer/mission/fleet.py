@@ -246,5 +246,5 @@ def _take(flights: Flights, start: int, size: int) -> Flights:
     """Some of the flights, filled up with the last one."""
     rows = np.minimum(np.arange(start, start + size), flights.count - 1)
     parts = (flights.varied, flights.starts, flights.wind_errors, flights.drags)
-    taken = jax.tree.map(lambda leaf: np.asarray(leaf)[rows], parts)
-    return Flights(flights.setup, *taken, flights.rule)
+    varied, starts, errors, drags = jax.tree.map(lambda leaf: np.asarray(leaf)[rows], parts)
+    return Flights(flights.setup, varied, starts, errors, drags, flights.rule)

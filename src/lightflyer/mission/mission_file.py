@@ -1,6 +1,6 @@
 """The mission file: a flyer file with a section ``[mission]``."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +55,22 @@ class MissionFile:
         names = ("release", "duration", "attitude", "lowest", "highest")
         given = self.arguments()
         return {name: given[name] for name in names}
+
+    def swarm_arguments(self, members: int | None = None) -> dict[str, Any]:
+        """Those of :func:`disperse_ensemble`, near the station; ``members``: in place of its."""
+        given = self.arguments()
+        ensemble = given["ensemble"]
+        if ensemble is None:
+            raise ConfigurationError(
+                "a swarm differs by its [mission.ensemble]; add that section, such as with "
+                'wind_uncertainty = "10 m/s"'
+            )
+        if given.pop("launches"):
+            raise ConfigurationError("a swarm is released at once; take out [mission.launches]")
+        if members is not None:
+            given["ensemble"] = replace(ensemble, members=members)
+        given["areas"] = [given.pop("station") or self.mission.circle]
+        return {name: value for name, value in given.items() if value is not None}
 
 
 def read_mission_file(path: str | Path) -> MissionFile:

@@ -172,13 +172,13 @@ class MissionSection(Section, of=Release):
             "own": Own,
             "level": Level,
             "follow-sun": partial(FollowSun, **share, **largest),
-            "towards-station": partial(TowardsStation, self._circle, **largest),
+            "towards-station": partial(TowardsStation, self.circle, **largest),
         }
         rule = rules[self.attitude]()
-        return rule if self.shading is None else Shaded(self.shading.build(self._circle), rule)
+        return rule if self.shading is None else Shaded(self.shading.build(self.circle), rule)
 
     @property
-    def _circle(self) -> Circle:
+    def circle(self) -> Circle:
         """The station, by default about the place of the release."""
         given = self.station or StationSection()
         latitude, longitude = (
@@ -212,7 +212,7 @@ class MissionSection(Section, of=Release):
             "every": None if self.every is None else self.every.value,
             "ensemble": self.build_ensemble(),
             "launches": [] if self.launches is None else self.launches.delays,
-            "station": self._circle if self._has_station else None,
+            "station": self.circle if self._has_station else None,
             "lowest": None if self.lowest_altitude is None else self.lowest_altitude.value,
             "highest": None if self.highest_altitude is None else self.highest_altitude.value,
         }

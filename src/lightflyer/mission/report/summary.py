@@ -21,6 +21,7 @@ _unit_vector = entry_point(unit_vector)
 _INTERVAL = (2.5, 50.0, 97.5)  # Percentiles of a 95 % interval and its median
 
 SECONDS_AN_HOUR = 3600.0
+_ENDS = "low", "high"  # of the interval of a share
 
 
 def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -62,6 +63,32 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         found["ensemble"] = _summarise_ensemble(dataset)
     if "launch_end_reason" in dataset:
         found["launches"] = _summarise_launches(dataset)
+    return found | {name: texts_of(dataset, name) for name in ("assumptions", "warnings")}
+
+
+def summarise_spread(dataset: "xr.Dataset") -> dict[str, Any]:
+    """The spread of a swarm at its end in numbers, with a unit at the end of each name."""
+    last = dataset.isel({ELAPSED: -1})
+
+    def shares(of: "xr.Dataset", name: str) -> dict[str, float]:
+        return {"share": float(of[name]), **{end: float(of[f"{name}_{end}"]) for end in _ENDS}}
+
+    found: dict[str, Any] = {
+        "flyer": dataset.attrs["flyer"],
+        "members": int(dataset.members),
+        "after_h": float(last[ELAPSED]) / SECONDS_AN_HOUR,
+        "flying": shares(last, "flying"),
+        "inside": {
+            str(area.item()): shares(last.sel(area=area), "inside") for area in dataset.area
+        },
+    }
+    if found["flying"]["share"] > 0.0:
+        found |= {
+            "middle_latitude_deg": float(last.latitude),
+            "middle_longitude_deg": float(last.longitude),
+            "middle_altitude_km": float(last.altitude) / 1e3,
+            "distance_from_middle_km": float(last.distance) / 1e3,
+        }
     return found | {name: texts_of(dataset, name) for name in ("assumptions", "warnings")}
 
 

@@ -58,12 +58,12 @@ app.command(
     help="Open a page on which a flyer's numbers can be moved.",
 )
 app.command(
-    "lightflyer.cli.commands.fly:fly_command",
+    "lightflyer.cli.missions.fly:fly_command",
     name="fly",
     help="Fly a mission: where a flyer goes, whether it survives the night, what ends it.",
 )
 app.command(
-    "lightflyer.cli.commands.spread:spread_command",
+    "lightflyer.cli.missions.spread:spread_command",
     name="spread",
     help="Spread a swarm: which shares still fly, and are near a place, after days.",
 )

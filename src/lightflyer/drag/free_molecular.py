@@ -13,9 +13,9 @@ import math
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.scipy.special import erf
 
 from lightflyer.core.types import Numeric
+from lightflyer.numerics.special import erf
 from lightflyer.program.entry_point import entry_point
 
 _SQRT_PI = math.sqrt(math.pi)

@@ -12,6 +12,7 @@ from jax import Array
 
 from lightflyer.core.quantity import Altitude, Checked, Length, Refractivity
 from lightflyer.core.types import Numeric
+from lightflyer.numerics.special import erf
 from lightflyer.program.entry_point import entry_point
 
 _SMOOTHED = 500.0  # altitude within which the horizon of a flyer near the limb is smoothed [m]
@@ -124,7 +125,7 @@ def horizon_depression(limb: Limb, altitude: Numeric, radius: Numeric) -> Array:
     clear = 0.5 * (above + jnp.sqrt(above**2 + _SMOOTHED**2))
     dip = jnp.arctan2(jnp.sqrt(clear * (2.0 * lowest + clear)), lowest)
     bending = limb.refractivity * jnp.sqrt(2.0 * jnp.pi * lowest / limb.scale_height)
-    passed = jax.scipy.special.erf(jnp.sqrt(clear / limb.scale_height))
+    passed = erf(jnp.sqrt(clear / limb.scale_height))
     return dip + 0.5 * bending * (1.0 + passed)
 
 

@@ -6,12 +6,14 @@ loop does not change moves out of it, and what no output needs is left out.
 """
 
 import gc
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial, reduce
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.extend.core import ClosedJaxpr, Jaxpr, Literal, jaxpr_as_fun
 
@@ -239,7 +241,7 @@ class _Builder:
         }
         if name in special:
             return special[name](equation, inputs)
-        if name == "call_hi_primitive":
+        if name in ("call_hi_primitive", "polynomial"):
             return self._run(_expanded(equation), inputs)
         called = next((given[key] for key in _CALLS if key in given), None)
         if called is not None:
@@ -373,8 +375,32 @@ def _fixed_and_carried(given: Any) -> tuple[int, int]:
 
 def _expanded(equation: Any) -> ClosedJaxpr:
     """An operation that JAX makes of others, such as a search in a table since 0.12."""
-    whole = equation.params["_prim"]
     examples = [jax.ShapeDtypeStruct(atom.aval.shape, atom.aval.dtype) for atom in equation.invars]
+    if equation.primitive.name == "polynomial":
+        return jax.make_jaxpr(_horner)(*examples)
+    whole = equation.params["_prim"]
+    if type(whole).__name__ == "SearchSorted":
+        return jax.make_jaxpr(partial(_search_sorted, side=whole.params["side"]))(*examples)
     return jax.make_jaxpr(lambda *flat: whole.expand(*jax.tree.unflatten(whole.in_tree, flat)))(
         *examples
     )
+
+
+def _search_sorted(nodes: jax.Array, values: jax.Array, side: str) -> jax.Array:
+    """Bisection; JAX's own compares the bits of numbers."""
+    begins, ends = jnp.zeros(values.shape, np.int32), jnp.full(values.shape, nodes.size, np.int32)
+
+    def halve(_: Any, found: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
+        low, high = found
+        middle = (low + high) // 2
+        after = nodes[middle] <= values if side == "right" else nodes[middle] < values
+        return jnp.where(after, middle, low), jnp.where(after, high, middle)
+
+    # a place before the first node, too, so that one step more than halvings of the nodes
+    steps = math.ceil(math.log2(nodes.size + 1))
+    return jax.lax.fori_loop(0, steps, halve, (begins, ends))[1]
+
+
+def _horner(x: jax.Array, *coefficients: jax.Array) -> jax.Array:
+    """A polynomial; ``coefficients``: the lowest first."""
+    return reduce(lambda total, one: total * x + one, reversed(coefficients))

@@ -1,1 +1,1 @@
-"""Commands, one a module; those of the lab bench are in ``cli/lab``."""
+"""Commands, one a module; lab bench and missions have folders of their own beside this one."""

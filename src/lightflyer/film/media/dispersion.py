@@ -32,7 +32,7 @@ from lightflyer.core.quantity import (
 from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, require_covered
 from lightflyer.film.media.pairs import Pair, root
-from lightflyer.numerics.dawson import dawson
+from lightflyer.numerics.special import dawson
 from lightflyer.program.entry_point import entry_point
 
 _NODES = [0.5 * (1.0 + np.polynomial.legendre.leggauss(80)[0]),

@@ -8,7 +8,7 @@ from lightflyer.core.quantity import Altitude, require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.environment.wind.gridded import GriddedWind
+from lightflyer.environment.wind.gridded import GriddedWind, by_parts
 from lightflyer.program.entry_point import entry_point
 
 
@@ -38,7 +38,7 @@ class WindBeyondData(AbstractWind):
         self.data, self.beyond = data, beyond
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
-        return self._require_margins(altitude, place, _velocity(self, altitude, place))
+        return self._require_margins(altitude, place, by_parts(_velocity, self, altitude, place))
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         within = _within(self.data, altitude, place) - 1.0

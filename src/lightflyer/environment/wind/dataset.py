@@ -1,5 +1,6 @@
 """Reading winds on a grid from an xarray dataset: names, units, order, gaps."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from lightflyer.environment.wind.heights import (
     GAS_CONSTANT,
     altitude_of,
     hydrostatic_geopotential,
+    new_levels,
     on_altitudes,
 )
 from lightflyer.environment.wind.layouts import in_one_layout
@@ -56,44 +58,75 @@ class WindGrid(NamedTuple):
     told: str = ""  # How the altitudes of pressure levels are known
 
 
+class Fields(NamedTuple):
+    """Fields of a dataset in SI units, shape (t, z, y, x), with increasing coordinates."""
+
+    axes: list[np.ndarray]  # of time, level, latitude and longitude
+    by_pressure: bool  # Whether levels are negative logarithms of the pressure
+    same_around: bool  # Whether there is no longitude
+    values: dict[str, np.ndarray]
+    is_omega: bool  # Whether w is a change of pressure [Pa/s]
+
+
 def read_grid(dataset: Any) -> WindGrid:
     """Check a dataset and take the winds from it."""
+    fields = _whole_levels(read_fields(dataset))
+    altitude, told = heights_of(fields)
+    if altitude is None:
+        return grid_of(fields, told)
+    new = new_levels(altitude[0].mean(axis=(1, 2)), altitude[:, 0].max(), altitude[:, -1].min())
+    return grid_of(fields, told, new, winds_on(new, fields, altitude))
+
+
+def read_fields(dataset: Any, *, air_only: bool = False) -> Fields:
+    """Check a dataset and take winds, temperature and geopotential from it, or these two alone."""
     dataset = in_one_layout(dataset)
-    given = _variables(dataset)
-    names = _dimensions(dataset, given[0])
+    given = [] if air_only else _variables(dataset)
+    names = dimensions_of(dataset, given[0] if given else str(next(iter(dataset.data_vars))))
     by_pressure = "pressure" in names
     level = "pressure" if by_pressure else "altitude"
     order = [names.get(kind) for kind in ("time", level, "latitude", "longitude")]
-    readers = (_seconds, _minus_log if by_pressure else _metres, _degrees, _degrees)
     axes, sorting = [], []
-    for name, reader in zip(order, readers, strict=True):
+    for name, reader in zip(order, readers_of(by_pressure=by_pressure), strict=True):
         values = np.zeros(1) if name is None else reader(dataset[name], name)
         sorting.append(np.argsort(values, kind="stable"))
         axes.append(values[sorting[-1]])
         if np.any(~np.isfinite(values)) or np.any(np.diff(axes[-1]) <= 0.0):
             raise ConfigurationError(f"winds: {name} has missing or repeated entries")
-        if name is not None and name != names.get("time") and values.size == 1:
+        is_place = name is not None and name != names.get("time")
+        if is_place and values.size == 1 and not air_only:
             raise ConfigurationError(f"winds: {name} needs two entries or more")
-    shape = [axis.size for axis in axes]
     known = _known_air(dataset, given) if by_pressure else {}
     units = dict.fromkeys(given, "m/s") | known
     found = {
         name: _field(dataset, name, unit, order, sorting, missing=by_pressure)
         for name, unit in units.items()
     }
-    axes[1], found = _whole_levels(axes[1], found)
-    told = ""
-    if by_pressure:
-        axes, by_pressure, told = _put_on_altitudes(axes, found, is_omega=units.get("w") == _OMEGA)
-    shape = [axis.size for axis in axes]
-    fields = [found[name] if name in found else np.zeros(shape) for name in _VARIABLES]
-    if order[-1] is None:  # a mean over longitude
-        axes[-1] = np.arange(_MERIDIANS) / _MERIDIANS * 2.0 * np.pi
-        fields = [np.repeat(field, _MERIDIANS, axis=-1) for field in fields]
-    time, height, latitude, longitude = axes
-    east, north, up = fields
-    grid = WindGrid(time, height, by_pressure, latitude, longitude, False, east, north, up, told)
-    return _around(grid)
+    return Fields(axes, by_pressure, order[-1] is None, found, units.get("w") == _OMEGA)
+
+
+def readers_of(*, by_pressure: bool) -> tuple[Callable[[Any, str], np.ndarray], ...]:
+    """What reads the coordinates: time, level, latitude, longitude."""
+    return _seconds, _minus_log if by_pressure else _metres, _degrees, _degrees
+
+
+def grid_of(
+    fields: Fields,
+    told: str,
+    altitudes: np.ndarray | None = None,
+    winds: dict[str, np.ndarray] | None = None,
+) -> WindGrid:
+    """Winds on a grid; ``told``: how altitudes are known; ``winds``: of levels put on altitudes."""
+    time, level, latitude, longitude = fields.axes
+    level = level if altitudes is None else altitudes
+    given = fields.values if winds is None else winds
+    zero = np.zeros((time.size, level.size, latitude.size, longitude.size))
+    parts = [given.get(name, zero) for name in _VARIABLES]
+    if fields.same_around:
+        longitude = np.arange(_MERIDIANS) / _MERIDIANS * 2.0 * np.pi
+        parts = [np.repeat(part, _MERIDIANS, axis=-1) for part in parts]
+    by_pressure = fields.by_pressure and altitudes is None
+    return _around(WindGrid(time, level, by_pressure, latitude, longitude, False, *parts, told))
 
 
 def _variables(dataset: Any) -> list[str]:
@@ -114,7 +147,7 @@ def _variables(dataset: Any) -> list[str]:
     return given
 
 
-def _dimensions(dataset: Any, variable: str) -> dict[str, str]:
+def dimensions_of(dataset: Any, variable: str) -> dict[str, str]:
     """The dataset's own name of each dimension that its winds have."""
     found: dict[str, str] = {}
     for dimension in dataset[variable].dims:
@@ -212,13 +245,14 @@ def _field(
         raise ConfigurationError(f"{_OF_OMEGA}; give the temperature too, or drop it")
     values = _scale(array.transpose(*present), name, unit)
     if not missing:
-        _require_finite(values, name)
+        require_finite(values, name)
     missing_axes = tuple(axis for axis, dimension in enumerate(order) if dimension is None)
     values = np.expand_dims(values, missing_axes)
     return values[np.ix_(*sorting)]
 
 
-def _require_finite(values: np.ndarray, name: str) -> None:
+def require_finite(values: np.ndarray, name: str) -> None:
+    """Raise where values of a variable are missing."""
     missing = int(np.sum(~np.isfinite(values)))
     if missing:
         raise ConfigurationError(
@@ -227,47 +261,52 @@ def _require_finite(values: np.ndarray, name: str) -> None:
         )
 
 
-def _whole_levels(
-    level: np.ndarray, fields: dict[str, np.ndarray]
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def _whole_levels(fields: Fields) -> Fields:
     """Levels from the lowest one that no mountain reaches."""
+    level = fields.axes[1]
     whole = np.logical_and.reduce(
-        [np.isfinite(values).all(axis=(0, 2, 3)) for values in fields.values()]
+        [np.isfinite(values).all(axis=(0, 2, 3)) for values in fields.values.values()]
     )
     first = int(np.argmax(whole))
     if level.size - first < _FEWEST_LEVELS:
         first = 0
-    kept = {name: values[:, first:] for name, values in fields.items()}
+    kept = {name: values[:, first:] for name, values in fields.values.items()}
     for name, values in kept.items():
-        _require_finite(values, name)
-    return level[first:], kept
+        require_finite(values, name)
+    axes = [*fields.axes]
+    axes[1] = level[first:]
+    return fields._replace(axes=axes, values=kept)
 
 
-def _put_on_altitudes(
-    axes: list[np.ndarray], found: dict[str, np.ndarray], *, is_omega: bool
-) -> tuple[list[np.ndarray], bool, str]:
-    """Replace pressure levels by altitudes where the file tells them; changes ``found``."""
-    temperature, latitude = found.pop("temperature", None), axes[2][:, None]
-    pressure = np.exp(-axes[1])[:, None, None]
-    given = [found.pop(name, None) for name in ("geopotential", "height")]
-    if given[0] is not None:
-        geopotential, told = given[0], "the geopotential of the data"
-    elif given[1] is not None:
-        geopotential, told = constants.STANDARD_GRAVITY * given[1], "the heights of the data"
-    elif temperature is not None:
-        geopotential = hydrostatic_geopotential(axes[1], temperature)
+def heights_of(fields: Fields) -> tuple[np.ndarray | None, str]:
+    """Altitudes of pressure levels [m], shape (t, z, y, x), where a file tells them, and how."""
+    if not fields.by_pressure:
+        return None, ""
+    known = fields.values
+    if "geopotential" in known:
+        geopotential, told = known["geopotential"], "the geopotential of the data"
+    elif "height" in known:
+        geopotential = constants.STANDARD_GRAVITY * known["height"]
+        told = "the heights of the data"
+    elif "temperature" in known:
+        geopotential = hydrostatic_geopotential(fields.axes[1], known["temperature"])
         told = "the temperature of the data, from the lowest level in the standard atmosphere on"
     else:
-        return axes, True, "the atmosphere"
-    if is_omega and temperature is not None:  # of air in hydrostatic balance
-        weight = pressure / (GAS_CONSTANT * temperature) * constants.STANDARD_GRAVITY
-        found["w"] = -found["w"] / weight
-    altitude = altitude_of(geopotential, latitude)
+        return None, "the atmosphere"
+    altitude = altitude_of(geopotential, fields.axes[2][:, None])
     if np.any(np.diff(altitude, axis=1) <= 0.0):
         raise ConfigurationError("winds: the heights of the data do not grow from level to level")
-    level, fields = on_altitudes(altitude, list(found.values()))
-    found.update(zip(found, fields, strict=True))
-    return [axes[0], level, *axes[2:]], False, told
+    return altitude, told
+
+
+def winds_on(new: np.ndarray, fields: Fields, altitude: np.ndarray) -> dict[str, np.ndarray]:
+    """The winds on new levels [m]; ``altitude``: of the levels that they are on."""
+    winds = {name: fields.values[name] for name in _VARIABLES if name in fields.values}
+    if fields.is_omega:  # of air in hydrostatic balance
+        pressure = np.exp(-fields.axes[1])[:, None, None]
+        density = pressure / (GAS_CONSTANT * fields.values["temperature"])
+        winds["w"] = -winds["w"] / (density * constants.STANDARD_GRAVITY)
+    return dict(zip(winds, on_altitudes(altitude, [*winds.values()], new), strict=True))
 
 
 def _around(grid: WindGrid) -> WindGrid:

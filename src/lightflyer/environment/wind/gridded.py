@@ -1,20 +1,24 @@
 """Wind from data on a grid: a reanalysis, a forecast, a climatology."""
 
+from collections.abc import Callable
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.checks import is_traced
+from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.environment.wind.dataset import EPOCH, WindGrid, read_grid
-from lightflyer.environment.wind.layouts import open_weather
+from lightflyer.environment.wind.store import Store, open_wind
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
 
@@ -78,40 +82,40 @@ class GriddedWind(AbstractWind):
     wind: data, constant in time, 40 km to 80 km, nothing upwards
     """
 
-    table: Any
-    axes: tuple[Axis, Axis, Axis, Axis]
+    table: Any  # None where the data are in their files
+    axes: tuple[Axis, Axis, Axis, Axis] | None
+    bounds: Any  # shape (4, 2); between which the table is the data's; None for everywhere
     atmosphere: AbstractAtmosphere | None
     reaches: tuple[tuple[float, float], ...] = eqx.field(static=True)
+    around: bool = eqx.field(static=True)
     rises: bool = eqx.field(static=True)
     told: str = eqx.field(static=True)
+    store: Store | None = eqx.field(static=True)
 
     def __init__(self, dataset: Any, atmosphere: AbstractAtmosphere | None = None):
-        grid = dataset if isinstance(dataset, WindGrid) else read_grid(dataset)
+        known = isinstance(dataset, WindGrid | Store)
+        grid = dataset if known else read_grid(dataset)
         if grid.by_pressure and atmosphere is None:
             raise ConfigurationError(
                 "winds: on pressure levels need an atmosphere, which knows their altitudes"
             )
         self.atmosphere = atmosphere if grid.by_pressure else None
-        self.rises = bool(np.any(grid.up))
-        self.told = grid.told
-        table = _as_vectors(grid)
-        low, high = grid.latitude[0], grid.latitude[-1]
-        nodes = grid.latitude
-        if grid.around:
-            near_pole = 0.5 * np.pi - 1.01 * float(np.diff(nodes).max(initial=0.0))
-            if low < -near_pole:
-                (table, nodes), low = _extend_over_pole(table, nodes), -0.5 * np.pi
-            if high > near_pole:
-                turned, mirrored = _extend_over_pole(table[:, :, ::-1], -nodes[::-1])
-                table, nodes, high = turned[:, :, ::-1], -mirrored[::-1], 0.5 * np.pi
-        self.table = table
-        around = _TURN if grid.around else None
-        self.axes = (Axis(grid.time), Axis(grid.level), Axis(nodes), Axis(grid.longitude, around))
-        time, level, longitude = (
-            (float(values[0]), float(values[-1]))
-            for values in (grid.time, grid.level, grid.longitude)
-        )
-        self.reaches = (time, level, (float(low), float(high)), longitude)
+        self.around, self.told, self.bounds = grid.around, grid.told, None
+        if isinstance(grid, Store):
+            self.store, self.table, self.axes, self.rises = grid, None, None, grid.rises
+            time, level, latitude, longitude = grid.axes
+        else:
+            self.store, self.rises = None, bool(np.any(grid.up))
+            self.table, self.axes = _tabulate(grid)
+            time, level, latitude, longitude = (
+                grid.time, grid.level, grid.latitude, grid.longitude
+            )  # fmt: skip
+        south, north = _near_poles(latitude) if self.around else (False, False)
+        low = -0.5 * np.pi if south else float(latitude[0])
+        high = 0.5 * np.pi if north else float(latitude[-1])
+        ends = ((float(values[0]), float(values[-1])) for values in (time, level, longitude))
+        first, second, last = ends
+        self.reaches = (first, second, (low, high), last)
 
     @classmethod
     def from_file(
@@ -119,18 +123,45 @@ class GriddedWind(AbstractWind):
     ) -> "GriddedWind":
         """Wind from a NetCDF or GRIB file, or from all that match a pattern such as ``era5-*.nc``.
 
-        ``atmosphere``: as of the class.
+        ``atmosphere``: as of the class. Of more than 4 million points of a variable only the part
+        is in memory in which a place lies, and the next one is read where it is wanted.
         """
-        dataset = open_weather(path)
         try:
-            return cls(dataset, atmosphere)
+            return cls(open_wind(path), atmosphere)
         except ConfigurationError as error:
-            raise ConfigurationError(f"{path}: {error}") from None
+            told = str(error)
+            raise ConfigurationError(
+                told if told.startswith(str(path)) else f"{path}: {told}"
+            ) from None
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
+        if self.table is None:
+            return by_parts(GriddedWind.velocity, self, altitude, place)
+        assert self.axes is not None
         level, longitude = self._level(altitude, place), self._longitude(place)
-        wind = _interpolate(self.table, self.axes, level, place, longitude)
+        wind = _interpolate(self.table, self.axes, self.bounds, level, place, longitude)
         return self._require_margins(altitude, place, wind)
+
+    def part(self, altitude: Altitude, place: Place) -> "GriddedWind":
+        """The wind around a place, in memory; everywhere where all is."""
+        if self.store is None:
+            return self
+        level = self._level(altitude, place)
+        part = self.store.part_at((place.time, level, place.latitude, place.longitude))
+        found = (*self.store.kept(part, _tabulate), self.store.bounds_of(part))
+        return eqx.tree_at(
+            lambda wind: (wind.table, wind.axes, wind.bounds),
+            self,
+            found,
+            is_leaf=lambda leaf: leaf is None,
+        )
+
+    def holds(self, altitude: Altitude, place: Place) -> Any:
+        """Whether this part of the data is that of a place."""
+        if self.bounds is None:
+            return self.table is not None
+        level, longitude = self._level(altitude, place), self._longitude(place)
+        return _is_within(self.bounds, (place.time, level, place.latitude, longitude))
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         time, level, latitude, longitude = self.reaches
@@ -145,8 +176,8 @@ class GriddedWind(AbstractWind):
         if np.ptp(latitude) < np.pi:
             found |= _margins("latitude", place.latitude, latitude, _ONE_DEGREE, south, north)
         west, east = (f"{end / RADIANS_PER_DEGREE:.4g}°" for end in longitude)
-        if self.axes[3].period is None:
-            near = self._longitude(place)
+        if not self.around:
+            near = _next_to(0.5 * sum(longitude), place.longitude)
             found |= _margins("longitude", near, longitude, _ONE_DEGREE, west, east)
         return found
 
@@ -157,8 +188,9 @@ class GriddedWind(AbstractWind):
 
     def _longitude(self, place: Place) -> Any:
         """The turn of a longitude that is next to the data."""
-        middle = 0.5 * sum(self.reaches[3])
-        return middle + (place.longitude - middle + np.pi) % _TURN - np.pi
+        assert self.axes is not None
+        nodes = self.axes[3].nodes
+        return _next_to(0.5 * (nodes[0] + nodes[-1]), place.longitude)
 
     def _level_names(self) -> tuple[str, str]:
         low, high = self.reaches[1]
@@ -192,6 +224,89 @@ def _margins(
 def _date(seconds: float) -> str:
     date = EPOCH + np.timedelta64(round(seconds), "s")
     return f"{np.datetime_as_string(date, unit='m')} UTC"
+
+
+def _next_to(middle: Numeric, longitude: Numeric) -> Any:
+    """The turn of a longitude that is next to another."""
+    return middle + (longitude - middle + np.pi) % _TURN - np.pi
+
+
+def _is_within(bounds: Any, position: tuple[Any, ...]) -> Any:
+    found = True
+    for (low, high), x in zip(bounds, position, strict=True):
+        found = found & (x >= low) & (x <= high)
+    return found
+
+
+def parts_at(tree: Any, altitude: Altitude, place: Place) -> Any:
+    """A tree, such as an environment, whose winds from files are the parts around a place."""
+    return jax.tree.map(
+        lambda leaf: leaf.part(altitude, place) if isinstance(leaf, GriddedWind) else leaf,
+        tree,
+        is_leaf=_is_data,
+    )
+
+
+def winds_in_files(tree: Any) -> list[GriddedWind]:
+    """The winds of a tree whose data are in files, or a part of them in memory."""
+    leaves = jax.tree.leaves(tree, is_leaf=_is_data)
+    return [leaf for leaf in leaves if _is_data(leaf) and leaf.store is not None]
+
+
+def hold(tree: Any, altitude: Altitude, place: Place) -> Any:
+    """Whether the parts of all winds from files are those of a place."""
+    holding = [wind.holds(altitude, place) for wind in winds_in_files(tree)]
+    return reduce(np.logical_and, holding, True)
+
+
+def _is_data(leaf: Any) -> bool:
+    return isinstance(leaf, GriddedWind)
+
+
+def by_parts(
+    velocity: Callable[[Any, Any, Place], Wind], wind: Any, altitude: Altitude, place: Place
+) -> Wind:
+    """Velocity of a wind some of which is in files, part by part of these; NaN where it ends."""
+    if all(one.table is not None for one in winds_in_files(wind)):
+        return velocity(wind, altitude, place)
+    if is_traced(altitude, place):
+        raise ParameterError(
+            "winds of large files are read where a mission goes, not under JAX's transformations; "
+            "select what is needed: GriddedWind(xarray.open_dataset(file).sel(...))"
+        )
+    height, *where = np.broadcast_arrays(altitude, *place)
+    flat = [np.ravel(part) for part in (height, *where)]
+    inside = reduce(np.minimum, wind.margins(flat[0], Place(*flat[1:])).values(), np.inf) >= 0.0
+    left = np.broadcast_to(inside, flat[0].shape).copy()
+    found = np.full((3, left.size), np.nan)
+    while left.any():
+        first = int(np.argmax(left))
+        part = parts_at(wind, flat[0][first], Place(*(row[first] for row in flat[1:])))
+        here = left & hold(part, flat[0], Place(*flat[1:]))
+        rows = [row[here] for row in flat]
+        found[:, here] = velocity(part, rows[0], Place(*rows[1:]))
+        left &= ~here
+    return Wind(*(row.reshape(height.shape)[()] for row in found))
+
+
+def _tabulate(grid: WindGrid) -> tuple[np.ndarray, tuple[Axis, Axis, Axis, Axis]]:
+    """Table of vectors and its axes, which go on over the poles where all meridians meet there."""
+    table, nodes = _as_vectors(grid), grid.latitude
+    if grid.around:
+        south, north = _near_poles(nodes)
+        if south:
+            table, nodes = _extend_over_pole(table, nodes)
+        if north:
+            turned, mirrored = _extend_over_pole(table[:, :, ::-1], -nodes[::-1])
+            table, nodes = turned[:, :, ::-1], -mirrored[::-1]
+    around = _TURN if grid.around else None
+    return table, (Axis(grid.time), Axis(grid.level), Axis(nodes), Axis(grid.longitude, around))
+
+
+def _near_poles(latitude: np.ndarray) -> tuple[bool, bool]:
+    """Whether parallels reach the south and the north pole to within their spacing."""
+    near = 0.5 * np.pi - 1.01 * float(np.diff(latitude).max(initial=0.0))
+    return bool(latitude[0] < -near), bool(latitude[-1] > near)
 
 
 def _as_vectors(grid: WindGrid) -> np.ndarray:
@@ -235,12 +350,15 @@ def _minus_log_pressure(atmosphere: AbstractAtmosphere, altitude: Altitude, plac
 def _interpolate(
     table: Any,
     axes: tuple[Axis, ...],
+    bounds: Any,
     level: Numeric,
     place: Place,
     longitude: Numeric,
 ) -> Wind:
     position = (place.time, level, place.latitude, longitude)
     found = interpolate(table, axes, position)
+    if bounds is not None:  # beyond a part of the data there are others
+        found = jnp.where(_is_within(bounds, position)[..., None], found, jnp.nan)
     east, north = _directions(place.latitude, place.longitude)
     horizontal = found[..., :3]
     return Wind(

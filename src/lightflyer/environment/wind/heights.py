@@ -43,22 +43,25 @@ def hydrostatic_geopotential(log_level: np.ndarray, temperature: np.ndarray) -> 
     return base + np.concatenate([0.0 * above[:, :1], above], axis=1)
 
 
-def on_altitudes(
-    altitude: np.ndarray, fields: list[np.ndarray]
-) -> tuple[np.ndarray, list[np.ndarray]]:
-    """New levels [m], the same everywhere, and fields on them; each array (t, z, y, x).
+def new_levels(mean: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Levels [m] that are the same everywhere, from ``low`` to ``high``; ``mean``: of the file's.
 
-    They lie between the highest of the lowest level and the lowest of the highest one.
+    They are to lie between the highest place of the lowest level and the lowest of the highest.
     """
-    mean = altitude.mean(axis=(0, 2, 3))
-    low, high = altitude[:, 0].max(), altitude[:, -1].min()
     places = np.arange(_BETWEEN * (mean.size - 1) + 1) / _BETWEEN
     finer = np.interp(places, np.arange(mean.size), mean)
-    new = np.array([low, *finer[(finer > low + 1.0) & (finer < high - 1.0)], high])
+    return np.array([low, *finer[(finer > low + 1.0) & (finer < high - 1.0)], high])
+
+
+def on_altitudes(
+    altitude: np.ndarray, fields: list[np.ndarray], new: np.ndarray
+) -> list[np.ndarray]:
+    """Fields on new levels [m], shape (z,); each array but these (t, z, y, x)."""
     slopes = [_slopes(altitude, field) for field in fields]
     found = [np.empty((field.shape[0], new.size, *field.shape[2:])) for field in fields]
     for number, level in enumerate(new):
-        below = np.clip((altitude <= level).sum(axis=1, keepdims=True) - 1, 0, mean.size - 2)
+        below = (altitude <= level).sum(axis=1, keepdims=True) - 1
+        below = np.clip(below, 0, altitude.shape[1] - 2)
 
         def end(values: np.ndarray, step: int, below: np.ndarray = below) -> np.ndarray:
             return np.take_along_axis(values, below + step, axis=1)[:, 0]
@@ -72,7 +75,7 @@ def on_altitudes(
                 + end(field, 1) * x**2 * (1.0 + 2.0 * rest)
                 + width * x * rest * (end(slope, 0) * rest - end(slope, 1) * x)
             )
-    return new, found
+    return found
 
 
 def _slopes(altitude: np.ndarray, field: np.ndarray) -> np.ndarray:

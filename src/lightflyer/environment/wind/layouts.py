@@ -35,15 +35,23 @@ _VERSION = "expver"  # of ERA5, whose latest months are of another version
 _EVEN = 1e-3  # degrees, by which meridians and parallels of a grid may bend
 
 
-def open_weather(path: str | Path) -> Any:
-    """Open a NetCDF or GRIB file, or all whose names match a pattern, in one layout."""
+def open_parts(path: str | Path) -> list[Any]:
+    """Open a NetCDF or GRIB file, or all whose names match a pattern: no field is read yet."""
+    return [_open(part) for part in weather_files(path)]
+
+
+def load_parts(path: str | Path, parts: list[Any]) -> Any:
+    """One dataset in memory of files that are open, or of parts of them."""
     import xarray
 
-    parts = [_open(part) for part in weather_files(path)]
-    if len(parts) == 1:
-        return parts[0]
     try:
-        return xarray.combine_by_coords(parts, combine_attrs="override", join="exact")
+        loaded = [merge_versions(part.load()) for part in parts]
+    except OSError as error:
+        raise ConfigurationError(f"{path}: cannot be read: {error}") from None
+    if len(loaded) == 1:
+        return loaded[0]
+    try:
+        return xarray.combine_by_coords(loaded, combine_attrs="override", join="exact")
     except ValueError as error:
         reason = str(error).partition("\n")[0]
         raise ConfigurationError(f"{path}: these files are no one grid: {reason}") from None
@@ -68,11 +76,13 @@ def _open(path: str) -> Any:
         extra("cfgrib", f"{path}: GRIB", "grib")
         engine = "cfgrib"
     try:
-        with xarray.open_dataset(path, engine=engine) as dataset:
-            found = in_one_layout(dataset)
-            # only what is read is taken from the disk
-            wanted = [name for name in _VARIABLES if name in found.data_vars]
-            return (found[wanted] if wanted else found).load()
+        dataset = xarray.open_dataset(path, engine=engine)
+        found = _with_our_names(dataset)
+        # only what is read is taken from the disk
+        wanted = [name for name in _VARIABLES if name in found.data_vars]
+        found = found[wanted] if wanted else found
+        found.set_close(dataset.close)
+        return found
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "xarray knows no way to open it"
         kind = "GRIB" if engine else "NetCDF"
@@ -83,7 +93,12 @@ def in_one_layout(dataset: Any) -> Any:
     """A dataset with our names, and without dimensions that say nothing."""
     if not hasattr(dataset, "data_vars"):
         return dataset
-    found = _merged_versions(_of_wrf(dataset))
+    return merge_versions(_with_our_names(dataset))
+
+
+def _with_our_names(dataset: Any) -> Any:
+    """The same, but for the versions of ERA5; reads no field."""
+    found = _of_wrf(dataset)
     found = found.rename(_known(found.data_vars, _VARIABLES, found))
     known = _known([*found.coords, *found.dims], _COORDINATES)
     known |= {
@@ -137,7 +152,7 @@ def _of_wrf(dataset: Any) -> Any:
     return found
 
 
-def _merged_versions(dataset: Any) -> Any:
+def merge_versions(dataset: Any) -> Any:
     """One version of ERA5 where two share the times."""
     if _VERSION not in dataset.dims:
         return dataset
@@ -147,6 +162,11 @@ def _merged_versions(dataset: Any) -> Any:
     for other in others:
         first = first.fillna(other)
     return first
+
+
+def one_version(dataset: Any) -> Any:
+    """The first version of ERA5, whose layout is that of all."""
+    return dataset.isel({_VERSION: 0}, missing_dims="ignore")
 
 
 def _at_valid_times(dataset: Any) -> Any:

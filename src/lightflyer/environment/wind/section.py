@@ -3,7 +3,6 @@
 import abc
 from collections.abc import Mapping
 from functools import cache, reduce
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import pydantic
@@ -17,11 +16,11 @@ from lightflyer.environment.atmosphere.global_nrlmsis import GlobalNRLMSIS
 from lightflyer.environment.atmosphere.nrlmsis import Indices
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.environment.wind.beyond import WindBeyondData
-from lightflyer.environment.wind.dataset import WindGrid, read_grid
+from lightflyer.environment.wind.dataset import WindGrid
 from lightflyer.environment.wind.gradient import GradientWind
 from lightflyer.environment.wind.gridded import GriddedWind
 from lightflyer.environment.wind.hwm14 import HWM14
-from lightflyer.environment.wind.layouts import open_weather, weather_files
+from lightflyer.environment.wind.store import Store, changes_of, open_wind
 from lightflyer.environment.wind.uniform import SumOfWinds, UniformWind
 from lightflyer.files.section import Alternative
 from lightflyer.files.toml_file import file_beside
@@ -163,17 +162,17 @@ class Hwm14WindSection(WindSection):
         return HWM14(self.file)
 
 
-def _grid(path: str) -> WindGrid:
+def _grid(path: str) -> WindGrid | Store:
     try:
-        changed = tuple(Path(part).stat().st_mtime_ns for part in weather_files(path))
+        changed = changes_of(path)
     except OSError as error:
         raise ConfigurationError(f"cannot be read: {error.strerror}") from None
     return _grid_of(path, changed)
 
 
 @cache
-def _grid_of(path: str, changed: tuple[int, ...]) -> WindGrid:  # noqa: ARG001
-    return read_grid(open_weather(path))
+def _grid_of(path: str, changed: tuple[int, ...]) -> WindGrid | Store:  # noqa: ARG001
+    return open_wind(path)
 
 
 def _any(sections: list[Any]) -> Any:

@@ -1,0 +1,311 @@
+"""Weather files that stay on the disk, of which parts are read where they are wanted.
+
+A part has at its nodes what all files in memory would have there: the altitudes of all levels are
+found once, when the files are opened.
+"""
+
+import math
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lightflyer.core.progress import report
+from lightflyer.environment.wind.dataset import (
+    Fields,
+    WindGrid,
+    dimensions_of,
+    grid_of,
+    heights_of,
+    read_fields,
+    read_grid,
+    readers_of,
+    require_finite,
+    winds_on,
+)
+from lightflyer.environment.wind.heights import new_levels
+from lightflyer.environment.wind.layouts import (
+    load_parts,
+    one_version,
+    open_parts,
+    weather_files,
+)
+
+KEPT = 4_000_000
+"""Most points of a variable that are in memory at once: of small files, or of a part of others."""
+
+_PARTS = 3  # that are kept in memory
+_SIZE = 8, 40  # times and levels of a part
+_SIZE_AT_POLE = 6, 24  # of one that holds all meridians
+_FEWEST = 6  # nodes of a part along an axis; the cubics at its ends lack a neighbour
+_WIDER = 1.5  # meridians of a part over its parallels
+_NEAR = 2 / 3  # of a part's parallels: closer to a pole it holds all meridians
+_FEWEST_LEVELS = 2  # of a file
+_OFF = 8e3  # by which a pressure may lie elsewhere than on average, to begin with [m]
+_TURN = 2.0 * np.pi
+
+_Ranges = tuple[range, range, range, range]  # of nodes along time, level, latitude, longitude
+
+
+class Part(NamedTuple):
+    """Some nodes of all files along time, level, latitude and longitude."""
+
+    first: tuple[int, ...]
+    count: tuple[int, ...]
+
+    @property
+    def ranges(self) -> _Ranges:
+        found = (range(i, i + n) for i, n in zip(self.first, self.count, strict=True))
+        return tuple(found)  # type: ignore[return-value]
+
+
+def open_wind(path: str | Path) -> "WindGrid | Store":
+    """Winds of files: in memory where there is room for them."""
+    files = open_parts(path)
+    sizes = (max((field.size for field in file.data_vars.values()), default=0) for file in files)
+    if sum(sizes) <= KEPT or not all("longitude" in file.dims for file in files):
+        dataset = load_parts(path, files)
+        for file in files:
+            file.close()
+        return read_grid(dataset)
+    return Store(path, files)
+
+
+def changes_of(path: str | Path) -> tuple[int, ...]:
+    """When files were written, which tells them from what they were before."""
+    return tuple(Path(file).stat().st_mtime_ns for file in weather_files(path))
+
+
+class Store:
+    """Winds of files that stay on the disk; equal to any other of the same files."""
+
+    def __init__(self, path: str | Path, files: list[Any]):
+        self.path, self._files = str(path), files
+        self._key = self.path, changes_of(path)
+        self._kept: OrderedDict[Part, Any] = OrderedDict()
+        names = dimensions_of(one_version(files[0]), str(next(iter(files[0].data_vars))))
+        by_pressure = "pressure" in names
+        kinds = ("time", "pressure" if by_pressure else "altitude", "latitude", "longitude")
+        self._order = [names.get(kind) for kind in kinds]
+        self._own = [  # coordinates of each file
+            [np.zeros(1) if name is None else reader(file[name], name) for file in files]
+            for name, reader in zip(self._order, readers_of(by_pressure=by_pressure), strict=True)
+        ]
+        source = [np.unique(np.concatenate(own)) for own in self._own]
+        if source[3][-1] - source[3][0] > _TURN - 1e-6:  # 0° and 360° are both there
+            source[3] = source[3][:-1]
+        self.axes = self._source = source
+        width = source[3][-1] - source[3][0] + 1.01 * np.diff(source[3]).max()
+        self.around = bool(width >= _TURN)
+        there = {str(name) for file in files for name in file.data_vars}
+        self.rises = "w" in there
+        self._air = (["geopotential"] if "geopotential" in there else []) or [
+            name for name in ("height", "temperature") if name in there
+        ][:1]
+        self._first_level = self._lowest_whole()
+        times, levels, rows, columns = self._all
+        highest = self._fields((times[:1], levels[-_FEWEST_LEVELS:], rows[:2], columns))
+        altitude, self.told = heights_of(highest)
+        self._is_placed = altitude is not None
+        self.by_pressure = by_pressure and not self._is_placed
+        self._mean = source[1][self._first_level :]
+        level = self._common_levels() if self._is_placed else self._mean
+        self.axes = [source[0], level, *source[2:]]
+        self._count, self._count_at_pole = self._sizes()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Store) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __reduce__(self) -> Any:
+        return open_wind, (self.path,)
+
+    @property
+    def _all(self) -> _Ranges:
+        """All nodes of the files."""
+        return tuple(range(axis.size) for axis in self._source)  # type: ignore[return-value]
+
+    # --- which part ---
+
+    def _sizes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Nodes of a part along each axis, and of one at a pole."""
+        sizes = [axis.size for axis in self.axes]
+        times, levels = (min(pair) for pair in zip(sizes, _SIZE, strict=False))
+        area = KEPT / (times * levels)
+        rows = int(np.clip(math.sqrt(area / _WIDER), min(_FEWEST, sizes[2]), sizes[2]))
+        columns = int(np.clip(area / rows, min(_FEWEST, sizes[3]), sizes[3]))
+        times = int(np.clip(KEPT / (levels * rows * columns), times, sizes[0]))
+        few = [min(pair) for pair in zip(sizes, _SIZE_AT_POLE, strict=False)]
+        area = KEPT / (math.prod(few) * sizes[3])
+        polar = int(np.clip(area, min(_FEWEST, sizes[2]), sizes[2]))
+        return (times, levels, rows, columns), (*few, polar, sizes[3])
+
+    def part_at(self, position: tuple[float, ...]) -> Part:
+        """The part around a time, level, latitude and longitude; it goes on from that time."""
+        sizes, west = [axis.size for axis in self.axes], self.axes[3][0]
+        if self.around:
+            position = (*position[:3], west + (position[3] - west) % _TURN)
+        at = [
+            int(np.clip(np.searchsorted(axis, x, side="right") - 1, 0, axis.size - 1))
+            for axis, x in zip(self.axes, position, strict=True)
+        ]
+        count = self._count
+        goes_on = self.around and count[3] < sizes[3]
+        if goes_on and min(at[2], sizes[2] - 1 - at[2]) < _NEAR * self._count_at_pole[2]:
+            count, goes_on = self._count_at_pole, False
+        middle = [at[0] - 1, *(i - n // 2 + 1 for i, n in zip(at[1:], count[1:], strict=True))]
+        first = [max(0, min(i, size - n)) for i, n, size in zip(middle, count, sizes, strict=True)]
+        if goes_on:
+            first[3] = middle[3] % sizes[3]
+        return Part(tuple(first), count)
+
+    def bounds_of(self, part: Part) -> np.ndarray:
+        """Between which coordinates a part is what all files are, shape (4, 2)."""
+        bounds = np.tile([-np.inf, np.inf], (4, 1))
+        goes_on = self.around and part.count[3] < self.axes[3].size
+        for number, one in enumerate(part.ranges):
+            nodes, size = self._along(number, one), self.axes[number].size
+            open_ended = goes_on and number > 1  # at a meridian, and at a pole
+            if one[0] > 0 or open_ended:
+                bounds[number, 0] = nodes[1]
+            if one[-1] + 1 < size or open_ended:
+                bounds[number, 1] = nodes[-2]
+        return bounds
+
+    def _along(self, number: int, nodes: range) -> np.ndarray:
+        """Coordinates of nodes along an axis; longitudes go on beyond the last."""
+        axis, index = self.axes[number], np.asarray(nodes)
+        return axis[index % axis.size] + _TURN * (index // axis.size)
+
+    # --- reading ---
+
+    def kept(self, part: Part, make: Callable[[WindGrid], Any]) -> Any:
+        """What is made of the winds of a part; the last few are kept."""
+        if part not in self._kept:
+            report("reading the wind")
+            while len(self._kept) >= _PARTS:
+                self._kept.popitem(last=False)
+            self._kept[part] = make(self._grid(part))
+        self._kept.move_to_end(part)
+        return self._kept[part]
+
+    def _grid(self, part: Part) -> WindGrid:
+        times, nodes, rows, columns = part.ranges
+        new, off = self._along(1, nodes), _OFF
+        grids: list[WindGrid] = []
+        while len(grids) < len(times):  # one by one: only the result is all in memory
+            levels = self._levels_around(nodes, off)
+            time = times[len(grids)]
+            fields = self._fields((range(time, time + 1), levels, rows, columns))
+            altitude, told = heights_of(fields)
+            if altitude is None:
+                grids.append(grid_of(fields, told))
+            elif self._is_between(altitude, levels, new):
+                grids.append(grid_of(fields, told, new, winds_on(new, fields, altitude)))
+            else:
+                off *= 2.0
+        names = ("time", "east", "north", "up")
+        joined = (np.concatenate([getattr(grid, name) for grid in grids]) for name in names)
+        return grids[0]._replace(**dict(zip(names, joined, strict=True)))
+
+    def _levels_around(self, nodes: range, off: float) -> range:
+        """The files' levels around some of ours, if none is farther off than that [m]."""
+        first, count = self._first_level, self._source[1].size
+        if not self._is_placed:
+            return range(first + nodes[0], first + nodes[-1] + 1)
+        ends = self.axes[1][nodes[0]] - off, self.axes[1][nodes[-1]] + off
+        low, high = np.searchsorted(self._mean, ends) + first
+        # a cubic looks at one level more on each side
+        lowest = first if self._by_temperature else max(first, int(low) - 2)
+        return range(lowest, min(count, int(high) + 2))
+
+    def _is_between(self, altitude: np.ndarray, levels: range, new: np.ndarray) -> bool:
+        """Whether every column has two levels below our lowest one, and two above the highest."""
+        below = levels[0] == self._first_level or bool(np.all(altitude[:, 1] <= new[0]))
+        above = levels[-1] + 1 == self._source[1].size or bool(np.all(altitude[:, -2] > new[-1]))
+        return below and above
+
+    def _fields(self, ranges: _Ranges, *, air_only: bool = False) -> Fields:
+        fields = read_fields(self._select(ranges, air_only=air_only), air_only=air_only)
+        for name, values in fields.values.items():
+            require_finite(values, name)
+        return fields
+
+    def _select(self, ranges: _Ranges, *, air_only: bool = False) -> Any:
+        """Dataset in memory of some nodes; longitudes go on beyond the last."""
+        import xarray
+
+        *others, columns = ranges
+        name, size, found = str(self._order[3]), self._source[3].size, []
+        for turn in range(columns[-1] // size + 1):
+            first, last = max(columns[0] - turn * size, 0), min(columns[-1] + 1 - turn * size, size)
+            if first < last:
+                one = self._load((*others, range(first, last)), air_only=air_only)  # type: ignore[arg-type]
+                turned = (name, one[name].values + 360.0 * turn, one[name].attrs)
+                found.append(one.assign_coords({name: turned}))
+        return found[0] if len(found) == 1 else xarray.concat(found, name)
+
+    def _load(self, ranges: _Ranges, *, air_only: bool) -> Any:
+        taken = [file[self._air] if air_only else file for file in self._files]
+        for axis, name in enumerate(self._order):
+            if name is not None:
+                wanted = self._source[axis][ranges[axis][0]], self._source[axis][ranges[axis][-1]]
+                taken = [
+                    file.isel({name: _between(own, *wanted)})
+                    for file, own in zip(taken, self._own[axis], strict=True)
+                ]
+        return load_parts(self.path, [file for file in taken if all(file.sizes.values())])
+
+    # --- levels ---
+
+    def _lowest_whole(self) -> int:
+        """The lowest level that no mountain reaches."""
+        times, levels, rows, columns = self._all
+        for level in levels[:-_FEWEST_LEVELS]:
+            found = self._select((times[:1], range(level, level + 1), rows, columns))
+            if all(np.isfinite(field.values).all() for field in found.data_vars.values()):
+                return level
+        return 0
+
+    def _common_levels(self) -> np.ndarray:
+        """Our levels [m], between which all columns have data at all times."""
+        # those of :func:`read_grid` for all files at once
+        times, levels = self._all[0], self._all[1][self._first_level :]
+        blocks = [*self._heights(times[:1], levels)]
+        means = [block[0].mean(axis=(1, 2)) for block in blocks]
+        self._mean = np.average(means, axis=0, weights=[block.shape[2] for block in blocks])
+        ends = levels if self._by_temperature else levels[:: len(levels) - 1]
+        low, high = -np.inf, np.inf
+        for block in self._heights(times, ends):
+            low, high = max(low, block[:, 0].max()), min(high, block[:, -1].min())
+        return new_levels(self._mean, float(low), float(high))
+
+    @property
+    def _by_temperature(self) -> bool:
+        """Whether an altitude follows from the temperature of all levels below."""
+        return self._air == ["temperature"]
+
+    def _heights(self, times: range, levels: range) -> Iterator[np.ndarray]:
+        """Altitudes of levels [m], shape (t, z, y, x): some parallels after the others."""
+        _, _, rows, columns = self._all
+        many = max(1, KEPT // (len(levels) * len(columns)))
+        several = min(len(times), max(1, many // len(rows)))
+        for time in range(0, len(times), several):
+            report("reading the heights of the wind's data", time, len(times), "times")
+            for row in range(0, len(rows), many):
+                ranges = times[time : time + several], levels, rows[row : row + many], columns
+                altitude, _ = heights_of(self._fields(ranges, air_only=True))
+                assert altitude is not None
+                yield altitude
+
+
+def _between(own: np.ndarray, low: float, high: float) -> Any:
+    """Which of the coordinates of a file lie in a range: a slice where that is one."""
+    rows = np.flatnonzero((own >= low) & (own <= high))
+    if rows.size and rows[-1] - rows[0] + 1 == rows.size:
+        return slice(int(rows[0]), int(rows[-1]) + 1)
+    return rows

@@ -15,6 +15,7 @@ from lightflyer.core.quantity import Duration, Quantity, quantity_of, require_re
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Place
+from lightflyer.environment.wind.gridded import parts_at
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import Circle
@@ -30,6 +31,7 @@ from lightflyer.mission.path.integration import (
     Track,
     track,
 )
+from lightflyer.mission.path.met_wind import with_met_wind
 from lightflyer.mission.path.moments import VARIABLES, Course, Variable, moments, node_variables
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import latitude_and_longitude
@@ -44,7 +46,7 @@ from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of, describe_object
 from lightflyer.mission.report.dataset import Several, add_several, add_survival, dataset_of
 from lightflyer.mission.report.diagnostics import diagnose_flight, termination_text
-from lightflyer.mission.report.events import add_events, close_look, events_of
+from lightflyer.mission.report.events import add_events, close_look, close_times, events_of
 from lightflyer.mission.report.station import add_station, stay_of
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
@@ -146,17 +148,21 @@ def fly(
     elapsed = times_of(duration, every, several=several)
     plan = _Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), tolerance))
     flights = flights_of(mission.design, mission.rule, mission.start, ensemble, launches)
+    released = float(release.time)
+    near = parts_at(mission.craft, float(release.altitude), mission.start.place)
     if inertia is None:
-        require_steady_fall(mission.craft, mission.start)
+        require_steady_fall(near, mission.start)
         first, way = follow(mission.craft, mission.start, *plan.course)
     else:
-        first = _track_with_inertia(mission.craft, mission.start, plan.course, inertia)
+        first = _track_with_inertia(near, mission.start, plan.course, inertia)
         way = way_between(elapsed, first)
     tracks = fly_all(flights, *plan.course, first)
-    closely = close_look(mission.craft, way, float(release.time))
-    dataset = _fly(mission, plan, first)
-    add_events(dataset, events_of(mission.craft, way, *closely))
-    told = [*mission.design.warnings, *diagnose_flight(mission.craft, *closely)]
+    known = np.union1d(close_times(way), elapsed[np.isfinite(first.altitude)])
+    craft = with_met_wind(mission.craft, Course(known, *way(known), released))
+    closely = close_look(craft, way, released)
+    dataset = _fly(mission, craft, plan, first)
+    add_events(dataset, events_of(craft, way, *closely))
+    told = [*mission.design.warnings, *diagnose_flight(craft, *closely)]
     flown = len(tracks.end_altitude)
     whole = flown == flights.count  # unless a user ended it early
     if not whole:
@@ -305,9 +311,9 @@ def _track_with_inertia(
     return track_with_inertia(craft, start, *plan, inertia)
 
 
-def _fly(mission: _Mission, plan: _Plan, track: Track) -> "xr.Dataset":
+def _fly(mission: _Mission, craft: Craft, plan: _Plan, track: Track) -> "xr.Dataset":
     """The flight over time, with what the flyer is like at each moment."""
-    craft, released = mission.craft, float(mission.release.time)
+    released = float(mission.release.time)
     known = np.isfinite(track.altitude)
     course = Course(
         plan.elapsed,

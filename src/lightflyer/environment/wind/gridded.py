@@ -147,7 +147,8 @@ class GriddedWind(AbstractWind):
         if self.store is None:
             return self
         level = self._level(altitude, place)
-        part = self.store.part_at((place.time, level, place.latitude, place.longitude))
+        position = place.time, level, place.latitude, place.longitude
+        part = self.store.part_at(tuple(map(float, position)))
         found = (*self.store.kept(part, _tabulate), self.store.bounds_of(part))
         return eqx.tree_at(
             lambda wind: (wind.table, wind.axes, wind.bounds),

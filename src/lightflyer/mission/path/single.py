@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lightflyer.core.progress import asked_to_end, report
+from lightflyer.environment.base import Place
+from lightflyer.environment.wind.gridded import hold, parts_at
 from lightflyer.mission.path.failure import failures_of
 from lightflyer.mission.path.integration import (
     ALTITUDE_SCALE,
@@ -18,6 +20,7 @@ from lightflyer.mission.path.integration import (
     Limits,
     Start,
     Track,
+    altitude_and_place,
     loads_of_state,
     scale_state,
     steady_rate,
@@ -33,6 +36,7 @@ _SHORTEST = 1e-3  # seconds: how closely the end of data is found
 _LOOKS_APART = 300.0  # Longest time between looks at what may fail [s]
 
 _rate = entry_point(steady_rate)
+_there = entry_point(altitude_and_place)
 _loads = entry_point(loads_of_state)
 _scaled = entry_point(scale_state)
 
@@ -71,11 +75,11 @@ def follow(
 ) -> tuple[Track, Way]:
     """Flight of one flyer whose numbers are known; ``elapsed``: times to keep, shape (times,)."""
     state = np.asarray(_scaled(start))
-    rate = bind(_rate, craft, start, limits, example=(0.0, state))
+    rate = _Rate(craft, start, limits, state)
     last = until = float(elapsed[-1])
     solver = _solver(rate, float(elapsed[0]), state, last, accuracy)
     steps, times, pieces = 0, [float(elapsed[0])], []
-    watch = _watch(craft, start, limits, last)
+    watch = _watch(rate.craft, start, limits, last)
     end = watch(lambda _: state, times[0], times[0])
     while solver.t < last and steps < accuracy.steps and end is None:
         if solver.status != "running":  # before something that is not known: closer to it
@@ -121,6 +125,31 @@ def follow(
     return Track(**found), way
 
 
+class _Rate:
+    """Rate of a scaled state, whose winds from files are the parts around it."""
+
+    def __init__(self, craft: Craft, start: Start, limits: Limits, state: np.ndarray):
+        self._given = craft, start, limits
+        self._read(0.0, state)
+
+    def _read(self, elapsed: float, state: np.ndarray) -> None:
+        craft, *others = self._given
+        self.craft = parts_at(craft, *self._where(elapsed, state))
+        self._bound = bind(_rate, self.craft, *others, example=(elapsed, state))
+
+    def _where(self, elapsed: float, state: np.ndarray) -> tuple[Any, Place]:
+        _, start, limits = self._given
+        altitude, place = _there(start, state, elapsed)
+        return np.clip(altitude, limits.lowest, limits.highest), place
+
+    def __call__(self, elapsed: float, state: np.ndarray) -> np.ndarray:
+        found: np.ndarray = self._bound(np.float64(elapsed), state)
+        if np.isfinite(found).all() or hold(self.craft, *self._where(elapsed, state)):
+            return found
+        self._read(elapsed, state)
+        return self._bound(np.float64(elapsed), state)
+
+
 class _UnknownError(Exception):
     """A rate is not known at some time, such as beyond the data of a wind."""
 
@@ -136,7 +165,7 @@ def _solver(
     from scipy.integrate import LSODA
 
     def known_rate(time: float, flown: np.ndarray) -> np.ndarray:
-        found: np.ndarray = rate(np.float64(time), flown)
+        found: np.ndarray = rate(time, flown)
         if not np.isfinite(found).all():
             raise _UnknownError(time)
         return found

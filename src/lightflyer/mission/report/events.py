@@ -47,9 +47,14 @@ class Events(NamedTuple):
 
 def close_look(craft: Craft, way: Way, released: float) -> tuple[Course, dict[str, np.ndarray]]:
     """A flight at moments that do not depend on what is kept of it, and what it is like then."""
+    return _look(craft, way, released, close_times(way))
+
+
+def close_times(way: Way) -> np.ndarray:
+    """Times of a :func:`close_look` [s]."""
     end = way.times[-1]
     evenly = np.linspace(0.0, end, 1 + int(np.ceil(end / _APART)))
-    return _look(craft, way, released, np.unique([*way.times, *evenly]))
+    return np.unique([*way.times, *evenly])
 
 
 def _look(

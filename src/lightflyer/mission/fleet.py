@@ -198,16 +198,17 @@ def fly_all(
     elapsed: np.ndarray,
     accuracy: Accuracy,
     first: Track | None = None,
+    size: int | None = None,
 ) -> Track:
     """Trajectories of flights; ``elapsed``: times to keep, shape (times,)."""
     # Fewer than there are flights where a user asks for an early end. ``first``: that of the first
     # flight, where it is known. Few are followed one by one, more are compiled and integrated
-    # together.
+    # together, ``size`` of them at once.
     count, known = flights.count, [] if first is None else [first]
     if count - len(known) <= FEW:
         rows = range(len(known), count)
         known += [
-            follow(*_one(flights, row), limits, elapsed, accuracy)[0]
+            follow(*one_of(flights, row), limits, elapsed, accuracy)[0]
             for row in rows
             if not asked_to_end()
         ]
@@ -215,7 +216,7 @@ def fly_all(
     tracks: list[Track | None] = []
     if known:
         tracks.append(jax.tree.map(lambda *rows: np.stack(rows), *known))
-    size = min(BATCH, count - alone)
+    size = size or min(BATCH, count - alone)
     starts = range(alone, count, max(size, 1))
 
     def compute(start: int) -> Track | None:
@@ -235,7 +236,7 @@ def fly_all(
     return jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *flown)
 
 
-def _one(flights: Flights, row: int) -> tuple[Craft, Start]:
+def one_of(flights: Flights, row: int) -> tuple[Craft, Start]:
     """Who flies one of the flights, and from where."""
     parts = (flights.varied, flights.starts, flights.wind_errors, flights.drags)
     varied, start, *errors = jax.tree.map(lambda leaf: np.asarray(leaf)[row], parts)

@@ -19,7 +19,8 @@ from lightflyer.environment.wind.gridded import parts_at
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import Circle
-from lightflyer.mission.fleet import Ensemble, flights_of, fly_all
+from lightflyer.mission.by_parts import fly_many
+from lightflyer.mission.fleet import Ensemble, flights_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
 from lightflyer.mission.path.integration import (
@@ -156,7 +157,7 @@ def fly(
     else:
         first = _track_with_inertia(near, mission.start, plan.course, inertia)
         way = way_between(elapsed, first)
-    tracks = fly_all(flights, *plan.course, first)
+    tracks = fly_many(flights, *plan.course, first)
     known = np.union1d(close_times(way), elapsed[np.isfinite(first.altitude)])
     craft = with_met_wind(mission.craft, Course(known, *way(known), released))
     closely = close_look(craft, way, released)

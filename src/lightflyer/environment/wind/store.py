@@ -38,7 +38,7 @@ KEPT = 4_000_000
 
 _PARTS = 3  # that are kept in memory
 _SIZE = 8, 40  # times and levels of a part
-_SIZE_AT_POLE = 6, 24  # of one that holds all meridians
+_SIZE_AT_POLE = 8, 24  # of one that holds all meridians
 _FEWEST = 6  # nodes of a part along an axis; the cubics at its ends lack a neighbour
 _WIDER = 1.5  # meridians of a part over its parallels
 _NEAR = 2 / 3  # of a part's parallels: closer to a pole it holds all meridians
@@ -140,7 +140,7 @@ class Store:
         columns = int(np.clip(area / rows, min(_FEWEST, sizes[3]), sizes[3]))
         times = int(np.clip(KEPT / (levels * rows * columns), times, sizes[0]))
         few = [min(pair) for pair in zip(sizes, _SIZE_AT_POLE, strict=False)]
-        area = KEPT / (math.prod(few) * sizes[3])
+        area = 2 * KEPT / (math.prod(few) * sizes[3])
         polar = int(np.clip(area, min(_FEWEST, sizes[2]), sizes[2]))
         return (times, levels, rows, columns), (*few, polar, sizes[3])
 
@@ -180,6 +180,11 @@ class Store:
         """Coordinates of nodes along an axis; longitudes go on beyond the last."""
         axis, index = self.axes[number], np.asarray(nodes)
         return axis[index % axis.size] + _TURN * (index // axis.size)
+
+    @property
+    def height(self) -> float:
+        """Latitudes that a part has [rad]."""
+        return float(self._count[2] * np.diff(self.axes[2]).min())
 
     # --- reading ---
 

@@ -75,7 +75,7 @@ def follow(
 ) -> tuple[Track, Way]:
     """Flight of one flyer whose numbers are known; ``elapsed``: times to keep, shape (times,)."""
     state = np.asarray(_scaled(start))
-    rate = _Rate(craft, start, limits, state)
+    rate = _Rate(craft, start, limits, float(elapsed[0]), state)
     last = until = float(elapsed[-1])
     solver = _solver(rate, float(elapsed[0]), state, last, accuracy)
     steps, times, pieces = 0, [float(elapsed[0])], []
@@ -128,9 +128,11 @@ def follow(
 class _Rate:
     """Rate of a scaled state, whose winds from files are the parts around it."""
 
-    def __init__(self, craft: Craft, start: Start, limits: Limits, state: np.ndarray):
+    def __init__(
+        self, craft: Craft, start: Start, limits: Limits, elapsed: float, state: np.ndarray
+    ):
         self._given = craft, start, limits
-        self._read(0.0, state)
+        self._read(elapsed, state)
 
     def _read(self, elapsed: float, state: np.ndarray) -> None:
         craft, *others = self._given

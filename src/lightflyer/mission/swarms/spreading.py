@@ -22,7 +22,8 @@ from lightflyer.design.design import AbstractDesign, digest
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import AbstractArea, describe_all
-from lightflyer.mission.fleet import BATCH, Ensemble, flights_of, fly_all
+from lightflyer.mission.by_parts import fly_many
+from lightflyer.mission.fleet import BATCH, Ensemble, flights_of
 from lightflyer.mission.mission import times_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.integration import TOLERANCE, Accuracy, Limits, Start, Track
@@ -92,7 +93,7 @@ class _Swarm:
         ensemble = replace(self.ensemble, members=self.size(batch), seed=self.seed(batch))
         flights = flights_of(self.design, self.rule, self.start, ensemble)
         with report_to(_silent):  # whole batches are reported
-            tracks = fly_all(flights, self.limits, self.elapsed, self.accuracy)
+            tracks = fly_many(flights, self.limits, self.elapsed, self.accuracy)
         # without the flyer as it is stated
         return batch, _counts_of(jax.tree.map(lambda leaf: leaf[1:], tracks), self)
 

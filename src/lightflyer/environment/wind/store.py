@@ -33,10 +33,10 @@ from lightflyer.environment.wind.layouts import (
     weather_files,
 )
 
-KEPT = 4_000_000
+KEPT = 2_500_000
 """Most points of a variable that are in memory at once: of small files, or of a part of others."""
 
-_PARTS = 3  # that are kept in memory
+_PARTS = 2  # that are kept in memory
 _SIZE = 8, 40  # times and levels of a part
 _SIZE_AT_POLE = 8, 24  # of one that holds all meridians
 _FEWEST = 6  # nodes of a part along an axis; the cubics at its ends lack a neighbour

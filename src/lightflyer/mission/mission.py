@@ -15,6 +15,7 @@ from lightflyer.core.quantity import Duration, Quantity, quantity_of, require_re
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Place
+from lightflyer.environment.wind.beyond import with_end_of_data
 from lightflyer.environment.wind.gridded import parts_at
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
@@ -162,7 +163,8 @@ def fly(
     craft = with_met_wind(mission.craft, Course(known, *way(known), released))
     closely = close_look(craft, way, released)
     dataset = _fly(mission, craft, plan, first)
-    add_events(dataset, events_of(craft, way, *closely))
+    ending = with_end_of_data(mission.setup.environment)
+    add_events(dataset, events_of(craft, way, *closely, ending))
     told = [*mission.design.warnings, *diagnose_flight(craft, *closely)]
     flown = len(tracks.end_altitude)
     whole = flown == flights.count  # unless a user ended it early
@@ -348,8 +350,14 @@ def _record(
     """What decides the results, for the dataset's attributes."""
     setup = mission.setup
     highest = setup.flyer.highest_temperature
-    bears = {} if highest is None else {"highest_temperature_k": float(highest)}
-    return bears | {
+    stated: dict[str, Any] = {}
+    if highest is not None:
+        stated["highest_temperature_k"] = float(highest)
+    ending = with_end_of_data(setup.environment)
+    if ending is not None:
+        told = (text.removeprefix("wind: ") for text in ending.beyond.describe())
+        stated["other_wind"] = "; ".join(told)
+    return stated | {
         "title": "lightflyer mission",
         "lightflyer_version": lightflyer.__version__,
         "flyer": setup.flyer.describe(),

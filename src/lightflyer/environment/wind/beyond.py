@@ -1,7 +1,9 @@
 """Wind from data where they reach, and from another wind above, below and beside them."""
 
 from functools import reduce
+from typing import Any
 
+import jax
 import jax.numpy as jnp
 
 from lightflyer.core.quantity import Altitude, require_record
@@ -45,6 +47,10 @@ class WindBeyondData(AbstractWind):
         found = self.beyond.margins(altitude, place)
         return {name: jnp.maximum(margin, within) for name, margin in found.items()}
 
+    def share_of_data(self, altitude: Altitude, place: Place) -> Any:
+        """Weight of the data in the wind [1]: one inside, zero where they end."""
+        return _weight(self.data, altitude, place)
+
     def describe(self) -> tuple[str, ...]:
         beyond = (text.removeprefix("wind: ") for text in self.beyond.describe())
         return (*self.data.describe(), *(f"wind beyond the data: {text}" for text in beyond))
@@ -57,9 +63,14 @@ def _within(data: GriddedWind, altitude: Altitude, place: Place) -> Numeric:
 
 
 @entry_point
+def _weight(data: GriddedWind, altitude: Altitude, place: Place) -> Numeric:
+    share = jnp.clip(_within(data, altitude, place), 0.0, 1.0)
+    return share**2 * (3.0 - 2.0 * share)
+
+
+@entry_point
 def _velocity(wind: WindBeyondData, altitude: Altitude, place: Place) -> Wind:
-    share = jnp.clip(_within(wind.data, altitude, place), 0.0, 1.0)
-    weight = share**2 * (3.0 - 2.0 * share)
+    weight = _weight(wind.data, altitude, place)
     inner = wind.data.velocity(altitude, place)
     outer = wind.beyond.velocity(altitude, place)
     parts = (
@@ -68,3 +79,9 @@ def _velocity(wind: WindBeyondData, altitude: Altitude, place: Place) -> Wind:
         for here, there in zip(inner, outer, strict=True)
     )
     return Wind(*parts)
+
+
+def with_end_of_data(tree: Any) -> WindBeyondData | None:
+    """The wind of a tree, such as an environment, that another one takes over from."""
+    leaves = jax.tree.leaves(tree, is_leaf=lambda leaf: isinstance(leaf, WindBeyondData))
+    return next((leaf for leaf in leaves if isinstance(leaf, WindBeyondData)), None)

@@ -29,6 +29,8 @@ _TWO_KILOMETRES = 2e3
 _LOG_PRESSURE = 0.3  # of the same order
 _ONE_DEGREE = RADIANS_PER_DEGREE
 
+_TAKES_OVER = 'beyond = "gradient", in Python WindBeyondData, has another wind take over there'
+
 _SIDES = {
     "time": ("before", "after"),
     "altitude": ("below", "above"),
@@ -172,7 +174,7 @@ class GriddedWind(AbstractWind):
         lowest, highest = self._level_names()
         unit = _TWO_KILOMETRES if self.atmosphere is None else _LOG_PRESSURE
         height = self._level(altitude, place)
-        found |= _margins("altitude", height, level, unit, lowest, highest)
+        found |= _margins("altitude", height, level, unit, lowest, f"{highest}; {_TAKES_OVER}")
         south, north = (f"{end / RADIANS_PER_DEGREE:.4g}°" for end in latitude)
         if np.ptp(latitude) < np.pi:
             found |= _margins("latitude", place.latitude, latitude, _ONE_DEGREE, south, north)

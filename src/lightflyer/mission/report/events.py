@@ -10,17 +10,23 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.environment.base import Place
+from lightflyer.environment.wind.beyond import WindBeyondData
 from lightflyer.mission.path.moments import Course, moments
 from lightflyer.mission.path.motion import Craft
+from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.single import Way
+from lightflyer.program.entry_point import entry_point
 from lightflyer.statics.grid_refinement import crossing, peak
 
 if TYPE_CHECKING:
     import xarray as xr
 
+_places = entry_point(latitude_and_longitude)
+
 EVENT = "event"  # Dimension of events, and how their variables begin
 
-_HALF = 0.5  # Share of the strongest light above which it counts as day
+_HALF = 0.5  # Share of the strongest light above which it counts as day, and of the other wind
 _APART = 300.0  # Longest time between the first looks [s]
 _CLOSE = 1e-6  # of a level of light, over its size
 _FLAT = 1e-9  # of an extreme, over its size
@@ -34,6 +40,8 @@ class Event(IntEnum):
     LOWEST = 2
     HIGHEST = 3
     HOTTEST = 4
+    OTHER_WIND_BEGINS = 5  # where the data of the wind end
+    OTHER_WIND_ENDS = 6
 
 
 class Events(NamedTuple):
@@ -64,8 +72,14 @@ def _look(
     return course, moments(craft, course)
 
 
-def events_of(craft: Craft, way: Way, course: Course, first: dict[str, np.ndarray]) -> Events:
-    """Events of a flight, from a :func:`close_look` at it."""
+def events_of(
+    craft: Craft,
+    way: Way,
+    course: Course,
+    first: dict[str, np.ndarray],
+    ending: WindBeyondData | None = None,
+) -> Events:
+    """Events of a flight, from a :func:`close_look` at it; ``ending``: a wind whose data end."""
     times = np.asarray(course.elapsed)
 
     def look(elapsed: np.ndarray) -> dict[str, np.ndarray]:
@@ -80,6 +94,15 @@ def events_of(craft: Craft, way: Way, course: Course, first: dict[str, np.ndarra
         found += _passes(
             lambda at: look(at)["irradiance"], times, first["irradiance"], _HALF * strongest, kinds
         )
+    if ending is not None:
+
+        def other_share(at: np.ndarray) -> np.ndarray:
+            height, position = way(at.ravel())
+            place = Place(*_places(position), course.released + at.ravel())
+            return np.reshape(1.0 - ending.share_of_data(height, place), at.shape)
+
+        kinds = Event.OTHER_WIND_BEGINS, Event.OTHER_WIND_ENDS
+        found += _passes(other_share, times, other_share(times), _HALF, kinds)
     altitude = way(times)[0]
     for kind, sign in ((Event.LOWEST, -1.0), (Event.HIGHEST, 1.0)):
 

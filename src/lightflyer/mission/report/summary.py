@@ -56,6 +56,7 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         "light_h": hours,
         "nights": nights,
         "film": heat_of_film(dataset),
+        "other_wind": _other_wind(dataset),
     }
     if "station" in dataset.attrs:
         found["station"] = summarise_station(dataset)
@@ -98,6 +99,33 @@ def heat_of_film(dataset: "xr.Dataset") -> dict[str, Any] | None:
     if highest is None:
         return None
     return {"bears_k": highest, "hottest_k": at_event(read_events(dataset), Event.HOTTEST)[2]}
+
+
+def _other_wind(dataset: "xr.Dataset") -> dict[str, Any] | None:
+    """When and where another wind took over from data; None without such a wind."""
+    wind = dataset.attrs.get("other_wind")
+    if wind is None:
+        return None
+    last, events = float(dataset.end_elapsed), read_events(dataset)
+    kinds = Event.OTHER_WIND_BEGINS, Event.OTHER_WIND_ENDS
+    spans = spans_between(events, *kinds, last)
+    found = {
+        "wind": wind,
+        "share": sum(end - begin for begin, end in spans) / last if last else float(bool(spans)),
+        "spans_h": [[edge / SECONDS_AN_HOUR for edge in span] for span in spans],
+    }
+    if spans:
+        elapsed = dataset[ELAPSED].values
+        inside = np.any([(elapsed >= begin) & (elapsed <= end) for begin, end in spans], axis=0)
+        altitudes = [
+            *events.altitude[np.isin(events.kind, kinds)],
+            *dataset.altitude[inside].values,
+        ]
+        if spans[-1][1] == last:
+            altitudes.append(float(dataset.end_altitude))
+        found["lowest_altitude_km"] = float(np.nanmin(altitudes)) / 1e3
+        found["highest_altitude_km"] = float(np.nanmax(altitudes)) / 1e3
+    return found
 
 
 def texts_of(dataset: "xr.Dataset", name: str) -> list[str]:

@@ -12,6 +12,7 @@ from lightflyer.mission.report.summary import SECONDS_AN_HOUR, summarise, texts_
 if TYPE_CHECKING:
     import xarray as xr
 
+_MOST_SPANS = 3  # of the other wind that are named
 _MOST_ROWS = 12  # of nights and of launches in a table; the summary has all
 
 
@@ -35,6 +36,8 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
         rows[name] = f"{altitude:.2f} km, {when:.2f} h after the release"
     if "station" in found:
         rows["station"] = _stay_text(found["station"])
+    if found["other_wind"] is not None:
+        rows["data end"] = _other_wind_text(found["other_wind"])
     yield rows_of(rows)
     if found["nights"]:
         yield _nights(found["nights"])
@@ -55,6 +58,19 @@ def _stay_text(stay: dict[str, Any]) -> str:
     return (
         f"{stay['within_h']:.2f} h {stay['place']}, {leaves}; at most "
         f"{stay['farthest_km']:.1f} km from its middle"
+    )
+
+
+def _other_wind_text(found: dict[str, Any]) -> str:
+    """When another wind took over from the data."""
+    spans = [f"{begin:.2f} h to {end:.2f} h" for begin, end in found["spans_h"]]
+    if not spans:
+        return "never met on the way"
+    more = f" and {len(spans) - _MOST_SPANS} times more" if len(spans) > _MOST_SPANS else ""
+    low, high = found["lowest_altitude_km"], found["highest_altitude_km"]
+    return (
+        f"the other wind blew {100.0 * found['share']:.0f} % of the time, {', '.join(spans[:_MOST_SPANS])}"
+        f"{more}, at {low:.1f} km to {high:.1f} km"
     )
 
 

@@ -8,6 +8,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 import lightflyer as lf
 from lightflyer.environment import GriddedWind, Place
+from lightflyer.environment.wind import store
 from lightflyer.environment.wind.heights import GAS_CONSTANT, altitude_of
 
 START = np.datetime64("2026-06-21T00:00", "ns")
@@ -149,7 +150,54 @@ def test_levels_lie_by_the_temperature_where_there_is_no_geopotential():
     assert "by the atmosphere" in GriddedWind(alone, lf.environment.US1976()).describe()[0]
 
 
-def test_several_files_are_one(tmp_path):
+def by_temperature(data):
+    return data.drop_vars("z")
+
+
+@pytest.mark.parametrize("layout", [era5, merra2, icon, by_temperature])
+def test_what_is_read_of_a_large_file_is_what_it_has(tmp_path, monkeypatch, layout):
+    """Over both poles and the date line, with parts of six nodes by six."""
+    path = tmp_path / "weather.nc"
+    layout(canonical()).to_netcdf(path, engine="h5netcdf")
+    whole = GriddedWind.from_file(path)
+    monkeypatch.setattr(store, "KEPT", 3000)
+    wind = GriddedWind.from_file(path)
+    assert wind.store is not None
+    assert wind.describe() == whole.describe()
+    assert wind.reaches == whole.reaches
+    generator, low = np.random.default_rng(0), whole.reaches[1][0]
+    latitude = np.radians([-90.0, -84.0, -50.1, -1.0, 20.0, 50.0, 83.0, 88.0, 89.9, 90.0])
+    longitude = np.array([0.1, 3.1, 3.2, -3.1, 6.27, 0.01, -1.0, 4.0, 5.0, 12.0])
+    since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
+    place = Place(latitude, longitude, since + 64800.0 * generator.uniform(0.0, 1.0, 10))
+    altitude = generator.uniform(low, 42e3, 10)
+    found = wind.velocity(altitude, place)
+    np.testing.assert_allclose(found, whole.velocity(altitude, place), atol=1e-12)
+    with pytest.raises(lf.ParameterError, match="not under JAX"):
+        jax.grad(lambda height: wind.velocity(height, Place(0.7, 0.2, since)).east)(30e3)
+    with pytest.raises(lf.ParameterError, match=r'altitude above .*; beyond = "gradient"'):
+        wind.velocity(60e3, Place(0.7, 0.2, since))
+
+
+def test_little_of_a_large_file_is_in_memory(tmp_path, monkeypatch):
+    path = tmp_path / "weather.nc"
+    canonical().to_netcdf(path, engine="h5netcdf")
+    largest = []
+    monkeypatch.setattr(store, "KEPT", 3000)
+    load = store.load_parts
+
+    def watched(*given):
+        found = load(*given)
+        largest.append(max(field.size for field in found.data_vars.values()))
+        return found
+
+    monkeypatch.setattr(store, "load_parts", watched)
+    wind = GriddedWind.from_file(path)
+    wind.velocity(30e3, Place(0.7, 0.2, 835_300_000.0))
+    assert max(largest) < canonical().u.size / 40
+
+
+def test_several_files_are_one(tmp_path, monkeypatch):
     data = canonical()
     for number in range(4):
         path = tmp_path / f"day-{number}.nc"
@@ -157,6 +205,9 @@ def test_several_files_are_one(tmp_path):
     where = Place(0.7, 0.2, 835_300_000.0)
     found = GriddedWind.from_file(tmp_path / "day-*.nc").velocity(30e3, where)
     np.testing.assert_allclose(found, GriddedWind(data).velocity(30e3, where), rtol=1e-12)
+    monkeypatch.setattr(store, "KEPT", 3000)
+    parts = GriddedWind.from_file(tmp_path / "day-*.nc").velocity(30e3, where)
+    np.testing.assert_allclose(parts, found, atol=1e-12)
     with pytest.raises(lf.ConfigurationError, match="no file has such a name"):
         GriddedWind.from_file(tmp_path / "week-*.nc")
 

@@ -155,7 +155,7 @@ class _Fleet:
         if len(found.end_altitude) < rows.size:
             return  # asked to end
         for row in np.flatnonzero(self._left_its_part(found, rows)):
-            alone, _ = follow(*one_of(some, row), limits, times, accuracy)
+            alone, _ = follow(*one_of(some, int(row)), limits, times, accuracy)
             for flown, one in zip(*map(jax.tree.leaves, (found, alone)), strict=True):
                 flown[row] = one
         keep = kept >= 0

@@ -21,7 +21,7 @@ from lightflyer.environment.wind.layouts import in_one_layout
 EPOCH = np.datetime64("2000-01-01T12:00:00", "ns")
 """Origin of :attr:`lightflyer.environment.Place.time`."""
 
-LARGEST = 30_000_000  # Most grid points that are taken into memory, about 1 GB
+LARGEST = 30_000_000  # Most points of a dataset's variables, which are in memory at once
 
 _NAMES = {
     "time": ("time", "valid_time"),
@@ -38,6 +38,9 @@ _OF_OMEGA = (
     "winds: w is in Pa/s, a change of pressure, which a temperature on pressure levels turns "
     "into m/s"
 )
+PLACING = "geopotential", "height", "temperature"
+"""What tells the altitudes of pressure levels; the first of them that is there does."""
+
 _AIR = {"temperature": "K", "geopotential": "m**2/s**2", "height": "m"}  # beside winds
 _FEWEST_LEVELS = 2
 
@@ -121,12 +124,14 @@ def grid_of(
     level = level if altitudes is None else altitudes
     given = fields.values if winds is None else winds
     zero = np.zeros((time.size, level.size, latitude.size, longitude.size))
-    parts = [given.get(name, zero) for name in _VARIABLES]
+    east, north, up = (given.get(name, zero) for name in _VARIABLES)
     if fields.same_around:
         longitude = np.arange(_MERIDIANS) / _MERIDIANS * 2.0 * np.pi
-        parts = [np.repeat(part, _MERIDIANS, axis=-1) for part in parts]
+        east, north, up = (np.repeat(part, _MERIDIANS, axis=-1) for part in (east, north, up))
     by_pressure = fields.by_pressure and altitudes is None
-    return _around(WindGrid(time, level, by_pressure, latitude, longitude, False, *parts, told))
+    return _around(
+        WindGrid(time, level, by_pressure, latitude, longitude, False, east, north, up, told)
+    )
 
 
 def _variables(dataset: Any) -> list[str]:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from functools import reduce
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import equinox as eqx
 import jax
@@ -21,6 +21,8 @@ from lightflyer.environment.wind.dataset import EPOCH, WindGrid, read_grid
 from lightflyer.environment.wind.store import Store, open_wind
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
+
+T = TypeVar("T")
 
 _TURN = 2.0 * np.pi
 # Units of margins, in which ends compare.
@@ -138,7 +140,8 @@ class GriddedWind(AbstractWind):
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         if self.table is None:
-            return by_parts(GriddedWind.velocity, self, altitude, place)
+            found = by_parts(GriddedWind.velocity, self, altitude, place)
+            return self._require_margins(altitude, place, found)
         assert self.axes is not None
         level, longitude = self._level(altitude, place), self._longitude(place)
         wind = _interpolate(self.table, self.axes, self.bounds, level, place, longitude)
@@ -241,13 +244,14 @@ def _is_within(bounds: Any, position: tuple[Any, ...]) -> Any:
     return found
 
 
-def parts_at(tree: Any, altitude: Altitude, place: Place) -> Any:
+def parts_at(tree: T, altitude: Any, place: Place) -> T:
     """A tree, such as an environment, whose winds from files are the parts around a place."""
-    return jax.tree.map(
+    found: T = jax.tree.map(
         lambda leaf: leaf.part(altitude, place) if isinstance(leaf, GriddedWind) else leaf,
         tree,
         is_leaf=_is_data,
     )
+    return found
 
 
 def winds_in_files(tree: Any) -> list[GriddedWind]:
@@ -256,7 +260,7 @@ def winds_in_files(tree: Any) -> list[GriddedWind]:
     return [leaf for leaf in leaves if _is_data(leaf) and leaf.store is not None]
 
 
-def hold(tree: Any, altitude: Altitude, place: Place) -> Any:
+def hold(tree: Any, altitude: Any, place: Place) -> Any:
     """Whether the parts of all winds from files are those of a place."""
     holding = [wind.holds(altitude, place) for wind in winds_in_files(tree)]
     return reduce(np.logical_and, holding, True)
@@ -286,6 +290,7 @@ def by_parts(
         first = int(np.argmax(left))
         part = parts_at(wind, flat[0][first], Place(*(row[first] for row in flat[1:])))
         here = left & hold(part, flat[0], Place(*flat[1:]))
+        here[first] = True  # whatever rounding says
         rows = [row[here] for row in flat]
         found[:, here] = velocity(part, rows[0], Place(*rows[1:]))
         left &= ~here

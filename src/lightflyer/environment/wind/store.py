@@ -12,8 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.progress import report
 from lightflyer.environment.wind.dataset import (
+    PLACING,
     Fields,
     WindGrid,
     dimensions_of,
@@ -53,11 +55,11 @@ class Part(NamedTuple):
     """Some nodes of all files along time, level, latitude and longitude."""
 
     first: tuple[int, ...]
-    count: tuple[int, ...]
+    length: tuple[int, ...]
 
     @property
     def ranges(self) -> _Ranges:
-        found = (range(i, i + n) for i, n in zip(self.first, self.count, strict=True))
+        found = (range(i, i + n) for i, n in zip(self.first, self.length, strict=True))
         return tuple(found)  # type: ignore[return-value]
 
 
@@ -101,9 +103,7 @@ class Store:
         self.around = bool(width >= _TURN)
         there = {str(name) for file in files for name in file.data_vars}
         self.rises = "w" in there
-        self._air = (["geopotential"] if "geopotential" in there else []) or [
-            name for name in ("height", "temperature") if name in there
-        ][:1]
+        self._air = [name for name in PLACING if name in there][:1]
         self._first_level = self._lowest_whole()
         times, levels, rows, columns = self._all
         highest = self._fields((times[:1], levels[-_FEWEST_LEVELS:], rows[:2], columns))
@@ -166,7 +166,7 @@ class Store:
     def bounds_of(self, part: Part) -> np.ndarray:
         """Between which coordinates a part is what all files are, shape (4, 2)."""
         bounds = np.tile([-np.inf, np.inf], (4, 1))
-        goes_on = self.around and part.count[3] < self.axes[3].size
+        goes_on = self.around and part.length[3] < self.axes[3].size
         for number, one in enumerate(part.ranges):
             nodes, size = self._along(number, one), self.axes[number].size
             open_ended = goes_on and number > 1  # at a meridian, and at a pole
@@ -204,8 +204,8 @@ class Store:
         grids: list[WindGrid] = []
         while len(grids) < len(times):  # one by one: only the result is all in memory
             levels = self._levels_around(nodes, off)
-            time = times[len(grids)]
-            fields = self._fields((range(time, time + 1), levels, rows, columns))
+            now = times[len(grids)]
+            fields = self._fields((range(now, now + 1), levels, rows, columns))
             altitude, told = heights_of(fields)
             if altitude is None:
                 grids.append(grid_of(fields, told))
@@ -213,9 +213,11 @@ class Store:
                 grids.append(grid_of(fields, told, new, winds_on(new, fields, altitude)))
             else:
                 off *= 2.0
-        names = ("time", "east", "north", "up")
-        joined = (np.concatenate([getattr(grid, name) for grid in grids]) for name in names)
-        return grids[0]._replace(**dict(zip(names, joined, strict=True)))
+        time, east, north, up = (
+            np.concatenate([getattr(grid, name) for grid in grids])
+            for name in ("time", "east", "north", "up")
+        )
+        return grids[0]._replace(time=time, east=east, north=north, up=up)
 
     def _levels_around(self, nodes: range, off: float) -> range:
         """The files' levels around some of ours, if none is farther off than that [m]."""
@@ -235,9 +237,13 @@ class Store:
         return below and above
 
     def _fields(self, ranges: _Ranges, *, air_only: bool = False) -> Fields:
-        fields = read_fields(self._select(ranges, air_only=air_only), air_only=air_only)
-        for name, values in fields.values.items():
-            require_finite(values, name)
+        dataset = self._select(ranges, air_only=air_only)
+        try:
+            fields = read_fields(dataset, air_only=air_only)
+            for name, values in fields.values.items():
+                require_finite(values, name)
+        except ConfigurationError as error:
+            raise ConfigurationError(f"{self.path}: {error}") from None
         return fields
 
     def _select(self, ranges: _Ranges, *, air_only: bool = False) -> Any:
@@ -255,15 +261,17 @@ class Store:
         return found[0] if len(found) == 1 else xarray.concat(found, name)
 
     def _load(self, ranges: _Ranges, *, air_only: bool) -> Any:
-        taken = [file[self._air] if air_only else file for file in self._files]
-        for axis, name in enumerate(self._order):
-            if name is not None:
-                wanted = self._source[axis][ranges[axis][0]], self._source[axis][ranges[axis][-1]]
-                taken = [
-                    file.isel({name: _between(own, *wanted)})
-                    for file, own in zip(taken, self._own[axis], strict=True)
-                ]
-        return load_parts(self.path, [file for file in taken if all(file.sizes.values())])
+        parts = []
+        for number, file in enumerate(self._files):
+            wanted = {
+                name: _rows_of(self._own[axis][number], self._source[axis][ranges[axis]])
+                for axis, name in enumerate(self._order)
+                if name is not None
+            }
+            names = [name for name in file.data_vars if name in self._air or not air_only]
+            if names and all(rows is not None for rows in wanted.values()):
+                parts.append(file[names].isel(wanted))
+        return load_parts(self.path, parts)
 
     # --- levels ---
 
@@ -292,7 +300,7 @@ class Store:
     @property
     def _by_temperature(self) -> bool:
         """Whether an altitude follows from the temperature of all levels below."""
-        return self._air == ["temperature"]
+        return self._air == [PLACING[-1]]
 
     def _heights(self, times: range, levels: range) -> Iterator[np.ndarray]:
         """Altitudes of levels [m], shape (t, z, y, x): some parallels after the others."""
@@ -308,9 +316,10 @@ class Store:
                 yield altitude
 
 
-def _between(own: np.ndarray, low: float, high: float) -> Any:
-    """Which of the coordinates of a file lie in a range: a slice where that is one."""
-    rows = np.flatnonzero((own >= low) & (own <= high))
-    if rows.size and rows[-1] - rows[0] + 1 == rows.size:
-        return slice(int(rows[0]), int(rows[-1]) + 1)
-    return rows
+def _rows_of(own: np.ndarray, wanted: np.ndarray) -> Any:
+    """Rows of a file that are wanted: a slice where they are one; None for none."""
+    rows = np.flatnonzero(np.isin(own, wanted))
+    if rows.size == 0:
+        return None
+    is_slice = rows[-1] - rows[0] + 1 == rows.size
+    return slice(int(rows[0]), int(rows[-1]) + 1) if is_slice else rows

@@ -141,11 +141,11 @@ class _Rate:
 
     def _where(self, elapsed: float, state: np.ndarray) -> tuple[Any, Place]:
         _, start, limits = self._given
-        altitude, place = _there(start, state, elapsed)
+        altitude, place = _there(start, state, elapsed)  # type: ignore[arg-type]
         return np.clip(altitude, limits.lowest, limits.highest), place
 
-    def __call__(self, elapsed: float, state: np.ndarray) -> np.ndarray:
-        found: np.ndarray = self._bound(np.float64(elapsed), state)
+    def __call__(self, elapsed: float, state: np.ndarray) -> Any:
+        found = self._bound(np.float64(elapsed), state)
         if np.isfinite(found).all() or hold(self.craft, *self._where(elapsed, state)):
             return found
         self._read(elapsed, state)

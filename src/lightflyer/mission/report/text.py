@@ -68,9 +68,10 @@ def _other_wind_text(found: dict[str, Any]) -> str:
         return "never met on the way"
     more = f" and {len(spans) - _MOST_SPANS} times more" if len(spans) > _MOST_SPANS else ""
     low, high = found["lowest_altitude_km"], found["highest_altitude_km"]
+    when = ", ".join(spans[:_MOST_SPANS]) + more
     return (
-        f"the other wind blew {100.0 * found['share']:.0f} % of the time, {', '.join(spans[:_MOST_SPANS])}"
-        f"{more}, at {low:.1f} km to {high:.1f} km"
+        f"the other wind blew {100.0 * found['share']:.0f} % of the time, {when}, "
+        f"at {low:.1f} km to {high:.1f} km"
     )
 
 

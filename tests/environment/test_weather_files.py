@@ -164,8 +164,8 @@ def test_what_is_read_of_a_large_file_is_what_it_has(tmp_path, monkeypatch, layo
     wind = GriddedWind.from_file(path)
     assert wind.store is not None
     assert wind.describe() == whole.describe()
-    assert wind.reaches == whole.reaches
-    generator, low = np.random.default_rng(0), whole.reaches[1][0]
+    assert wind.reach.ends == whole.reach.ends
+    generator, low = np.random.default_rng(0), whole.reach.ends[1][0]
     latitude = np.radians([-90.0, -84.0, -50.1, -1.0, 20.0, 50.0, 83.0, 88.0, 89.9, 90.0])
     longitude = np.array([0.1, 3.1, 3.2, -3.1, 6.27, 0.01, -1.0, 4.0, 5.0, 12.0])
     since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
@@ -242,7 +242,7 @@ def test_another_wind_takes_over_smoothly_beyond_the_data():
     data = GriddedWind(canonical())
     other = lf.environment.UniformWind(east=-60.0)
     both = lf.environment.WindBeyondData(data, other)
-    top = data.reaches[1][1]
+    top = data.reach.ends[1][1]
     here = Place(0.7, 0.2, 835_300_000.0)
     heights = top + np.array([-10e3, -2e3, -1e3, 0.0, 1.0, 30e3])
     east = np.array([both.velocity(height, here).east for height in heights])

@@ -120,17 +120,15 @@ class _Fleet:
         soon = left[self._released[left] <= begin + self.apart]
         position = np.asarray(self.track.end_position)[soon]
         middle = int(np.argmax(position @ position.mean(axis=0)))
-        altitude = np.asarray(self.track.end_altitude)[soon]
         latitude, longitude = map(np.asarray, _places(position))
         there = Place(latitude[middle], longitude[middle], begin + times[0])
-        setup = parts_at(self._flights.setup, altitude[middle], there)
+        setup = parts_at(self._flights.setup, there)
         north = _FASTEST * (times[-1] - times[0]) / self._radius
         east = north / np.cos(latitude)
         stay = np.ones(soon.size, bool)
         for sign, when in ((-1.0, times[0]), (1.0, times[-1])):
             moment = self._released[soon] + when
-            place = Place(latitude + sign * north, longitude + sign * east, moment)
-            stay &= hold(setup, altitude, place)
+            stay &= hold(setup, Place(latitude + sign * north, longitude + sign * east, moment))
         stay[middle] = True
         return soon[stay], setup
 

@@ -33,7 +33,7 @@ from lightflyer.mission.path.integration import (
     Track,
     track,
 )
-from lightflyer.mission.path.met_wind import with_met_wind
+from lightflyer.mission.path.met_wind import with_met_winds
 from lightflyer.mission.path.moments import VARIABLES, Course, Variable, moments, node_variables
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import latitude_and_longitude
@@ -151,7 +151,7 @@ def fly(
     plan = _Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), tolerance))
     flights = flights_of(mission.design, mission.rule, mission.start, ensemble, launches)
     released = float(release.time)
-    near = parts_at(mission.craft, float(release.altitude), mission.start.place)
+    near = parts_at(mission.craft, mission.start.place)
     if inertia is None:
         require_steady_fall(near, mission.start)
         first, way = follow(mission.craft, mission.start, *plan.course)
@@ -160,7 +160,7 @@ def fly(
         way = way_between(elapsed, first)
     tracks = fly_many(flights, *plan.course, first)
     known = np.union1d(close_times(way), elapsed[np.isfinite(first.altitude)])
-    craft = with_met_wind(mission.craft, Course(known, *way(known), released))
+    craft = with_met_winds(mission.craft, Course(known, *way(known), released))
     closely = close_look(craft, way, released)
     dataset = _fly(mission, craft, plan, first)
     ending = with_end_of_data(mission.setup.environment)

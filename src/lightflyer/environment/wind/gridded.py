@@ -1,6 +1,6 @@
 """Wind from data on a grid: a reanalysis, a forecast, a climatology."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import reduce
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,12 +12,13 @@ import numpy as np
 
 from lightflyer.core.checks import is_traced
 from lightflyer.core.errors import ConfigurationError, ParameterError
-from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude
+from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.environment.wind.dataset import EPOCH, WindGrid, read_grid
+from lightflyer.environment.wind.dataset import WindGrid, read_grid
+from lightflyer.environment.wind.reach import Reach, next_to
 from lightflyer.environment.wind.store import Store, open_wind
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
@@ -25,20 +26,6 @@ from lightflyer.program.entry_point import entry_point
 T = TypeVar("T")
 
 _TURN = 2.0 * np.pi
-# Units of margins, in which ends compare.
-_HOUR = 3600.0
-_TWO_KILOMETRES = 2e3
-_LOG_PRESSURE = 0.3  # of the same order
-_ONE_DEGREE = RADIANS_PER_DEGREE
-
-_TAKES_OVER = 'beyond = "gradient", in Python WindBeyondData, has another wind take over there'
-
-_SIDES = {
-    "time": ("before", "after"),
-    "altitude": ("below", "above"),
-    "latitude": ("south of", "north of"),
-    "longitude": ("west of", "east of"),
-}
 
 
 class GriddedWind(AbstractWind):
@@ -89,37 +76,33 @@ class GriddedWind(AbstractWind):
     table: Any  # None where the data are in their files
     axes: tuple[Axis, Axis, Axis, Axis] | None
     bounds: Any  # shape (4, 2); between which the table is the data's; None for everywhere
-    atmosphere: AbstractAtmosphere | None
-    reaches: tuple[tuple[float, float], ...] = eqx.field(static=True)
-    around: bool = eqx.field(static=True)
+    reach: Reach
     rises: bool = eqx.field(static=True)
     told: str = eqx.field(static=True)
     store: Store | None = eqx.field(static=True)
 
     def __init__(self, dataset: Any, atmosphere: AbstractAtmosphere | None = None):
-        known = isinstance(dataset, WindGrid | Store)
-        grid = dataset if known else read_grid(dataset)
+        is_read = isinstance(dataset, WindGrid | Store)
+        grid = dataset if is_read else read_grid(dataset)
         if grid.by_pressure and atmosphere is None:
             raise ConfigurationError(
                 "winds: on pressure levels need an atmosphere, which knows their altitudes"
             )
-        self.atmosphere = atmosphere if grid.by_pressure else None
-        self.around, self.told, self.bounds = grid.around, grid.told, None
+        self.told, self.bounds = grid.told, None
         if isinstance(grid, Store):
             self.store, self.table, self.axes, self.rises = grid, None, None, grid.rises
-            time, level, latitude, longitude = grid.axes
+            coordinates = tuple(grid.axes)
         else:
             self.store, self.rises = None, bool(np.any(grid.up))
             self.table, self.axes = _tabulate(grid)
-            time, level, latitude, longitude = (
-                grid.time, grid.level, grid.latitude, grid.longitude
-            )  # fmt: skip
-        south, north = _near_poles(latitude) if self.around else (False, False)
-        low = -0.5 * np.pi if south else float(latitude[0])
-        high = 0.5 * np.pi if north else float(latitude[-1])
-        ends = ((float(values[0]), float(values[-1])) for values in (time, level, longitude))
-        first, second, last = ends
-        self.reaches = (first, second, (low, high), last)
+            coordinates = grid.time, grid.level, grid.latitude, grid.longitude
+        ends = [(float(axis[0]), float(axis[-1])) for axis in coordinates]
+        if grid.around:
+            south, north = _near_poles(coordinates[2])
+            pole = 0.5 * np.pi
+            ends[2] = (-pole if south else ends[2][0], pole if north else ends[2][1])
+        known = atmosphere if grid.by_pressure else None
+        self.reach = Reach(known, tuple(ends), grid.around)
 
     @classmethod
     def from_file(
@@ -142,18 +125,20 @@ class GriddedWind(AbstractWind):
         if self.table is None:
             found = by_parts(GriddedWind.velocity, self, altitude, place)
             return self._require_margins(altitude, place, found)
-        assert self.axes is not None
-        level, longitude = self._level(altitude, place), self._longitude(place)
-        wind = _interpolate(self.table, self.axes, self.bounds, level, place, longitude)
+        wind = self.at_level(self.reach.level(altitude, place), place)
         return self._require_margins(altitude, place, wind)
 
-    def part(self, altitude: Altitude, place: Place) -> "GriddedWind":
+    def at_level(self, level: Numeric, place: Place) -> Wind:
+        """Wind of a table at a coordinate of its levels, wherever it ends."""
+        assert self.axes is not None
+        longitude = self._longitude(place)
+        return _interpolate(self.table, self.axes, self.bounds, level, place, longitude)
+
+    def part(self, place: Place) -> "GriddedWind":
         """The wind around a place, in memory; everywhere where all is."""
         if self.store is None:
             return self
-        level = self._level(altitude, place)
-        position = place.time, level, place.latitude, place.longitude
-        part = self.store.part_at(tuple(map(float, position)))
+        part = self.store.part_at(Place(*map(float, place)))
         found = (*self.store.kept(part, _tabulate), self.store.bounds_of(part))
         return eqx.tree_at(
             lambda wind: (wind.table, wind.axes, wind.bounds),
@@ -162,79 +147,25 @@ class GriddedWind(AbstractWind):
             is_leaf=lambda leaf: leaf is None,
         )
 
-    def holds(self, altitude: Altitude, place: Place) -> Any:
+    def holds(self, place: Place) -> Any:
         """Whether this part of the data is that of a place."""
         if self.bounds is None:
             return self.table is not None
-        level, longitude = self._level(altitude, place), self._longitude(place)
-        return _is_within(self.bounds, (place.time, level, place.latitude, longitude))
-
-    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
-        time, level, latitude, longitude = self.reaches
-        found: dict[str, Numeric] = {}
-        if time[0] != time[1]:
-            found |= _margins("time", place.time, time, _HOUR, *map(_date, time))
-        lowest, highest = self._level_names()
-        unit = _TWO_KILOMETRES if self.atmosphere is None else _LOG_PRESSURE
-        height = self._level(altitude, place)
-        found |= _margins("altitude", height, level, unit, lowest, f"{highest}; {_TAKES_OVER}")
-        south, north = (f"{end / RADIANS_PER_DEGREE:.4g}°" for end in latitude)
-        if np.ptp(latitude) < np.pi:
-            found |= _margins("latitude", place.latitude, latitude, _ONE_DEGREE, south, north)
-        west, east = (f"{end / RADIANS_PER_DEGREE:.4g}°" for end in longitude)
-        if not self.around:
-            near = _next_to(0.5 * sum(longitude), place.longitude)
-            found |= _margins("longitude", near, longitude, _ONE_DEGREE, west, east)
-        return found
-
-    def _level(self, altitude: Altitude, place: Place) -> Any:
-        if self.atmosphere is None:
-            return altitude
-        return _minus_log_pressure(self.atmosphere, altitude, place)
+        return _is_within(self.bounds, (place.time, 0.0, place.latitude, self._longitude(place)))
 
     def _longitude(self, place: Place) -> Any:
-        """The turn of a longitude that is next to the data."""
+        """The turn of a longitude that is next to the table."""
         assert self.axes is not None
         nodes = self.axes[3].nodes
-        return _next_to(0.5 * (nodes[0] + nodes[-1]), place.longitude)
+        return next_to(0.5 * (nodes[0] + nodes[-1]), place.longitude)
 
-    def _level_names(self) -> tuple[str, str]:
-        low, high = self.reaches[1]
-        if self.atmosphere is None:
-            return f"{low / 1e3:.4g} km", f"{high / 1e3:.4g} km"
-        return f"{np.exp(-low):.4g} Pa", f"{np.exp(-high):.4g} Pa"
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
+        return self.reach.margins(altitude, place)
 
     def describe(self) -> tuple[str, ...]:
-        levels = " to ".join(self._level_names())
+        upwards = "" if self.rises else ", nothing upwards"
         heights = f"; altitudes of its levels by {self.told}" if self.told else ""
-        return (f"wind: data, {self._period()}, {levels}{self._upwards()}{heights}",)
-
-    def _period(self) -> str:
-        begin, end = (_date(value) for value in self.reaches[0])
-        return "constant in time" if begin == end else f"{begin} to {end}"
-
-    def _upwards(self) -> str:
-        return "" if self.rises else ", nothing upwards"
-
-
-def _margins(
-    name: str, value: Numeric, ends: tuple[float, float], unit: float, first: str, last: str
-) -> dict[str, Numeric]:
-    (low, high), (below, above) = ends, _SIDES[name]
-    return {
-        f"{name} {below} the data of the wind, which begin at {first}": (value - low) / unit,
-        f"{name} {above} the data of the wind, which end at {last}": (high - value) / unit,
-    }
-
-
-def _date(seconds: float) -> str:
-    date = EPOCH + np.timedelta64(round(seconds), "s")
-    return f"{np.datetime_as_string(date, unit='m')} UTC"
-
-
-def _next_to(middle: Numeric, longitude: Numeric) -> Any:
-    """The turn of a longitude that is next to another."""
-    return middle + (longitude - middle + np.pi) % _TURN - np.pi
+        return (f"wind: data, {self.reach.describe()}{upwards}{heights}",)
 
 
 def _is_within(bounds: Any, position: tuple[Any, ...]) -> Any:
@@ -244,14 +175,27 @@ def _is_within(bounds: Any, position: tuple[Any, ...]) -> Any:
     return found
 
 
-def parts_at(tree: T, altitude: Any, place: Place) -> T:
+def parts_at(tree: T, place: Place) -> T:
     """A tree, such as an environment, whose winds from files are the parts around a place."""
     found: T = jax.tree.map(
-        lambda leaf: leaf.part(altitude, place) if isinstance(leaf, GriddedWind) else leaf,
-        tree,
-        is_leaf=_is_data,
+        lambda leaf: leaf.part(place) if _is_data(leaf) else leaf, tree, is_leaf=_is_data
     )
     return found
+
+
+def parts_along(tree: T, place: Place, wanted: np.ndarray) -> Iterator[tuple[T, np.ndarray]]:
+    """Trees as of :func:`parts_at`, one after the other, and which places each is for.
+
+    ``place``: arrays, shape (n,); ``wanted``: which of them there are data for, shape (n,).
+    """
+    left = wanted.copy()
+    while left.any():
+        first = int(np.argmax(left))
+        part = parts_at(tree, Place(*(values[first] for values in place)))
+        here = left & hold(part, place)
+        here[first] = True  # whatever rounding says
+        yield part, here
+        left &= ~here
 
 
 def winds_in_files(tree: Any) -> list[GriddedWind]:
@@ -260,10 +204,9 @@ def winds_in_files(tree: Any) -> list[GriddedWind]:
     return [leaf for leaf in leaves if _is_data(leaf) and leaf.store is not None]
 
 
-def hold(tree: Any, altitude: Any, place: Place) -> Any:
+def hold(tree: Any, place: Place) -> Any:
     """Whether the parts of all winds from files are those of a place."""
-    holding = [wind.holds(altitude, place) for wind in winds_in_files(tree)]
-    return reduce(np.logical_and, holding, True)
+    return reduce(np.logical_and, [wind.holds(place) for wind in winds_in_files(tree)], True)
 
 
 def _is_data(leaf: Any) -> bool:
@@ -281,20 +224,14 @@ def by_parts(
             "winds of large files are read where a mission goes, not under JAX's transformations; "
             "select what is needed: GriddedWind(xarray.open_dataset(file).sel(...))"
         )
-    height, *where = np.broadcast_arrays(altitude, *place)
-    flat = [np.ravel(part) for part in (height, *where)]
-    inside = reduce(np.minimum, wind.margins(flat[0], Place(*flat[1:])).values(), np.inf) >= 0.0
-    left = np.broadcast_to(inside, flat[0].shape).copy()
-    found = np.full((3, left.size), np.nan)
-    while left.any():
-        first = int(np.argmax(left))
-        part = parts_at(wind, flat[0][first], Place(*(row[first] for row in flat[1:])))
-        here = left & hold(part, flat[0], Place(*flat[1:]))
-        here[first] = True  # whatever rounding says
-        rows = [row[here] for row in flat]
-        found[:, here] = velocity(part, rows[0], Place(*rows[1:]))
-        left &= ~here
-    return Wind(*(row.reshape(height.shape)[()] for row in found))
+    shape = np.broadcast_shapes(*map(np.shape, (altitude, *place)))
+    height, *where = (np.broadcast_to(part, shape).ravel() for part in (altitude, *place))
+    flat = Place(*where)
+    inside = reduce(np.minimum, wind.margins(height, flat).values(), np.zeros(height.size)) >= 0.0
+    found = np.full((3, height.size), np.nan)
+    for part, here in parts_along(wind, flat, inside):
+        found[:, here] = velocity(part, height[here], Place(*(values[here] for values in flat)))
+    return Wind(*(row.reshape(shape)[()] for row in found))
 
 
 def _tabulate(grid: WindGrid) -> tuple[np.ndarray, tuple[Axis, Axis, Axis, Axis]]:
@@ -347,11 +284,6 @@ def _extend_over_pole(table: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarr
     behind = 0.5 * (np.roll(rows, half, axis=3) + np.roll(rows, other_half, axis=3))
     nodes = -np.pi - latitude[int(at_pole) :][:2]
     return np.concatenate([behind[:, :, ::-1], table], axis=2), np.append(nodes[::-1], latitude)
-
-
-@entry_point
-def _minus_log_pressure(atmosphere: AbstractAtmosphere, altitude: Altitude, place: Place) -> Any:
-    return -jnp.log(atmosphere.pressure(altitude, place))
 
 
 @entry_point

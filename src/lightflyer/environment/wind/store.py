@@ -14,6 +14,7 @@ import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.progress import report
+from lightflyer.environment.base import Place
 from lightflyer.environment.wind.dataset import (
     PLACING,
     Fields,
@@ -39,13 +40,12 @@ KEPT = 2_500_000
 """Most points of a variable that are in memory at once: of small files, or of a part of others."""
 
 _PARTS = 2  # that are kept in memory
-_SIZE = 8, 40  # times and levels of a part
-_SIZE_AT_POLE = 8, 24  # of one that holds all meridians
+_TIMES = 8  # of a part; it has all levels, as who chooses its wind looks at them
 _FEWEST = 6  # nodes of a part along an axis; the cubics at its ends lack a neighbour
 _WIDER = 1.5  # meridians of a part over its parallels
+_AT_POLE = 2.0  # points of a part that holds all meridians over those of another
 _NEAR = 2 / 3  # of a part's parallels: closer to a pole it holds all meridians
 _FEWEST_LEVELS = 2  # of a file
-_OFF = 8e3  # by which a pressure may lie elsewhere than on average, to begin with [m]
 _TURN = 2.0 * np.pi
 
 _Ranges = tuple[range, range, range, range]  # of nodes along time, level, latitude, longitude
@@ -108,11 +108,9 @@ class Store:
         times, levels, rows, columns = self._all
         highest = self._fields((times[:1], levels[-_FEWEST_LEVELS:], rows[:2], columns))
         altitude, self.told = heights_of(highest)
-        self._is_placed = altitude is not None
-        self.by_pressure = by_pressure and not self._is_placed
-        self._mean = source[1][self._first_level :]
-        level = self._common_levels() if self._is_placed else self._mean
-        self.axes = [source[0], level, *source[2:]]
+        self.by_pressure = by_pressure and altitude is None
+        own = source[1][self._first_level :]
+        self.axes = [source[0], own if altitude is None else self._common_levels(), *source[2:]]
         self._count, self._count_at_pole = self._sizes()
 
     def __eq__(self, other: object) -> bool:
@@ -133,35 +131,32 @@ class Store:
 
     def _sizes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """Nodes of a part along each axis, and of one at a pole."""
-        sizes = [axis.size for axis in self.axes]
-        times, levels = (min(pair) for pair in zip(sizes, _SIZE, strict=False))
+        all_times, levels, all_rows, meridians = (axis.size for axis in self.axes)
+        times, fewest = min(all_times, _TIMES), min(all_rows, meridians, _FEWEST)
         area = KEPT / (times * levels)
-        rows = int(np.clip(math.sqrt(area / _WIDER), min(_FEWEST, sizes[2]), sizes[2]))
-        columns = int(np.clip(area / rows, min(_FEWEST, sizes[3]), sizes[3]))
-        times = int(np.clip(KEPT / (levels * rows * columns), times, sizes[0]))
-        few = [min(pair) for pair in zip(sizes, _SIZE_AT_POLE, strict=False)]
-        area = 2 * KEPT / (math.prod(few) * sizes[3])
-        polar = int(np.clip(area, min(_FEWEST, sizes[2]), sizes[2]))
-        return (times, levels, rows, columns), (*few, polar, sizes[3])
+        rows = int(np.clip(math.sqrt(area / _WIDER), fewest, all_rows))
+        columns = int(np.clip(area / rows, fewest, meridians))
+        polar = int(np.clip(_AT_POLE * area / meridians, fewest, all_rows))
+        times = int(np.clip(KEPT / (levels * rows * columns), times, all_times))
+        return (times, levels, rows, columns), (times, levels, polar, meridians)
 
-    def part_at(self, position: tuple[float, ...]) -> Part:
-        """The part around a time, level, latitude and longitude; it goes on from that time."""
+    def part_at(self, place: Place) -> Part:
+        """The part around a place; it goes on from that time."""
         sizes, west = [axis.size for axis in self.axes], self.axes[3][0]
-        if self.around:
-            position = (*position[:3], west + (position[3] - west) % _TURN)
+        turned = west + (place.longitude - west) % _TURN if self.around else place.longitude
         at = [
-            int(np.clip(np.searchsorted(axis, x, side="right") - 1, 0, axis.size - 1))
-            for axis, x in zip(self.axes, position, strict=True)
+            int(np.clip(np.searchsorted(self.axes[axis], x, side="right") - 1, 0, sizes[axis] - 1))
+            for axis, x in ((0, place.time), (2, place.latitude), (3, turned))
         ]
         count = self._count
         goes_on = self.around and count[3] < sizes[3]
-        if goes_on and min(at[2], sizes[2] - 1 - at[2]) < _NEAR * self._count_at_pole[2]:
+        if goes_on and min(at[1], sizes[2] - 1 - at[1]) < _NEAR * self._count_at_pole[2]:
             count, goes_on = self._count_at_pole, False
-        middle = [at[0] - 1, *(i - n // 2 + 1 for i, n in zip(at[1:], count[1:], strict=True))]
-        first = [max(0, min(i, size - n)) for i, n, size in zip(middle, count, sizes, strict=True)]
+        first = [at[0] - 1, 0, at[1] - count[2] // 2 + 1, at[2] - count[3] // 2 + 1]
+        clipped = [max(0, min(i, size - n)) for i, n, size in zip(first, count, sizes, strict=True)]
         if goes_on:
-            first[3] = middle[3] % sizes[3]
-        return Part(tuple(first), count)
+            clipped[3] = first[3] % sizes[3]
+        return Part(tuple(clipped), count)
 
     def bounds_of(self, part: Part) -> np.ndarray:
         """Between which coordinates a part is what all files are, shape (4, 2)."""
@@ -199,42 +194,21 @@ class Store:
         return self._kept[part]
 
     def _grid(self, part: Part) -> WindGrid:
-        times, nodes, rows, columns = part.ranges
-        new, off = self._along(1, nodes), _OFF
-        grids: list[WindGrid] = []
-        while len(grids) < len(times):  # one by one: only the result is all in memory
-            levels = self._levels_around(nodes, off)
-            now = times[len(grids)]
+        times, _, rows, columns = part.ranges
+        levels, new = self._all[1][self._first_level :], self.axes[1]
+        grids = []
+        for now in times:  # one by one: only the result is all in memory
             fields = self._fields((range(now, now + 1), levels, rows, columns))
             altitude, told = heights_of(fields)
             if altitude is None:
                 grids.append(grid_of(fields, told))
-            elif self._is_between(altitude, levels, new):
-                grids.append(grid_of(fields, told, new, winds_on(new, fields, altitude)))
             else:
-                off *= 2.0
+                grids.append(grid_of(fields, told, new, winds_on(new, fields, altitude)))
         time, east, north, up = (
             np.concatenate([getattr(grid, name) for grid in grids])
             for name in ("time", "east", "north", "up")
         )
         return grids[0]._replace(time=time, east=east, north=north, up=up)
-
-    def _levels_around(self, nodes: range, off: float) -> range:
-        """The files' levels around some of ours, if none is farther off than that [m]."""
-        first, count = self._first_level, self._source[1].size
-        if not self._is_placed:
-            return range(first + nodes[0], first + nodes[-1] + 1)
-        ends = self.axes[1][nodes[0]] - off, self.axes[1][nodes[-1]] + off
-        low, high = np.searchsorted(self._mean, ends) + first
-        # a cubic looks at one level more on each side
-        lowest = first if self._by_temperature else max(first, int(low) - 2)
-        return range(lowest, min(count, int(high) + 2))
-
-    def _is_between(self, altitude: np.ndarray, levels: range, new: np.ndarray) -> bool:
-        """Whether every column has two levels below our lowest one, and two above the highest."""
-        below = levels[0] == self._first_level or bool(np.all(altitude[:, 1] <= new[0]))
-        above = levels[-1] + 1 == self._source[1].size or bool(np.all(altitude[:, -2] > new[-1]))
-        return below and above
 
     def _fields(self, ranges: _Ranges, *, air_only: bool = False) -> Fields:
         dataset = self._select(ranges, air_only=air_only)
@@ -290,17 +264,14 @@ class Store:
         times, levels = self._all[0], self._all[1][self._first_level :]
         blocks = [*self._heights(times[:1], levels)]
         means = [block[0].mean(axis=(1, 2)) for block in blocks]
-        self._mean = np.average(means, axis=0, weights=[block.shape[2] for block in blocks])
-        ends = levels if self._by_temperature else levels[:: len(levels) - 1]
+        mean = np.average(means, axis=0, weights=[block.shape[2] for block in blocks])
+        # by temperature an altitude follows from all levels below
+        by_temperature = self._air == [PLACING[-1]]
+        ends = levels if by_temperature else levels[:: len(levels) - 1]
         low, high = -np.inf, np.inf
         for block in self._heights(times, ends):
             low, high = max(low, block[:, 0].max()), min(high, block[:, -1].min())
-        return new_levels(self._mean, float(low), float(high))
-
-    @property
-    def _by_temperature(self) -> bool:
-        """Whether an altitude follows from the temperature of all levels below."""
-        return self._air == [PLACING[-1]]
+        return new_levels(mean, float(low), float(high))
 
     def _heights(self, times: range, levels: range) -> Iterator[np.ndarray]:
         """Altitudes of levels [m], shape (t, z, y, x): some parallels after the others."""

@@ -1,50 +1,64 @@
-"""The wind that a flyer met along its way, where it is in files of which only parts are read."""
+"""The winds over the places of a flight, where they are in files of which only parts are read."""
 
-import equinox as eqx
-import jax.numpy as jnp
+from typing import Any
+
+import jax
+import numpy as np
 
 from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.environment.wind.gridded import by_parts, winds_in_files
+from lightflyer.environment.wind.gridded import GriddedWind, parts_along
+from lightflyer.environment.wind.reach import Reach
 from lightflyer.mission.path.moments import Course
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.position import latitude_and_longitude
+from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
 
 _places = entry_point(latitude_and_longitude)
 
 
 class MetWind(AbstractWind):
-    """A wind by time alone: that of the places where a flyer was."""
+    """The column of a wind over a flyer, by time alone; as of the data at the times given."""
 
-    times: Numeric  # shape (n,); [s since 2000-01-01 12:00 UTC]
-    met: Wind  # shape (n,); [m/s]
+    reach: Reach
+    columns: Any  # shape (times, levels, 3); [m/s]
+    axes: tuple[Axis, Axis]  # of times and levels
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
-        return _at(self, place.time + 0.0 * altitude)
+        level = self.reach.level(altitude, place)
+        wind = _interpolate(self.columns, self.axes, place.time, level)
+        return self._require_margins(altitude, place, wind)
+
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
+        return self.reach.margins(altitude, place)
 
     def describe(self) -> tuple[str, ...]:
-        return ("wind: as met along the way",)
+        return (f"wind: data along a flight, {self.reach.describe()}",)
 
 
 @entry_point
-def _at(wind: MetWind, time: Numeric) -> Wind:
-    return Wind(*(jnp.interp(time, wind.times, part) for part in wind.met))
+def _interpolate(columns: Any, axes: tuple[Axis, Axis], time: Numeric, level: Numeric) -> Wind:
+    found = interpolate(columns, axes, (time, level))
+    return Wind(found[..., 0], found[..., 1], found[..., 2])
 
 
-def with_met_wind(craft: Craft, course: Course) -> Craft:
-    """A flyer whose wind from files is the one along a course; as it is without such a wind."""
-    environment = craft.setup.environment
-    if not winds_in_files(environment):
-        return craft
-    times = course.released + course.elapsed
+def with_met_winds(craft: Craft, course: Course) -> Craft:
+    """A flyer whose winds from files are those over the places of a course."""
+    times = np.asarray(course.released + course.elapsed)
     place = Place(*_places(course.position), times)
-    wind = environment.wind  # type: ignore[attr-defined]
-    met = by_parts(_velocity, wind, course.altitude, place)
-    return eqx.tree_at(lambda craft: craft.setup.environment.wind, craft, MetWind(times, met))
 
+    def met(leaf: Any) -> Any:
+        if not isinstance(leaf, GriddedWind) or leaf.store is None:
+            return leaf
+        levels = leaf.store.axes[1]
+        columns = np.full((times.size, levels.size, 3), np.nan)
+        for part, here in parts_along(leaf, place, np.ones(times.size, bool)):
+            there = Place(*(values[here, None] for values in place))
+            columns[here] = np.stack(part.at_level(levels, there), axis=-1)
+        return MetWind(leaf.reach, columns, (Axis(times), Axis(levels)))
 
-def _velocity(wind: AbstractWind, altitude: Altitude, place: Place) -> Wind:
-    return wind.velocity(altitude, place)
+    found: Craft = jax.tree.map(met, craft, is_leaf=lambda leaf: isinstance(leaf, GriddedWind))
+    return found

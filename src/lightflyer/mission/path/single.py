@@ -136,17 +136,16 @@ class _Rate:
 
     def _read(self, elapsed: float, state: np.ndarray) -> None:
         craft, *others = self._given
-        self.craft = parts_at(craft, *self._where(elapsed, state))
+        self.craft = parts_at(craft, self._place(elapsed, state))
         self._bound = bind(_rate, self.craft, *others, example=(elapsed, state))
 
-    def _where(self, elapsed: float, state: np.ndarray) -> tuple[Any, Place]:
-        _, start, limits = self._given
-        altitude, place = _there(start, state, elapsed)  # type: ignore[arg-type]
-        return np.clip(altitude, limits.lowest, limits.highest), place
+    def _place(self, elapsed: float, state: np.ndarray) -> Place:
+        _, start, _ = self._given
+        return _there(start, state, elapsed)[1]  # type: ignore[arg-type]
 
     def __call__(self, elapsed: float, state: np.ndarray) -> Any:
         found = self._bound(np.float64(elapsed), state)
-        if np.isfinite(found).all() or hold(self.craft, *self._where(elapsed, state)):
+        if np.isfinite(found).all() or hold(self.craft, self._place(elapsed, state)):
             return found
         self._read(elapsed, state)
         return self._bound(np.float64(elapsed), state)

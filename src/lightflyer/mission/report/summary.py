@@ -107,7 +107,7 @@ def _other_wind(dataset: "xr.Dataset") -> dict[str, Any] | None:
     if wind is None:
         return None
     last, events = float(dataset.end_elapsed), read_events(dataset)
-    kinds: tuple[Event, ...] = Event.OTHER_WIND_BEGINS, Event.OTHER_WIND_ENDS
+    kinds = Event.OTHER_WIND_BEGINS, Event.OTHER_WIND_ENDS
     spans = spans_between(events, *kinds, last)
     found = {
         "wind": wind,
@@ -115,9 +115,9 @@ def _other_wind(dataset: "xr.Dataset") -> dict[str, Any] | None:
         "spans_h": [[edge / SECONDS_AN_HOUR for edge in span] for span in spans],
     }
     if spans:
-        kinds += Event.LOWEST, Event.HIGHEST
+        kinds_of_ends = (*kinds, Event.LOWEST, Event.HIGHEST)
         inside = np.any([(events.elapsed >= low) & (events.elapsed <= up) for low, up in spans], 0)
-        altitudes = [*events.altitude[np.isin(events.kind, kinds) & inside]]
+        altitudes = [*events.altitude[np.isin(events.kind, kinds_of_ends) & inside]]
         if spans[-1][1] == last:
             altitudes.append(float(dataset.end_altitude))
         found["lowest_altitude_km"] = float(min(altitudes)) / 1e3

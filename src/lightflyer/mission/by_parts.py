@@ -17,6 +17,7 @@ from lightflyer.environment.base import Place
 from lightflyer.environment.wind.gridded import GriddedWind, hold, parts_at, winds_in_files
 from lightflyer.mission.fleet import BATCH, FEW, Flights, fly_all, one_of
 from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track
+from lightflyer.mission.path.met_wind import left_their_part
 from lightflyer.mission.path.motion import planet_of
 from lightflyer.mission.path.position import latitude_and_longitude, unit_vector
 from lightflyer.mission.path.single import follow
@@ -29,7 +30,6 @@ _STEPS, _APART = 2.5, 1.0
 entry of the data to the next: a part has four of these or more."""
 
 _FASTEST = 60.0  # Speed at which a flyer stays in its part throughout a stage [m/s]
-_AT_END = 1e-3  # Margin to the end of the data within which a flight has met it
 
 
 def fly_many(
@@ -152,7 +152,7 @@ class _Fleet:
         found = fly_all(some, limits, times, accuracy, size=min(BATCH, flights.count))
         if len(found.end_altitude) < rows.size:
             return  # asked to end
-        for row in np.flatnonzero(self._left_its_part(found, rows)):
+        for row in np.flatnonzero(left_their_part(setup, found, self._released[rows])):
             alone, _ = follow(*one_of(some, int(row)), limits, times, accuracy)
             for flown, one in zip(*map(jax.tree.leaves, (found, alone)), strict=True):
                 flown[row] = one
@@ -163,12 +163,3 @@ class _Fleet:
             getattr(track, name)[rows] = getattr(found, name)
         track.steps[rows] += found.steps
         self.flying[rows] = np.equal(found.termination, TerminationReason.STILL_FLYING)
-
-    def _left_its_part(self, found: Track, rows: np.ndarray) -> Any:
-        """Whether flights ended though the data go on."""
-        place = Place(*_places(found.end_position), self._released[rows] + found.end_elapsed)
-        ended = np.equal(found.termination, TerminationReason.NO_DATA)
-        for wind in winds_in_files(self._flights.setup):
-            margins = wind.margins(found.end_altitude, place).values()
-            ended &= np.min([*margins], axis=0) > _AT_END
-        return ended

@@ -10,6 +10,7 @@ import numpy as np
 
 import lightflyer
 from lightflyer.config.designs import as_design
+from lightflyer.core.errors import ParameterError
 from lightflyer.core.precision import float64
 from lightflyer.core.quantity import Duration, Quantity, quantity_of, require_record
 from lightflyer.design.design import AbstractDesign
@@ -33,7 +34,7 @@ from lightflyer.mission.path.integration import (
     Track,
     track,
 )
-from lightflyer.mission.path.met_wind import with_met_winds
+from lightflyer.mission.path.met_wind import left_their_part, with_met_winds
 from lightflyer.mission.path.moments import VARIABLES, Course, Variable, moments, node_variables
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import latitude_and_longitude
@@ -157,6 +158,12 @@ def fly(
         first, way = follow(mission.craft, mission.start, *plan.course)
     else:
         first = _track_with_inertia(near, mission.start, plan.course, inertia)
+        if left_their_part(near, first, released):
+            raise ParameterError(
+                f"with inertia a flight stays in the part of the wind's file around its release, "
+                f"which it leaves after {float(first.end_elapsed) / 3600.0:.1f} h; shorten it, or "
+                "take what it needs into memory: GriddedWind(xarray.open_dataset(file).sel(...))"
+            )
         way = way_between(elapsed, first)
     tracks = fly_many(flights, *plan.course, first)
     known = np.union1d(close_times(way), elapsed[np.isfinite(first.altitude)])

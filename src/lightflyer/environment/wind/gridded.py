@@ -54,7 +54,7 @@ class GriddedWind(AbstractWind):
     ------
     ConfigurationError
         In one line, if a variable, a dimension or a unit is missing or wrong, if data are missing
-        in between, or the dataset has more than 30 million points.
+        in between, or the dataset has more than 30 million points; files may have more.
 
     Notes
     -----
@@ -110,8 +110,8 @@ class GriddedWind(AbstractWind):
     ) -> "GriddedWind":
         """Wind from a NetCDF or GRIB file, or from all that match a pattern such as ``era5-*.nc``.
 
-        ``atmosphere``: as of the class. Of more than 4 million points of a variable only the part
-        is in memory in which a place lies, and the next one is read where it is wanted.
+        ``atmosphere``: as of the class. Of more than 2.5 million points of a variable only a part
+        is in memory, that around a place, and the next one is read where it is wanted.
         """
         try:
             return cls(open_wind(path), atmosphere)

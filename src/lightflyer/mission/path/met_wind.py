@@ -9,15 +9,18 @@ from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.environment.wind.gridded import GriddedWind, parts_along
+from lightflyer.environment.wind.gridded import GriddedWind, parts_along, winds_in_files
 from lightflyer.environment.wind.reach import Reach
+from lightflyer.mission.path.integration import Track
 from lightflyer.mission.path.moments import Course
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.position import latitude_and_longitude
+from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
 
 _places = entry_point(latitude_and_longitude)
+_AT_END = 1e-3  # Margin to the end of data within which a flight has met it
 
 
 class MetWind(AbstractWind):
@@ -62,3 +65,16 @@ def with_met_winds(craft: Craft, course: Course) -> Craft:
 
     found: Craft = jax.tree.map(met, craft, is_leaf=lambda leaf: isinstance(leaf, GriddedWind))
     return found
+
+
+def left_their_part(tree: Any, track: Track, released: Any) -> Any:
+    """Whether flights ended though the data of winds from files go on, shape (...).
+
+    ``tree``: that has the winds; ``track``: fields have the shape (...) in front.
+    """
+    place = Place(*_places(track.end_position), released + track.end_elapsed)
+    ended = np.equal(track.termination, TerminationReason.NO_DATA)
+    for wind in winds_in_files(tree):
+        margins = wind.margins(track.end_altitude, place).values()
+        ended = ended & (np.min([*margins], axis=0) > _AT_END)
+    return ended & bool(winds_in_files(tree))

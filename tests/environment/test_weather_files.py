@@ -179,6 +179,21 @@ def test_what_is_read_of_a_large_file_is_what_it_has(tmp_path, monkeypatch, layo
         wind.velocity(60e3, Place(0.7, 0.2, since))
 
 
+def test_a_large_file_of_a_region_is_read_whatever_its_longitudes_are_called(tmp_path, monkeypatch):
+    path = tmp_path / "weather.nc"
+    region = canonical().sel(latitude=slice(20.0, 60.0), longitude=slice(180.0, 300.0))
+    region.to_netcdf(path, engine="h5netcdf")
+    whole = GriddedWind.from_file(path)
+    monkeypatch.setattr(store, "KEPT", 3000)
+    wind = GriddedWind.from_file(path)
+    longitude = np.radians([-179.0, 181.0, 240.0, -120.0, -61.0, 299.9])
+    place = Place(np.radians([20.1, 59.9, 40.0, 40.0, 21.0, 58.0]), longitude, 835_300_000.0)
+    found = wind.velocity(30e3, place)
+    np.testing.assert_allclose(found, whole.velocity(30e3, place), atol=1e-12)
+    with pytest.raises(lf.ParameterError, match="longitude east of"):
+        wind.velocity(30e3, Place(0.7, 0.0, 835_300_000.0))
+
+
 def test_little_of_a_large_file_is_in_memory(tmp_path, monkeypatch):
     path = tmp_path / "weather.nc"
     canonical().to_netcdf(path, engine="h5netcdf")
@@ -208,6 +223,10 @@ def test_several_files_are_one(tmp_path, monkeypatch):
     monkeypatch.setattr(store, "KEPT", 3000)
     parts = GriddedWind.from_file(tmp_path / "day-*.nc").velocity(30e3, where)
     np.testing.assert_allclose(parts, found, atol=1e-12)
+    other = data.isel(time=[3], latitude=slice(1, None))
+    other.to_netcdf(tmp_path / "day-3.nc", engine="h5netcdf")
+    with pytest.raises(lf.ConfigurationError, match="no one grid: their latitudes or longitudes"):
+        GriddedWind.from_file(tmp_path / "day-*.nc")
     with pytest.raises(lf.ConfigurationError, match="no file has such a name"):
         GriddedWind.from_file(tmp_path / "week-*.nc")
 

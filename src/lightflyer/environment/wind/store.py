@@ -35,6 +35,7 @@ from lightflyer.environment.wind.layouts import (
     open_parts,
     weather_files,
 )
+from lightflyer.environment.wind.reach import next_to
 
 KEPT = 2_500_000
 """Most points of a variable that are in memory at once: of small files, or of a part of others."""
@@ -95,6 +96,10 @@ class Store:
             [np.zeros(1) if name is None else reader(file[name], name) for file in files]
             for name, reader in zip(self._order, readers_of(by_pressure=by_pressure), strict=True)
         ]
+        if any(not np.array_equal(own[0], one) for own in self._own[2:] for one in own):
+            raise ConfigurationError(
+                f"{path}: these files are no one grid: their latitudes or longitudes differ"
+            )
         source = [np.unique(np.concatenate(own)) for own in self._own]
         if source[3][-1] - source[3][0] > _TURN - 1e-6:  # 0° and 360° are both there
             source[3] = source[3][:-1]
@@ -142,8 +147,10 @@ class Store:
 
     def part_at(self, place: Place) -> Part:
         """The part around a place; it goes on from that time."""
-        sizes, west = [axis.size for axis in self.axes], self.axes[3][0]
-        turned = west + (place.longitude - west) % _TURN if self.around else place.longitude
+        sizes, (west, east) = [axis.size for axis in self.axes], self.axes[3][[0, -1]]
+        turned = next_to(0.5 * (west + east), place.longitude)
+        if turned < west and self.around:  # between the last meridian and the first
+            turned += _TURN
         at = [
             int(np.clip(np.searchsorted(self.axes[axis], x, side="right") - 1, 0, sizes[axis] - 1))
             for axis, x in ((0, place.time), (2, place.latitude), (3, turned))

@@ -152,11 +152,11 @@ def fly(
     plan = _Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), tolerance))
     flights = flights_of(mission.design, mission.rule, mission.start, ensemble, launches)
     released = float(release.time)
-    near = parts_at(mission.craft, mission.start.place)
     if inertia is None:
-        require_steady_fall(near, mission.start)
+        require_steady_fall(mission.craft, mission.start)
         first, way = follow(mission.craft, mission.start, *plan.course)
     else:
+        near = parts_at(mission.craft, mission.start.place)
         first = _track_with_inertia(near, mission.start, plan.course, inertia)
         if left_their_part(near, first, released):
             raise ParameterError(
@@ -166,8 +166,9 @@ def fly(
             )
         way = way_between(elapsed, first)
     tracks = fly_many(flights, *plan.course, first)
+    # read once, for all that is looked at below
     known = np.union1d(close_times(way), elapsed[np.isfinite(first.altitude)])
-    craft = with_met_winds(mission.craft, Course(known, *way(known), released))
+    craft = with_met_winds(mission.craft, way(known)[1], released, known)
     closely = close_look(craft, way, released)
     dataset = _fly(mission, craft, plan, first)
     ending = with_end_of_data(mission.setup.environment)

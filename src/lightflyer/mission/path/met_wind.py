@@ -12,7 +12,6 @@ from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.environment.wind.gridded import GriddedWind, parts_along, winds_in_files
 from lightflyer.environment.wind.reach import Reach
 from lightflyer.mission.path.integration import Track
-from lightflyer.mission.path.moments import Course
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.termination import TerminationReason
@@ -48,10 +47,15 @@ def _interpolate(columns: Any, axes: tuple[Axis, Axis], time: Numeric, level: Nu
     return Wind(found[..., 0], found[..., 1], found[..., 2])
 
 
-def with_met_winds(craft: Craft, course: Course) -> Craft:
-    """A flyer whose winds from files are those over the places of a course."""
-    times = np.asarray(course.released + course.elapsed)
-    place = Place(*_places(course.position), times)
+def with_met_winds(craft: Craft, position: Any, released: Any, elapsed: Any) -> Craft:
+    """A flyer whose winds from files are those over some places.
+
+    ``position``: unit vectors, shape (n, 3); ``elapsed``: shape (n,) [s after ``released``].
+    """
+    if not winds_in_files(craft):
+        return craft
+    times, first = np.unique(np.asarray(released) + np.asarray(elapsed), return_index=True)
+    place = Place(*_places(np.asarray(position)[first]), times)
 
     def met(leaf: Any) -> Any:
         if not isinstance(leaf, GriddedWind) or leaf.store is None:

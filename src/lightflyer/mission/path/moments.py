@@ -10,6 +10,7 @@ from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
+from lightflyer.mission.path.met_wind import with_met_winds
 from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.program.entry_point import entry_point
@@ -76,10 +77,15 @@ def node_variables(nodes: tuple[str, ...]) -> dict[str, Variable]:
     }
 
 
-@entry_point
 def moments(craft: Craft, course: Course) -> dict[str, Any]:
     """Results over time of a flyer in balance at each moment [1], shape (times,)."""
+    met = with_met_winds(craft, course.position, course.released, course.elapsed)
+    found: dict[str, Any] = _moments(met, course)
+    return found
 
+
+@entry_point
+def _moments(craft: Craft, course: Course) -> dict[str, Any]:
     def at(elapsed: Array, altitude: Array, position: Array) -> dict[str, Any]:
         return _moment(craft, course.released, elapsed, altitude, position)
 

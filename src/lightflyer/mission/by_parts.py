@@ -6,6 +6,7 @@ the part around them, then others through theirs.
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import jax
@@ -15,7 +16,7 @@ from lightflyer.core.progress import asked_to_end, report, report_to
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Place
 from lightflyer.environment.wind.gridded import GriddedWind, hold, parts_at, winds_in_files
-from lightflyer.mission.fleet import BATCH, FEW, Flights, fly_all, one_of
+from lightflyer.mission.fleet import BATCH, FEW, Flights, fly_all, one_of, take
 from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track
 from lightflyer.mission.path.met_wind import left_their_part
 from lightflyer.mission.path.motion import planet_of
@@ -143,12 +144,10 @@ class _Fleet:
     ) -> None:
         """Fly a stage."""
         flights, track = self._flights, self.track
-        parts = flights.varied, flights.wind_errors, track.end_altitude, track.end_position
-        varied, errors, altitude, position = jax.tree.map(
-            lambda leaf: np.asarray(leaf)[rows], parts
-        )
-        starts = Start(altitude, Place(*_places(position), self._released[rows]))
-        some = Flights(setup, varied, starts, errors, flights.rule)
+        position = np.asarray(track.end_position)[rows]
+        place = Place(*_places(position), self._released[rows])
+        starts = Start(np.asarray(track.end_altitude)[rows], place)
+        some = replace(take(flights, rows), setup=setup, starts=starts)
         found = fly_all(some, limits, times, accuracy, size=min(BATCH, flights.count))
         if len(found.end_altitude) < rows.size:
             return  # asked to end

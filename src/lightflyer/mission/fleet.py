@@ -222,7 +222,8 @@ def fly_all(
     def compute(start: int) -> Track | None:
         if asked_to_end():
             return None
-        return _tracks(_take(flights, start, size), limits, elapsed, accuracy)
+        rows = np.minimum(np.arange(start, start + size), count - 1)  # filled up with the last
+        return _tracks(take(flights, rows), limits, elapsed, accuracy)
 
     if starts:
         report("compiling what flies many at once")
@@ -243,9 +244,8 @@ def one_of(flights: Flights, row: int) -> tuple[Craft, Start]:
     return Craft(eqx.combine(varied, flights.setup), flights.rule, *errors), start
 
 
-def _take(flights: Flights, start: int, size: int) -> Flights:
-    """Some of the flights, filled up with the last one."""
-    rows = np.minimum(np.arange(start, start + size), flights.count - 1)
+def take(flights: Flights, rows: Any) -> Flights:
+    """Some of the flights."""
     parts = (flights.varied, flights.starts, flights.wind_errors, flights.drags)
     varied, starts, errors, drags = jax.tree.map(lambda leaf: np.asarray(leaf)[rows], parts)
     return Flights(flights.setup, varied, starts, errors, drags, flights.rule)

@@ -18,7 +18,6 @@ from lightflyer.environment.base import Place
 from lightflyer.environment.wind.gridded import GriddedWind, hold, parts_at, winds_in_files
 from lightflyer.mission.fleet import BATCH, FEW, Flights, fly_all, one_of, take
 from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track
-from lightflyer.mission.path.met_wind import left_their_part
 from lightflyer.mission.path.motion import planet_of
 from lightflyer.mission.path.position import latitude_and_longitude, unit_vector
 from lightflyer.mission.path.single import follow
@@ -30,6 +29,7 @@ _STEPS, _APART = 2.5, 1.0
 """Duration of a stage, and difference of releases that fly in one part, over the time from one
 entry of the data to the next: a part has four of these or more."""
 
+_AT_END = 1e-3  # Margin to the end of data within which a flight has met it
 _FASTEST = 60.0  # Speed at which a flyer stays in its part throughout a stage [m/s]
 
 
@@ -162,3 +162,16 @@ class _Fleet:
             getattr(track, name)[rows] = getattr(found, name)
         track.steps[rows] += found.steps
         self.flying[rows] = np.equal(found.termination, TerminationReason.STILL_FLYING)
+
+
+def left_their_part(tree: Any, track: Track, released: Any) -> Any:
+    """Whether flights ended though the data of winds from files go on, shape (...).
+
+    ``tree``: that has the winds; ``track``: fields have the shape (...) in front.
+    """
+    place = Place(*_places(track.end_position), released + track.end_elapsed)
+    ended = np.equal(track.termination, TerminationReason.NO_DATA)
+    for wind in winds_in_files(tree):
+        margins = wind.margins(track.end_altitude, place).values()
+        ended = ended & (np.min([*margins], axis=0) > _AT_END)
+    return ended & bool(winds_in_files(tree))

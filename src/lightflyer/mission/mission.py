@@ -21,7 +21,7 @@ from lightflyer.environment.wind.gridded import parts_at
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import Circle
-from lightflyer.mission.by_parts import fly_many
+from lightflyer.mission.by_parts import fly_many, left_their_part
 from lightflyer.mission.fleet import Ensemble, flights_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
@@ -34,8 +34,14 @@ from lightflyer.mission.path.integration import (
     Track,
     track,
 )
-from lightflyer.mission.path.met_wind import left_their_part, with_met_winds
-from lightflyer.mission.path.moments import VARIABLES, Course, Variable, moments, node_variables
+from lightflyer.mission.path.moments import (
+    VARIABLES,
+    Course,
+    Variable,
+    in_met_winds,
+    moments,
+    node_variables,
+)
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.release import (
@@ -168,7 +174,7 @@ def fly(
     tracks = fly_many(flights, *plan.course, first)
     # read once, for all that is looked at below
     known = np.union1d(close_times(way), elapsed[np.isfinite(first.altitude)])
-    craft = with_met_winds(mission.craft, way(known)[1], released, known)
+    craft = in_met_winds(mission.craft, Course(known, *way(known), released))
     closely = close_look(craft, way, released)
     dataset = _fly(mission, craft, plan, first)
     ending = with_end_of_data(mission.setup.environment)

@@ -10,7 +10,8 @@ from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
-from lightflyer.mission.path.met_wind import with_met_winds
+from lightflyer.environment.wind.gridded import winds_in_files
+from lightflyer.environment.wind.met import with_met_winds
 from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.program.entry_point import entry_point
@@ -56,6 +57,7 @@ VARIABLES = {
 NODE = "temperature_{}"  # Name of the temperature of one part of a flyer of several
 
 _DEGREES = 180.0 / np.pi
+_places = entry_point(latitude_and_longitude)
 
 
 class Course(eqx.Module):
@@ -79,9 +81,16 @@ def node_variables(nodes: tuple[str, ...]) -> dict[str, Variable]:
 
 def moments(craft: Craft, course: Course) -> dict[str, Any]:
     """Results over time of a flyer in balance at each moment [1], shape (times,)."""
-    met = with_met_winds(craft, course.position, course.released, course.elapsed)
-    found: dict[str, Any] = _moments(met, course)
+    found: dict[str, Any] = _moments(in_met_winds(craft, course), course)
     return found
+
+
+def in_met_winds(craft: Craft, course: Course) -> Craft:
+    """A flyer whose winds from files are those over its course."""
+    if not winds_in_files(craft):
+        return craft
+    time = np.asarray(course.released) + np.asarray(course.elapsed)
+    return with_met_winds(craft, Place(*_places(np.asarray(course.position)), time))
 
 
 @entry_point

@@ -1,6 +1,6 @@
 """The winds over the places of a flight, where they are in files of which only parts are read."""
 
-from typing import Any
+from typing import Any, TypeVar
 
 import jax
 import numpy as np
@@ -9,17 +9,12 @@ from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.environment.wind.gridded import GriddedWind, parts_along, winds_in_files
+from lightflyer.environment.wind.gridded import GriddedWind, parts_along
 from lightflyer.environment.wind.reach import Reach
-from lightflyer.mission.path.integration import Track
-from lightflyer.mission.path.motion import Craft
-from lightflyer.mission.path.position import latitude_and_longitude
-from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
 
-_places = entry_point(latitude_and_longitude)
-_AT_END = 1e-3  # Margin to the end of data within which a flight has met it
+T = TypeVar("T")
 
 
 class MetWind(AbstractWind):
@@ -47,15 +42,13 @@ def _interpolate(columns: Any, axes: tuple[Axis, Axis], time: Numeric, level: Nu
     return Wind(found[..., 0], found[..., 1], found[..., 2])
 
 
-def with_met_winds(craft: Craft, position: Any, released: Any, elapsed: Any) -> Craft:
-    """A flyer whose winds from files are those over some places.
+def with_met_winds(tree: T, place: Place) -> T:
+    """A tree, such as an environment, whose winds from files are those over some places.
 
-    ``position``: unit vectors, shape (n, 3); ``elapsed``: shape (n,) [s after ``released``].
+    ``place``: fields have the shape (n,).
     """
-    if not winds_in_files(craft):
-        return craft
-    times, first = np.unique(np.asarray(released) + np.asarray(elapsed), return_index=True)
-    place = Place(*_places(np.asarray(position)[first]), times)
+    times, first = np.unique(place.time, return_index=True)
+    place = Place(place.latitude[first], place.longitude[first], times)
 
     def met(leaf: Any) -> Any:
         if not isinstance(leaf, GriddedWind) or leaf.store is None:
@@ -67,18 +60,5 @@ def with_met_winds(craft: Craft, position: Any, released: Any, elapsed: Any) -> 
             columns[here] = np.stack(part.at_level(levels, there), axis=-1)
         return MetWind(leaf.reach, columns, (Axis(times), Axis(levels)))
 
-    found: Craft = jax.tree.map(met, craft, is_leaf=lambda leaf: isinstance(leaf, GriddedWind))
+    found: T = jax.tree.map(met, tree, is_leaf=lambda leaf: isinstance(leaf, GriddedWind))
     return found
-
-
-def left_their_part(tree: Any, track: Track, released: Any) -> Any:
-    """Whether flights ended though the data of winds from files go on, shape (...).
-
-    ``tree``: that has the winds; ``track``: fields have the shape (...) in front.
-    """
-    place = Place(*_places(track.end_position), released + track.end_elapsed)
-    ended = np.equal(track.termination, TerminationReason.NO_DATA)
-    for wind in winds_in_files(tree):
-        margins = wind.margins(track.end_altitude, place).values()
-        ended = ended & (np.min([*margins], axis=0) > _AT_END)
-    return ended & bool(winds_in_files(tree))

@@ -271,7 +271,8 @@ def test_a_steered_mission_says_how_long_it_stays_near_its_station(fly, folder):
     ('"choose-wind"', '"choose"', 'mission.shading.rule = "choose" is unknown'),
     ('lowest = "64 km"', "", "[mission.shading] needs lowest"),
     ('lowest = "64 km"', 'lowest = "95 km"', "highest of the winds to choose from must be above"),
-    ('lowest = "64 km"', 'lowest = "64 ± 1 km"', "lowest takes no ±"),
+    ('lowest = "64 km"', 'lowest = "64 ± 1 km"', 'mission.shading.lowest = "64 ± 1 km": takes no'),
+    ('"10 deg"', '"120 deg"', "must be between 0 and 90 deg"),
     ('"towards-station"', '"level"', "largest_tilt has no effect beside attitude"),
     ('"150 km"', '"150"', 'mission.station.radius: "150" has no unit'),
 ])  # fmt: skip
@@ -280,3 +281,13 @@ def test_a_mistake_in_steering_is_said_with_its_place(fly, old, new, said):
     assert code == 2
     assert said in errors
     assert "mission.toml:" in errors
+
+
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ('latitude = "45 deg"', 'latitude = "45 ± 1 deg"', "is position_uncertainty in [mission.en"),
+    ('[flyer]\n', '[flyer]\ntilt = "10 deg"\n', 'tilt has no effect beside attitude = "level"'),
+])  # fmt: skip
+def test_what_has_no_effect_on_a_mission_is_said(fly, old, new, said):
+    code, _, errors = fly((old, new), ("[mission]\n", '[mission]\nattitude = "level"\n'))
+    assert code == 2
+    assert said in errors

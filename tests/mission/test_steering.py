@@ -263,6 +263,47 @@ def test_a_rule_of_ones_own_flies_and_so_does_an_ensemble_of_it(closed_form_disk
     assert np.all(members < 7200.0)
 
 
+def own_rule(**methods):
+    """A rule of a user's own, some of whose methods are others."""
+    return type("Mine", (Daytime,), methods)()
+
+
+@pytest.mark.parametrize(("methods", "said"), [
+    ({"light": lambda self, moment: 2.0}, "Mine.light gives 2.0; it is one number from 0 to 1"),
+    ({"light": lambda self, moment: np.nan}, "Mine.light gives nan"),
+    ({"light": lambda self, moment: np.ones(2)}, "one number from 0 to 1"),
+    ({"light": lambda self, moment: "bright"}, "Mine.light"),
+    ({"light": lambda self, moment: 0.5 if moment.altitude > 80e3 else 1.0}, "write jax.numpy.wh"),
+    ({"attitude": lambda self, moment: 0.2}, "attitude of Mine must be"),
+    ({"attitude": lambda self, moment: moment.tilt}, "Mine.attitude: .*tilt"),
+])  # fmt: skip
+def test_a_rule_that_serves_no_flight_is_named(closed_form_disk, lit_air, methods, said):
+    with pytest.raises(lf.ParameterError, match=said):
+        lf.fly(
+            closed_form_disk(2e-3), lit_air(), lf.FreeMolecular(), duration="1 h",
+            release=Release("75 km", **RELEASE), attitude=own_rule(**methods),
+        )  # fmt: skip
+
+
+def test_a_balloon_is_not_tilted_towards_its_station(station):
+    film = lf.FilmProperties(1e-2, 0.9, 0.5, 0.5, 0.9, 0.9)
+    with pytest.raises(lf.ParameterError, match="a balloon hangs upright"):
+        lf.fly(
+            lf.Balloon(film, radius=3.0), lf.Earth(), lf.BalloonConvection(), duration="1 h",
+            release=Release("20 km", **RELEASE), attitude=lf.mission.TowardsStation(station),
+        )  # fmt: skip
+
+
+def test_there_is_nothing_to_choose_in_the_same_wind_everywhere(closed_form_disk, lit_air, station):
+    wind = lf.environment.UniformWind(east=5.0)
+    flown = lf.fly(
+        closed_form_disk(2e-3), lit_air(wind), lf.FreeMolecular(), duration="10 min",
+        release=Release("75 km", **RELEASE),
+        attitude=lf.mission.Shaded(lf.mission.ChooseWind(station, "66 km", "78 km")),
+    )  # fmt: skip
+    assert "the wind is the same at all altitudes to choose from" in flown.attrs["warnings"]
+
+
 def test_a_lowest_wind_above_the_highest_is_refused(station):
     with pytest.raises(lf.ParameterError, match="highest of the winds"):
         lf.mission.ChooseWind(station, "80 km", "70 km")

@@ -228,7 +228,7 @@ LinearDensity = Annotated[
 ]  # fmt: skip
 GroundDistance = Annotated[
     Numeric, Quantity("m", 0.0, open_below=True, sizes=(1.0, 1e8),
-        why="no planet under a flyer is wider"),
+        why="a place is wider than a metre and narrower than a planet"),
 ]  # fmt: skip
 Altitude = Annotated[
     Numeric, Quantity("m", 0.0, sizes=(0.0, 1e9), why="the moon is nearer than that"),
@@ -340,11 +340,13 @@ StandardErrors = Annotated[
 ]  # fmt: skip
 Incidence = Annotated[Numeric, Quantity("deg", 0.0, 90.0)]
 Tilt = Annotated[Numeric, Quantity("deg", 0.0, 180.0)]
+Steepness = Annotated[Numeric, Quantity("deg", 0.0, 90.0)]
 Azimuth = Annotated[Numeric, Quantity("deg", -360.0, 360.0)]
 SolarLongitude = Annotated[Numeric, Quantity("deg", 0.0, 360.0)]
 Latitude = Annotated[Numeric, Quantity("deg", -90.0, 90.0)]
 Longitude = Annotated[Numeric, Quantity("deg", -180.0, 360.0)]
 PolarAngle = Annotated[Numeric, Quantity("rad", 0.0, math.pi)]
+LargestTilt = Annotated[Numeric, Quantity("rad", 0.0, 0.5 * math.pi)]
 Angle = Annotated[Numeric, Quantity("rad", -2.0 * math.pi, 2.0 * math.pi)]
 PlanetRadius = Annotated[
     Numeric, Quantity("m", 0.0, open_below=True, sizes=(1e5, 1e8),

@@ -48,6 +48,7 @@ from lightflyer.mission.path.release import (
     Release,
     limits_of,
     require_release_inside,
+    require_rule,
     require_steady_fall,
 )
 from lightflyer.mission.path.single import follow, way_between
@@ -152,7 +153,7 @@ def fly(
     limits = limits_of(mission.setup.environment, lowest, highest)
     require_release_inside(release, limits)
     with float64():  # raises where the data of winds or ground do not reach
-        mission.setup.environment.state(float(release.altitude), mission.start.place)
+        remarks = require_rule(mission.craft, mission.start)
     several = ensemble is not None or len(launches) > 0
     elapsed = times_of(duration, every, several=several)
     plan = _Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), tolerance))
@@ -179,7 +180,7 @@ def fly(
     dataset = _fly(mission, craft, plan, first)
     ending = with_end_of_data(mission.setup.environment)
     add_events(dataset, events_of(craft, way, *closely, ending))
-    told = [*mission.design.warnings, *diagnose_flight(craft, *closely)]
+    told = [*mission.design.warnings, *remarks, *diagnose_flight(craft, *closely)]
     flown = len(tracks.end_altitude)
     whole = flown == flights.count  # unless a user ended it early
     if not whole:

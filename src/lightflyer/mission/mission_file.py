@@ -15,6 +15,9 @@ _MISSION = "mission"
 _SHARED = ("date", "latitude", "longitude")
 """Keys that ``[environment]`` takes from ``[mission]`` where it leaves them out."""
 
+_LYING = {"tilt", "azimuth"}
+"""Keys of ``[flyer]`` that say how it lies."""
+
 _OF_GIVEN_LIGHT = {"sun", "irradiance", "incidence"}
 """Keys of ``[environment]`` that say what the light is, so that the sun need not move."""
 
@@ -106,6 +109,13 @@ def mission_of_text(text: str, path: Path) -> MissionFile:
         if own is not None and own != part.get(_MISSION, {}).get(key, own):
             place = place_of(["environment", key], text, path)
             missions_mistakes.append(f"{place}: {key} is not that of [mission]; leave it out here")
+    attitude = "own" if mission is None else mission.mission.attitude
+    if attitude != "own" and isinstance(rest.get("flyer"), dict):
+        missions_mistakes += [
+            f"{place_of(['flyer', key], text, path)}: {key} has no effect beside attitude = "
+            f'"{attitude}" of [mission]; "own" has it'
+            for key in sorted(_LYING & rest["flyer"].keys())
+        ]
     # the place of a mission that is mistaken would be found mistaken again
     placed = _place(rest, {} if mission is None else part[_MISSION])
     file, mistakes = check(flyer_file_type(), placed, text, path, MISSION_FILE)

@@ -17,7 +17,7 @@ from lightflyer.core.quantity import (
     GroundDistance,
     Latitude,
     Longitude,
-    Tilt,
+    Steepness,
 )
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Alternative, Section, Spelling, any_of
@@ -44,10 +44,26 @@ _Launches = Annotated[int, pydantic.Field(strict=True, ge=1, le=MOST_LAUNCHES)]
 _RULES = ("own", "level", "follow-sun", "towards-station")
 _TILTED = {"largest_tilt": ("follow-sun", "towards-station"), "tilt_share": ("follow-sun",)}
 _STATION_RADIUS = Measured(100e3)  # m, unless the file says otherwise
-_PLACE = ("latitude", "longitude")
+_OF_PLACE = "; the release's is position_uncertainty in [mission.ensemble]"
 
 
-class EnsembleSection(Section, of=Ensemble):
+class _Exact(Section):
+    """A section whose numbers take no ±, but for those named."""
+
+    uncertain: ClassVar[tuple[str, ...]] = ()
+    instead: ClassVar[Mapping[str, str]] = {}  # What states the ± of some
+
+    @pydantic.field_validator("*")
+    @classmethod
+    def _is_exact(cls, value: Any, info: pydantic.ValidationInfo) -> Any:
+        key = str(info.field_name)
+        spread = value.uncertainty if isinstance(value, Measured) else None
+        if spread is not None and key not in cls.uncertain:
+            raise ConfigurationError(f"takes no ±{cls.instead.get(key, '')}")
+        return value
+
+
+class EnsembleSection(_Exact, of=Ensemble):
     """``[mission.ensemble]``: flights within every ±."""
 
     spelled: ClassVar[Mapping[str, Spelling]] = {
@@ -63,7 +79,7 @@ class EnsembleSection(Section, of=Ensemble):
     time_uncertainty: Duration | None = None
 
 
-class LaunchesSection(Section):
+class LaunchesSection(_Exact):
     """``[mission.launches]``: the same flyer released again and again."""
 
     every: Duration
@@ -75,7 +91,7 @@ class LaunchesSection(Section):
         return [self.every.value * (1 + number) for number in range(self.count)]
 
 
-class StationSection(Section, of=Circle):
+class StationSection(_Exact, of=Circle):
     """``[mission.station]``: a place near which the flyer is to stay."""
 
     latitude: Latitude | None = None  # by default that of the release
@@ -83,7 +99,7 @@ class StationSection(Section, of=Circle):
     radius: GroundDistance = _STATION_RADIUS
 
 
-class ShadingSection(Alternative, abc.ABC):
+class ShadingSection(_Exact, Alternative, abc.ABC):
     """``[mission.shading]``: how the flyer lets in less light than there is."""
 
     choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = (("rule", "hold-altitude"),)
@@ -113,8 +129,11 @@ class ChooseWindSection(ShadingSection, of=ChooseWind):
         return shading
 
 
-class MissionSection(Section, of=Release):
+class MissionSection(_Exact, of=Release):
     """``[mission]``: from where and when, for how long, and how the flyer lies."""
+
+    uncertain: ClassVar[tuple[str, ...]] = ("altitude",)
+    instead: ClassVar[Mapping[str, str]] = dict.fromkeys(("latitude", "longitude"), _OF_PLACE)
 
     date: datetime.datetime
     latitude: Latitude
@@ -124,7 +143,7 @@ class MissionSection(Section, of=Release):
     every: Duration | None = None
     attitude: Literal[_RULES] = "own"  # type: ignore[valid-type]
     tilt_share: Fraction | None = None
-    largest_tilt: Tilt | None = None
+    largest_tilt: Steepness | None = None
     shading: any_of(ShadingSection) | None = None  # type: ignore[valid-type]
     station: StationSection | None = None
     lowest_altitude: Altitude | None = None
@@ -142,11 +161,7 @@ class MissionSection(Section, of=Release):
         }
 
     @pydantic.model_validator(mode="after")
-    def _exact(self) -> "MissionSection":
-        for part in (self, self.shading, self.station, self.launches):
-            for key, value in () if part is None else part:
-                if key != "altitude" or part is not self:
-                    _require_exact(key, value)
+    def _agrees(self) -> "MissionSection":
         if self.every is not None and self.every.value > self.duration.value:
             raise ConfigurationError(
                 f"every, {self.every.value:g} s, is longer than the duration, "
@@ -220,9 +235,3 @@ class MissionSection(Section, of=Release):
 
 def _radians(angle: Measured) -> float:
     return angle.value * RADIANS_PER_DEGREE
-
-
-def _require_exact(key: str, value: Any) -> None:
-    if isinstance(value, Measured) and value.uncertainty is not None:
-        placed = "; the release's is position_uncertainty in [mission.ensemble]"
-        raise ConfigurationError(f"{key} takes no ±{placed if key in _PLACE else ''}")

@@ -6,7 +6,7 @@ from typing import Any
 import equinox as eqx
 import jax.numpy as jnp
 
-from lightflyer.core.quantity import RADIANS_PER_DEGREE, Checked, Fraction, PolarAngle
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, Checked, Fraction, LargestTilt
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment, Place, Wind
 from lightflyer.environment.radiation import Attitude, Radiation
@@ -48,6 +48,11 @@ class Moment(eqx.Module):
 class AbstractAttitudeRule(Checked):
     """Rule that gives the attitude of a flyer. Subclasses are final."""
 
+    @property
+    def tilts(self) -> bool:
+        """Whether it is of use only to a flyer that tilts."""
+        return False
+
     @abc.abstractmethod
     def attitude(self, moment: Moment) -> Attitude | None:
         """Attitude at a moment of the flight; None means level."""
@@ -56,6 +61,11 @@ class AbstractAttitudeRule(Checked):
         """Share of the light that the flyer lets in [1]; None means all, at all times."""
         del moment
         return None
+
+    def remarks(self, moment: Moment) -> tuple[str, ...]:
+        """What to warn of at the release; numbers are concrete."""
+        del moment
+        return ()
 
     @abc.abstractmethod
     def describe(self) -> str:
@@ -103,7 +113,11 @@ class FollowSun(AbstractAttitudeRule):
     """
 
     share: Fraction = 0.5
-    largest: PolarAngle = 0.25 * jnp.pi
+    largest: LargestTilt = 0.25 * jnp.pi
+
+    @property
+    def tilts(self) -> bool:
+        return True
 
     def attitude(self, moment: Moment) -> Attitude | None:
         light = moment.radiation
@@ -133,7 +147,11 @@ class TowardsStation(AbstractAttitudeRule):
     """
 
     station: Circle
-    largest: PolarAngle = RADIANS_PER_DEGREE * 15.0
+    largest: LargestTilt = RADIANS_PER_DEGREE * 15.0
+
+    @property
+    def tilts(self) -> bool:
+        return True
 
     def attitude(self, moment: Moment) -> Attitude | None:
         east, north = moment.way_to(self.station)

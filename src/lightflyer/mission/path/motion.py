@@ -93,15 +93,19 @@ class Craft(eqx.Module):
     def surroundings(self, altitude: Numeric, place: Place, elapsed: Numeric) -> Surroundings:
         """What surrounds the flyer, and how it lies there; ``elapsed``: time since the release."""
         state = self.setup.environment.state(altitude, place)
-        flyer = self.setup.flyer
+        moment = self.moment(altitude, place, elapsed, state)
+        lying = with_attitude(self.setup.flyer, self.rule.attitude(moment))
+        return Surroundings(lying, state, moment.wind, self.rule.light(moment), self.drag)
+
+    def moment(
+        self, altitude: Numeric, place: Place, elapsed: Numeric, state: EnvironmentState
+    ) -> Moment:
+        """What the rule sees in some state of the surroundings."""
         wind = Wind(0.0, 0.0, 0.0) if state.wind is None else state.wind
         if self.wind_error is not None:
             wind = self.wind_error.add_to_wind(wind, place, elapsed)
-        moment = Moment(
-            elapsed, altitude, place, state.radiation, wind, flyer.attitude, self.setup.environment
-        )
-        lying = with_attitude(flyer, self.rule.attitude(moment))
-        return Surroundings(lying, state, wind, self.rule.light(moment), self.drag)
+        flyer, environment = self.setup.flyer, self.setup.environment
+        return Moment(elapsed, altitude, place, state.radiation, wind, flyer.attitude, environment)
 
     def heat(self, around: Surroundings) -> Equilibrium:
         return equilibrium(around.flyer, around.lit, self.setup.model, throw=False)

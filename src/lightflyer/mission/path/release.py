@@ -1,9 +1,11 @@
 """Where and when a flyer is released."""
 
 import math
+from types import NoneType
 from typing import Any
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -16,8 +18,11 @@ from lightflyer.core.quantity import (
     Checked,
     Latitude,
     Longitude,
+    require_record,
 )
 from lightflyer.environment.base import AbstractEnvironment, Place
+from lightflyer.environment.radiation import Attitude
+from lightflyer.mission.path.attitude import AbstractAttitudeRule, Moment
 from lightflyer.mission.path.integration import Limits, Start
 from lightflyer.mission.path.moments import Course, moments
 from lightflyer.mission.path.motion import Craft
@@ -28,6 +33,7 @@ _INERTIA = 0.1
 """Square of the speed over R T, up to which a flyer is in balance: the time that it takes to come
 there over that in which it falls through a scale height of the gas."""
 
+_PACKAGE = __name__.partition(".")[0]
 _unit_vector = entry_point(unit_vector)
 _YEARS = 1950, 2050  # in which the algorithm of the sun's place is good to 0.002°
 
@@ -120,4 +126,40 @@ def require_release_inside(release: Release, limits: Limits) -> None:
             raise ParameterError(
                 f"release altitude {altitude / 1e3:g} km is {what} altitude of the mission, "
                 f"{float(end) / 1e3:g} km"
+            )
+
+
+def require_rule(craft: Craft, start: Start) -> tuple[str, ...]:
+    """Raise unless a rule of attitude serves a flyer; returns what to warn of."""
+    rule, name = craft.rule, type(craft.rule).__name__
+    if rule.tilts and craft.setup.flyer.floats:
+        raise ParameterError(
+            f"{name}: a balloon hangs upright; its attitude is its own or level, and shading steers"
+        )
+    state = craft.setup.environment.state(start.altitude, start.place)
+    moment = craft.moment(start.altitude, start.place, np.float64(0.0), state)
+    if type(rule).__module__.partition(".")[0] != _PACKAGE:
+        _require_own(rule, moment)
+    return rule.remarks(moment)
+
+
+def _require_own(rule: AbstractAttitudeRule, moment: Moment) -> None:
+    """Raise unless a rule of a user's own gives an attitude and a share of the light."""
+    name = type(rule).__name__
+    for method in ("attitude", "light"):
+        try:
+            jax.eval_shape(lambda moment, method=method: getattr(rule, method)(moment), moment)
+            found = getattr(rule, method)(moment)
+        except jax.errors.ConcretizationTypeError:
+            raise ParameterError(
+                f"{name}.{method} decides by a number of the moment, which flights computed "
+                "together do not have alike; write jax.numpy.where(condition, this, that)"
+            ) from None
+        except (TypeError, ValueError, AttributeError) as error:
+            raise ParameterError(f"{name}.{method}: {str(error).splitlines()[0]}") from None
+        if method == "attitude":
+            require_record(f"attitude of {name}", (Attitude, NoneType), found)
+        elif found is not None and not (np.ndim(found) == 0 and 0.0 <= float(found) <= 1.0):
+            raise ParameterError(
+                f"{name}.light gives {np.asarray(found)}; it is one number from 0 to 1"
             )

@@ -24,6 +24,7 @@ _LEVELS = 21  # Altitudes of which the wind is compared
 _ALIKE = 2e3
 """Difference of two misses of a station that is hardly worth another altitude [m]."""
 _HOURS = 3600.0
+_SHEAR = 0.1  # Difference of the winds below which there is nothing to choose [m/s]
 
 
 class AbstractShading(Checked):
@@ -32,6 +33,11 @@ class AbstractShading(Checked):
     @abc.abstractmethod
     def light(self, moment: Moment) -> Numeric:
         """Share of the light, of its reflection too [1]."""
+
+    def remarks(self, moment: Moment) -> tuple[str, ...]:
+        """What to warn of at the release; numbers are concrete."""
+        del moment
+        return ()
 
     @abc.abstractmethod
     def describe(self) -> str:
@@ -97,9 +103,21 @@ class ChooseWind(AbstractShading):
     def light(self, moment: Moment) -> Numeric:
         return _let_in(moment, self.wanted(moment), self.width)
 
+    def remarks(self, moment: Moment) -> tuple[str, ...]:
+        wind = moment.wind_at(np.asarray(self._altitudes()))
+        if max(np.ptp(wind.east), np.ptp(wind.north)) >= _SHEAR:
+            return ()
+        return (
+            "the wind is the same at all altitudes to choose from: none leads nearer to the "
+            "station, and the flyer is held in their middle",
+        )
+
+    def _altitudes(self) -> Array:
+        return self.lowest + (self.highest - self.lowest) * jnp.linspace(0.0, 1.0, _LEVELS)
+
     def wanted(self, moment: Moment) -> Array:
         """Altitude that it makes for [m]."""
-        altitudes = self.lowest + (self.highest - self.lowest) * jnp.linspace(0.0, 1.0, _LEVELS)
+        altitudes = self._altitudes()
         wind = moment.wind_at(altitudes)
         east, north = moment.way_to(self.station)
         missed = jnp.hypot(east - wind.east * self.ahead, north - wind.north * self.ahead)
@@ -133,8 +151,15 @@ class Shaded(AbstractAttitudeRule):
     shading: AbstractShading
     rule: AbstractAttitudeRule = eqx.field(default_factory=Level)
 
+    @property
+    def tilts(self) -> bool:
+        return self.rule.tilts
+
     def attitude(self, moment: Moment) -> Attitude | None:
         return self.rule.attitude(moment)
+
+    def remarks(self, moment: Moment) -> tuple[str, ...]:
+        return self.rule.remarks(moment) + self.shading.remarks(moment)
 
     def light(self, moment: Moment) -> Numeric | None:
         return self.shading.light(moment)

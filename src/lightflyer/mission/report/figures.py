@@ -76,9 +76,7 @@ def _altitude(dataset: "xr.Dataset") -> Figure:
     shade_nights(axes, dataset)
     time = dataset.time.values
     if "ensemble_altitude" in dataset:
-        low, high = _spread(dataset.ensemble_altitude.values / _KILOMETRE)
-        label = "95 % of the ensemble still flying"
-        axes.fill_between(time, low, high, color=SKY, alpha=0.5, linewidth=0.0, label=label)
+        _draw_spread(axes, time, dataset.ensemble_altitude.values / _KILOMETRE)
     axes.plot(time, dataset.altitude / _KILOMETRE, color=BLUE, label="flyer as stated")
     end = time[0] + np.timedelta64(round(float(dataset.end_elapsed) * 1e9), "ns")
     altitude = float(dataset.end_altitude) / _KILOMETRE
@@ -97,7 +95,12 @@ def _flight(dataset: "xr.Dataset") -> Figure:
     lift.axhline(1.0, color=GREY, linewidth=0.8)
     lift.plot(time, dataset.lift_over_weight, color=BLUE)
     lift.set_ylabel("lift / weight")
-    light.plot(time, dataset.irradiance, color=ORANGE)
+    light.plot(time, dataset.irradiance, color=ORANGE, label="light there is")
+    if "light_share" in dataset:
+        let_in = dataset.irradiance * dataset.light_share
+        light.plot(time, let_in, color=GREY, linestyle="--", label="let in")
+        light.legend(fontsize="small")
+    light.set_ylim(bottom=0.0)
     light.set_ylabel("light [W/m²]")
     heat.plot(time, dataset.temperature, color=VERMILION, label="flyer")
     heat.plot(time, dataset.gas_temperature, color=GREY, linestyle="--", label="gas")
@@ -171,14 +174,12 @@ def _station(dataset: "xr.Dataset") -> Figure:
     shade_nights(axes, dataset)
     time = dataset.time.values
     if "ensemble_station_distance" in dataset:
-        low, high = _spread(dataset.ensemble_station_distance.values / _KILOMETRE)
-        label = "95 % of the ensemble still flying"
-        axes.fill_between(time, low, high, color=SKY, alpha=0.5, linewidth=0.0, label=label)
+        _draw_spread(axes, time, dataset.ensemble_station_distance.values / _KILOMETRE)
     axes.plot(time, dataset.station_distance / _KILOMETRE, color=BLUE, label="flyer as stated")
     radius = dataset.attrs["station_radius_km"]
     axes.axhline(radius, color=GREY, linestyle="--", label=dataset.attrs["station"])
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel("distance from its middle [km]")
+    axes.set_ylabel("distance from the station's\nmiddle [km]")
     draw_over_time(axes, dataset)
     legend_below(axes)
     return figure
@@ -226,6 +227,18 @@ def draw_over_time(axes: Axes, dataset: "xr.Dataset") -> None:
     axes.xaxis.set_major_formatter(written)
     axes.set_xlim(dataset.time.values[0], dataset.time.values[-1])
     axes.set_xlabel("UTC")
+
+
+def _draw_spread(axes: Axes, time: np.ndarray, values: np.ndarray) -> None:
+    """95 % interval of an ensemble, or its members where they are too few for one; (n, times)."""
+    low, high = _spread(values)
+    if np.isfinite(low).any():
+        label = "95 % of the ensemble still flying"
+        axes.fill_between(time, low, high, color=SKY, alpha=0.5, linewidth=0.0, label=label)
+        return
+    for number, line in enumerate(values):
+        label = "" if number else "members of the ensemble"
+        axes.plot(time, line, color=SKY, linewidth=0.8, label=label)
 
 
 def _spread(altitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

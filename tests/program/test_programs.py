@@ -16,7 +16,7 @@ from lightflyer.config.flyer_file import flyer_file_type
 from lightflyer.config.reader import read_design
 from lightflyer.design.tables import tabulate
 from lightflyer.program import entry_point as entry_points
-from lightflyer.program import kept
+from lightflyer.program import kept, tracing
 from lightflyer.program.entry_point import elementwise_entry_point, entry_point, run_by
 from lightflyer.program.numpy_backend import Bound, require_supported, run
 from lightflyer.program.operations import UnsupportedError
@@ -343,3 +343,16 @@ def test_the_least_used_go_first(folder, monkeypatch):
     entry_point(_square)(np.ones((2, 3)))
     (left,) = folder.glob("*.program")
     assert left != old
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("size", [1, 2, 3, 8, 9, 100])
+def test_tables_are_searched_as_numpy_does(rng, side, size):
+    """JAX before 0.12 writes the search out by itself."""
+    nodes = np.sort(rng.integers(0, 20, size).astype(float))
+    values = np.concatenate([rng.uniform(-2.0, 22.0, 50), nodes, [np.nan, np.inf, -np.inf]])
+    with lf.float64():
+        found = tracing._search_sorted(jnp.asarray(nodes), jnp.asarray(values), side)
+        total = tracing._horner(jnp.asarray(values[:50]), *map(jnp.asarray, nodes))
+    np.testing.assert_array_equal(found, np.searchsorted(nodes, values, side))
+    np.testing.assert_allclose(total, np.polynomial.polynomial.polyval(values[:50], nodes))

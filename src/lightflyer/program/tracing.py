@@ -393,8 +393,9 @@ def _search_sorted(nodes: jax.Array, values: jax.Array, side: str) -> jax.Array:
     def halve(_: Any, found: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
         low, high = found
         middle = (low + high) // 2
-        after = nodes[middle] <= values if side == "right" else nodes[middle] < values
-        return jnp.where(after, middle, low), jnp.where(after, high, middle)
+        node = nodes[middle]  # what is no number comes after all nodes
+        before = values < node if side == "right" else values <= node
+        return jnp.where(before, low, middle), jnp.where(before, middle, high)
 
     # a place before the first node, too, so that one step more than halvings of the nodes
     steps = math.ceil(math.log2(nodes.size + 1))

@@ -14,12 +14,13 @@ import lightflyer as lf
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.progress import ask_to_end, ends_early
 from lightflyer.files.result_text import as_text
+from lightflyer.mission.areas import units_of
 from lightflyer.mission.measured.explanation import (
     independent_number,
     interval_half_width,
     weights_of,
 )
-from lightflyer.mission.measured.geometry import apart, positions
+from lightflyer.mission.measured.geometry import apart
 from lightflyer.mission.measured.summary import comparison_parts, summarise_comparison
 from lightflyer.mission.measured.winds import WindOfTrack, wind_differences
 from lightflyer.mission.path.integration import Accuracy, Limits
@@ -209,7 +210,7 @@ def test_along_and_across_are_those_of_a_track_that_goes_north():
     track = lf.mission.MeasuredTrack.from_arrays(
         60.0 * np.arange(50), latitude, np.full(50, 7.0), np.full(50, 20e3)
     )
-    found = apart(track, positions(latitude - 0.02, np.full(50, 7.01)), ROUND)
+    found = apart(track, units_of(latitude - 0.02, np.full(50, 7.01)), ROUND)
     degree = ROUND * np.pi / 180.0
     np.testing.assert_allclose(found.along, 0.02 * degree, rtol=1e-3)
     east = 0.01 * degree * np.cos(np.radians(latitude))

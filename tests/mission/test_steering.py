@@ -287,11 +287,15 @@ def test_a_rule_that_serves_no_flight_is_named(closed_form_disk, lit_air, method
 
 def test_a_balloon_is_not_tilted_towards_its_station(station):
     film = lf.FilmProperties(1e-2, 0.9, 0.5, 0.5, 0.9, 0.9)
+    flight = {
+        "duration": "1 h", "release": Release("20 km", **RELEASE),
+        "attitude": lf.mission.TowardsStation(station),
+    }  # fmt: skip
+    what = lf.Balloon(film, radius=3.0), lf.Earth(), lf.BalloonConvection()
     with pytest.raises(lf.ParameterError, match="a balloon hangs upright"):
-        lf.fly(
-            lf.Balloon(film, radius=3.0), lf.Earth(), lf.BalloonConvection(), duration="1 h",
-            release=Release("20 km", **RELEASE), attitude=lf.mission.TowardsStation(station),
-        )  # fmt: skip
+        lf.fly(*what, **flight)
+    with pytest.raises(lf.ParameterError, match="a balloon hangs upright"):
+        lf.mission.disperse_ensemble(*what, **flight, ensemble=lf.mission.Ensemble(3))
 
 
 def test_there_is_nothing_to_choose_in_the_same_wind_everywhere(closed_form_disk, lit_air, station):

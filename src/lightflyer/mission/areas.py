@@ -56,10 +56,7 @@ class Circle(AbstractArea):
 
     def distances(self, position: np.ndarray, planet_radius: float) -> np.ndarray:
         """Distances of positions from the middle, along the ground [m], shape (...)."""
-        middle = units_of(self.latitude, self.longitude)
-        # by the chord, which small distances do not round away
-        chord = np.linalg.norm(position - middle, axis=-1)
-        return np.asarray(2.0 * planet_radius * np.arcsin(np.minimum(0.5 * chord, 1.0)))
+        return distances_between(position, units_of(self.latitude, self.longitude), planet_radius)
 
     @property
     def middle(self) -> str:
@@ -114,6 +111,13 @@ class Polygon(AbstractArea):
     def describe(self) -> str:
         corners = zip(np.asarray(self.latitudes), np.asarray(self.longitudes), strict=True)
         return "polygon of " + "; ".join(_describe(*map(float, corner)) for corner in corners)
+
+
+def distances_between(one: np.ndarray, other: np.ndarray, planet_radius: float) -> np.ndarray:
+    """Along the ground, in the unit of the radius, shape (...); unit vectors (..., 3)."""
+    # by the chord, which small distances do not round away
+    chord = np.linalg.norm(one - other, axis=-1)
+    return np.asarray(2.0 * planet_radius * np.arcsin(np.minimum(0.5 * chord, 1.0)))
 
 
 def units_of(latitude: Any, longitude: Any) -> np.ndarray:

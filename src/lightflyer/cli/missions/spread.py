@@ -45,7 +45,7 @@ def spread_command(
     asked, out = out, figures.folder(out)
     from lightflyer.mission.mission_file import read_mission_file
     from lightflyer.mission.report.figures import plot_spread
-    from lightflyer.mission.report.summary import summarise_spread
+    from lightflyer.mission.report.summary import summarise
     from lightflyer.mission.report.text import spread_parts
     from lightflyer.mission.swarms.spreading import disperse_ensemble
 
@@ -54,7 +54,7 @@ def spread_command(
     dataset = disperse_ensemble(
         mission.design, **mission.swarm_arguments(members), folder=folder, scheduler=scheduler
     )
-    found = summarise_spread(dataset)
+    found = summarise(dataset)
     dataset.attrs["configuration"] = mission.design.text
     files = {
         "spread.nc": lambda path: dataset.to_netcdf(path, engine="h5netcdf"),

@@ -2,11 +2,11 @@
 
 import abc
 from collections.abc import Mapping
-from functools import cache, reduce
-from typing import Annotated, Any, ClassVar, Literal
+from functools import cache
+from typing import Any, ClassVar, Literal
 
 import pydantic
-from pydantic import Discriminator, Tag, ValidationInfo
+from pydantic import ValidationInfo
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import GeomagneticIndex, SolarFlux, Velocity
@@ -22,7 +22,7 @@ from lightflyer.environment.wind.gridded import GriddedWind
 from lightflyer.environment.wind.hwm14 import HWM14
 from lightflyer.environment.wind.store import Store, changes_of, open_wind
 from lightflyer.environment.wind.uniform import SumOfWinds, UniformWind
-from lightflyer.files.section import Alternative
+from lightflyer.files.section import Alternative, any_of
 from lightflyer.files.toml_file import file_beside
 
 _NO_ACTIVITY = (
@@ -175,13 +175,5 @@ def _grid_of(path: str, changed: tuple[int, ...]) -> WindGrid | Store:  # noqa: 
     return open_wind(path)
 
 
-def _any(sections: list[Any]) -> Any:
-    return Annotated[
-        reduce(lambda one, other: one | other, sections), Discriminator(WindSection.tag_of)
-    ]
-
-
-AnyWindSection: Any = _any(
-    [Annotated[kind, Tag(tag)] for tag, kind in WindSection.alternatives.items()]
-)
+AnyWindSection: Any = any_of(WindSection)
 """Any section of a wind."""

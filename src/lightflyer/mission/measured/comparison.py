@@ -29,7 +29,12 @@ from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.integration import TOLERANCE, Accuracy
 from lightflyer.mission.path.moments import Variable
 from lightflyer.mission.path.motion import Craft, planet_of
-from lightflyer.mission.path.release import Release, limits_of, require_release_inside
+from lightflyer.mission.path.release import (
+    Release,
+    limits_of,
+    require_release_inside,
+    require_rule,
+)
 from lightflyer.mission.path.single import follow
 from lightflyer.mission.report.dataset import degrees_of
 from lightflyer.mission.report.summary import SECONDS_AN_HOUR
@@ -135,6 +140,7 @@ def compare_track(
     require_release_inside(release, limits)
     with float64():
         start = release.start()
+        require_rule(Craft(setup, rule), start)
     span = float(times_of(duration)[-1])
     craft, released = Craft(setup, rule), float(release.time)
     require_shared_time(measured, released, released + span)

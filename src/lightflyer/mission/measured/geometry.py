@@ -5,13 +5,13 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from lightflyer.core.quantity import RADIANS_PER_DEGREE
 from lightflyer.environment.planet import Planet
+from lightflyer.mission.areas import units_of
 from lightflyer.mission.measured.track import MeasuredTrack
-from lightflyer.mission.path.position import directions, unit_vector
+from lightflyer.mission.path.position import directions
 from lightflyer.program.entry_point import entry_point
 
-_unit_vector, _directions = entry_point(unit_vector), entry_point(directions)
+_directions = entry_point(directions)
 _LOOK = 300.0  # to either side, by which the direction of a track is found [s]
 _AT_REST = 0.1  # speed below which it has no direction that receivers could show [m/s]
 
@@ -33,14 +33,9 @@ class Moved(NamedTuple):
     altitude: np.ndarray  # [m]
 
 
-def positions(latitude: np.ndarray, longitude: np.ndarray) -> np.ndarray:
-    """Unit vectors (n, 3) of places [deg]."""
-    return np.asarray(_unit_vector(latitude * RADIANS_PER_DEGREE, longitude * RADIANS_PER_DEGREE))
-
-
 def apart(track: MeasuredTrack, flown: np.ndarray, radius: float) -> Apart:
     """How far a track is from a flight at its fixes; ``flown`` (n, 3): unit vectors."""
-    measured = positions(track.latitude, track.longitude)
+    measured = units_of(track.latitude, track.longitude)
     away = -_tangential(flown, measured)
     sine = np.linalg.norm(away, axis=1)
     distance = radius * np.arctan2(sine, np.sum(flown * measured, axis=1))
@@ -58,7 +53,7 @@ def apart(track: MeasuredTrack, flown: np.ndarray, radius: float) -> Apart:
 
 def moved(track: MeasuredTrack, moments: np.ndarray, planet: Planet) -> Moved:
     """Mean velocity of a track between moments [s since 2000-01-01 12:00 UTC], (n + 1,)."""
-    ends = _at(track, positions(track.latitude, track.longitude), moments)
+    ends = _at(track, units_of(track.latitude, track.longitude), moments)
     middle = ends[1:] + ends[:-1]
     middle /= np.linalg.norm(middle, axis=1, keepdims=True)
     turned = (ends[1:] - ends[:-1]) / np.diff(moments)[:, None]

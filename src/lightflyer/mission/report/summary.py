@@ -7,17 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.core.clock import date_text, seconds_of
-from lightflyer.mission.path.position import unit_vector
+from lightflyer.mission.areas import distances_between, units_of
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.mission.report.events import Event, at_event, read_events, spans_between
 from lightflyer.mission.report.station import summarise_station
-from lightflyer.program.entry_point import entry_point
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_unit_vector = entry_point(unit_vector)
 _INTERVAL = (2.5, 50.0, 97.5)  # Percentiles of a 95 % interval and its median
 
 SECONDS_AN_HOUR = 3600.0
@@ -30,13 +28,15 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
     Parameters
     ----------
     dataset : xarray.Dataset
-        From :func:`lightflyer.fly`.
+        From :func:`lightflyer.fly` or :func:`lightflyer.mission.disperse_ensemble`.
 
     Returns
     -------
     dict
         Ready for JSON, with a unit at the end of each name.
     """
+    if "flying" in dataset:
+        return _summarise_spread(dataset)
     end, events = float(dataset.end_elapsed), read_events(dataset)
     lowest, highest = (at_event(events, kind) for kind in (Event.LOWEST, Event.HIGHEST))
     hours, nights = _light(dataset)
@@ -67,8 +67,8 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
     return found | {name: texts_of(dataset, name) for name in ("assumptions", "warnings")}
 
 
-def summarise_spread(dataset: "xr.Dataset") -> dict[str, Any]:
-    """The spread of a swarm at its end in numbers, with a unit at the end of each name."""
+def _summarise_spread(dataset: "xr.Dataset") -> dict[str, Any]:
+    """The shares of a swarm that still fly, and that are inside each area, at the end."""
     last = dataset.isel({ELAPSED: -1})
 
     def shares(of: "xr.Dataset", name: str) -> dict[str, float]:
@@ -80,7 +80,8 @@ def summarise_spread(dataset: "xr.Dataset") -> dict[str, Any]:
         "after_h": float(last[ELAPSED]) / SECONDS_AN_HOUR,
         "flying": shares(last, "flying"),
         "inside": {
-            str(area.item()): shares(last.sel(area=area), "inside") for area in dataset.area
+            str(area.item()): shares(last.sel(area=area), "inside")
+            for area in dataset.get("area", ())
         },
     }
     if found["flying"]["share"] > 0.0:
@@ -196,14 +197,11 @@ def _interval(values: np.ndarray) -> dict[str, float]:
 
 def _distances(dataset: "xr.Dataset") -> np.ndarray:
     """Great-circle distances of the members' ends from that of the flyer as it is stated [km]."""
-    names = ("end_latitude", "end_longitude")
     here, there = (
-        _unit_vector(*(np.radians(dataset[prefix + name].values) for name in names))
+        units_of(dataset[f"{prefix}end_latitude"], dataset[f"{prefix}end_longitude"])
         for prefix in ("", "ensemble_")
     )
-    across = np.linalg.norm(np.cross(here, there), axis=-1)
-    angle = np.arctan2(across, there @ here)
-    return angle * float(dataset.attrs["planet_radius_km"])
+    return distances_between(there, here, float(dataset.attrs["planet_radius_km"]))
 
 
 def _summarise_launches(dataset: "xr.Dataset") -> list[dict[str, Any]]:

@@ -6,8 +6,7 @@ from rich.table import Table
 
 from lightflyer.design.diagnostics import TOO_HOT
 from lightflyer.files.result_text import Parts, as_text, rows_of, table_of, warning_lines
-from lightflyer.mission.report.dataset import ELAPSED
-from lightflyer.mission.report.summary import SECONDS_AN_HOUR, summarise, texts_of
+from lightflyer.mission.report.summary import summarise
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,24 +76,20 @@ def _other_wind_text(found: dict[str, Any]) -> str:
 
 def spread_parts(dataset: "xr.Dataset") -> Parts:
     """The shares of a swarm that still fly, and that are inside each area, at the end."""
-    last = dataset.isel({ELAPSED: -1})
-    yield f"{dataset.attrs['flyer']}, {int(dataset.members)} members"
-    table = _table(f"after {float(last[ELAPSED]) / SECONDS_AN_HOUR:.4g} h", "", "share", "95 %")
-    shares = [("still flying", last, "flying")]
-    for area in dataset.get("area", ()):
-        shares.append((str(area.item()), last.sel(area=area), "inside"))
-    for label, place, name in shares:
-        share, low, high = (
-            f"{100.0 * float(place[name + end]):.3g}" for end in ("", "_low", "_high")
-        )
+    found = summarise(dataset)
+    yield f"{found['flyer']}, {found['members']} members"
+    table = _table(f"after {found['after_h']:.4g} h", "", "share", "95 %")
+    for label, one in {"still flying": found["flying"], **found["inside"]}.items():
+        share, low, high = (f"{100.0 * one[end]:.3g}" for end in ("share", "low", "high"))
         table.add_row(label, f"{share} %", f"{low} % to {high} %")
     yield table
-    if float(last.flying) > 0.0:
+    if "middle_altitude_km" in found:
+        middle = found["middle_latitude_deg"], found["middle_longitude_deg"]
         yield (
-            f"middle {place_text(last.latitude, last.longitude, last.altitude)}, "
-            f"root mean square distance from it {float(last.distance) / 1e3:.4g} km"
+            f"middle {place_text(*middle, 1e3 * found['middle_altitude_km'])}, "
+            f"root mean square distance from it {found['distance_from_middle_km']:.4g} km"
         )
-    yield from warning_lines(texts_of(dataset, "warnings"))
+    yield from warning_lines(found["warnings"])
 
 
 def describe(dataset: "xr.Dataset") -> str:

@@ -27,9 +27,14 @@ from lightflyer.mission.fleet import BATCH, Ensemble, flights_of
 from lightflyer.mission.mission import times_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.integration import TOLERANCE, Accuracy, Limits, Start, Track
-from lightflyer.mission.path.motion import planet_of
+from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import unit_vector
-from lightflyer.mission.path.release import Release, limits_of, require_release_inside
+from lightflyer.mission.path.release import (
+    Release,
+    limits_of,
+    require_release_inside,
+    require_rule,
+)
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of
 from lightflyer.mission.report.dataset import ELAPSED, degrees_of
@@ -181,7 +186,7 @@ def disperse_ensemble(
     elapsed = times_of(duration, every)
     with lightflyer.float64():  # raises where the data of winds or ground do not reach
         start = release.start()
-        setup.environment.state(float(release.altitude), start.place)
+        remarks = require_rule(Craft(setup, rule), start)
     accuracy = Accuracy.for_duration(float(elapsed[-1]), tolerance)
     swarm = _Swarm(design, rule, start, ensemble, tuple(areas), limits, elapsed, accuracy)
     counts = _count(swarm, None if folder is None else Path(folder), scheduler)
@@ -192,7 +197,7 @@ def disperse_ensemble(
         "flyer": setup.flyer.describe(),
         "areas": "; ".join(describe_all(areas)),
         "assumptions": "; ".join(assumptions_of(setup, rule, ensemble, None)),
-        "warnings": "; ".join((*design.warnings, *_diagnostics(counts))),
+        "warnings": "; ".join((*design.warnings, *remarks, *_diagnostics(counts))),
     }
     return dataset
 

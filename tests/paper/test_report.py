@@ -1,4 +1,5 @@
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -296,12 +297,30 @@ def test_bad_points_stop_before_anything_is_written(tmp_path):
     assert not Path(tmp_path / "out").exists()
 
 
+def cells(line):
+    return [cell.strip() for cell in line.strip("|").split("|")]
+
+
+def is_part_of(row, rows):
+    """Whether some row has these cells, in their order."""
+    for whole in rows:
+        rest = iter(whole)
+        if all(cell in rest for cell in row):
+            return True
+    return False
+
+
 def test_documentation_shows_what_the_report_says(folder):
     page = (Path(__file__).parents[2] / "docs" / "paper.md").read_text(encoding="utf-8")
     report = (folder / "report.md").read_text(encoding="utf-8")
-    rows = [line for line in page.splitlines() if line.startswith("|")]
-    assert len(rows) > 40
-    assert [row for row in rows if row not in report] == []
+    told = [cells(line) for line in report.splitlines() if line.startswith("|")]
+    shown = [cells(line) for line in page.splitlines() if re.match(r"\| \d", line)]
+    assert len(shown) > 30
+    for row in shown:
+        if len(row) == 7:  # joins two of the report's tables
+            assert is_part_of(row[1:6], told), row
+            row = [*row[:3], row[6]]
+        assert is_part_of(row, told), row
 
 
 def test_kinetic_theory_beside_the_paper_is_what_the_package_predicts(folder):

@@ -2,7 +2,7 @@
 
     python benchmarks/solver.py [--designs 1000000] [--repeats 5]
 
-Prints the table of docs/benchmarks.md. Figures are ratios of medians of alternating runs: the
+Prints the numbers of docs/benchmarks.md. Figures are ratios of medians of alternating runs: the
 machine's own speed drops out of them. The peers solve the equations of ``numpy_model.py``, which
 shares no code with the package; their temperatures are compared with the package's.
 """

@@ -2,7 +2,7 @@
 
     python benchmarks/sweep.py [--designs 10000000] [--repeats 3] [--large]
 
-Prints the tables of docs/benchmarks.md. What is compared alternates, and ratios are of medians:
+Prints the numbers of docs/benchmarks.md. What is compared alternates, and ratios are of medians:
 the machine's own speed drops out of them. ``--large`` also runs 10⁸ designs once, in a process of
 its own, and reports its peak memory.
 """

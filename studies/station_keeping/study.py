@@ -1,7 +1,7 @@
 """How long a flyer stays within 100 km of a place when nothing, a tilt or shade steers it.
 
 Run as ``python studies/station_keeping/study.py [draw]``; writes results.json here and
-docs/images/station-keeping.png, and prints the table of docs/missions.md. Flights begin at 80 km,
+docs/images/station-keeping.png, and prints the numbers of docs/missions.md. Flights begin at 80 km,
 at six in the morning on the 21st of each month, in the gradient wind of NRLMSIS, which has no tides
 and no weather.
 """

@@ -1,6 +1,6 @@
 """How fast a tilted disk drifts, and how far below it a payload may hang.
 
-Run as ``python studies/steering/study.py``; prints the tables of docs/swarms.md and writes
+Run as ``python studies/steering/study.py``; prints the numbers of docs/swarms.md and writes
 docs/images/steering.png.
 """
 

@@ -2,7 +2,7 @@
 
     python studies/force_models/study.py
 
-Writes docs/images/force-ratio.png, docs/images/force-models-flight.png and results.json.
+Writes docs/images/force-ratio.png, flight.png and results.json.
 """
 
 import json
@@ -228,7 +228,7 @@ def draw_flight():
     for axes in figure.axes:
         axes.grid(alpha=0.3)
     payload_axes.legend(fontsize=8)
-    plot.save(figure, [IMAGES / "force-models-flight.png"])
+    plot.save(figure, [HERE / "flight.png"])
     return numbers
 
 

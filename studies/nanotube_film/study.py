@@ -12,7 +12,7 @@ from lightflyer.files import palette
 from lightflyer.film import Film, Layer, Mixture, material, vacuum
 
 HERE = Path(__file__).parent
-IMAGE = HERE.parents[1] / "docs" / "images" / "nanotube-film.png"
+IMAGE = HERE / "nanotube-film.png"
 MEASURED = {"visible_absorptance": (0.75, 0.02), "infrared_emittance": (0.48, 0.03)}  # Table 1
 MYLAR, COATING = 500e-9, 300e-9  # [m], by the paper
 WINDOW = 1e-2 / np.linspace(667.0, 1300.0, 60)  # [m], the camera's band as far as mylar has data

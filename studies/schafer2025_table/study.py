@@ -2,7 +2,7 @@
 
     python studies/schafer2025_table/study.py
 
-Writes docs/images/perforated-disk.png and results.json.
+Writes perforated-disk.png and results.json.
 """
 
 import json
@@ -21,7 +21,6 @@ from lightflyer.force.membranes.schafer2025_table import (
 )
 
 HERE = Path(__file__).parent
-IMAGES = HERE.parents[1] / "docs" / "images"
 
 INNER = slice(1, 6)  # open fractions 0.2 to 0.9; the outermost rows cannot be left out
 SMALL_EXCESS = 0.01  # relative, of one face, at which open space is compared
@@ -113,8 +112,7 @@ def draw(table):
         axes.grid(alpha=0.3)
     force_axes.set(yscale="log", ylim=(1e-3, 1.5))
     force_axes.legend(fontsize=8)
-    IMAGES.mkdir(parents=True, exist_ok=True)
-    plot.save(figure, [IMAGES / "perforated-disk.png"])
+    plot.save(figure, [HERE / "perforated-disk.png"])
 
 
 def main():

@@ -15,7 +15,7 @@ STUDY = Path(__file__).parents[2] / "studies" / "experiments"
 OWN = ("measurements", "disks", "others", "estimates", "figure", "study")
 OF_CLAIMS = ("sampling", "plates", "sandwiches")
 NEAR = "walls at 4.5 cm"
-SHOWN = ("open space", NEAR, "floor at 4.5 cm, else 10 cm")  # surroundings on the page
+SHOWN = ("open space", "floor at 4.5 cm, else 10 cm")  # surroundings on the page
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@
 
     python studies/drag/figure.py
 
-Writes docs/images/drag.png and prints the tables of docs/drag.md.
+Writes docs/images/drag.png and prints the numbers of docs/drag.md.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""The tables of docs/gases.md.
+"""What kinetic theory needs of each gas; docs/gases.md has air.
 
 python studies/gases/table.py
 """

@@ -1,6 +1,6 @@
 """The 2-cm disk over Mars: what models, gas, light and weather make of its band.
 
-Run as ``python studies/mars/study.py``; prints the tables of docs/mars.md and writes
+Run as ``python studies/mars/study.py``; prints the numbers of docs/mars.md and writes
 docs/images/mars.png.
 """
 

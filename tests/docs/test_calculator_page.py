@@ -58,6 +58,8 @@ def files(calculator_files, tmp_path_factory):
     scripts = "".join(f'<script defer src="{name}"></script>' for name in SCRIPTS)
     page = PAGE.format(scripts=scripts, body=html())
     (folder / "index.html").write_text(page, encoding="utf-8")
+    below = PAGE.format(scripts=scripts, body="<br>" * 200 + html())
+    (folder / "below.html").write_text(below, encoding="utf-8")
     return folder
 
 
@@ -148,6 +150,14 @@ def test_the_address_holds_the_design(page):
     expect(_value(page, "payload")).to_have_text(shown)
     page.click("#lf-reset")
     expect(page).to_have_url(SITE)
+
+
+def test_a_design_is_in_sight_where_the_calculator_is_far_down(page):
+    page.goto(f"{SITE}below.html")
+    expect(page.locator("#lf-flyer-diameter-box")).not_to_be_in_viewport()
+    page.goto("about:blank")
+    page.goto(f"{SITE}below.html#design:flyer.diameter=5")
+    expect(page.locator("#lf-flyer-diameter-box")).to_be_in_viewport()
 
 
 def test_what_an_address_must_not_hold_is_left_out_and_said(page):

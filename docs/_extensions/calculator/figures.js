@@ -264,7 +264,7 @@
     chart = plot(svg, {
       width: 400,
       height: 290,
-      right: 66,
+      right: 78,
       x: logarithmic(DIAMETER.low, DIAMETER.high),
       y: scaleOf(WHERE),
       xTitle: `${DIAMETER.label} [${core.pretty(DIAMETER.unit)}]`,
@@ -393,7 +393,7 @@
       `Largest payload [${MASS.unit}] over diameter and ${WHERE.label}; ` +
       "faint where the film is hotter than it " +
       `bears${chequered}.`;
-    element("lf-map-text").textContent = `${described} ${words} Click to go there.`;
+    element("lf-map-text").textContent = `${described} ${words} Click a place to take it.`;
     element("lf-map-axes").setAttribute("aria-label", `${described} ${words}`);
   }
 

@@ -270,7 +270,7 @@
     if (results.lift_over_weight >= 1) {
       const share = general(results.relative_payload, 3);
       const most = amount("payload", results.payload);
-      return `Levitates ${where}, and lifts up to ${most} beside its film: ${share} of its own mass.`;
+      return `Levitates ${where}, and carries up to ${most}: ${share} of its own mass.`;
     }
     if (needed === Infinity) return `Does not levitate ${where}: no light lifts it.`;
     const more = light > 0 ? `, ${general(needed / light, 3)} times the available light` : "";
@@ -339,6 +339,8 @@
     element("lf-link-error").textContent = readAddress();
     remember();
     showAll();
+    // the calculator may be far down its page
+    if (location.hash.startsWith(LINK)) element("lf-calculator").scrollIntoView();
   }
 
   start();

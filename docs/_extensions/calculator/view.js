@@ -340,7 +340,7 @@
     remember();
     showAll();
     // the calculator may be far down its page
-    if (location.hash.startsWith(LINK)) element("lf-calculator").scrollIntoView();
+    if (location.hash.startsWith(LINK)) element("lf-calculator").scrollIntoView({ behavior: "instant" });
   }
 
   start();

@@ -53,6 +53,7 @@
       });
     });
     show();
+    if (wanted.length) section.scrollIntoView({ behavior: "instant" });
   }
 
   start();

@@ -73,16 +73,20 @@ def main():
     gram()
     figure = plot.new_figure(columns=2, width=4.6, height=3.6)
     left, right = figure.axes
-    print("| altitude | " + " | ".join(SIZES) + " |")
     speeds, tilts, lengths = {}, {}, {}
     for name, diameter in SIZES.items():
         disk = lf.Disk(FILM, radius=0.5 * diameter)
         speeds[name], tilts[name] = fastest(disk, lf.Lu2023())
-        kinetic, _ = fastest(disk, lf.Kinetic())
+        kinetic, tilted = fastest(disk, lf.Kinetic())
+        for speed, tilt in ((speeds[name], tilts[name]), (kinetic, tilted)):
+            at = np.nanargmax(speed)
+            print(f"{name}: {speed[at]:.2f} m/s at {ALTITUDES[at] / 1e3:.0f} km "
+                  f"and {np.degrees(tilt[at]):.0f}°")  # fmt: skip
         lengths[name] = rods(diameter)
         left.plot(ALTITUDES / 1e3, speeds[name], color=COLOURS[name], label=f"{name}, lu2023")
         left.plot(ALTITUDES / 1e3, kinetic, "--", color=COLOURS[name], label=f"{name}, kinetic")
         right.plot(ALTITUDES / 1e3, 1e3 * lengths[name], color=COLOURS[name], label=name)
+    print("| altitude | " + " | ".join(SIZES) + " |")
     for number in range(10, ALTITUDES.size, 5):
         cells = [f"{speeds[name][number]:.2f} m/s at {np.degrees(tilts[name][number]):.0f}°"
                  for name in SIZES]  # fmt: skip

@@ -147,7 +147,7 @@
       Object.entries(about.models).map(([name, { title }]) => [name, legendKey(title)]),
     );
     legendKey("available light").setAttribute("class", "lf-light");
-    legendKey("levitates in it").setAttribute("class", "lf-band-key");
+    legendKey("levitates in this light").setAttribute("class", "lf-band-key");
   }
 
   function legendKey(title) {

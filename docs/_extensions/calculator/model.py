@@ -54,6 +54,8 @@ TITLES = {
     "kinetic": "kinetic equation",
     "free-molecular": "free molecules",
     "free-molecular-linear": "free molecules, linear",
+    "schafer2025": "Schafer et al. (2025)",
+    "celenza2023": "Celenza et al. (2023)",
 }
 """What force models are called where room is short; others keep their names."""
 

@@ -311,10 +311,21 @@ def test_mission_is_drawn_with_its_nights(workplace, document, monkeypatch):
             "temperature": ("elapsed", np.full(hours.size, 300.0)),
             "end_elapsed": 48.0 * 3600.0,
             "end_altitude": 75e3,
+            "longitude": ("elapsed", (170.0 + hours + 180.0) % 360.0 - 180.0),  # over the date line
+            "latitude": ("elapsed", -40.0 + 0.5 * hours),
+            "end_longitude": -142.0,
+            "end_latitude": -16.0,
+            "ensemble_altitude": (("member", "elapsed"), np.full((200, hours.size), 60e3)),
+            "ensemble_longitude": (("member", "elapsed"), np.full((200, hours.size), 179.0)),
+            "ensemble_latitude": (("member", "elapsed"), np.full((200, hours.size), -30.0)),
         },
-        {"elapsed": 3600.0 * hours},
-        {"end": "is still flying", "warnings": "one; two", "assumptions": "light"},
-    )
+        {
+            "elapsed": 3600.0 * hours,
+            "time": ("elapsed", np.datetime64("2026-06-21", "h") + hours.astype("m8[h]")),
+        },
+        {"end": "is still flying", "warnings": "one; two", "assumptions": "light",
+         "planet": "Earth"},
+    )  # fmt: skip
     kinds = np.array([Event.LIGHT_BEGINS, Event.LIGHT_ENDS] * 3)[:5]
     passed = 3600.0 * np.array([0.0, 4.0, 20.0, 28.0, 44.0])
     add_events(flown, Events(kinds, passed, 75e3 + 0.0 * passed, 300.0 + 0.0 * passed))
@@ -334,6 +345,18 @@ def test_mission_is_drawn_with_its_nights(workplace, document, monkeypatch):
     np.testing.assert_allclose(nights["high"], [20.0, 44.0], atol=0.1)
     assert found["warnings"] == ["one", "two"]
     assert "still flying after 48 h" in found["words"]
+    assert len(found["sources"]["members"]["ys"]) == 100  # as many as can be told apart
+    assert found["y"][0] <= 60.0
+    track = found["track"]
+    way, shores = track["sources"]["curve"], np.array(track["sources"]["shores"]["x"], float)
+    np.testing.assert_allclose(way["x"], 170.0 + hours)  # goes on beyond the date line
+    np.testing.assert_allclose(way["y"], flown.latitude)
+    assert way["utc"][12] == "2026-06-21 12:00 UTC"
+    assert track["x"][0] < 170.0 < 218.0 < track["x"][1]
+    assert track["words"] == "From 40° S, 170° E to 16° S, 142° W."
+    known = shores[np.isfinite(shores)]
+    assert known.size > 100  # New Zealand
+    assert track["x"][0] - 5.0 < known.min() < 180.0 < known.max() < track["x"][1] + 5.0
     with pytest.raises(lf.ConfigurationError, match="mission"):
         job("mission", workplace, document)
 

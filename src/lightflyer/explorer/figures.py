@@ -58,12 +58,13 @@ def _models(workplace: Workplace, document: Document, _: Choices) -> "Figure":
     return compare(designs, samples=0).plot()
 
 
-def _mission(workplace: Workplace, document: Document, _: Choices) -> "Figure":
-    from lightflyer.mission.mission import fly
-    from lightflyer.mission.report.figures import mission_figures
+def _mission(name: str) -> Drawing:
+    def draw(workplace: Workplace, document: Document, _: Choices) -> "Figure":
+        from lightflyer.mission.report.figures import mission_figures
 
-    flight = workplace.mission(document)
-    return mission_figures(fly(flight.design, **flight.arguments()))["altitude"]
+        return mission_figures(jobs.flown(workplace, document)[1])[name]
+
+    return draw
 
 
 def _map(workplace: Workplace, document: Document, choices: Choices) -> "Figure":
@@ -117,6 +118,7 @@ DRAWINGS: dict[str, Drawing] = {
     "models": _models,
     "film": _film,
     "sensitivity": _sensitivity,
-    "mission": _mission,
+    "mission": _mission("altitude"),
+    "track": _mission("ground_track"),
 }
 """Figures by the name that the page gives them."""

@@ -30,6 +30,8 @@ from lightflyer.files.palette import BLUE, GREEN, GREY, LESS, MORE, ORANGE, PURP
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.film.optics.spectra import planck
 from lightflyer.film.report.summary import FilmSummary
+from lightflyer.mission.areas import describe_place
+from lightflyer.mission.report.figures import MOST_LINES, map_view, shores
 from lightflyer.mission.report.summary import day_and_night
 from lightflyer.prediction.evaluator import Evaluator
 from lightflyer.prediction.prediction import Prediction
@@ -39,7 +41,8 @@ STEP = 1e-3
 
 _MOST_BARS = 14
 _SMALL = 1e-6  # of an effect, not shown
-_MICROMETRE, _HOUR, _KILOMETRE = 1e-6, 3600.0, 1e3
+_ROOM = 0.05  # of a map's width, around it
+_MICROMETRE, _HOUR, _KILOMETRE, _HALF_TURN = 1e-6, 3600.0, 1e3, 180.0
 _TEMPERATURES = np.array([250.0, 300.0, 350.0, 400.0])
 _HEAT = 300.0  # K, of the black body behind a spectrum
 _BEHIND = 0.45  # height of the shaded spectra
@@ -304,24 +307,32 @@ def _bars(
     )
 
 
-def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
-    """Altitude over time with day and night, by ``lf.fly``."""
-    del choices
+def flown(workplace: Workplace, document: Document) -> tuple[FileDesign, Any]:
+    """Fly the mission of a page; returns ``design``, ``dataset``."""
     from lightflyer.mission.mission import fly
 
     flight = workplace.mission(document)
     report("flying")
-    dataset = fly(flight.design, **flight.arguments())
+    return flight.design, fly(flight.design, **flight.arguments())
+
+
+def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
+    """Altitude over time with day and night, and the way over the ground, by ``lf.fly``."""
+    del choices
+    design, dataset = flown(workplace, document)
     hours = dataset.elapsed.values / _HOUR
     altitude = dataset.altitude.values / _KILOMETRE
     spans = day_and_night(dataset)
     nights = [(begin / _HOUR, end / _HOUR) for begin, end, is_day in spans if not is_day]
     end = float(dataset.end_elapsed) / _HOUR, float(dataset.end_altitude) / _KILOMETRE
     ended = f"The flyer {dataset.attrs['end']} after {end[0]:.4g} h, at {end[1]:.4g} km."
-    lowest = prediction_of(flight.design).verdict.lowest_release
+    lowest = prediction_of(design).verdict.lowest_release
     if lowest is not None and end[1] * _KILOMETRE < lowest:
         ended += f" That is below {lowest / _KILOMETRE:.4g} km, from where on light lifts it."
+    members = [] if "ensemble_altitude" not in dataset else dataset.ensemble_altitude.values
+    heights = [line / _KILOMETRE for line in members[:MOST_LINES]]
     warnings = [text for text in dataset.attrs["warnings"].split("; ") if text]
+    legend = [view.Line("flyer", BLUE), view.Line("night", GREY, "area")]
     return view.figure_data(
         {
             "curve": {
@@ -330,6 +341,7 @@ def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[
                 "light": dataset.irradiance.values,
                 "temperature": dataset.temperature.values,
             },
+            "members": {"xs": [hours] * len(heights), "ys": heights},
             "nights": {
                 "low": np.array([night[0] for night in nights]),
                 "high": np.array([night[1] for night in nights]),
@@ -337,13 +349,65 @@ def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[
             "end": {"x": np.array([end[0]]), "y": np.array([end[1]])},
         },
         x=(0.0, float(hours[-1])),
-        y=view.round_range(altitude),
+        y=view.round_range(np.concatenate([altitude, *heights])),
         labels=("time since the release [h]", "altitude [km]"),
-        legend=(view.Line("flyer", BLUE), view.Line("night", GREY, "area")),
+        legend=legend + _MEMBERS[: len(heights)],
         words=ended,
         warnings=warnings,
         assumptions=dataset.attrs["assumptions"].split("; "),
+        track=_track(dataset),
     )
+
+
+_MEMBERS = [view.Line("members of the ensemble", SKY)]
+
+
+def _track(dataset: Any) -> dict[str, Any]:
+    """The way over the ground, with coastlines."""
+    shown = map_view(dataset)
+    longitude, latitude = dataset.longitude.values, dataset.latitude.values
+    ends = float(dataset.end_longitude), float(dataset.end_latitude)
+    way: dict[str, list[Any]] = {"xs": [], "ys": []}
+    if "ensemble_longitude" in dataset:
+        ensemble = dataset.ensemble_longitude.values, dataset.ensemble_latitude.values
+        for line in zip(*(values[:MOST_LINES] for values in ensemble), strict=True):
+            for column, values in zip(way.values(), shown.line(*line), strict=True):
+                column.append(values)
+    near = [_within(line, shown) for line in shores(dataset)] or [(np.empty(0), np.empty(0))]
+    shore_x, shore_y = (np.concatenate(values) for values in zip(*near, strict=True))
+    placed = shown.points(longitude)
+    jumps = np.abs(np.diff(placed, prepend=placed[:1])) > _HALF_TURN
+    times = np.datetime_as_string(dataset.time.values, unit="m")
+    start = describe_place(latitude[0], longitude[0])
+    return view.figure_data(
+        {
+            "curve": {
+                "x": placed,
+                "y": np.where(jumps, np.nan, latitude),  # no line from edge to edge of the map
+                "utc": [text.replace("T", " ") + " UTC" for text in times],
+            },
+            "members": way,
+            "shores": {"x": shore_x, "y": shore_y},
+            "release": {"x": placed[:1], "y": latitude[:1]},
+            "end": {"x": shown.points(np.array(ends[:1])), "y": np.array(ends[1:])},
+        },
+        x=(shown.west, shown.east),
+        y=(shown.south, shown.north),
+        labels=("longitude [°]", "latitude [°]"),
+        legend=[view.Line("flyer", BLUE), *_MEMBERS[: len(way["xs"])], view.Line("coast", GREY)],
+        words=f"From {start} to {describe_place(*ends[::-1])}.",
+        latitude=view.plain_list(latitude),
+    )
+
+
+def _within(line: tuple[np.ndarray, np.ndarray], shown: Any) -> tuple[np.ndarray, np.ndarray]:
+    """What a map shows of a line, with a gap where it leaves."""
+    x, y = (np.append(values, np.nan) for values in line)
+    room = _ROOM * (shown.east - shown.west)
+    inside = (x > shown.west - room) & (x < shown.east + room)
+    inside &= (y > shown.south - room) & (y < shown.north + room)
+    kept = inside | np.roll(inside, 1)
+    return np.where(inside, x, np.nan)[kept], y[kept]
 
 
 JOBS: dict[str, Callable[[Workplace, Document, Choices], dict[str, Any]]] = {

@@ -29,6 +29,7 @@ from lightflyer.files.palette import (
     LIMIT,
     ORANGE,
     PURPLE,
+    SKY,
     VERMILION,
 )
 
@@ -55,6 +56,7 @@ def panes(*, logarithmic: bool) -> dict[str, Any]:
         "film": _film(),
         "sensitivity": _sensitivity(),
         "mission": _mission(),
+        "track": _track(),
     }
     return {name: json_item(pane) for name, pane in drawn.items()}
 
@@ -241,11 +243,33 @@ def _mission() -> Any:
     pane = _figure("mission", LINEAR, LINEAR)
     pane.vstrip("low", "high", source=_empty("nights", "low", "high"), fill_color=GREY,
                 fill_alpha=0.22, line_color=None)  # fmt: skip
-    line = pane.line("x", "y", source=_empty("curve", "x", "y", "light", "temperature"),
-                     line_color=BLUE, line_width=_LINE)  # fmt: skip
-    pane.scatter("x", "y", source=_empty("end", "x", "y"), size=10, fill_color=VERMILION,
-                 line_color=None)  # fmt: skip
+    line = _flight(pane, "light", "temperature")
     tips = [("after", "@x{0.0} h"), ("altitude", "@y{0.00} km"), ("light", "@light{0,0} W/m²"),
             ("flyer", "@temperature{0.0} K")]  # fmt: skip
     _hover(pane, [line], tips, "vline")
     return pane
+
+
+def _track() -> Any:
+    """The way over the ground."""
+    pane = _figure("track", LINEAR, LINEAR)
+    pane.line("x", "y", source=_empty("shores", "x", "y"), line_color=GREY, line_width=1.0)
+    line = _flight(pane, "utc")
+    pane.scatter("x", "y", source=_empty("release", "x", "y"), marker="triangle", size=10,
+                 fill_color=BLUE, line_color=None)  # fmt: skip
+    tips = [("", "@utc"), ("longitude", "@x{0.00}°"), ("latitude", "@y{0.00}°")]
+    _hover(pane, [line], tips, "mouse")
+    return pane
+
+
+def _flight(pane: Any, *columns: str) -> Any:
+    """Line of a flight over those of its ensemble, its end, and where it is at the time shown."""
+    pane.multi_line("xs", "ys", source=_empty("members", "xs", "ys"), line_color=SKY,
+                    line_width=1.0, line_alpha=0.6)  # fmt: skip
+    line = pane.line("x", "y", source=_empty("curve", "x", "y", *columns), line_color=BLUE,
+                     line_width=_LINE)  # fmt: skip
+    pane.scatter("x", "y", source=_empty("end", "x", "y"), size=10, fill_color=VERMILION,
+                 line_color=None)  # fmt: skip
+    pane.scatter("x", "y", source=_empty("now", "x", "y"), size=12, fill_color=ORANGE,
+                 line_color=GREY)  # fmt: skip
+    return line

@@ -61,7 +61,7 @@ class Circle(AbstractArea):
     @property
     def middle(self) -> str:
         """Where its middle is, in words."""
-        return _describe(float(self.latitude), float(self.longitude))
+        return describe_place(float(self.latitude), float(self.longitude))
 
     def describe(self) -> str:
         return f"within {float(self.radius) / 1e3:g} km of {self.middle}"
@@ -110,7 +110,7 @@ class Polygon(AbstractArea):
 
     def describe(self) -> str:
         corners = zip(np.asarray(self.latitudes), np.asarray(self.longitudes), strict=True)
-        return "polygon of " + "; ".join(_describe(*map(float, corner)) for corner in corners)
+        return "polygon of " + "; ".join(describe_place(*map(float, corner)) for corner in corners)
 
 
 def distances_between(one: np.ndarray, other: np.ndarray, planet_radius: float) -> np.ndarray:
@@ -133,7 +133,8 @@ def _middle(units: np.ndarray) -> np.ndarray:
     return np.asarray(total / max(float(np.linalg.norm(total)), _EDGE))
 
 
-def _describe(latitude: float, longitude: float) -> str:
+def describe_place(latitude: float, longitude: float) -> str:
+    """A place in words; ``latitude``, ``longitude`` [deg]."""
     north, east = "N" if latitude >= 0.0 else "S", "E" if longitude >= 0.0 else "W"
     return f"{abs(latitude):g}° {north}, {abs(longitude):g}° {east}"
 

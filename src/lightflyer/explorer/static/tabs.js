@@ -30,6 +30,7 @@ export class Tabs {
     at("panels").append(panel);
     this[`build_${name}`]?.(panel);
     if (JOBS.has(name) || name === "mission") this.figure(panel, name, title);
+    if (name === "mission") this.build_track(panel);
   }
 
   figure(panel, name, title) {
@@ -37,11 +38,15 @@ export class Tabs {
       make("p", { class: "wrong", id: `job-wrong-${name}` }),
       make("progress", { id: `job-${name}`, max: 1, hidden: true, "aria-label": `Progress of ${title.toLowerCase()}` }),
       make("p", { class: "quiet", id: `job-doing-${name}`, role: "status" }));
-    const figure = make("figure", { "data-figure": name }, make("figcaption", {}, make("h3", {}, title)));
-    panel.append(figure);
-    frame(figure, (what) => this.download(what), { tall: name === "map" || name === "sensitivity", said: true });
+    this.plot(panel, name, title);
     panel.append(make("details", { class: "notes", id: `job-notes-${name}`, hidden: true }, make("summary"),
       make("ul", { class: "warnings", id: `job-warnings-${name}` })));
+  }
+
+  plot(panel, name, title) {
+    const figure = make("figure", { "data-figure": name }, make("figcaption", {}, make("h3", {}, title)));
+    panel.append(figure);
+    frame(figure, (what) => this.download(what), { tall: ["map", "sensitivity", "track"].includes(name), said: true });
   }
 
   build_map(panel) {
@@ -64,6 +69,13 @@ export class Tabs {
         make("button", { type: "button", id: "mission-add", onclick: () => this.explorer.change("mission", "given") }, "Add a mission"),
         make("button", { type: "button", id: "mission-fly", class: "primary", onclick: () => this.compute("mission") }, "Fly"),
         make("button", { type: "button", id: "mission-remove", onclick: () => this.explorer.change("mission", "") }, "Remove the mission")));
+  }
+
+  build_track(panel) {
+    panel.append(make("label", { class: "time", id: "mission-when", hidden: true }, "Time",
+      make("input", { type: "range", id: "mission-time", min: 0, value: 0, oninput: (event) => this.showMoment(+event.target.value) }),
+      make("output", { id: "mission-moment", for: "mission-time" })));
+    this.plot(panel, "track", "Ground track");
   }
 
   build_pins(panel) {
@@ -186,9 +198,28 @@ export class Tabs {
       at("to-optimum").disabled = false;
       fill(at("map-over"), ...result.numbers.map((one) => make("option", { value: one, selected: one === result.over }, one.replaceAll("_", " ").replaceAll(".", " "))));
     }
+    if (name === "mission") {
+      this.flight = result;
+      this.explorer.figures.put("track", result.track);
+      const last = result.track.latitude.length - 1;
+      Object.assign(at("mission-time"), { max: last, value: last });
+      at("mission-when").hidden = false;
+      this.showMoment(last);
+    }
     if (name === "sensitivity") {
       fill(at("sensitive"), ...Object.entries(result.outputs).map(([key, words]) => make("option", { value: key, selected: key === result.output }, words)));
     }
+  }
+
+  // Where the flyer is at a moment, in both figures and in words.
+  showMoment(number) {
+    const { sources: { curve }, track } = this.flight, way = track.sources.curve;
+    const latitude = track.latitude[number], now = (x, y) => ({ sources: { now: { x: [x], y: [y] } } });
+    this.explorer.figures.put("mission", now(curve.x[number], curve.y[number]));
+    this.explorer.figures.put("track", now(way.x[number], latitude));
+    const longitude = (way.x[number] + 540) % 360 - 180, degrees = (value, sides) => `${digits(Math.abs(value))}° ${sides[+(value < 0)]}`;
+    at("mission-moment").textContent = `${way.utc[number]}: ${digits(curve.y[number])} km, ${degrees(latitude, "NS")}, `
+      + `${degrees(longitude, "EW")}, light ${digits(curve.light[number])} W/m², flyer ${digits(curve.temperature[number])} K`;
   }
 
   showMission(form, document) {

@@ -19,10 +19,11 @@ from lightflyer.mission.report.summary import day_and_night
 if TYPE_CHECKING:
     import xarray as xr
 
+MOST_LINES = 100  # tracks of an ensemble that are drawn one by one
+
 _NIGHT = "#D8DCE6"
 _KILOMETRE = 1e3
 _INTERVAL = (2.5, 97.5)
-_MOST_LINES = 100  # tracks of an ensemble that are drawn one by one
 _FEWEST_FLYING = 10  # members below which their interval says nothing
 _LEAST_VIEW = 20.0  # degrees of a map's width and height
 _MOST_NAMED = 16  # launches in a legend
@@ -119,15 +120,13 @@ def _flight(dataset: "xr.Dataset") -> Figure:
 def _ground_track(dataset: "xr.Dataset") -> Figure:
     figure = new_figure(width=8.0, height=4.6)
     (axes,) = figure.axes
-    view = _view(dataset)
-    if dataset.attrs["planet"] == EARTH_PLANET.name:
-        shore, latitude = coastline()
-        for turn in (-_TURN, 0.0, _TURN):
-            axes.plot(shore + turn, latitude, color=GREY, linewidth=0.6)
+    view = map_view(dataset)
+    for line in shores(dataset):
+        axes.plot(*line, color=GREY, linewidth=0.6)
     if "ensemble_longitude" in dataset:
         tracks = zip(
-            dataset.ensemble_longitude.values[:_MOST_LINES],
-            dataset.ensemble_latitude.values[:_MOST_LINES],
+            dataset.ensemble_longitude.values[:MOST_LINES],
+            dataset.ensemble_latitude.values[:MOST_LINES],
             strict=True,
         )
         for longitude, latitude in tracks:
@@ -249,7 +248,7 @@ def _spread(altitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return found[0], found[1]
 
 
-class _View(NamedTuple):
+class MapView(NamedTuple):
     """Edges of a map [deg]; the western one may lie beyond the date line."""
 
     west: float
@@ -270,8 +269,8 @@ class _View(NamedTuple):
         return np.insert(placed, jumps, np.nan), np.insert(latitude, jumps, np.nan)
 
 
-def _view(dataset: "xr.Dataset") -> _View:
-    """What a map shows: all that is drawn, or the whole world."""
+def map_view(dataset: "xr.Dataset") -> MapView:
+    """What a map of a flight shows: all that is drawn, or the whole world."""
     longitude, latitude = [dataset.longitude.values], [dataset.latitude.values]
     if "ensemble_longitude" in dataset:
         longitude += list(dataset.ensemble_longitude.values)
@@ -281,10 +280,10 @@ def _view(dataset: "xr.Dataset") -> _View:
     south, north = np.nanmin(np.concatenate(latitude)), np.nanmax(np.concatenate(latitude))
     width = max(_LEAST_VIEW, _MARGIN * (east - west), _MARGIN * (north - south))
     if width > _WORLD:
-        return _View(-_HALF_TURN, _HALF_TURN, -_QUARTER_TURN, _QUARTER_TURN)
+        return MapView(-_HALF_TURN, _HALF_TURN, -_QUARTER_TURN, _QUARTER_TURN)
     height = max(_MARGIN * (north - south), 0.5 * width)
     middle, centre = 0.5 * (east + west), 0.5 * (south + north)
-    return _View(
+    return MapView(
         middle - 0.5 * width,
         middle + 0.5 * width,
         max(centre - 0.5 * height, -_QUARTER_TURN),
@@ -298,6 +297,14 @@ def _unbroken(longitude: np.ndarray) -> np.ndarray:
     found = np.full(longitude.shape, np.nan)
     found[known] = np.unwrap(longitude[known], period=_TURN)
     return found
+
+
+def shores(dataset: "xr.Dataset") -> list[tuple[np.ndarray, np.ndarray]]:
+    """Coastlines for a map of a flight, west and east of the date line too; none but on Earth."""
+    if dataset.attrs["planet"] != EARTH_PLANET.name:
+        return []
+    longitude, latitude = coastline()
+    return [(longitude + turn, latitude) for turn in (-_TURN, 0.0, _TURN)]
 
 
 @cache

@@ -241,6 +241,12 @@ def test_a_bound_program_computes_once_what_is_given():
     assert np.sin not in names
 
 
+def test_a_bound_program_gives_results_all_their_axes():
+    program = traced(lambda x, y: jax.lax.broadcast(x + y, (1,)), (), ())
+    (found,) = Bound(program, {0: 0.5})([np.float64(1.0)])
+    assert found.shape == (1,)
+
+
 def test_a_package_brings_programs_of_its_own(folder, monkeypatch):
     _answer()
     monkeypatch.setattr(kept, "_SHIPPED", folder)

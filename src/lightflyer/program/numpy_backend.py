@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.program.indexing import fill_axes
+from lightflyer.program.indexing import fill_axes, shape_of
 from lightflyer.program.operations import (
     ELEMENTWISE,
     RULES,
@@ -77,13 +77,15 @@ class Bound:
         require_supported(program)
         arguments, body = program.body.arguments, _without_filling(program)
         self._free = [number for place, number in enumerate(arguments) if place not in given]
-        self._results = body.results
+        results = body.results
         known = {arguments[place]: np.asarray(value)[()] for place, value in given.items()}
         known |= {number: array[()] for number, array in program.constants.items()}
         self._values: Values = [None] * (1 + max(_numbers(program.body), default=0))
         _set(self._values, [*known], [*known.values()])
         shapes = [np.shape(given.get(place, ())) for place in range(len(arguments))]
         self._lengths = program.lengths(shapes)
+        filled = (shape_of(shape, self._lengths) for shape in program.output_shapes)
+        self._results = list(zip(results, filled, strict=True))
         once, self._steps = (_steps(part, frozenset()) for part in _split(body, set(known)))
         self._call(once, self._values)
 
@@ -96,7 +98,11 @@ class Bound:
         values = self._values.copy()
         _set(values, self._free, inputs)
         self._call(self._steps, values)
-        return [values[number] for number in self._results]
+        found = ((values[number], shape) for number, shape in self._results)
+        return [
+            value if not shape or np.shape(value) == shape else np.broadcast_to(value, shape)
+            for value, shape in found
+        ]
 
 
 def _split(body: Block, known: set[int]) -> tuple[Block, Block]:

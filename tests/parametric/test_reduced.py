@@ -143,7 +143,7 @@ def test_an_error_keeps_what_was_computed(study, undisturbed, tmp_path):
 def test_a_cluster_keeps_the_same_bits(study, undisturbed, tmp_path):
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=False, protocol="tcp",
-        dashboard_address=None, local_directory=tmp_path, silence_logs=logging.CRITICAL,
+        dashboard_address=":0", local_directory=tmp_path, silence_logs=logging.CRITICAL,
     ) as cluster:  # fmt: skip
         path, address = tmp_path / "r.nc", cluster.scheduler_address
         reduce_into(study, path, chunk=100, evaluator=StandIn(), scheduler=address)

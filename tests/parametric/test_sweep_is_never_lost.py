@@ -307,7 +307,7 @@ def cluster(tmp_path_factory):
     """Two worker processes that are started again when they die."""
     folder = tmp_path_factory.mktemp("cluster")
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=folder
+        n_workers=2, threads_per_worker=1, dashboard_address=":0", local_directory=folder
     ) as found:
         yield found
     _close_lost_sockets()

@@ -138,7 +138,7 @@ def gas_conductance(pressure, hot, cold, tac, diameter, plateau, *, in_series=Fa
     within = PchipInterpolator(np.log(knudsens), curve)(np.log(np.clip(knudsen, 0.03, 30.0)))
     below = np.interp(knudsen, position[:2], [limit, curve[0]])
     resistance = np.exp(np.where(knudsen < knudsens[0], below, within)) * tac / knudsen
-    resistance *= np.where(knudsen < knudsens[0], 1.0, factor_of_collisions(knudsen, cold))
+    resistance *= factor_of_collisions(knudsen, cold) ** np.minimum(knudsen / knudsens[0], 1.0)
     return thin / (1.0 + resistance / (1.0 + plateau))
 
 

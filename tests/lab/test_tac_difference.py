@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -55,21 +57,26 @@ def covers(one, truth):
     return one.interval[0] <= truth <= one.interval[1]
 
 
-def test_equals_scipy_with_both_faces_and_the_instruments_written_out(rng, monkeypatch):
+@pytest.mark.parametrize("drift", [0.0, 0.05])
+def test_equals_scipy_with_both_faces_and_the_instruments_written_out(rng, monkeypatch, drift):
     monkeypatch.setattr(intervals, "LAW_ERROR", 0.0)
-    found = fit_tac_difference(run_of(TOP, rng), run_of(BOTTOM, rng), accuracy=USUAL)
+    accuracy = replace(USUAL, plateau_drift=drift)
+    found = fit_tac_difference(run_of(TOP, rng), run_of(BOTTOM, rng), accuracy=accuracy)
     fits = found.fits
+    late = drift * np.linspace(-0.5, 0.5, 40)
 
     def residuals(unknowns):
-        gauge, zero, power, temperature, diameter, plateau = unknowns[6:]
+        gauge, zero, power, temperature, diameter, plateau, *drifts = unknowns[6:]
         wider = USUAL.diameter / DIAMETER * diameter
         rows = []
-        for fit, (alpha, ratio, offset) in zip(fits, (unknowns[:3], unknowns[3:6]), strict=True):
+        faces = unknowns[:3], unknowns[3:6]
+        for fit, (alpha, ratio, offset), drifts_by in zip(fits, faces, drifts, strict=True):
             read = np.exp(USUAL.gauge * gauge) + USUAL.gauge_zero * zero / fit.pressure
             thin = alpha * fit.limits.free_molecular * read
             dense = fit.limits.continuum(alpha) * np.exp(
                 fit.limits.slope * USUAL.gauge * gauge + USUAL.plateau * plateau - wider
-            )
+                + drifts_by * late
+            )  # fmt: skip
             amplitude = np.exp(
                 USUAL.power * power + USUAL.temperature / 28.0 * temperature + 2.0 * wider
             )
@@ -77,12 +84,12 @@ def test_equals_scipy_with_both_faces_and_the_instruments_written_out(rng, monke
             rows.append((model - fit.conductance) * fit.weight / fit.scatter)
         return np.concatenate([*rows, unknowns[6:]])
 
-    start = np.array([*TOP, *BOTTOM, *np.zeros(6)])
+    start = np.array([*TOP, *BOTTOM, *np.zeros(8)])
     strictly = {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14}
     best = least_squares(residuals, start, **strictly)
     covariance = np.linalg.inv(best.jac.T @ best.jac)
     np.testing.assert_allclose([fit.tac.value for fit in fits], best.x[[0, 3]], rtol=2e-4)
-    apart = np.eye(12)[0] - np.eye(12)[3]
+    apart = np.eye(14)[0] - np.eye(14)[3]
     assert found.difference.value == pytest.approx(apart @ best.x, abs=2e-4)
     # that of the package carries Student's factor of the rows' scatter on
     spread = float(np.sqrt(apart @ covariance @ apart))

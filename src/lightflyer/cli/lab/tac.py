@@ -57,6 +57,7 @@ def tac_command(
     power_accuracy: str | None = None,
     temperature_accuracy: str | None = None,
     plateau_accuracy: str | None = None,
+    plateau_drift: str | None = None,
     out: Path | None = None,
     update: Path | None = None,
     insist: Insist = False,
@@ -122,6 +123,9 @@ def tac_command(
     plateau_accuracy
         Relative standard uncertainty of the heat loss in dense gas by the law: walls, thickness of
         the heater, natural convection. Default: 5 %, assumed.
+    plateau_drift
+        Standard uncertainty of that heat loss's change from the first row to the last, such as
+        "3 %". Default: none.
     out
         Folder to write the record (JSON, NetCDF) and the figure into.
     update
@@ -150,7 +154,7 @@ def tac_command(
     thermometer = None if calibration is None else read_resistance_calibration(calibration)
     width, stated = _stated_value(
         diameter, gauge_accuracy, gauge_zero, power_accuracy, temperature_accuracy,
-        plateau_accuracy,
+        plateau_accuracy, plateau_drift,
     )  # fmt: skip
     options: dict[str, Any] = {
         "tolerance": difference("--tolerance", tolerance, "K"),
@@ -231,13 +235,15 @@ def _law(reading: str, wall: str | None) -> "AbstractHeatLaw":
 
 def _stated_value(
     diameter: str | None, gauge: str | None, zero: str | None, power: str | None,
-    temperature: str | None, plateau: str | None,
+    temperature: str | None, plateau: str | None, drift: str | None,
 ) -> tuple[float | None, dict[str, float]]:  # fmt: skip
     """Diameter, and the accuracies that are stated, by names of `TacAccuracy`."""
     found: dict[str, float] = {}
     for name, text in (("gauge", gauge), ("power", power), ("plateau", plateau)):
         if text is not None:
             found[name] = share(f"--{name}-accuracy", text)
+    if drift is not None:
+        found["plateau_drift"] = share("--plateau-drift", drift)
     if zero is not None:
         found["gauge_zero"] = quantity("--gauge-zero", zero, "Pa").value
     if temperature is not None:

@@ -1,6 +1,6 @@
 r"""Accuracies of a heater's instruments: errors that all rows of a run have in common."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, fields
 
 import numpy as np
@@ -12,6 +12,8 @@ PIRANI_ACCURACY = 0.05
 """Standard uncertainty of a Pirani gauge, of the reading [1]: its maker's limits, 10 % at
 0.05 to 0.1 Pa and 5 % up to 10 kPa, divided by √3 are 5.8 and 2.9 % [LeyboldTTR91]_."""
 
+DRIFT = "plateau_drift"  # Name of the error that runs of one bench do not share
+
 IN_WORDS = {  # name, factor to the unit, unit
     "gauge": ("pressure gauge", 100.0, "%"),
     "gauge_zero": ("gauge's zero", 1.0, "Pa"),
@@ -19,6 +21,7 @@ IN_WORDS = {  # name, factor to the unit, unit
     "temperature": ("temperature difference", 1.0, "K"),
     "diameter": ("diameter", 1000.0, "mm"),
     "plateau": ("plateau", 100.0, "%"),
+    DRIFT: ("plateau's drift", 100.0, "%"),
 }
 
 
@@ -46,9 +49,11 @@ class TacAccuracy:
     #: thickness, natural convection, the gas's conductivity. Default: an assumption, what walls at
     #: ten radii do
     plateau: float = 0.05
+    #: Of the plateau's change from a run's first row to its last, relative [1]; each run has its own
+    plateau_drift: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("gauge", "power", "plateau"):
+        for name in ("gauge", "power", "plateau", DRIFT):
             require_range(name, getattr(self, name), 0.0, 1.0)
         for name in ("gauge_zero", "temperature", "diameter"):
             require_range(name, getattr(self, name), 0.0, np.finfo(float).max)
@@ -62,14 +67,16 @@ class TacAccuracy:
         r"""What one standard error of each does to the rows; ``difference`` (m,)."""
         wider = self.diameter / diameter
         same = np.ones_like(difference)
+        late = np.linspace(-0.5, 0.5, difference.size)
         effects = {
-            "gauge": (self.gauge, 0.0, 0.0, 0.0 * same),
-            "gauge_zero": (0.0, self.gauge_zero, 0.0, 0.0 * same),
-            "power": (0.0, 0.0, 0.0, self.power * same),
-            "temperature": (0.0, 0.0, 0.0, self.temperature / difference),
+            "gauge": (self.gauge, 0.0, 0.0 * same, 0.0 * same),
+            "gauge_zero": (0.0, self.gauge_zero, 0.0 * same, 0.0 * same),
+            "power": (0.0, 0.0, 0.0 * same, self.power * same),
+            "temperature": (0.0, 0.0, 0.0 * same, self.temperature / difference),
             # an area grows with the square; the plateau per area falls with the diameter
-            "diameter": (0.0, 0.0, -wider, 2.0 * wider * same),
-            "plateau": (0.0, 0.0, self.plateau, 0.0 * same),
+            "diameter": (0.0, 0.0, -wider * same, 2.0 * wider * same),
+            "plateau": (0.0, 0.0, self.plateau * same, 0.0 * same),
+            DRIFT: (0.0, 0.0, self.plateau_drift * late, 0.0 * same),
         }
         kept = {
             field.name: effects[field.name] for field in fields(self) if getattr(self, field.name)
@@ -87,7 +94,7 @@ def unstated_accuracies(stated: Iterable[str]) -> list[str]:
     missing = {
         said: f"± {scale * getattr(usual, name):g} {unit}"
         for name, (said, scale, unit) in IN_WORDS.items()
-        if name not in known
+        if name not in known and getattr(usual, name)
     }
     return list(assumed_accuracies(missing))
 
@@ -103,7 +110,7 @@ class CommonErrors:
     names: tuple[str, ...]
     log_pressure: np.ndarray  # shape (k,); change of the logarithm of the pressure [1]
     zero: np.ndarray  # shape (k,); change of the pressure [Pa]
-    # shape (k,); change of the logarithm of the continuum conductance [1]
+    # shape (k, m); change of the logarithm of the continuum conductance [1]
     log_continuum: np.ndarray
     # shape (k, m); change of the logarithm of the measured conductance [1]
     log_conductance: np.ndarray
@@ -112,4 +119,9 @@ class CommonErrors:
     def none(cls, rows: int) -> "CommonErrors":
         """No error in common, of a number of rows."""
         nothing = np.zeros(0)
-        return cls((), nothing, nothing, nothing, np.zeros((0, rows)))
+        return cls((), nothing, nothing, *np.zeros((2, 0, rows)))
+
+    def of_rows(self, change: Callable[[np.ndarray], np.ndarray]) -> "CommonErrors":
+        """The same errors of other rows; ``change`` maps effects of shape (k, m)."""
+        effects = change(self.log_continuum), change(self.log_conductance)
+        return CommonErrors(self.names, self.log_pressure, self.zero, *effects)

@@ -6,12 +6,13 @@ held at their best values. The total also includes those errors, each with its p
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from lightflyer.lab.estimate import Estimate, student_factor
+from lightflyer.lab.tac.accuracy import DRIFT, CommonErrors
 from lightflyer.lab.tac.problem import PARAMETERS, JointProblem, Problem, minimise
 from lightflyer.lab.tac.profile import profile_interval
 from lightflyer.numerics.residuals import alike_points
@@ -61,6 +62,7 @@ def solve(
     ``guesses``: the three parameters of each run near the minimum. Returns a solution for each
     run, and the total covariance of their coefficients, shape (n, n).
     """
+    given, problems = problems, _with_own_drifts(problems)
     found = _minimise_all(problems, guesses)
     statistical = [_statistical(*one) for one in zip(found.held, found.plain, found.alike,
                                                      found.scatter, strict=True)]  # fmt: skip
@@ -79,7 +81,7 @@ def solve(
     values, whole = _values(total, joint.names), np.asarray(total.covar)
     common = dict(zip(joint.names, values, strict=True))
     solutions, width = [], len(PARAMETERS)
-    for number, (problem, (normal, profiled)) in enumerate(zip(problems, statistical, strict=True)):
+    for number, (problem, (normal, profiled)) in enumerate(zip(given, statistical, strict=True)):
         own = slice(number * width, (number + 1) * width)
         covariance = whole[own, own]
         freedoms = _freedoms(covariance, normal, len(problem.conductance) - width)
@@ -87,7 +89,10 @@ def solve(
         solutions.append(
             Solution(
                 values=dict(zip(PARAMETERS, values[own], strict=True))
-                | {name: common[name] for name in problem.errors.names},
+                | {
+                    name: common[name if name in common else f"{name}_{number}"]
+                    for name in problem.errors.names
+                },
                 scatter=found.scatter[number],
                 alike=found.alike[number],
                 covariance=covariance,
@@ -156,6 +161,28 @@ def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]
         if np.allclose(before, common, atol=_SAME) and alike == known:
             break
     return _Minimum(held, plain, scatter, alike, joint, total)
+
+
+def _with_own_drifts(problems: Sequence[Problem]) -> Sequence[Problem]:
+    """Runs whose plateaus drift each by itself: as many unknowns as runs, each of one run."""
+    names = problems[0].errors.names
+    if len(problems) == 1 or DRIFT not in names:
+        return problems
+    shared = [place for place, name in enumerate(names) if name != DRIFT]
+    places = [*shared, *[names.index(DRIFT)] * len(problems)]
+    words = *(names[place] for place in shared), *(f"{DRIFT}_{n}" for n in range(len(problems)))
+    own = np.concatenate([np.ones((len(problems), len(shared))), np.eye(len(problems))], axis=1)
+    return [
+        replace(
+            problem,
+            errors=CommonErrors(
+                words, problem.errors.log_pressure[places], problem.errors.zero[places],
+                has[:, None] * problem.errors.log_continuum[places],
+                problem.errors.log_conductance[places],
+            ),
+        )
+        for problem, has in zip(problems, own, strict=True)
+    ]  # fmt: skip
 
 
 def _with_shared_law(problems: Sequence[Problem], own: float) -> list[Problem]:

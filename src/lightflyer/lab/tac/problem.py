@@ -67,7 +67,7 @@ class Problem:
         shift = float(given @ self.errors.log_pressure)
         rising = np.exp(shift) + float(given @ self.errors.zero) / self.pressure
         logarithms = self.limits.log_continuum.copy()
-        logarithms[0] += self.limits.slope * shift + float(given @ self.errors.log_continuum)
+        logarithms[0] += self.limits.slope * shift + given @ self.errors.log_continuum
         amplitude = np.exp(given @ self.errors.log_conductance)
         limits = replace(
             self.limits,
@@ -86,7 +86,7 @@ class Problem:
             (*self.errors.names, *names),
             np.concatenate([self.errors.log_pressure, nothing]),
             np.concatenate([self.errors.zero, nothing]),
-            np.concatenate([self.errors.log_continuum, nothing]),
+            np.concatenate([self.errors.log_continuum, np.zeros_like(effects)]),
             np.concatenate([self.errors.log_conductance, effects]),
         )
         return replace(self, errors=errors)
@@ -98,7 +98,7 @@ class Problem:
         thin = self.limits.free_molecular
         kinetic = tac * thin * (factor + float(common @ self.errors.zero) / self.pressure)
         logarithm, per_tac = self.limits.log_continuum_at(tac)
-        shifted = self.limits.slope * shift + float(common @ self.errors.log_continuum)
+        shifted = self.limits.slope * shift + common @ self.errors.log_continuum
         return _Gas(kinetic, np.exp(logarithm + shifted), per_tac, tac * thin * factor)
 
     def model(self, tac: float, area_ratio: float, offset: float, *common: float) -> np.ndarray:
@@ -159,10 +159,8 @@ class Problem:
             return mean_of_groups(values, groups)
 
         sizes = np.array([len(rows) for rows in groups])
-        amplitudes = [mean(row) for row in self.errors.log_conductance]
-        errors = replace(
-            self.errors,
-            log_conductance=np.reshape(amplitudes, (len(amplitudes), len(groups))),
+        errors = self.errors.of_rows(
+            lambda effects: np.reshape([*map(mean, effects)], (len(effects), len(groups)))
         )
         return Problem(
             self.source, mean(self.conductance), mean(self.pressure), self.limits.group(groups),
@@ -181,7 +179,7 @@ class Problem:
             log_continuum=self.limits.log_continuum[:, kept],
             slope=self.limits.slope[kept],
         )
-        errors = replace(self.errors, log_conductance=self.errors.log_conductance[:, kept])
+        errors = self.errors.of_rows(lambda effects: effects[:, kept])
         return Problem(
             self.source, self.conductance[kept], self.pressure[kept], limits,
             self.radiation[kept], self.weight[kept], errors,

@@ -3,12 +3,15 @@
 import inspect
 from collections.abc import Callable, Sequence
 from functools import wraps
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.errors import ConfigurationError, ParameterError
+
+if TYPE_CHECKING:
+    from lightflyer.environment.base import Coordinate
 
 MOST_SAMPLES = 1_000_000
 
@@ -53,3 +56,21 @@ def only_with(**needs: str) -> Callable[[Callable[..., None]], Any]:
         return checked
 
     return refusing
+
+
+def coordinate(option: str, text: str, where: "Coordinate") -> float:
+    """An altitude or pressure of an option in SI units, within what the environment has."""
+    from lightflyer.core.units import scale_and_offset
+
+    try:
+        found, spread = where.quantity.read(text)
+    except ConfigurationError as error:
+        said = "" if text in str(error) else f"{where.name} {text} "
+        factor, _ = scale_and_offset(where.quantity.unit, where.shown_unit)
+        low, high = factor * where.lowest, factor * where.highest
+        allowed = f"must be between {low:g} and {high:g} {where.shown_unit}"
+        told = str(error).replace(f"must be {where.quantity.allowed}", allowed)
+        raise ConfigurationError(f"{option}: {said}{told}") from None
+    if spread is not None:
+        raise ConfigurationError(f'{option} "{text}": takes no ±')
+    return found

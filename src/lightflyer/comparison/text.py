@@ -57,7 +57,8 @@ def _best_cells(found: "Compared", scale: float) -> tuple[str, ...]:
     band = found.best_band("payload")
     shown = {name: values[name] * OUTPUTS[name].shown[0] for name in values if name in OUTPUTS}
     widest = prediction.widest
-    flies = "nowhere"
+    # beyond a range that was asked for it may well fly
+    flies = "nowhere" if prediction.setup.search_range == (None, None) else "not in range"
     if widest is not None:
         ends = zip(prediction.bands[widest], prediction.coordinates[[0, -1]], "<>", strict=True)
         low, high = (

@@ -104,7 +104,9 @@ def write_design(
 
 
 def require_free(path: Path) -> None:
-    """Raise where :func:`write_design` would overwrite what people wrote."""
+    """Raise where :func:`write_design` cannot write, or would overwrite what people wrote."""
+    if not path.parent.is_dir():
+        raise OutputError(f"{path}: cannot be written: there is no folder {path.parent}")
     if path.exists() and not (path.is_file() and read_text(path).startswith(_WRITTEN)):
         raise OutputError(f"{path}: already exists, and no search wrote it; choose another name")
 

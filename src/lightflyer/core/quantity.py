@@ -51,6 +51,7 @@ class Quantity:
     # Range of what is measured. A value beyond is possible, but most likely one of a wrong unit
     likely: tuple[float, float] = (-math.inf, math.inf)
     known: str = ""  # What ends that range, in words
+    usual: str = ""  # Unit that messages propose
     # Value that a file has where it gives none and an object has None
     in_files: Measured | None = None
 
@@ -134,7 +135,7 @@ class Quantity:
 
     def _number_of_text(self, name: str, text: str) -> Any:
         try:
-            measured = parse(text, self.unit)
+            measured = parse(text, self.unit, self.usual)
         except ConfigurationError as error:
             raise ParameterError(f"{name} = {error}") from None
         return measured.value if measured.uncertainty is None else measured
@@ -161,14 +162,16 @@ class Quantity:
 
     def read(self, value: Any) -> Measured:
         """Number in the unit from a text, a bare number or a :class:`Measured`."""
-        measured = value if isinstance(value, Measured) else parse(value, self.unit)
+        measured = value if isinstance(value, Measured) else parse(value, self.unit, self.usual)
         problem = self.implausible(measured.value)
         if problem:
             raise ConfigurationError(problem.partition(" ")[2])
         try:
             self.check("", measured.value)
         except ParameterError:
-            raise ConfigurationError(f"must be {self.allowed}") from None
+            share = not self.unit and self.highest < measured.value <= _PERCENT
+            hint = f'; per cent are written "{measured.value:g} %"' if share else ""
+            raise ConfigurationError(f"must be {self.allowed}{hint}") from None
         width = min(self.highest - self.lowest, self.sizes[1])
         if measured.uncertainty is None:
             return measured
@@ -188,6 +191,7 @@ class Quantity:
         return core_schema.no_info_before_validator_function(self.read, handler(source))
 
 
+_PERCENT = 100.0
 _NO_UNCERTAINTY = (
     ": an object takes no ±; give uncertainties to a flyer file, or by name to lightflyer.propagate"
 )
@@ -212,30 +216,35 @@ HIGHEST_OPEN_FRACTION = 0.999  # Largest share of holes accepted: without film t
 
 _BETWEEN = "atoms are larger, flyers smaller"
 
-Length = Annotated[Numeric, Quantity("m", 0.0, open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN)]
+Length = Annotated[
+    Numeric, Quantity("m", 0.0, usual="cm", open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN)
+]
 Thickness = Annotated[
     Numeric,
-    Quantity("m", 0.0, open_below=True, sizes=(1e-10, 1e-2),
+    Quantity("m", 0.0, usual="nm", open_below=True, sizes=(1e-10, 1e-2),
              why="atoms are larger, films are thinner", likely=(3e-10, 2e-4),
              known="graphene is the thinnest film, and no light lifts one as thick as paper"),
 ]  # fmt: skip
 Roughness = Annotated[
-    Numeric, Quantity("m", 0.0, sizes=(1e-11, 1e-4), why="atoms are larger, films are smoother"),
+    Numeric,
+    Quantity("m", 0.0, usual="nm", sizes=(1e-11, 1e-4), why="atoms are larger, films are smoother"),
 ]  # fmt: skip
-Distance = Annotated[Numeric, Quantity("m", 0.0, sizes=(1e-10, 1e4), why=_BETWEEN)]
+Distance = Annotated[Numeric, Quantity("m", 0.0, usual="cm", sizes=(1e-10, 1e4), why=_BETWEEN)]
 LinearDensity = Annotated[
     Numeric, Quantity("kg/m", 0.0, sizes=(1e-15, 1e2), why="nanotubes and ropes are between"),
 ]  # fmt: skip
 GroundDistance = Annotated[
-    Numeric, Quantity("m", 0.0, open_below=True, sizes=(1.0, 1e8),
+    Numeric, Quantity("m", 0.0, usual="km", open_below=True, sizes=(1.0, 1e8),
         why="a place is wider than a metre and narrower than a planet"),
 ]  # fmt: skip
 Altitude = Annotated[
-    Numeric, Quantity("m", 0.0, sizes=(0.0, 1e9), why="the moon is nearer than that"),
+    Numeric, Quantity("m", 0.0, usual="km", sizes=(0.0, 1e9), why="the moon is nearer than that"),
 ]  # fmt: skip
-Mass = Annotated[Numeric, Quantity("kg", 0.0, sizes=(0.0, 1e4), why="no flyer carries more")]
+Mass = Annotated[
+    Numeric, Quantity("kg", 0.0, usual="mg", sizes=(0.0, 1e4), why="no flyer carries more")
+]
 ArealDensity = Annotated[
-    Numeric, Quantity("kg/m^2", 0.0, open_below=True, sizes=(1e-7, 1e2),
+    Numeric, Quantity("kg/m^2", 0.0, usual="g/m^2", open_below=True, sizes=(1e-7, 1e2),
         why="graphene weighs more, 1 cm of steel less"),
 ]  # fmt: skip
 Density = Annotated[
@@ -284,7 +293,7 @@ Speed = Annotated[
     Numeric, Quantity("m/s", 0.0, sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth"),
 ]  # fmt: skip
 Duration = Annotated[
-    Numeric, Quantity("s", 0.0, open_below=True, sizes=(1.0, 1e10),
+    Numeric, Quantity("s", 0.0, usual="h", open_below=True, sizes=(1.0, 1e10),
         why="no mission lasts three centuries"),
 ]  # fmt: skip
 SpecificHeat = Annotated[

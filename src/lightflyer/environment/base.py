@@ -114,8 +114,8 @@ class Coordinate:
     def quantity(self) -> Quantity:
         """Unit and possible range."""
         if self.open_ended:
-            return Quantity(self.unit, 0.0, open_below=True)
-        return Quantity(self.unit, self.lowest, self.highest)
+            return quantity_of(Pressure) or Quantity()
+        return Quantity(self.unit, self.lowest, self.highest, usual=self.shown_unit)
 
     def to_axis(self, coordinate: Numeric) -> Any:
         """Place on an axis: the coordinate, or its logarithm."""

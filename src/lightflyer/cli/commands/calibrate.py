@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import optional_share, quantity
+from lightflyer.cli.lab.shared import exact, optional_share
 from lightflyer.cli.options import Json, Samples, Seed, only_with
 from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
@@ -106,7 +106,7 @@ def calibrate_command(
 
     points = read_points(points_file, columns=columns, gauge=read_gauge(gauge, gauge_factor))
     points = points if keep_ground_effect else points.without_ground_effect()
-    points = points.with_step(0.0 if step is None else quantity("--step", step, "W/m^2").value)
+    points = points.with_step(0.0 if step is None else exact("--step", step, "W/m^2"))
     template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
     with resources.as_file(template) as default:
         design = read_flyer_file(default if flyer is None else flyer)

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.options import Json, Samples, Seed
+from lightflyer.cli.options import Json, Samples, Seed, coordinate
 from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
 
@@ -69,7 +69,6 @@ def _range(
 ) -> tuple[float, float] | None:
     """The range asked for in SI units."""
     from lightflyer.config.reader import read_flyer_file
-    from lightflyer.core.units import parse
 
     asked = {"altitude": altitudes, "pressure": pressures}
     given = {name: text for name, text in asked.items() if text is not None}
@@ -86,8 +85,5 @@ def _range(
     example = '"50 km to 100 km"' if name == "altitude" else '"1 Pa to 100 Pa"'
     if len(ends) != 2:
         raise ConfigurationError(f'--{name}s "{text}": write a range, as in {example}')
-    try:
-        low, high = (parse(end.strip(), where.unit).value for end in ends)
-    except ConfigurationError as error:
-        raise ConfigurationError(f"--{name}s: {error}") from None
+    low, high = (coordinate(f"--{name}s", end.strip(), where) for end in ends)
     return low, high

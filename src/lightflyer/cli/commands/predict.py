@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
-from lightflyer.cli.options import Json, Samples, Seed
+from lightflyer.cli.options import Json, Samples, Seed, coordinate
 from lightflyer.cli.output import print_json, printer, say, show, write_json
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import warning_lines, wrap
@@ -118,21 +118,9 @@ def _load_in_background() -> threading.Thread:
 
 def _parse_coordinates(at: str | None, where: "Coordinate") -> list[float] | None:
     """The coordinates of ``--at`` in SI units."""
-    from lightflyer.core.units import scale_and_offset
-
     if at is None:
         return None
-    points = []
-    for part in filter(None, map(str.strip, at.split(","))):
-        try:
-            points.append(where.quantity.read(part).value)
-        except ConfigurationError as error:
-            said = "" if part in str(error) else f"{where.name} {part} "
-            factor, _ = scale_and_offset(where.quantity.unit, where.shown_unit)
-            low, high = factor * where.lowest, factor * where.highest
-            allowed = f"must be between {low:g} and {high:g} {where.shown_unit}"
-            told = str(error).replace(f"must be {where.quantity.allowed}", allowed)
-            raise ConfigurationError(f"--at: {said}{told}") from None
+    points = [coordinate("--at", part, where) for part in map(str.strip, at.split(",")) if part]
     if not points:
         raise ConfigurationError(f'--at "{at}" names no {where.name}')
     return points

@@ -11,8 +11,8 @@ from lightflyer.cli.lab.shared import (
     Files,
     Insist,
     deliver,
+    exact,
     optional_share,
-    quantity,
     read_parts,
     read_summary,
     updater,
@@ -118,7 +118,7 @@ def levitation_command(
         "pressure_accuracy": optional_share("--pressure-accuracy", pressure_accuracy),
         "irradiance_accuracy": optional_share("--irradiance-accuracy", irradiance_accuracy),
     }
-    light_step = 0.0 if step is None else quantity("--step", step, "W/m^2").value
+    light_step = 0.0 if step is None else exact("--step", step, "W/m^2")
     curves = [
         levitation.levitation_curve(
             points, span=span, draws=draws, seed=seed + number, step=light_step, **accuracies

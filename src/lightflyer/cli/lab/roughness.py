@@ -10,8 +10,8 @@ from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.lab.shared import (
     Files,
     deliver,
+    exact,
     optional_share,
-    quantity,
 )
 from lightflyer.cli.options import Json, Seed, Whole, only_with
 from lightflyer.cli.output import print_json, printer
@@ -100,7 +100,7 @@ def roughness_command(
     }  # fmt: skip
     if mask != "auto" and threshold != THRESHOLD:
         raise ParameterError(f"--threshold is for --mask auto; with {mask} it does nothing")
-    width = None if size is None else quantity("--size", size, "m").value
+    width = None if size is None else exact("--size", size, "m")
     maps = [read_height_map(file, size=width, unit=unit, channel=channel) for file in files]
     require_distinct([(one.source, one.height) for one in maps])
     results = [roughness(one, **options) for one in maps]

@@ -56,11 +56,19 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
     return found
 
 
+def exact(option: str, text: str, unit: str) -> float:
+    """Value of an option that has no use for a ±, in SI units."""
+    value, spread = quantity(option, text, unit)
+    if spread is not None:
+        raise ConfigurationError(f'{option} "{text}": takes no ±')
+    return value
+
+
 def quantities(option: str, text: str, unit: str) -> "np.ndarray":
     """Values of an option such as ``--at "550 nm, 10 um"``, at least one; ``unit``: SI unit."""
     import numpy as np
 
-    values = [quantity(option, part, unit).value for part in text.split(",") if part.strip()]
+    values = [exact(option, part, unit) for part in text.split(",") if part.strip()]
     if not values:
         raise ConfigurationError(f'{option} "{text}" has no quantity in it')
     return np.array(values)
@@ -84,7 +92,7 @@ def share(option: str, text: str) -> float:
     """Value of an option that is a share, such as ``--gauge-accuracy "5 %"`` [1]."""
     from lightflyer.core.checks import require_range
 
-    value = quantity(option, text, "").value
+    value = exact(option, text, "")
     require_range(option, value, 0.0, 1.0)
     return value
 

@@ -10,6 +10,7 @@ from lightflyer.cli.lab.shared import (
     Insist,
     deliver,
     difference,
+    exact,
     optional_share,
     quantity,
     read_parts,
@@ -142,11 +143,13 @@ def tac_command(
     """
     out = figures.folder(out)
     from lightflyer.calibration.gauge import read_gauge
+    from lightflyer.core.checks import require_range
     from lightflyer.gas import GASES
     from lightflyer.lab.record import require_distinct
     from lightflyer.lab.tac import fit as tac
     from lightflyer.lab.tac.accuracy import TacAccuracy, unstated_accuracies
     from lightflyer.lab.tac.data import read_resistance_calibration, read_tac
+    from lightflyer.lab.tac.diagnostics import POSSIBLE_TAC
     from lightflyer.lab.tac.difference import fit_tac_difference
 
     faces = _faces(files, top, bottom)
@@ -165,7 +168,7 @@ def tac_command(
     }
     if width is not None:
         options["diameter"] = width
-    surroundings = None if ambient is None else quantity("--ambient", ambient, "K").value
+    surroundings = None if ambient is None else exact("--ambient", ambient, "K")
     how: dict[str, Any] = {
         "columns": columns, "thermometer": thermometer, "ambient_temperature": surroundings,
         "gauge": read_gauge(gauge, gauge_factor),
@@ -178,6 +181,8 @@ def tac_command(
         found = OneFace([tac.fit_tac(run, **options) for run in runs], face)
     else:
         other = None if other_face is None else quantity("--other-face", other_face, "")
+        if other is not None:
+            require_range("--other-face", other.value, 0.0, POSSIBLE_TAC)
         found = TwoFaces(fit_tac_difference(*sides, **options, other_face=other))
     values, about_flyer = _for_flyer_file(found, update)
     warnings = [*found.warnings, *about_flyer, *unstated_accuracies(stated)]
@@ -228,7 +233,7 @@ def _law(reading: str, wall: str | None) -> "AbstractHeatLaw":
         return HEAT_LAWS[reading]
     if reading != KINETIC:
         raise ConfigurationError(f"--wall is for the reading kinetic only, not for {reading}")
-    distance = quantity("--wall", wall, "m").value
+    distance = exact("--wall", wall, "m")
     require_positive(**{"--wall": distance})
     return KineticLaw(distance)
 
@@ -245,7 +250,7 @@ def _stated_value(
     if drift is not None:
         found["plateau_drift"] = share("--plateau-drift", drift)
     if zero is not None:
-        found["gauge_zero"] = quantity("--gauge-zero", zero, "Pa").value
+        found["gauge_zero"] = exact("--gauge-zero", zero, "Pa")
     if temperature is not None:
         found["temperature"] = difference("--temperature-accuracy", temperature, "K")
     width, spread = (None, None) if diameter is None else quantity("--diameter", diameter, "m")

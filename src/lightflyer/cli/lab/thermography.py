@@ -10,6 +10,7 @@ from lightflyer.cli.lab.shared import (
     Insist,
     deliver,
     difference,
+    exact,
     quantity,
     read_parts,
     read_summary,
@@ -245,7 +246,7 @@ def _image(
     parse_regions(regions)
     unit, zero, emissivity, reflected = settings
     own, behind = (
-        None if text is None else quantity(option, text, of).value
+        None if text is None else exact(option, text, of)
         for option, text, of in (
             ("--image-emissivity", emissivity, ""),
             ("--image-reflected", reflected, "K"),

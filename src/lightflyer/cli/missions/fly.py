@@ -109,15 +109,16 @@ def fly_command(
 
 def _read_tracks(paths: list[Path] | None, mission: "MissionFile") -> "list[MeasuredTrack]":
     """Measured tracks that share time with the mission."""
-    from lightflyer.mission.measured.comparison import require_shared_time
+    from lightflyer.lab.record import require_distinct
+    from lightflyer.mission.measured.comparison import require_comparable
     from lightflyer.mission.measured.track import read_track
 
     if paths is not None and not paths:
         raise ParameterError("--compare needs a file")
     tracks = [read_track(path) for path in paths or ()]
-    released = float(mission.mission.release.time)
+    require_distinct([(one.source, (one.time, one.latitude, one.altitude)) for one in tracks])
     for track in tracks:
-        require_shared_time(track, released, released + mission.mission.duration.value)
+        require_comparable(track, mission.mission.release, mission.mission.duration.value)
     return tracks
 
 

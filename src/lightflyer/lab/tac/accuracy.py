@@ -49,7 +49,7 @@ class TacAccuracy:
     #: thickness, natural convection, the gas's conductivity. Default: an assumption, what walls at
     #: ten radii do
     plateau: float = 0.05
-    #: Of the plateau's change from a run's first row to its last, relative [1]; each run has its own
+    #: Of the plateau's change from the first row to the last, relative [1]; each run has its own
     plateau_drift: float = 0.0
 
     def __post_init__(self) -> None:

@@ -46,6 +46,7 @@ FIX, PERIOD, BAND, TRACK = "fix", "period", "band", "measured_track"  # Dimensio
 
 _WHOLE = 0.99  # share of the time that is as good as all of it
 _METRES, _SPEED = "m", "m s-1"
+_KILOMETRES = 100.0  # how much lower than the release a track in metres is not
 _OF_FIXES = {
     "measured_elapsed": Variable("s", "time of the fix since the release"),
     "measured_altitude": Variable(_METRES, "measured altitude"),
@@ -143,13 +144,13 @@ def compare_track(
         require_rule(Craft(setup, rule), start)
     span = float(times_of(duration)[-1])
     craft, released = Craft(setup, rule), float(release.time)
-    require_shared_time(measured, released, released + span)
+    require_comparable(measured, release, span)
     accuracy = Accuracy.for_duration(span, tolerance)
     _, way = follow(craft, start, limits, np.array([0.0, span]), accuracy)
     if asked_to_end():
         raise KeyboardInterrupt
     elapsed, end = measured.time - released, float(way.times[-1])
-    require_shared_time(measured, released, released + end)
+    require_comparable(measured, release, end)
     beside = (elapsed >= 0.0) & (elapsed <= end)
     heights, places = way(np.clip(elapsed, 0.0, end))
     between = apart(measured, places, float(planet_of(setup.environment).radius))
@@ -204,17 +205,24 @@ def join_comparisons(compared: Sequence["xr.Dataset"]) -> "xr.Dataset":
     return joined
 
 
-def require_shared_time(track: MeasuredTrack, released: float, end: float) -> None:
-    """Raise unless a track has two fixes between release and end [s since 2000-01-01 12:00 UTC]."""
+def require_comparable(track: MeasuredTrack, release: Release, span: float) -> None:
+    """Raise unless a track has two fixes within the span of a flight [s], in its unit of length."""
+    released, highest = float(release.time), float(track.altitude.max())
+    end = released + span
     count = np.sum((track.time >= released) & (track.time <= end))
-    if count >= 2:
-        return
-    spans = (track.time[0], track.time[-1]), (released, end)
-    measured, flown = (" to ".join(map(date_text, span)) for span in spans)
-    raise ConfigurationError(
-        f"{track.source}: {'one' if count else 'none'} of its fixes, of {measured}, lies within "
-        f"the flight, of {flown}; give [mission] the date of the track"
-    )
+    if count < 2:
+        spans = (track.time[0], track.time[-1]), (released, end)
+        measured, flown = (" to ".join(map(date_text, one)) for one in spans)
+        raise ConfigurationError(
+            f"{track.source}: {'one' if count else 'none'} of its fixes, of {measured}, lies "
+            f"within the flight, of {flown}; give [mission] the date of the track"
+        )
+    if highest < float(release.altitude) / _KILOMETRES:
+        raise ConfigurationError(
+            f"{track.source}: its altitudes are at most {highest:.0f} m, and the flight begins at "
+            f"{float(release.altitude):.0f} m; if they are kilometres, write so in the header, "
+            '"altitude [km]"'
+        )
 
 
 def _dataset(track: MeasuredTrack, columns: dict[str, np.ndarray]) -> "xr.Dataset":

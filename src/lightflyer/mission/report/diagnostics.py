@@ -33,6 +33,7 @@ def diagnose_flight(craft: Craft, course: Course, values: dict[str, Any]) -> tup
         *diagnose(setup, state, temperature),
         *dict.fromkeys((*broadside, *edgewise)),
         *_light_diagnostics(setup.environment, values["irradiance"]),
+        *_shading_diagnostics(values.get("light_share")),
     )
 
 
@@ -45,6 +46,13 @@ def _light_diagnostics(environment: AbstractEnvironment, irradiance: np.ndarray)
     if np.any(irradiance > 0.0):
         return ()
     return ("the mission never finds light: the sun is below the horizon throughout",)
+
+
+def _shading_diagnostics(share: np.ndarray | None) -> tuple[str, ...]:
+    if share is None or np.ptp(share) > 0.0 or share[0] not in (0.0, 1.0):
+        return ()
+    some = "all" if share[0] else "none"
+    return (f"the shading changes nothing: the flyer lets in {some} of the light throughout",)
 
 
 def termination_text(

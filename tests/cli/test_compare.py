@@ -51,6 +51,12 @@ def test_json_within_a_range(run, files):
     assert summary["differing_surroundings"] == {}
 
 
+def test_what_lies_beyond_the_range_asked_for_is_not_denied(run, files):
+    _, text, _ = run("compare", *files, "--altitudes", "50 km to 55 km", "--samples", "0")
+    assert text.count("not in range") == 2
+    assert "nowhere" not in text
+
+
 def test_mistakes_are_one_line_each(run, files, tmp_path):
     chamber = tmp_path / "chamber.toml"
     run("init", chamber, "--kind", "chamber")

@@ -85,7 +85,9 @@ def test_mistakes_are_told_before_anything_is_flown(run, folder):
     out = folder / "none"
     for text, said in (("lat,lon,alt\n1,2,3\n", "the column time is missing"),
                        ("time,lat,lon,alt\n2020-01-01T00:00Z,1,2,3\n2020-01-01T01:00Z,1,2,3\n",
-                        "none of its fixes, of 2020-01-01 00:00 UTC to")):  # fmt: skip
+                        "none of its fixes, of 2020-01-01 00:00 UTC to"),
+                       ("time,lat,lon,alt\n2026-06-21T12:05Z,45,10,75\n2026-06-21T13:00Z,45,9,76\n",
+                        "at most 76 m, and the flight begins at 75000 m")):  # fmt: skip
         (folder / "bad.csv").write_text(text, encoding="utf-8")
         options = ("--compare", folder / "bad.csv", "--out", out)
         code, shown, errors = run("fly", folder / "mission.toml", *options)
@@ -93,5 +95,8 @@ def test_mistakes_are_told_before_anything_is_flown(run, folder):
         assert said in errors
         assert len(errors.strip().splitlines()) == 1
         assert not out.exists()
+    twice = folder / "first.csv", folder / "first.csv"
+    code, _, errors = run("fly", folder / "mission.toml", "--compare", *twice)
+    assert "has the same data as" in errors
     code, _, errors = run("fly", folder / "mission.toml", "--compare")
     assert (code, errors) == (2, "lightflyer: error: --compare needs a file\n")

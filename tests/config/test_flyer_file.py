@@ -160,8 +160,8 @@ def test_other_force_models(flyer_file, model):
 MISTAKES = [
     ("emittance = 0.08", "emittance = 1.4", 9, "film.emittance = 1.4: must be between 0"),
     ("emittance = 0.08", "emitance = 0.08", 9, 'did you mean "emittance"?'),
-    ('diameter = "2 cm"', 'diameter = "2"', 3, 'has no unit; write "2 m"'),
-    ('diameter = "2 cm"', "diameter = 2", 3, 'has no unit; write "2 m"'),
+    ('diameter = "2 cm"', 'diameter = "2"', 3, 'has no unit; write "2 cm"'),
+    ('diameter = "2 cm"', "diameter = 2", 3, 'has no unit; write "2 cm"'),
     ('diameter = "2 cm"', 'diameter = "2 kg"', 3, "wrong kind"),
     ('diameter = "2 cm"', 'diameter = "-2 cm"', 3, "must be positive"),
     ('diameter = "2 cm"\n', "", 1, "[flyer] needs diameter"),

@@ -59,7 +59,7 @@ def test_every_record_reads_units():
     ("value", "message"),
     [
         ("2 kg", r'radius = "2 kg": unit "kg" is of the wrong kind; give one that converts to m'),
-        ("2", r'radius = "2" has no unit; write "2 m"'),
+        ("2", r'radius = "2" has no unit; write "2 cm"'),
         ("wide", r'radius = "wide" is not a number with a unit, such as "1 m"'),
         ("2 ± 1 cm", r"radius = 0.02: an object takes no ±; give uncertainties to a flyer file"),
         (lf.Measured(0.02, 0.01), r"radius = 0.02: an object takes no ±"),

@@ -138,7 +138,18 @@ def test_shade_and_errors_of_the_drag_hold_with_inertia_too(closed_form_disk, li
         for inertia in (None, lf.mission.Inertia())
     ]  # fmt: skip
     assert float(flights[0].end_altitude) < 74.5e3
+    assert "shading" not in flights[0].warnings
     assert float(flights[1].end_altitude) == pytest.approx(float(flights[0].end_altitude), abs=1.0)
+
+
+@pytest.mark.parametrize(("altitude", "some"), [("95 km", "all"), ("40 km", "none")])
+def test_shading_that_changes_nothing_is_said(closed_form_disk, lit_air, altitude, some):
+    flown = lf.fly(
+        closed_form_disk(2e-3), lit_air(), lf.FreeMolecular(), duration="10 min",
+        release=Release("75 km", **RELEASE),
+        attitude=lf.mission.Shaded(lf.mission.HoldAltitude(altitude)),
+    )  # fmt: skip
+    assert f"the flyer lets in {some} of the light throughout" in flown.warnings
 
 
 def test_more_drag_makes_the_same_flight_slower(closed_form_disk, lit_air):

@@ -59,7 +59,7 @@ MISTAKES = [
     ('"film.emittance"', '"emittance"', 5, 'did you mean "film.emittance"?'),
     ("altitude =", "pressure =", 6, "pressure is not a number of the design"),
     ('"60 km"', '"60 kg"', 6, 'unit "kg" is of the wrong kind; give one that converts to m'),
-    ('"60 km"', "60", 6, '60 has no unit; write "60 m"'),
+    ('"60 km"', "60", 6, '60 has no unit; write "60 km"'),
     ('"60 km"', '"90 km"', 6, "is an empty range: from and to are both 90 km"),
     ('"60 km"', '"95 km"', 6, "is an empty range: 95 km is above 90 km"),
     ("points = 61", "points = 1", 6, "points = 1 must be a whole number of at least 2"),

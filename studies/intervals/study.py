@@ -6,7 +6,8 @@ and returns the intervals beside the truth. Run all, or those that are named:
 
     python studies/intervals/study.py [MODULE ...] [--cases 400] [--workers 2]
 
-The shares go into ``results.csv``, which the documentation shows.
+The shares go into ``results.csv``, and those of each command into ``summary.csv``, which
+the documentation shows.
 """
 
 import argparse
@@ -19,12 +20,13 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache, partial
 from pathlib import Path
+from statistics import median
 from types import ModuleType
 
 from trial import Trial
 
 HERE = Path(__file__).parent
-RESULTS = HERE / "results.csv"
+RESULTS, SUMMARY = HERE / "results.csv", HERE / "summary.csv"
 HEADER = ("command", "quantity", "cases", "share [%]", "± [%]", "median width over truth [%]")
 _NOT_COMMANDS = {"study", "trial"}
 
@@ -81,6 +83,22 @@ def write(rows: Sequence[Sequence[str]]) -> None:
             kept = [row for row in list(csv.reader(file))[1:] if row[0] not in fresh]
     with RESULTS.open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([HEADER, *sorted([*kept, *rows])])
+    summarise()
+
+
+def summarise() -> None:
+    """Lowest, middle and highest share of each command, from the table of all."""
+    shares: dict[str, list[tuple[float, str]]] = defaultdict(list)
+    with RESULTS.open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            shares[row["command"]].append((float(row["share [%]"]), row["quantity"]))
+    with SUMMARY.open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(("command", "intervals", "median [%]", "lowest [%]", "highest [%]"))
+        for command, found in shares.items():
+            values, words = zip(*sorted(found), strict=True)
+            ends = (f"{values[end]:.1f}: {words[end]}" for end in (0, -1))
+            table.writerow((command, len(found), f"{median(values):.1f}", *ends))
 
 
 def main() -> None:

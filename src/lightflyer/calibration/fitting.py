@@ -33,6 +33,7 @@ from lightflyer.calibration.total import from_inputs
 from lightflyer.config.designs import as_design
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConvergenceError, ParameterError
+from lightflyer.core.quantity import require_record
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.residuals import alike_points
@@ -54,7 +55,7 @@ def calibrate(
     model: AbstractForceModel | None = None,
     *,
     points: Points,
-    free: Sequence[str] = DEFAULT_FREE,
+    free: str | Sequence[str] = DEFAULT_FREE,
     pressure_accuracy: float | None = None,
     irradiance_accuracy: float | None = None,
     scale_errors: bool = False,
@@ -121,7 +122,9 @@ def calibrate(
     >>> print(f"{fit.values[0]:.2f} {fit.values[1]:.1f}")
     0.40 3.0
     """
+    require_record("points", (Points,), points)
     require_positive(pressure=points.pressure, irradiance=points.irradiance)
+    free = (free,) if isinstance(free, str) else free
     meters, assumed = instruments(pressure_accuracy, irradiance_accuracy)
     problem = problem_of(points, as_design(what, environment, model), free, meters)
     fit, best, spread = _solve_weighted(problem, _reachable_start(problem))

@@ -12,7 +12,9 @@ import numpy as np
 from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import Fields, Target
 from lightflyer.core.checks import require_range
+from lightflyer.core.quantity import Fraction
 from lightflyer.design.design import AbstractDesign
+from lightflyer.program.arguments import reads_units
 from lightflyer.uncertainty.inputs import Change, Inputs, uncertain_inputs
 
 PRESSURE_GAUGE, LIGHT_METER = "pressure gauge", "light meter"
@@ -34,8 +36,9 @@ _SCATTER, _COEFFICIENTS = "force.force_error", {"force.c_fm", "force.c_cont"}
 """What the published coefficients of a force model scatter by, and those coefficients."""
 
 
+@reads_units
 def instruments(
-    pressure_accuracy: float | None, irradiance_accuracy: float | None
+    pressure_accuracy: Fraction | None, irradiance_accuracy: Fraction | None
 ) -> tuple[dict[str, float], tuple[str, ...]]:
     """Accuracies of the instruments, those assumed where none are stated."""
     for name, stated in (

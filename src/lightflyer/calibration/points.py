@@ -105,6 +105,20 @@ class Points:
     step: float = 0.0
     notes: tuple[str, ...] = ()  #: What was done to the points, one line each
 
+    def __post_init__(self) -> None:
+        numbers = {name: np.asarray(column, float) for name, column in self.numbers.items()}
+        object.__setattr__(self, "numbers", numbers)
+        for name in (_PRESSURE.name, _IRRADIANCE.name):
+            if name not in numbers:
+                raise ParameterError(
+                    f"points need the column {name}; they have {', '.join(numbers)}"
+                )
+        for name, column in numbers.items():
+            if column.shape != (len(self.samples),):
+                raise ParameterError(
+                    f"{name} of shape {column.shape} does not fit {len(self.samples)} samples"
+                )
+
     def __len__(self) -> int:
         """Number of points."""
         return len(self.samples)

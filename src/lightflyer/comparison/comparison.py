@@ -263,7 +263,7 @@ def compare(
     where = _common_coordinate(designs)
     require_comparable(design.setup for design in designs.values())
     if searched is not None:
-        _require_range(where, searched)
+        searched = _range_of(where, searched)
     count = 2 * len(designs)
     predictions: list[Prediction] = []
     for name, design in designs.items():
@@ -330,8 +330,8 @@ def _common_coordinate(designs: dict[str, AbstractDesign]) -> Coordinate:
     return first[1]
 
 
-def _require_range(where: Coordinate, searched: tuple[float, float]) -> None:
-    low, high = searched
+def _range_of(where: Coordinate, searched: tuple[Any, Any]) -> tuple[float, float]:
+    low, high = (float(where.quantity.number("searched", end)) for end in searched)
     if not low < high:
         factor, _ = scale_and_offset(where.unit, where.shown_unit)
         unit = where.shown_unit
@@ -339,6 +339,7 @@ def _require_range(where: Coordinate, searched: tuple[float, float]) -> None:
             f"{where.name}: {low * factor:g} {unit} to {high * factor:g} {unit} is no range; the "
             "first must be the lower one"
         )
+    return low, high
 
 
 def _common_grid(

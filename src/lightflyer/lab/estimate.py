@@ -9,6 +9,7 @@ import numpy as np
 from scipy import optimize, stats
 
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import require_record
 from lightflyer.files.result_text import table_of
 
 if TYPE_CHECKING:
@@ -134,6 +135,8 @@ def weighted_mean(estimates: Sequence[Estimate], *, common: float = 0.0) -> Esti
     >>> print(weighted_mean([Estimate.normal(one, 0.03) for one in (0.86, 0.92, 0.75, 0.81)]))
     0.835 (0.7199 to 0.9501)
     """
+    for one in estimates:
+        require_record("an estimate", (Estimate,), one)
     if len(estimates) == 1:
         return _widen(estimates[0], common)
     if not estimates or not all(one.uncertainty for one in estimates):

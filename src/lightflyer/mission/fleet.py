@@ -11,6 +11,7 @@ import numpy as np
 from jax import Array
 
 from lightflyer.compute.scheduler import processors
+from lightflyer.core.errors import ParameterError
 from lightflyer.core.precision import float64
 from lightflyer.core.progress import asked_to_end, report
 from lightflyer.core.quantity import Checked, Distance, Duration, Fraction, Speed
@@ -66,6 +67,10 @@ class Ensemble(Checked):
     altitude: Distance = 0.0
     distance: Distance = 0.0
     time: Numeric = 0.0
+
+    def __check_init__(self) -> None:
+        if not isinstance(self.members, int) or self.members < 2:
+            raise ParameterError(f"members = {self.members} must be a whole number of at least 2")
 
 
 class Flights(eqx.Module):

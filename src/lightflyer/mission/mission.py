@@ -70,6 +70,7 @@ MOST_TIMES_OF_ENSEMBLE = 288  # The same beside an ensemble, each of whose membe
 
 _places = entry_point(latitude_and_longitude)
 _DURATION = quantity_of(Duration) or Quantity()
+_DELAY = Quantity("s")
 _ROUNDING = 1e-9
 _SHORTEST = 60.0  # seconds between times that are kept where nobody asks for a spacing
 
@@ -154,6 +155,7 @@ def fly(
     require_release_inside(release, limits)
     with float64():  # raises where the data of winds or ground do not reach
         remarks = require_rule(mission.craft, mission.start)
+    launches = [float(_DELAY.number("launches", delay)) for delay in launches]
     several = ensemble is not None or len(launches) > 0
     elapsed = times_of(duration, every, several=several)
     plan = _Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), tolerance))
@@ -313,7 +315,7 @@ def _launch(tracks: Track, launches: Sequence[float]) -> Several:
     """The release itself, and the later ones."""
     count = len(tracks.end_altitude)
     rows = [0, *range(count - len(launches), count)]
-    delays = np.array([0.0, *(float(delay) for delay in launches)])
+    delays = np.array([0.0, *launches])
     labels = {"launch_delay": (delays, Variable("s", "delay of the release"))}
     return Several("launch_", "launch", labels, _rows(tracks, rows))
 

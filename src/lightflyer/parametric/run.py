@@ -20,6 +20,7 @@ from lightflyer.compute.store import empty_dataset, open_store
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
 from lightflyer.core.progress import Counted
+from lightflyer.core.quantity import require_record
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.study.distributions import SAMPLES
@@ -180,6 +181,7 @@ def sweep(
     """
     design = as_design(what, environment, model)
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    require_record("over", (Mapping,), over)
     entries = read_entries(design, {name: _plain(entry) for name, entry in over.items()}, names)
     if any(hasattr(entry, "dims") for entry in entries.values()):
         if out is not None or scheduler is not None:

@@ -383,7 +383,7 @@ def _reported_coordinates(
         more = max(_AROUND * np.ptp(ends), _LEAST_AROUND * np.ptp(whole))
         low, high = where.from_axis(np.clip(ends + np.array([-more, more]), *whole))
         return where.round_points(float(low), float(high), _ROWS)
-    asked = np.asarray(where.quantity.number("at", at), float)
+    asked = np.ravel(np.asarray(where.quantity.number("at", at), float))
     where.quantity.check(f"{where.name} [{where.unit}]", asked)
     return asked
 

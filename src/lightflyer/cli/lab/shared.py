@@ -93,6 +93,8 @@ def share(option: str, text: str) -> float:
     from lightflyer.core.checks import require_range
 
     value = exact(option, text, "")
+    if value >= 1.0 and "accuracy" in option and "%" not in text:
+        raise ConfigurationError(f'{option} "{text}": per cent are written "{text} %"')
     require_range(option, value, 0.0, 1.0)
     return value
 

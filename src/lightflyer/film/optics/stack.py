@@ -18,6 +18,7 @@ from lightflyer.core.quantity import (
     Roughness,
     Thickness,
     require_fit,
+    require_record,
 )
 from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import Medium
@@ -130,6 +131,8 @@ class Film(Checked):
     hole_diameter: Length | None = None
 
     def __check_init__(self) -> None:
+        for layer in require_record("layers", (tuple, list), self.layers):
+            require_record("a layer of a film", (Layer,), layer)
         if self.open_fraction is not None and not self.free_standing:
             raise ParameterError(
                 "open_fraction: behind the holes of a film on a substrate lies the substrate; "

@@ -11,6 +11,8 @@ _SKEWED = 1.0
 _MOST_CLIPPED = 0.01  # of the pixels at the very highest or lowest value
 _SHIFTED = 3.0  # scatter of the steps between rows, over that between columns
 _OBLONG = 1.5  # longer side of a pixel over the shorter one
+_STEEPEST = 10.0  # slope from pixel to pixel
+_ATOMS = 5e-10  # between the lowest and the highest [m]
 _PERCENT = 100.0
 
 
@@ -65,6 +67,14 @@ def _pixel_diagnostics(source: HeightMap) -> list[str]:
         said.append(
             f"pixels are {source.pixel_aspect:.3g} times as wide as long: particles are searched "
             "for in circles of pixels, which are ellipses on the surface"
+        )
+    steps = np.diff(source.height, axis=1) * source.height.shape[1] / source.width
+    slope = float(np.sqrt(np.nanmean(steps**2)))
+    spread = float(np.nanmax(source.height) - np.nanmin(source.height))
+    if slope > _STEEPEST or spread < _ATOMS:
+        said.append(
+            f"its heights lie within {1e9 * spread:.3g} nm, with a slope of {slope:.2g} from pixel "
+            "to pixel, which no film has; check --size and --unit"
         )
     return said
 

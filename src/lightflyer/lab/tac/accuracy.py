@@ -7,6 +7,8 @@ import numpy as np
 
 from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.core.checks import require_range
+from lightflyer.core.quantity import Fraction, Length, Pressure, TemperatureOffset
+from lightflyer.program.arguments import reads_units
 
 PIRANI_ACCURACY = 0.05
 """Standard uncertainty of a Pirani gauge, of the reading [1]: its maker's limits, 10 % at
@@ -25,6 +27,7 @@ IN_WORDS = {  # name, factor to the unit, unit
 }
 
 
+@reads_units
 @dataclass(frozen=True)
 class TacAccuracy:
     r"""Standard uncertainties of what is common to all rows.
@@ -37,25 +40,26 @@ class TacAccuracy:
 
     #: Of the pressure, relative [1]. Default: :data:`PIRANI_ACCURACY`. A capacitance manometer has
     #: 0.0025 to 0.005 [Bioprocess]_
-    gauge: float = PIRANI_ACCURACY
-    gauge_zero: float = 0.01  #: Of the gauge's zero [Pa]. Default: an assumption
+    gauge: Fraction = PIRANI_ACCURACY
+    gauge_zero: Pressure = 0.01  #: Of the gauge's zero [Pa]. Default: an assumption
     #: Of the power, relative [1]. Default: an assumption, twice the usual accuracy of a hand-held
     #: multimeter's voltage because the current has an error as well
-    power: float = 0.01
+    power: Fraction = 0.01
     #: Of the difference between the temperatures of heater and gas [K]. Default: an assumption
-    temperature: float = 1.0
-    diameter: float = 1e-4  #: Of the heater's diameter [m]. Default: an assumption
+    temperature: TemperatureOffset = 1.0
+    diameter: Length = 1e-4  #: Of the heater's diameter [m]. Default: an assumption
     #: Of the law's continuum conductance for this set-up, relative [1]: walls, the heater's
     #: thickness, natural convection, the gas's conductivity. Default: an assumption, what walls at
     #: ten radii do
-    plateau: float = 0.05
+    plateau: Fraction = 0.05
     #: Of the plateau's change from the first row to the last, relative [1]; each run has its own
-    plateau_drift: float = 0.0
+    plateau_drift: Fraction = 0.0
 
     def __post_init__(self) -> None:
         for name in ("gauge", "power", "plateau", DRIFT):
             require_range(name, getattr(self, name), 0.0, 1.0)
-        for name in ("gauge_zero", "temperature", "diameter"):
+        require_range("temperature", self.temperature, 0.0, 100.0)
+        for name in ("gauge_zero", "diameter"):
             require_range(name, getattr(self, name), 0.0, np.finfo(float).max)
 
     def to_json(self) -> dict[str, float]:

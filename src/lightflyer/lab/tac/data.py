@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.calibration.gauge import Gauge
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.checks import require_positive
+from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Pressure, Quantity, Temperature
 from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
@@ -47,6 +48,12 @@ class TacRun:
     heater_temperature: np.ndarray
     ambient_temperature: np.ndarray  #: As ``heater_temperature``
     notes: tuple[str, ...] = ()  #: What was done to the rows, one line each
+
+    def __post_init__(self) -> None:
+        columns = self.pressure, self.power, self.heater_temperature, self.ambient_temperature
+        if {np.shape(one) for one in columns} != {(len(self.table),)}:
+            raise ParameterError(f"{self.source}: its columns are not as long as its table")
+        require_positive(pressure=self.pressure, power=self.power)
 
     @property
     def source(self) -> str:

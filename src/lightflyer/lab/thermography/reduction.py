@@ -27,6 +27,7 @@ from scipy import optimize
 from lightflyer.core.checks import require_range
 from lightflyer.core.constants import STEFAN_BOLTZMANN
 from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.quantity import require_record
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, central_interval, student_factor
 from lightflyer.lab.record import dataset
@@ -180,6 +181,7 @@ def reduce_readings(
     ----------
     [Lu2023]_ for the relations with :math:`T^4`, [Bergman2011]_ for free convection.
     """
+    require_record("readings", (Readings,), readings)
     require_range("draws", draws, 1000)
     if np.any(readings.values < 0.0) or np.any(readings.values[0] <= readings.values[3]):
         raise ParameterError("readings must not be negative, and the source must exceed background")

@@ -70,14 +70,16 @@ class Release(Checked):
         return Start(jnp.asarray(self.altitude, float), place)
 
 
-def limits_of(
-    environment: AbstractEnvironment, lowest: float | None, highest: float | None
-) -> Limits:
+def limits_of(environment: AbstractEnvironment, lowest: Any, highest: Any) -> Limits:
     """Altitudes between which a mission goes on."""
     where = environment.coordinate
     if where.name != "altitude":
         raise ParameterError(f"a mission needs an environment over altitude, not over {where.name}")
     low, high = float(where.lowest), float(where.highest)
+    lowest, highest = (
+        None if one is None else float(where.quantity.number(name, one))
+        for name, one in (("lowest", lowest), ("highest", highest))
+    )
     for name, value in (("lowest", lowest), ("highest", highest)):
         if value is not None and not low <= value <= high:
             raise ParameterError(
@@ -111,6 +113,7 @@ def require_steady_fall(craft: Craft, start: Start) -> None:
 
 def require_release_inside(release: Release, limits: Limits) -> None:
     """Raise unless a flyer is released between the limits of the mission, and under a known sun."""
+    require_record("release", (Release,), release)
     first, last = (seconds_of(f"{year}-01-01T00:00") for year in _YEARS)
     if not first <= float(release.time) < last:
         raise ParameterError(

@@ -256,6 +256,8 @@ COMMANDS = [
     ("lab tac points.csv", "needs the column heater_power"),
     ("lab ftir points.csv", "has no known column"),
     ("lab levitation points.csv --update flyer.toml", "--update needs --calibrate"),
+    ("lab levitation points.csv --pressure-accuracy 5", 'per cent are written "5 %"'),
+    ("lab tac points.csv --other-face 3 --top points.csv --bottom points.csv", "--other-face = 3"),
     ("lab thermography", "give a file, or also --hotplate, --lower"),
     ("lab roughness points.csv", "is not a number"),
     ("lab roughness matrix.txt --size 1um --channel Height", "has no effect"),
@@ -330,6 +332,7 @@ def test_a_mistake_in_a_table(run, tmp_path, old, new, message):
 
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+DISK = lf.Disk(FILM, 0.01)
 OBJECTS = [
     (lambda: lf.Disk(FILM, "2 kg"), "radius"),
     (lambda: lf.Disk(FILM, -0.01), "radius"),
@@ -350,6 +353,21 @@ OBJECTS = [
     (lambda: lf.payload(lf.Disk(FILM, 0.01), lf.Earth().state(72e3), "lu2023"), "model"),
     (lambda: lf.sweep(lf.Disk(FILM, 0.01), lf.Earth(), lf.Lu2023(), over={"x": [1.0]}), "x"),
     (lambda: lf.optimise(lf.Disk(FILM, 0.01), lf.Earth(), FreeMolecular()), "over"),
+    (lambda: lf.sweep(DISK, lf.Earth(), lf.Lu2023(), over=[], outputs="lift"), "over"),
+    (
+        lambda: lf.compare([DISK, DISK], lf.Earth(), FreeMolecular(), searched=("1 Pa", 2)),
+        "searched",
+    ),
+    (lambda: lf.calibrate(DISK, lf.Chamber(), lf.Lu2023(), points="points.csv"), "points"),
+    (lambda: lf.calibration.Points("", ["a"], {"pressure": [1.0]}), "irradiance"),
+    (lambda: lf.calibration.Points("", [], {"pressure": [1.0], "irradiance": [1.0]}), "pressure"),
+    (lambda: lf.film.Film(("Ge",)), "layer"),
+    (lambda: lf.film.Film("Ge"), "layers"),
+    (lambda: lf.mission.Ensemble(members=2.5), "members"),
+    (lambda: lf.lab.TacAccuracy(gauge="5 K"), "gauge"),
+    (lambda: lf.lab.TacAccuracy(temperature="1 °C"), "temperature"),
+    (lambda: lf.lab.weighted_mean([0.8, 0.9]), "estimate"),
+    (lambda: lf.fly(DISK, lf.Earth(), FreeMolecular(), release="75 km", duration="1 h"), "release"),
 ]
 
 

@@ -173,6 +173,12 @@ def test_a_cut_or_skewed_surface_is_said():
     assert any("exactly the highest" in text for text in roughness(of(height)).warnings)
     skewed = roughness(of(1e-8 * filtered_noise(0, 3.0, 2.0)))
     assert any("is skewed" in text for text in skewed.warnings)
+
+
+@pytest.mark.parametrize(("factor", "said"), [(1.0, False), (1e3, True), (1e-3, True)])
+def test_heights_of_a_wrong_unit_are_doubted(rng, factor, said):
+    found = roughness(of(factor * 2e-8 * rng.normal(size=(64, 64))))
+    assert any("check --size and --unit" in text for text in found.warnings) == said
     with pytest.raises(lf.ConfigurationError, match="synthetic: all heights are equal"):
         roughness(of(np.full((40, 40), 1e-6)))
 

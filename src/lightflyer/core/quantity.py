@@ -219,6 +219,11 @@ _BETWEEN = "atoms are larger, flyers smaller"
 Length = Annotated[
     Numeric, Quantity("m", 0.0, usual="cm", open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN)
 ]
+Radius = Annotated[
+    Numeric,
+    Quantity("m", 0.0, usual="cm", open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN,
+             likely=(5e-6, 20.0), known="narrower films are thicker than wide, wider ones tear"),
+]  # fmt: skip
 Thickness = Annotated[
     Numeric,
     Quantity("m", 0.0, usual="nm", open_below=True, sizes=(1e-10, 1e-2),

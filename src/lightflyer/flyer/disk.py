@@ -7,7 +7,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
-from lightflyer.core.quantity import Distance, Length, Mass
+from lightflyer.core.quantity import Distance, Mass, Radius
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
@@ -55,7 +55,7 @@ class Disk(AbstractThinFlyer):
     contradiction: ClassVar[Callable[..., str | None]] = staticmethod(hangs_wrongly)
 
     film: FilmProperties
-    radius: Length
+    radius: Radius
     payload: Mass = 0.0
     attitude: Attitude | None = None
     hanging_radius: Distance | None = None

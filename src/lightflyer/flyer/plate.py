@@ -15,6 +15,7 @@ from lightflyer.core.quantity import (
     Length,
     Mass,
     Modulus,
+    Radius,
 )
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
@@ -118,7 +119,7 @@ class Plate(AbstractThinFlyer):
 
     top: FilmProperties
     bottom: FilmProperties
-    radius: Length
+    radius: Radius
     channel_width: Length
     channel_length: Length
     spacing: Length

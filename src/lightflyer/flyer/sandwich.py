@@ -19,6 +19,7 @@ from lightflyer.core.quantity import (
     Length,
     Mass,
     OpenFraction,
+    Radius,
 )
 from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
@@ -135,7 +136,7 @@ class Sandwich(AbstractThinFlyer):
 
     top: FilmProperties
     bottom: FilmProperties
-    radius: Length
+    radius: Radius
     gap: Length
     open_fraction: OpenFraction
     hole_radius: Length

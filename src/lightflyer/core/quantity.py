@@ -169,7 +169,7 @@ class Quantity:
         try:
             self.check("", measured.value)
         except ParameterError:
-            share = not self.unit and self.highest < measured.value <= _PERCENT
+            share = not self.unit and self.lowest == 0.0 and 2.0 <= measured.value <= _PERCENT
             hint = f'; per cent are written "{measured.value:g} %"' if share else ""
             raise ConfigurationError(f"must be {self.allowed}{hint}") from None
         width = min(self.highest - self.lowest, self.sizes[1])

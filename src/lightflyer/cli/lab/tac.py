@@ -168,6 +168,9 @@ def tac_command(
     }
     if width is not None:
         options["diameter"] = width
+    other = None if other_face is None else quantity("--other-face", other_face, "")
+    if other is not None:
+        require_range("--other-face", other.value, 0.0, POSSIBLE_TAC)
     surroundings = None if ambient is None else exact("--ambient", ambient, "K")
     how: dict[str, Any] = {
         "columns": columns, "thermometer": thermometer, "ambient_temperature": surroundings,
@@ -180,9 +183,6 @@ def tac_command(
     if len(sides) == 1:
         found = OneFace([tac.fit_tac(run, **options) for run in runs], face)
     else:
-        other = None if other_face is None else quantity("--other-face", other_face, "")
-        if other is not None:
-            require_range("--other-face", other.value, 0.0, POSSIBLE_TAC)
         found = TwoFaces(fit_tac_difference(*sides, **options, other_face=other))
     values, about_flyer = _for_flyer_file(found, update)
     warnings = [*found.warnings, *about_flyer, *unstated_accuracies(stated)]

@@ -69,8 +69,9 @@ class Ensemble(Checked):
     time: Numeric = 0.0
 
     def __check_init__(self) -> None:
-        if not isinstance(self.members, int) or self.members < 2:
-            raise ParameterError(f"members = {self.members} must be a whole number of at least 2")
+        members: Any = self.members
+        if not isinstance(members, int | np.integer) or members < 2:
+            raise ParameterError(f"members = {members} must be a whole number of at least 2")
 
 
 class Flights(eqx.Module):

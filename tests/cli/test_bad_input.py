@@ -54,6 +54,7 @@ FLYERS = [
     ("earth", 'shape = "disk"', 'shape = "saucer"', "choose from .*disk"),
     ("earth", 'shape = "disk"', "shape = 3", "is unknown; choose from"),
     ("earth", 'model = "kinetic"', 'model = "lu2022"', "is unknown; choose from"),
+    ("earth", 'model = "kinetic"', 'model = "kinetic"\nforce_error = "5 %"', "not in per cent"),
     ("earth", 'model = "kinetic"', 'model = "schafer2025"', 'is not for shape = "disk"'),
     ("earth", 'model = "kinetic"', 'model = "kinetic"\nc_fm = 0.4', 'belongs to model = "lu2023"'),
     ("earth", A, 'areal_density = "1.0 g/m2 ± 3 %"', '"%" is of the wrong kind'),

@@ -353,6 +353,15 @@ def test_impossible_runs_are_refused(heater, ambient, factor, says):
         tac.fit_tac(run_of(run.pressure, factor * run.power, heater, ambient), **OPTIONS)
 
 
+@pytest.mark.parametrize(("ambient", "said"), [(295.0, False), (267.6, True)])
+def test_gas_colder_than_a_laboratory_is_doubted(ambient, said):
+    run = independent_run(40)  # 22 °C; read as 22 °F they are 267.6 K
+    found = tac.fit_tac(run_of(run.pressure, run.power, 323.0, ambient), **OPTIONS)
+    assert (
+        any(text.startswith("ambient_temperature 267.6 K is un") for text in found.warnings) == said
+    )
+
+
 def test_impossible_results_are_refused():
     run = independent_run(40)
     with pytest.raises(lf.ConfigurationError, match=r"coefficient 3.* is impossible"):

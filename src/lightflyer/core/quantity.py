@@ -162,6 +162,8 @@ class Quantity:
 
     def read(self, value: Any) -> Measured:
         """Number in the unit from a text, a bare number or a :class:`Measured`."""
+        if self.in_files is not None and "%" in str(value):
+            raise ConfigurationError("is counted in standard errors of the model, not in per cent")
         measured = value if isinstance(value, Measured) else parse(value, self.unit, self.usual)
         problem = self.implausible(measured.value)
         if problem:

@@ -10,12 +10,8 @@ from pydantic import Field
 
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
-from lightflyer.core.quantity import (
-    RADIANS_PER_DEGREE,
-    Fraction,
-    Incidence,
-    Quantity,
-)
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, Incidence, Quantity
+from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
 from lightflyer.files.toml_file import FileKind, place_of, read_file
@@ -42,6 +38,8 @@ DEFAULT_ZERO_ACCURACY = 0.002
 _WIDEST = 4.0  # bounds of a positive number without any, as a factor either side of its start
 _PORES = 0.9  # Largest porosity tried where no bound is given: a film with more is foam
 
+_LEAST_ACCURATE = 0.5  # a spectrum that is off by more than half of full scale measures nothing
+_Accuracy = Annotated[Numeric, Quantity("", 0.0, _LEAST_ACCURATE)]
 _SHARES = ("porosity", "porosity_bottom", "fraction", "fraction_bottom", "open_fraction")
 _FIXED = ("density", "tac", "grain", "at", "hole_diameter", "tac_top", "tac_bottom")
 
@@ -85,7 +83,7 @@ class FilmSpectrum:
     def __post_init__(self) -> None:
         require_range("incidence", self.incidence, 0.0, GRAZING)
         for name in ("scale_accuracy", "zero_accuracy"):
-            require_range(name, getattr(self, name), 0.0, 1.0)
+            require_range(name, getattr(self, name), 0.0, _LEAST_ACCURATE)
 
     @property
     def errors(self) -> tuple[float, float]:
@@ -135,8 +133,8 @@ class SpectrumSection(MeasuredFile):
     collection: Literal["specular", "diffuse", "total"] | None = None
     incidence: Incidence = Measured(0.0)
     polarisation: Polarisation = "none"
-    scale_accuracy: Fraction | None = None
-    zero_accuracy: Fraction | None = None
+    scale_accuracy: _Accuracy | None = None
+    zero_accuracy: _Accuracy | None = None
 
     def read(self) -> FilmSpectrum:
         """The spectrum, within its limits."""

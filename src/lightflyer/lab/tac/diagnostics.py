@@ -39,6 +39,10 @@ HEATER_TEMPERATURES = (80.0, 1500.0)
 
 GAS_TEMPERATURES = (80.0, 450.0)  # Possible temperatures of the gas in a vacuum chamber [K]
 
+_LABORATORY = Quantity(
+    "K", likely=(280.0, 315.0), known="chambers stand in laboratories, unless they are cooled"
+)
+
 _SPANS = (0.1, 10.0)  # over the pressure at which both limits are equal: these determine α
 _LEAST_DEVIATION = 0.03  # relative; nearer to the curve no row is called off it
 _SUSPECT = 5.0  # robust standard deviations
@@ -255,6 +259,12 @@ def misfit_warnings(alike: float, rows: int, values: Mapping[str, float]) -> lis
             "the law, is off by more than is stated"
         )
     return texts
+
+
+def ambient_warnings(run: TacRun) -> list[str]:
+    """A line about gas that is colder or warmer than a laboratory."""
+    doubt = _LABORATORY.unlikely(np.median(run.ambient_temperature))
+    return [f"ambient_temperature {doubt}"] if doubt else []
 
 
 def list_lines(lines: Sequence[int], source: str) -> str:

@@ -52,7 +52,7 @@ def _shading_diagnostics(share: np.ndarray | None) -> tuple[str, ...]:
     if share is None or np.ptp(share) > 0.0 or share[0] not in (0.0, 1.0):
         return ()
     some = "all" if share[0] else "none"
-    return (f"the shading changes nothing: the flyer lets in {some} of the light throughout",)
+    return (f"the shading never changes: the flyer lets in {some} of the light throughout",)
 
 
 def termination_text(

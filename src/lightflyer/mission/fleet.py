@@ -70,8 +70,8 @@ class Ensemble(Checked):
 
     def __check_init__(self) -> None:
         members: Any = self.members
-        if not isinstance(members, int | np.integer) or members < 2:
-            raise ParameterError(f"members = {members} must be a whole number of at least 2")
+        if not isinstance(members, int | np.integer):
+            raise ParameterError(f"members = {members} must be a whole number")
 
 
 class Flights(eqx.Module):

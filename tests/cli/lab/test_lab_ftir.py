@@ -116,7 +116,7 @@ def test_no_impossible_emissivity_leaves(folder, lab, flyer_file):
         (["film.jdx", "--update", "a.toml"], "upper bound"),
         (["film.jdx", "--band", "900 cm^-1"], "has no width"),
         (["film.jdx", "--band", "9000 ± 400 cm^-1"], "no data in the band"),
-        (["film.jdx", "--accuracy", "1.2"], "--accuracy = 1.2 is not between 0 and 1"),
+        (["film.jdx", "--accuracy", "1.2"], 'per cent are written "1.2 %"'),
         (["film.jdx", "--accuracy", "1 K"], "--accuracy"),
         (["film.jdx", "--temperatures", "0 K"], "temperatures = 0 is not positive"),
         (["film-reflectance.csv"], "shows reflectance, not transmittance"),

@@ -112,7 +112,7 @@ def test_both_faces_are_written_with_their_correlation(examples, lab, flyer_file
         (["tac-top.txt", "--other-face", "0.8"], "--other-face"),
         (
             ["--top", "tac-top.txt", "--bottom", "tac-bottom.txt", "--other-face", "1.6"],
-            "other_face = 1.6 is not between 0 and 1",
+            "--other-face = 1.6 is not between 0 and 1",
         ),
         (
             ["--top", "tac-top.txt", "--bottom", "tac-top.txt"],
@@ -267,7 +267,7 @@ def test_repeated_fragment_is_left_out_and_named(folder, lab):
         (
             HEADER + "1,1,320,295\n",
             ["--gauge-accuracy", "5"],
-            "--gauge-accuracy = 5 is not between",
+            'per cent are written "5 %"',
         ),
         (HEADER + "1,1,320,295\n", ["--gauge-zero", "1 %"], "--gauge-zero: "),
         (HEADER + "1,1,320,295\n", ["--power-accuracy=-1 %"], "--power-accuracy = -0.01 is not"),

@@ -6,6 +6,7 @@ import shutil
 import threading
 
 import distributed
+import jax
 import numpy as np
 import pytest
 import xarray as xr
@@ -141,6 +142,7 @@ def test_an_error_keeps_what_was_computed(study, undisturbed, tmp_path):
 
 
 def test_a_cluster_keeps_the_same_bits(study, undisturbed, tmp_path):
+    jax.devices()  # started on all processors before workers in this process ask for one
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=False, protocol="tcp",
         dashboard_address=":0", local_directory=tmp_path, silence_logs=logging.CRITICAL,

@@ -26,6 +26,7 @@ from lightflyer.film.media.dispersion_section import (
 from lightflyer.film.section import MeasuredFilmSection
 
 DOCS = Path(__file__).parents[2] / "docs"
+TEMPLATES = Path(lf.__file__).parent / "data"
 
 
 def shorter_than_wide(length, radius):
@@ -126,8 +127,9 @@ def test_numbers_of_films_have_the_ranges_of_the_properties(section):
         assert section.quantity(name) == quantity, name
 
 
-def test_the_documentation_has_every_key():
-    pages = "".join(path.read_text("utf-8") for path in DOCS.glob("*.md"))
+def test_pages_or_templates_explain_every_key():
+    paths = [*DOCS.glob("*.md"), *TEMPLATES.glob("flyer-*.toml")]
+    pages = "".join(path.read_text("utf-8") for path in paths)
     kinds = [*DESCRIBED, MeasuredFilmSection, LayeredFilmSection]
     keys = {key for kind in kinds for key in kind.model_fields}
     assert not {key for key in keys if not re.search(rf"\b{key}\b", pages)}

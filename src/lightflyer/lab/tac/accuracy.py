@@ -7,7 +7,7 @@ import numpy as np
 
 from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.core.checks import require_range
-from lightflyer.core.quantity import Fraction, Length, Pressure, TemperatureOffset
+from lightflyer.core.quantity import Distance, Fraction, Pressure, TemperatureOffset
 from lightflyer.program.arguments import reads_units
 
 PIRANI_ACCURACY = 0.05
@@ -47,7 +47,7 @@ class TacAccuracy:
     power: Fraction = 0.01
     #: Of the difference between the temperatures of heater and gas [K]. Default: an assumption
     temperature: TemperatureOffset = 1.0
-    diameter: Length = 1e-4  #: Of the heater's diameter [m]. Default: an assumption
+    diameter: Distance = 1e-4  #: Of the heater's diameter [m]. Default: an assumption
     #: Of the law's continuum conductance for this set-up, relative [1]: walls, the heater's
     #: thickness, natural convection, the gas's conductivity. Default: an assumption, what walls at
     #: ten radii do

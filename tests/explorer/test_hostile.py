@@ -22,6 +22,7 @@ JSON = {"Content-Type": "application/json"}
 REQUESTS, AT_ONCE = 1000, 8
 KINDS, STRANGE = 10, (3, 4)  # of requests; those without the token
 GROWTH = 50e6  # of memory [byte]
+PATIENCE = 300  # s, until all that waits is done
 WAIT = 0.5  # s, of a slider
 
 pytestmark = pytest.mark.skipif(
@@ -134,8 +135,9 @@ def attack(address, count, draw):
 
 def settle(address, thickness):
     """Wait until all designs of many layers are done: they take turns."""
-    content = {"document": layered(40, thickness)}
-    while send(address, "/api/predict", content, wait=120)[0] != 200:
+    content, end = {"document": layered(40, thickness)}, time.monotonic() + PATIENCE
+    while send(address, "/api/predict", content, wait=PATIENCE)[0] != 200:
+        assert time.monotonic() < end, "the explorer has not settled"
         time.sleep(0.2)
 
 

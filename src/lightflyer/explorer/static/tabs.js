@@ -145,7 +145,11 @@ export class Tabs {
 
   // The design has moved on: what is drawn is of an earlier one.
   outdate() {
-    for (const name of this.fresh.keys()) document.querySelector(`[data-figure="${name}"]`).classList.add("outdated");
+    for (const name of this.fresh.keys()) this.mark(name, true);
+  }
+
+  mark(name, outdated) {
+    for (const figure of at(`panel-${name}`).querySelectorAll("figure")) figure.classList.toggle("outdated", outdated);
   }
 
   // The figures are new, for other surroundings.
@@ -183,7 +187,7 @@ export class Tabs {
 
   show(name, result) {
     const figure = document.querySelector(`[data-figure="${name}"]`);
-    figure.classList.toggle("outdated", this.fresh.get(name) !== this.explorer.version);
+    this.mark(name, this.fresh.get(name) !== this.explorer.version);
     if (result.factors) figure.querySelector(".plot").classList.toggle("tall", result.factors.length > 6);
     this.explorer.figures.put(name, result);
     const warnings = result.warnings ?? [];

@@ -7,6 +7,7 @@ keeps a journal, so nothing is lost that an orderly end would keep. A flight is 
 """
 
 import codecs
+import gc
 import io
 import os
 import signal
@@ -49,6 +50,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_SPELLED_OUT)
+    gc.set_threshold(50_000, 20, 100)  # collecting the garbage of imports takes time, saves none
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait on matrices as small as ours
     from lightflyer.cli import main as run  # takes a while
     from lightflyer.cli.code_cache import keep_code

@@ -17,8 +17,8 @@ from lightflyer.config.reader import read_design
 from lightflyer.design.tables import tabulate
 from lightflyer.program import entry_point as entry_points
 from lightflyer.program import kept, tracing
-from lightflyer.program.entry_point import elementwise_entry_point, entry_point, run_by
-from lightflyer.program.numpy_backend import Bound, require_supported, run
+from lightflyer.program.entry_point import bind, elementwise_entry_point, entry_point, run_by
+from lightflyer.program.numpy_backend import require_supported, run
 from lightflyer.program.operations import UnsupportedError
 from lightflyer.program.program import Block, Operation, Program, length_of
 from lightflyer.program.tracing import trace
@@ -228,23 +228,14 @@ def test_whole_numbers_of_numpy_are_written():
     assert again.body.operations[0].parameters["extra"] == 3
 
 
-def test_a_bound_program_computes_once_what_is_given():
-    def function(x, y):
-        return jax.lax.while_loop(lambda t: t < 9.0, lambda t: t * jnp.exp(x), y) + jnp.sin(x)
+def test_what_cannot_be_written_in_python_is_bound_all_the_same():
+    @entry_point
+    def sorted_sum(x, y):
+        return jnp.sort(jnp.stack([x, y, x * y])), x + y
 
-    program = traced(function, (), ())
-    bound = Bound(program, {0: 0.3})
-    for y in (1.0, 4.0, 20.0):
-        assert bound([np.float64(y)]) == run(program, [np.array(0.3), np.array(y)])
-    names = {step[0] for step in bound._steps}
-    assert np.exp not in names
-    assert np.sin not in names
-
-
-def test_a_bound_program_gives_results_all_their_axes():
-    program = traced(lambda x, y: jax.lax.broadcast(x + y, (1,)), (), ())
-    (found,) = Bound(program, {0: 0.5})([np.float64(1.0)])
-    assert found.shape == (1,)
+    bound = bind(sorted_sum, 2.0, example=(0.5,))
+    for found, expected in zip(bound(0.25), ([0.25, 0.5, 2.0], 2.25), strict=True):
+        np.testing.assert_array_equal(found, expected)
 
 
 def test_a_package_brings_programs_of_its_own(folder, monkeypatch):

@@ -25,7 +25,7 @@ from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.section import FlyerSection
-from lightflyer.program.javascript.writer import Tables, write_function
+from lightflyer.program.scalar.javascript import Tables, write_function
 from lightflyer.program.tracing import trace_numbers
 
 from .kinds import DISK, Kind, Number

@@ -181,19 +181,40 @@ def disk_diagnostics(
     body_temperature: Numeric | None = None,
 ) -> Iterator[str]:
     """Where the drag of a disk is outside its range or an estimate, in words."""
-    delta = rarefaction_parameter(pressure, temperature, radius, gas)
-    speed_ratio = np.abs(speed) / molecular_speed(temperature, gas)
-    yield from SLOW.diagnostics(np.where(delta > THIN, speed_ratio, 0.0), pressure)
+    mean_tac = 0.5 * (np.asarray(tac[0]) + tac[1])
+    around = pressure, temperature, gas
+    speed_ratio, reynolds, dense, growth = _looked_at(
+        speed,
+        radius,
+        *around,
+        mean_tac,
+        temperature if body_temperature is None else body_temperature,
+    )
+    yield from SLOW.diagnostics(np.where(dense, speed_ratio, 0.0), pressure)
     if direction == "edgewise":
         yield _EDGEWISE
     else:
-        yield from DISK_REYNOLDS.diagnostics(reynolds_number(speed_ratio, delta), pressure)
-    mean_tac = 0.5 * (np.asarray(tac[0]) + tac[1])
+        yield from DISK_REYNOLDS.diagnostics(reynolds, pressure)
     yield from TAC_RANGE.diagnostics(mean_tac, pressure)
-    if body_temperature is not None:
-        excess = body_temperature / np.asarray(temperature) - 1.0
-        growth = _growth((excess, excess), mean_tac, delta, temperature, gas)
-        yield from WARMTH.diagnostics(growth, pressure)
+    yield from WARMTH.diagnostics(growth, pressure)
+
+
+@entry_point
+def _looked_at(
+    speed: Numeric,
+    radius: Numeric,
+    pressure: Numeric,
+    temperature: Numeric,
+    gas: AbstractGas,
+    tac: Numeric,
+    body_temperature: Numeric,
+) -> tuple[Array, ...]:
+    """Speed ratio, Reynolds number, whether gas is dense, growth of drag by warmth."""
+    delta = rarefaction_parameter(pressure, temperature, radius, gas)
+    speed_ratio = jnp.abs(jnp.asarray(speed)) / molecular_speed(temperature, gas)
+    excess = jnp.asarray(body_temperature) / temperature - 1.0
+    growth = _growth((excess, excess), tac, delta, temperature, gas)
+    return speed_ratio, reynolds_number(speed_ratio, delta), delta > THIN, growth
 
 
 def wide_hole_diagnostics(

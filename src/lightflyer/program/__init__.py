@@ -6,5 +6,6 @@ All that is needed of JAX's inside is in :mod:`~lightflyer.program.tracing` and
 symbols: one trace serves arrays of every length. :mod:`~lightflyer.program.numpy_backend` runs it
 without a compiler, by the :mod:`~lightflyer.program.operations`, and
 :mod:`~lightflyer.program.entry_point` decides between that and XLA.
-:mod:`~lightflyer.program.javascript` writes it for a page.
+:mod:`~lightflyer.program.scalar` writes it number by number: in JavaScript for a page, in Python
+for what is called very many times.
 """

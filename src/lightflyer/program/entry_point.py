@@ -25,7 +25,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache, wraps
+from functools import cache, partial, wraps
 from typing import Any, Literal, NamedTuple, ParamSpec, TypeVar
 
 import jax
@@ -39,7 +39,6 @@ from lightflyer.program.arguments import Reader, align
 from lightflyer.program.numpy_backend import (
     CALL,
     ELEMENT,
-    Bound,
     Meter,
     OutOfTimeError,
     require_supported,
@@ -48,6 +47,7 @@ from lightflyer.program.numpy_backend import (
 from lightflyer.program.operations import UnsupportedError
 from lightflyer.program.program import Length, Program
 from lightflyer.program.pruning import with_outputs
+from lightflyer.program.scalar.python import compile_numbers
 from lightflyer.program.structure import from_data
 from lightflyer.program.tracing import SYMBOLS, trace
 from lightflyer.program.widening import serves_many
@@ -137,8 +137,8 @@ def _only(
 def bind(function: Callable[..., R], *given: Any, example: Sequence[Any]) -> Callable[..., R]:
     """A function of the last arguments of an entry point alone, for very many calls of it.
 
-    They are plain numbers and arrays like those of ``example``. NumPy runs it, and what follows
-    from the arguments ``given`` is computed once.
+    They are plain numbers and arrays like those of ``example``. It is written in Python, number by
+    number, with the arguments ``given`` in their places.
     """
     runner: _Runner = function.runner  # type: ignore[attr-defined]
     with jax.enable_x64(True):
@@ -163,6 +163,11 @@ def _public(function: Callable[P, R], runner: "_Runner") -> Callable[P, R]:
     wrapper.is_entry_point = True  # type: ignore[attr-defined]
     wrapper.runner = runner  # type: ignore[attr-defined]
     return wrapper
+
+
+def _run_beside(program: Program, known: list[np.ndarray], inputs: Sequence[Any]) -> list[Any]:
+    found = run(program, [*known, *map(np.asarray, inputs)])
+    return [array[()] for array in found]
 
 
 def _in_double(leaf: Any) -> np.ndarray:
@@ -238,7 +243,7 @@ class _Runner:
         return self._function(*args, **kwargs)
 
     def bind(self, given: tuple[Any, ...], example: tuple[Any, ...]) -> Callable[..., Any]:
-        """The function of its last arguments alone, run by NumPy."""
+        """The function of its last arguments alone, run by Python where it can be."""
         leaves, structure = jax.tree.flatten(((*given, *example), {}))
         arrays = [_in_double(leaf) for leaf in leaves]
         traced = self._program(
@@ -250,8 +255,17 @@ class _Runner:
         if traced is None:
             raise UnsupportedError(f"{self._function.__name__} is not among what NumPy runs")
         first = len(leaves) - len(jax.tree.leaves(example))
-        bound = Bound(traced.program, dict(enumerate(arrays[:first])))
-        return lambda *free: traced.assemble(bound(jax.tree.leaves(free)))
+        known, shapes = arrays[:first], [array.shape for array in arrays[first:]]
+        places = range(first, len(leaves))
+        try:
+            call = compile_numbers(
+                traced.program,
+                dict(enumerate(known)),
+                dict(zip(places, shapes, strict=True)),
+            )
+        except UnsupportedError:
+            call = partial(_run_beside, traced.program, known)
+        return lambda *free: traced.assemble(call(jax.tree.leaves(free)))
 
     # --- by XLA ---
 

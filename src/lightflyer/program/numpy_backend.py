@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.program.indexing import fill_axes, shape_of
+from lightflyer.program.indexing import fill_axes
 from lightflyer.program.operations import (
     ELEMENTWISE,
     RULES,
@@ -68,53 +68,6 @@ def run(
             found, program.output_shapes, program.output_types, strict=True
         )
     ]
-
-
-class Bound:
-    """A program with some inputs given; what follows from them alone is computed once."""
-
-    def __init__(self, program: Program, given: Mapping[int, Any]):
-        require_supported(program)
-        arguments, body = program.body.arguments, _without_filling(program)
-        self._free = [number for place, number in enumerate(arguments) if place not in given]
-        results = body.results
-        known = {arguments[place]: np.asarray(value)[()] for place, value in given.items()}
-        known |= {number: array[()] for number, array in program.constants.items()}
-        self._values: Values = [None] * (1 + max(_numbers(program.body), default=0))
-        _set(self._values, [*known], [*known.values()])
-        shapes = [np.shape(given.get(place, ())) for place in range(len(arguments))]
-        self._lengths = program.lengths(shapes)
-        filled = (shape_of(shape, self._lengths) for shape in program.output_shapes)
-        self._results = list(zip(results, filled, strict=True))
-        once, self._steps = (_steps(part, frozenset()) for part in _split(body, set(known)))
-        self._call(once, self._values)
-
-    def _call(self, steps: "list[_Step]", values: Values) -> None:
-        with np.errstate(all="ignore"):
-            _call_all(steps, values, _Run(self._lengths))
-
-    def __call__(self, inputs: Sequence[Any]) -> list[Any]:
-        """Outputs for the other inputs, which may not have lengths that are symbols."""
-        values = self._values.copy()
-        _set(values, self._free, inputs)
-        self._call(self._steps, values)
-        found = ((values[number], shape) for number, shape in self._results)
-        return [
-            value if not shape or np.shape(value) == shape else np.broadcast_to(value, shape)
-            for value, shape in found
-        ]
-
-
-def _split(body: Block, known: set[int]) -> tuple[Block, Block]:
-    """The operations that need known values alone, and the others."""
-    parts: tuple[list[Operation], list[Operation]] = [], []
-    for operation in body.operations:
-        read = {*operation.inputs}.union(*(one.reads() - one.makes() for one in operation.blocks))
-        settled = read <= known
-        parts[not settled].append(operation)
-        known.update(operation.outputs if settled else ())
-    first, second = (body._replace(operations=tuple(part)) for part in parts)
-    return first, second
 
 
 def require_supported(program: Program) -> None:

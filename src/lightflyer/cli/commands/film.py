@@ -1,6 +1,5 @@
 """``lightflyer film``: optics and areal density of a film from its layers."""
 
-import gc
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -68,7 +67,6 @@ def film_command(
         How figures are written.
     """
     out = figures.folder(out)
-    gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
     from lightflyer.config.reader import read_film_file
     from lightflyer.film.report.summary import FilmSummary
 

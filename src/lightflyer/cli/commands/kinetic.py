@@ -1,6 +1,5 @@
 """``lightflyer kinetic``: force and heat of a thin disk from the kinetic equation."""
 
-import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from inspect import signature
@@ -139,7 +138,6 @@ def kinetic_command(
         How figures are written.
     """
     out = figures.folder(out)
-    gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
     if temperature_ratio is not None and (top_temperature, bottom_temperature) != (None, None):
         raise ParameterError(
             "--top-temperature and --bottom-temperature belong to the linear problem and cannot be "

@@ -1,6 +1,5 @@
 """``lightflyer predict``: what the flyer of a file will do."""
 
-import gc
 import json
 import threading
 from pathlib import Path
@@ -64,7 +63,6 @@ def predict_command(
     figures
         How figures are written.
     """
-    gc.disable()  # a short-lived process: collecting its imports' garbage costs more than it saves
     if csv and out is None:
         raise ConfigurationError("--csv: the table needs a folder; add --out FOLDER")
     out = figures.folder(out)

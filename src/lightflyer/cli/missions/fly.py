@@ -50,9 +50,6 @@ def fly_command(
     """
     out = figures.folder(out)
     from lightflyer.core.progress import asked_to_end, ends_early, report
-    from lightflyer.mission.measured.comparison import join_comparisons
-    from lightflyer.mission.measured.summary import comparison_parts, summarise_comparison
-    from lightflyer.mission.measured.tables import write_comparison_csv
     from lightflyer.mission.mission import fly
     from lightflyer.mission.mission_file import read_mission_file
     from lightflyer.mission.report.kml import write_kml
@@ -68,6 +65,10 @@ def fly_command(
         interrupted = asked_to_end()
     found = summarise(dataset)
     if compared:
+        from lightflyer.mission.measured.comparison import join_comparisons
+        from lightflyer.mission.measured.summary import comparison_parts, summarise_comparison
+        from lightflyer.mission.measured.tables import write_comparison_csv
+
         found["measured"] = [summarise_comparison(one) for one in compared]
         dataset = dataset.merge(join_comparisons(compared), combine_attrs="override")
     dataset.attrs |= {"configuration": mission.design.text, "summary": json.dumps(found)}
@@ -109,13 +110,15 @@ def fly_command(
 
 def _read_tracks(paths: list[Path] | None, mission: "MissionFile") -> "list[MeasuredTrack]":
     """Measured tracks that share time with the mission."""
+    if paths is None:
+        return []
+    if not paths:
+        raise ParameterError("--compare needs a file")
     from lightflyer.lab.record import require_distinct
     from lightflyer.mission.measured.comparison import require_comparable
     from lightflyer.mission.measured.track import read_track
 
-    if paths is not None and not paths:
-        raise ParameterError("--compare needs a file")
-    tracks = [read_track(path) for path in paths or ()]
+    tracks = [read_track(path) for path in paths]
     require_distinct([(one.source, (one.time, one.latitude, one.altitude)) for one in tracks])
     for track in tracks:
         require_comparable(track, mission.mission.release, mission.mission.duration.value)
@@ -124,6 +127,8 @@ def _read_tracks(paths: list[Path] | None, mission: "MissionFile") -> "list[Meas
 
 def _compare(tracks: "list[MeasuredTrack]", mission: "MissionFile") -> "list[xr.Dataset]":
     """The mission beside each track, until interrupted."""
+    if not tracks:
+        return []
     from lightflyer.mission.measured.comparison import compare_track
 
     compared: list[xr.Dataset] = []

@@ -5,7 +5,6 @@ A check of what :mod:`lightflyer.mission.path.integration` assumes: that both fo
 
 from typing import Any
 
-import diffrax
 import jax.numpy as jnp
 from jax import Array
 
@@ -67,6 +66,7 @@ def track_with_inertia(
         raise ParameterError(
             f"{type(craft.setup.flyer).__name__} has flows of gas, whose inertia is not known"
         )
+    import diffrax
 
     def rate(time: Any, flown: Array, _: Any) -> Array:
         altitude, place = altitude_and_place(start, flown[:_PLACE], time)

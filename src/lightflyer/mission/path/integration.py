@@ -6,13 +6,11 @@ planet is special, and a case that is rotated as a whole gives the rotated traje
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import diffrax
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import optimistix
 from jax import Array
 
 from lightflyer.core.types import Numeric
@@ -22,6 +20,9 @@ from lightflyer.mission.path.failure import failures_of, loads
 from lightflyer.mission.path.motion import Craft, settle, steady_speeds, velocity
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.path.termination import TerminationReason
+
+if TYPE_CHECKING:
+    import diffrax  # a third of a second, and the flight of one flyer does without
 
 ALTITUDE_SCALE = 100e3  # Altitude that counts as much as one radian along the ground [m]
 
@@ -90,6 +91,7 @@ def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: 
     """Trajectory of one flyer in balance at each moment; ``elapsed`` (times,)."""
     # Differentiable in every number of craft and start, backwards; see
     # :func:`lightflyer.mission.trajectory`.
+    import diffrax
 
     def rate(time: Any, flown: Array, _: Any) -> Array:
         return steady_rate(craft, start, limits, time, flown)
@@ -144,8 +146,10 @@ def steady_rate(craft: Craft, start: Start, limits: Limits, elapsed: Any, flown:
     return rate_of(velocity(around, axial, slope), place, altitude, craft.planet)
 
 
-def controller(accuracy: Accuracy, shortest: float = _SHORTEST_STEP) -> diffrax.PIDController:
+def controller(accuracy: Accuracy, shortest: float = _SHORTEST_STEP) -> "diffrax.PIDController":
     """Controller of the steps' length."""
+    import diffrax
+
     return diffrax.PIDController(
         rtol=0.0,
         atol=accuracy.tolerance,
@@ -177,8 +181,10 @@ def rate_of(moving: Wind, place: Place, altitude: Array, planet: Planet) -> Arra
     return jnp.append(across * to_east + along * to_north, moving.up / ALTITUDE_SCALE)
 
 
-def save_at(elapsed: Array) -> diffrax.SaveAt:
+def save_at(elapsed: Array) -> "diffrax.SaveAt":
     """What to keep: the state at some times and at the end."""
+    import diffrax
+
     return diffrax.SaveAt(subs=(diffrax.SubSaveAt(ts=elapsed), diffrax.SubSaveAt(t1=True)))
 
 
@@ -186,11 +192,13 @@ def events(
     limits: Limits,
     failures: tuple[TerminationReason, ...] = (),
     spare: Callable[[Any, Array], Array] | None = None,
-) -> diffrax.Event:
+) -> "diffrax.Event":
     """The ends of a mission: the lowest and the highest altitude, and failures.
 
     ``spare``: what is left before each failure at a time and a state, shape (failures,) [1].
     """
+    import diffrax
+    import optimistix
 
     def low(t: Array, y: Array, args: Any, **_: Any) -> Array:
         del t, args
@@ -218,8 +226,10 @@ def events(
     return diffrax.Event(tuple(conditions), finder, direction=falling)
 
 
-def track_of(solution: diffrax.Solution, failures: tuple[TerminationReason, ...] = ()) -> Track:
+def track_of(solution: "diffrax.Solution", failures: tuple[TerminationReason, ...] = ()) -> Track:
     """Trajectory of a solution that was kept as :func:`save_at` has it."""
+    import diffrax
+
     results: Any = solution
     (kept, last), (fell, rose, *failed) = results.ys, results.event_mask
     over = solution.result == diffrax.RESULTS.successful

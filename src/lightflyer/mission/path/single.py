@@ -228,7 +228,8 @@ def _fails(
     """When and by what a flyer fails in a step."""
     from scipy.optimize import brentq
 
-    times = np.linspace(start, end, 1 + math.ceil((end - start) / _LOOKS_APART))
+    count = math.ceil((end - start) / _LOOKS_APART)
+    times = np.linspace(start, end, 1 + count)[-max(count, 1) :]  # the start was looked at before
     looks = np.array([load(time, between(time)) for time in times])
     found = []
     for number, reason in enumerate(failures):
@@ -239,6 +240,7 @@ def _fails(
         (beyond,) = np.nonzero(looks[:, number] > 1.0)
         if beyond.size:
             first = int(beyond[0])
-            since = times[0] if first == 0 else brentq(over, times[first - 1], times[first])
+            last = start if first == 0 else times[first - 1]
+            since = last if over(last) >= 0.0 else brentq(over, last, times[first])
             found.append((float(since), reason))
     return found

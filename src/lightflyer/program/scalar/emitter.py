@@ -1,28 +1,32 @@
 """Operations of a program on single numbers.
 
 An array is a NumPy array of nodes. What moves elements about costs nothing then, and every other
-operation is a few on each element. An operation that is not here is refused by its name.
+operation is a few on each element. An array that is known stays one of numbers for as long as its
+elements are only moved and looked up. An operation that is not here is refused by its name.
 """
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
-from functools import reduce
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial, reduce
 from typing import Any
 
 import numpy as np
 
-from lightflyer.program.javascript.graph import OPERATORS, Graph, Node, Scope
 from lightflyer.program.operations import RULES as MOVES
 from lightflyer.program.operations import UnsupportedError
 from lightflyer.program.program import Block, Operation, Program
+from lightflyer.program.scalar.graph import FOLDS, Graph, Node, Scope
 
 MOST_STEPS = 256
 """Steps up to which a loop of a known number of steps is written out."""
 
-_MOVES = {"concatenate", "pad", "reshape", "rev", "slice", "split", "squeeze", "stack", "transpose",
-          "unstack"}  # fmt: skip
+_MOVES = {"broadcast_in_dim", "concatenate", "pad", "reshape", "rev", "slice", "split", "squeeze",
+          "stack", "transpose", "unstack"}  # fmt: skip
 """Operations that move elements alone: NumPy's rules serve for nodes, too."""
+
+_LOOKED_UP = {"dynamic_slice", "gather"}
+"""Operations whose first input may be an array of numbers."""
 
 _REDUCTIONS = {
     "reduce_sum": "add",
@@ -37,16 +41,25 @@ _RULES: dict[str, Callable[..., Any]] = {}
 """What is neither one operation on each element nor a move, by the operation's name."""
 
 
-def graph_of(program: Program) -> tuple[list[Node], list[Node]]:
-    """Arguments and results of a program of numbers, in one graph; results have any shape."""
-    emitter = _Emitter(Graph())
-    arguments = [emitter.graph.variable("f") for _ in program.input_shapes]
-    for number, array in program.constants.items():
-        emitter.values[number] = emitter.constants(array)
-    for number, node in zip(program.body.arguments, arguments, strict=True):
-        emitter.values[number] = _alone(node)
-    found = emitter.run(program.body)
-    return arguments, [node for array in found for node in array.ravel()]
+def graph_of(
+    program: Program, known: Mapping[int, Any], shapes: Mapping[int, tuple[int, ...]]
+) -> tuple[list[Node], list[np.ndarray]]:
+    """Arguments and results of a program in one graph.
+
+    ``known``: inputs that are known, by their places; ``shapes``: those of the others, which have
+    no axes where none is given.
+    """
+    emitter, arguments = _Emitter(Graph()), []
+    emitter.values.update(program.constants)
+    for place, number in enumerate(program.body.arguments):
+        if place in known:
+            emitter.values[number] = np.asarray(known[place])
+            continue
+        nodes = np.empty(shapes.get(place, ()), object)
+        nodes.ravel()[:] = [emitter.graph.variable("f") for _ in range(nodes.size)]
+        emitter.values[number] = nodes
+        arguments += list(nodes.ravel())
+    return arguments, [emitter.nodes(array) for array in emitter.run(program.body)]
 
 
 class _Emitter:
@@ -54,6 +67,7 @@ class _Emitter:
         self.graph = graph
         self.scope: Scope | None = None
         self.values: dict[int, np.ndarray] = {}
+        self._tables: dict[int, tuple[np.ndarray, tuple[Any, ...]]] = {}
 
     def run(self, block: Block) -> list[np.ndarray]:
         """Results of a block whose arguments are set."""
@@ -66,6 +80,10 @@ class _Emitter:
 
     def _outputs(self, operation: Operation, inputs: Sequence[np.ndarray]) -> Any:
         name, given = operation.name, operation.parameters
+        is_known = [array.dtype != object for array in inputs]
+        if not (name in _MOVES and all(is_known)):
+            kept = name in _LOOKED_UP
+            inputs = [*inputs[:kept], *map(self.nodes, inputs[kept:])]
         if name in _BLOCKS:
             return _BLOCKS[name](self, operation, inputs)
         if name in _RULES:
@@ -73,10 +91,26 @@ class _Emitter:
         if name in _MOVES:
             return MOVES[name]({}, *inputs, **given)
         if name in _REDUCTIONS:
-            return self._reduce(_REDUCTIONS[name], inputs[0], given["axes"])
-        if name not in OPERATORS:
-            raise UnsupportedError(f'operation "{name}" is not written in JavaScript yet')
+            value = self.filled(inputs[0], given["shape"]) if "shape" in given else inputs[0]
+            return self._reduce(_REDUCTIONS[name], value, given["axes"])
+        if name not in FOLDS:
+            raise UnsupportedError(f'operation "{name}" is not written on single numbers yet')
         return self.apply(name, *inputs)
+
+    def nodes(self, array: np.ndarray) -> np.ndarray:
+        """An array as one of nodes."""
+        return array if array.dtype == object else self.constants(array)
+
+    def filled(self, array: np.ndarray, shape: Sequence[int]) -> np.ndarray:
+        """An array that fills its axes: a constant that is the same everywhere need not."""
+        return array if array.shape == tuple(shape) else np.broadcast_to(array, shape)
+
+    def table(self, array: np.ndarray) -> tuple[Any, ...]:
+        """The elements of an array of numbers."""
+        # what is kept keeps the array, too: another one may not come to its place in memory
+        if id(array) not in self._tables:
+            self._tables[id(array)] = array, tuple(array.ravel().tolist())
+        return self._tables[id(array)][1]
 
     def constants(self, value: Any) -> np.ndarray:
         """Nodes of an array that is known."""
@@ -96,6 +130,8 @@ class _Emitter:
         return self.map(lambda *nodes: self.graph.operation(name, *nodes), *arrays)
 
     def _reduce(self, name: str, value: np.ndarray, axes: list[int]) -> np.ndarray:
+        if not value.ndim:
+            return value
         kept = [axis for axis in range(value.ndim) if axis not in axes]
         rows = value.transpose([*axes, *kept]).reshape([-1, *(value.shape[axis] for axis in kept)])
         if not len(rows):
@@ -111,21 +147,18 @@ class _Emitter:
     def window(self, value: np.ndarray, start: list[Node], sizes: Sequence[int]) -> np.ndarray:
         """A part of an array that begins at some place within it."""
         steps = [math.prod(value.shape[axis + 1 :]) for axis in range(value.ndim)]
-        flat, graph, found = list(value.ravel()), self.graph, np.empty(sizes, object)
+        graph, found = self.graph, np.empty(sizes, object)
+        if value.dtype == object:
+            look_up = partial(graph.element, list(value.ravel()))
+        else:
+            look_up = partial(graph.row, self.table(value))
         for offsets in itertools.product(*map(range, sizes)):
             place = graph.constant(sum(a * b for a, b in zip(offsets, steps, strict=True)))
             for begin, step in zip(start, steps, strict=True):
                 part = graph.operation("mul", begin, graph.constant(step))
                 place = graph.operation("add", part, place)
-            found[offsets] = graph.element(flat, place)
+            found[offsets] = look_up(place)
         return found
-
-
-def _alone(node: Node) -> np.ndarray:
-    """An array of no axes."""
-    found = np.empty((), object)
-    found[()] = node
-    return found
 
 
 def _rule(*names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -246,7 +279,7 @@ def _dynamic_slice(
         to.within(one.item(), full - size)
         for one, full, size in zip(start, shape, sizes, strict=True)
     ]
-    return to.window(value, begins, sizes)
+    return to.window(to.filled(value, shape), begins, sizes)
 
 
 @_rule("gather")
@@ -254,6 +287,7 @@ def _gather(to: _Emitter, value: Any, indices: Any, **given: Any) -> Any:
     """A window for each index vector; a place beyond the ends is moved in, or filled."""
     if given["operand_batching"] or given["index_batching"]:
         raise UnsupportedError('operation "gather" with batches of operands')
+    value, indices = to.filled(value, given["shape"]), to.filled(indices, given["index_shape"])
     sizes, offsets, graph = given["sizes"], given["offset_dims"], to.graph
     kept = [axis for axis in range(value.ndim) if axis not in given["collapsed"]]
     windows = [sizes[axis] for axis in kept]
@@ -279,6 +313,7 @@ def _dot_general(
 ) -> Any:
     if any(batched):
         raise UnsupportedError(f'operation "dot_general" with batches, of shapes {shapes}')
+    one, other = (to.filled(*pair) for pair in zip((one, other), shapes, strict=True))
     left, right = contracted
     rows = np.moveaxis(one, left, range(len(left)))
     columns = np.moveaxis(other, right, range(len(right)))
@@ -318,7 +353,8 @@ def _scan(to: _Emitter, operation: Operation, inputs: Sequence[Any]) -> Any:
     state, columns = list(inputs[:carried]), inputs[carried:]
     outputs = []
     for step in range(length - 1, -1, -1) if given["reverse"] else range(length):
-        given_here = [*state, *(column[step, ...] for column in columns)]
+        rows = (column[step, ...] if column.ndim else column for column in columns)
+        given_here = [*state, *rows]
         to.values.update(zip(body.arguments, given_here, strict=True))
         found = to.run(body)
         state = found[:carried]
@@ -339,6 +375,11 @@ def _while(to: _Emitter, operation: Operation, inputs: Sequence[Any]) -> Any:
     to.values.update(zip(body.arguments, variables, strict=True))
     following = to.run(body)
     to.scope = outer
+    if any(
+        np.broadcast_shapes(array.shape, start.shape) != start.shape
+        for array, start in zip(following, inputs, strict=True)
+    ):
+        raise UnsupportedError('operation "while" of an array that begins as one number')
     loop.condition = goes_on.item()
     loop.following = [
         node

@@ -7,68 +7,41 @@ change in it.
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from lightflyer.program.operations import ELEMENTWISE
 
-class Operator(NamedTuple):
-    """How an operation is written in JavaScript, and how NumPy does it."""
+PRIMARY, PREFIX, PRODUCT, SUM, ORDER, AND, OR, CHOICE = 20, 14, 12, 11, 8, 4, 3, 2
+"""How closely operators bind; higher binds closer."""
 
-    text: str  # An infix or prefix operator, or the name of a function
-    precedence: int  # JavaScript's, higher binds closer; 0 for a function
-    fold: Any  # The same on NumPy's numbers
-
-
-PRIMARY, PREFIX, PRODUCT, SUM, ORDER, EQUALITY, AND, OR, CHOICE = 20, 14, 12, 11, 9, 8, 4, 3, 2
-
-OPERATORS = {
-    "add": Operator("+", SUM, np.add),
-    "sub": Operator("-", SUM, np.subtract),
-    "mul": Operator("*", PRODUCT, np.multiply),
-    "div": Operator("/", PRODUCT, np.divide),
-    "rem": Operator("%", PRODUCT, np.fmod),
-    "lt": Operator("<", ORDER, np.less),
-    "le": Operator("<=", ORDER, np.less_equal),
-    "gt": Operator(">", ORDER, np.greater),
-    "ge": Operator(">=", ORDER, np.greater_equal),
-    "eq": Operator("===", EQUALITY, np.equal),
-    "ne": Operator("!==", EQUALITY, np.not_equal),
-    "and": Operator("&&", AND, np.logical_and),
-    "or": Operator("||", OR, np.logical_or),
-    "neg": Operator("-", PREFIX, np.negative),
-    "not": Operator("!", PREFIX, np.logical_not),
-    "number": Operator("+", PREFIX, lambda flag: int(flag)),
-    "pow": Operator("Math.pow", 0, np.power),
-    "max": Operator("Math.max", 0, np.maximum),
-    "min": Operator("Math.min", 0, np.minimum),
-    "atan2": Operator("Math.atan2", 0, np.arctan2),
-    "abs": Operator("Math.abs", 0, np.abs),
-    "sign": Operator("Math.sign", 0, np.sign),
-    "sqrt": Operator("Math.sqrt", 0, np.sqrt),
-    "cbrt": Operator("Math.cbrt", 0, np.cbrt),
-    "asinh": Operator("Math.asinh", 0, np.arcsinh),
-    "exp": Operator("Math.exp", 0, np.exp),
-    "expm1": Operator("Math.expm1", 0, np.expm1),
-    "log": Operator("Math.log", 0, np.log),
-    "log1p": Operator("Math.log1p", 0, np.log1p),
-    "sin": Operator("Math.sin", 0, np.sin),
-    "cos": Operator("Math.cos", 0, np.cos),
-    "tan": Operator("Math.tan", 0, np.tan),
-    "asin": Operator("Math.asin", 0, np.arcsin),
-    "acos": Operator("Math.acos", 0, np.arccos),
-    "atan": Operator("Math.atan", 0, np.arctan),
-    "sinh": Operator("Math.sinh", 0, np.sinh),
-    "cosh": Operator("Math.cosh", 0, np.cosh),
-    "tanh": Operator("Math.tanh", 0, np.tanh),
-    "floor": Operator("Math.floor", 0, np.floor),
-    "ceil": Operator("Math.ceil", 0, np.ceil),
-    "trunc": Operator("Math.trunc", 0, np.trunc),
-    "is_finite": Operator("Number.isFinite", 0, np.isfinite),
+INFIX = {
+    "add": SUM,
+    "sub": SUM,
+    "mul": PRODUCT,
+    "div": PRODUCT,
+    "rem": PRODUCT,
+    "lt": ORDER,
+    "le": ORDER,
+    "gt": ORDER,
+    "ge": ORDER,
+    "eq": ORDER,
+    "ne": ORDER,
+    "and": AND,
+    "or": OR,
 }
-"""All operations but constants, choices, look-ups in tables and what belongs to loops."""
+"""Operations that may be written between their operands; others are functions or signs."""
 
-_TRUTH = {"lt", "le", "gt", "ge", "eq", "ne", "and", "or", "not", "is_finite"}
+FOLDS: dict[str, Any] = {
+    **ELEMENTWISE,
+    "number": int,
+    "trunc": lambda value: np.asarray(value).astype(np.int64)[()],
+}
+"""All operations but constants, choices, look-ups in tables and what belongs to loops, on NumPy's
+numbers."""
+
+_TRUTH = {"lt", "le", "gt", "ge", "eq", "ne", "le_to", "and", "or", "not", "is_finite"}
 _WHOLE = {"number", "trunc"}
 _OF_OPERANDS = {"add", "sub", "mul", "rem", "neg", "abs", "sign", "max", "min"}
 
@@ -86,7 +59,7 @@ class Scope:
 class Node:
     """One scalar."""
 
-    # A key of :data:`OPERATORS`, or ``constant``, ``choice``, ``table``, ``variable``, ``result``
+    # A key of :data:`FOLDS`, or ``constant``, ``choice``, ``table``, ``variable``, ``result``
     operation: str
     operands: "tuple[Node, ...]"
     data: Any  # Value of a constant, values of a table, place of a loop's result
@@ -116,6 +89,7 @@ class Graph:
     def __init__(self) -> None:
         self._root = Scope(0)
         self._nodes: dict[Any, Node] = {}
+        self._tables: dict[tuple[Any, ...], tuple[Any, ...]] = {}
 
     def constant(self, value: Any) -> Node:
         """A number or truth value that is known."""
@@ -128,17 +102,16 @@ class Graph:
         return Node("variable", (), None, scope or self._root, kind)
 
     def real(self, node: Node) -> Node:
-        """A whole number as a real one, which JavaScript does not tell apart."""
+        """A whole number as a real one."""
         if node.is_constant:
             return self.constant(float(node.data))
         return self._node("real", (node,))
 
     def operation(self, name: str, *operands: Node) -> Node:
-        """One of :data:`OPERATORS`."""
-        fold = OPERATORS[name].fold
+        """One of :data:`FOLDS`."""
         if all(operand.is_constant for operand in operands):
             with np.errstate(all="ignore"):
-                return self.constant(fold(*(np.asarray(one.data)[()] for one in operands)))
+                return self.constant(FOLDS[name](*(np.asarray(one.data)[()] for one in operands)))
         if name in _SAME and operands[1].is_constant:
             value, same = operands[1].data, _SAME[name]
             if value == same and math.copysign(1.0, value) == math.copysign(1.0, same):
@@ -162,12 +135,18 @@ class Graph:
             return values[int(index.data)]
         if all(value.is_constant for value in values):
             table = tuple(value.data for value in values)
-            return self._node("table", (index,), table)
+            return self.row(self._tables.setdefault(table, table), index)
         found = values[-1]
         for place in reversed(range(len(values) - 1)):
             here = self.operation("eq", index, self.constant(place))
             found = self.choice(here, values[place], found)
         return found
+
+    def row(self, table: tuple[Any, ...], index: Node) -> Node:
+        """A number of a table that lives on, by an index that is within range."""
+        if index.is_constant:
+            return self.constant(table[int(index.data)])
+        return self._node("table", (index,), table, key=id(table))
 
     def loop(self, start: list[Node], outer: Scope | None) -> Loop:
         """Open a loop; its condition and what follows are to be filled in."""

@@ -1,4 +1,4 @@
-"""The emitter: each primitive in JavaScript gives what JAX gives."""
+"""The emitter: each primitive in JavaScript and in Python gives what JAX gives."""
 
 from functools import partial
 
@@ -9,9 +9,10 @@ import pytest
 
 from lightflyer.core.precision import float64
 from lightflyer.numerics.system import solve_system
-from lightflyer.program.javascript.writer import Tables, number, write_function
 from lightflyer.program.operations import UnsupportedError
-from lightflyer.program.tracing import trace_numbers
+from lightflyer.program.scalar.javascript import Tables, number, write_function
+from lightflyer.program.scalar.python import compile_numbers
+from lightflyer.program.tracing import trace, trace_numbers
 
 TABLE = np.array([0.0, 0.5, 2.0, 3.0, 7.0])
 MATRIX = np.array([[1.0, -2.0, 0.5], [0.25, 4.0, -1.0], [3.0, 0.125, 2.0]])
@@ -143,6 +144,14 @@ FUNCTIONS = {
         _own_derivative(x), jax.grad(_own_derivative)(y), _root(x), jax.grad(_root)(y)
     ),
 }  # fmt: skip
+FOR_PYTHON = {
+    "further": lambda x, y: (
+        jax.lax.erf(x), jax.lax.erfc(y), jax.lax.erf_inv(x / 10), jax.lax.lgamma(jnp.abs(x) + 2.5),
+        jnp.exp2(x), jnp.round(y), jnp.nextafter(x, 9.0), jnp.arctanh(x / 10), jnp.arcsinh(y),
+        jnp.arccosh(y), jnp.exp(500.0 * x), jnp.log(0.0 * x), (x - x) / (y - y), x / (y - y),
+    ),
+}  # fmt: skip
+"""What a page does without."""
 POINTS = [
     (0.3, 0.7), (-1.2, 2.5), (2.0, 2.0), (4.1, -3.3), (-0.5, -0.25), (1.0, 0.0), (0.0, -0.0),
     (np.inf, 1.0), (1.5, np.nan),
@@ -155,6 +164,12 @@ NEED_FINITE = {"while", "system", "own derivative", "wholes", "choices", "rows"}
 
 def _points(name):
     return FINITE if name in NEED_FINITE else POINTS
+
+
+def _compiled(function, given=(), shapes=()):
+    with float64():
+        program = trace_numbers(function, 2)
+    return compile_numbers(program, dict(given), dict(shapes))
 
 
 def _written(function, tables, name="f", count=2):
@@ -187,15 +202,17 @@ def expected():
 
     def every(names, x, y):
         return {
-            name: [jnp.ravel(leaf).astype(float) for leaf in jax.tree.leaves(FUNCTIONS[name](x, y))]
+            name: [jnp.ravel(leaf).astype(float) for leaf in jax.tree.leaves(every_one[name](x, y))]
             for name in names
         }
+
+    every_one = FUNCTIONS | FOR_PYTHON
 
     found = {}
     with float64():
         for names, points in (
             (NEED_FINITE, FINITE),
-            (FUNCTIONS.keys() - NEED_FINITE, POINTS),
+            (every_one.keys() - NEED_FINITE, POINTS),
         ):
             program = jax.jit(jax.vmap(partial(every, sorted(names))))
             found |= program(*jnp.array(points).T)
@@ -205,6 +222,38 @@ def expected():
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_javascript_gives_what_jax_gives(name, computed, expected):
     np.testing.assert_allclose(computed[name], expected[name], rtol=1e-13, atol=1e-300)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS | FOR_PYTHON)
+def test_python_gives_what_jax_gives(name, expected):
+    function = _compiled((FUNCTIONS | FOR_PYTHON)[name])
+    found = [np.concatenate([*map(np.ravel, function(point))]) for point in _points(name)]
+    np.testing.assert_allclose(found, expected[name], rtol=1e-13, atol=1e-300)
+
+
+def test_python_looks_up_what_is_given_and_computes_it_once():
+    table = np.linspace(0.0, 5.0, 1000) ** 2
+
+    def function(x, table):
+        return table[(100.0 * x).astype(int)] * jnp.sin(table[7]), jnp.stack([x > 1.0, x < 1.0])
+
+    with float64():
+        program, _ = trace(lambda leaves: function(*leaves), [(), (1000,)], ["<f8", "<f8"])
+    call = compile_numbers(program, {1: table}, {})
+    for x in (0.25, 1.5, 1e3, -1.0):
+        values, flags = call([np.float64(x)])
+        place = int(np.clip(100 * x + (1000 if x < 0 else 0), 0, 999))
+        assert values == table[place] * np.sin(table[7])
+        assert flags.tolist() == [x > 1.0, x < 1.0]
+        assert flags.dtype == bool
+
+
+def test_python_takes_arrays_as_they_are_stated():
+    with float64():
+        program, _ = trace(lambda leaves: leaves[0] @ leaves[1], [(2, 2), (2,)], ["<f8", "<f8"])
+    matrix, vector = np.array([[1.0, 2.0], [3.0, 5.0]]), np.array([0.5, -1.0])
+    (found,) = compile_numbers(program, {}, {0: (2, 2), 1: (2,)})([matrix, vector])
+    np.testing.assert_array_equal(found, matrix @ vector)
 
 
 @pytest.mark.parametrize(

@@ -41,6 +41,7 @@ def _shapes(x, y):
     return (
         jnp.flip(cube.transpose(2, 0, 1), 1).sum(1)[:, ::2].ravel(),
         cube.max((0, 2)), cube.min(), cube.prod(2).ravel()[1:5:2],
+        jnp.cumsum(cube, 1)[0], jax.lax.cumsum(cube[0, 0], reverse=True),
         jnp.any(cube > 3.0), jnp.all(cube > -50.0),
         MATRIX @ jnp.stack([x, y, 1.0 + 0 * x]), MATRIX[:2] @ MATRIX.T * x,
     )  # fmt: skip

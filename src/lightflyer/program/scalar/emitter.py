@@ -324,6 +324,14 @@ def _dot_general(
     return reduce(lambda a, b: to.apply("add", a, b), products).reshape(free)
 
 
+@_rule("cumsum")
+def _cumsum(to: _Emitter, value: Any, *, axis: int, reverse: bool, shape: list[int]) -> Any:
+    rows = np.moveaxis(to.filled(value, shape), axis, 0)
+    order = rows[::-1] if reverse else rows
+    found = np.stack([*itertools.accumulate(order[:, None], partial(to.apply, "add"))])[:, 0]
+    return np.moveaxis(found[::-1] if reverse else found, 0, axis)
+
+
 # --- loops and choices ---
 
 

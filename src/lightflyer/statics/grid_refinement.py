@@ -129,12 +129,15 @@ def crossing(
     inside: Numeric,
     wanted: np.ndarray | bool = True,
     tolerance: float = EDGE_TOLERANCE,
+    known: tuple[np.ndarray, ...] = (),
 ) -> np.ndarray:
     """Where each function becomes positive on the way from outside to inside, shape (m,)."""
+    # ``known``: values outside and inside.
+    #
     # False position, in which the end that stays counts half the next time (Illinois). Columns
     # that are not wanted give the place inside.
     ends = np.stack(np.broadcast_arrays(*np.atleast_1d(outside, inside)))
-    below, above = function(ends)
+    below, above = known or function(ends)
     (outside, inside), found = ends, ends[1]
     sought = wanted & (above > 0.0)
     last = np.zeros(found.shape)

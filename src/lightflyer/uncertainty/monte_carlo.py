@@ -20,7 +20,7 @@ from lightflyer.prediction.edges_and_optima import (
 )
 from lightflyer.prediction.evaluator import Table
 from lightflyer.program.entry_point import entry_point
-from lightflyer.statics.grid_refinement import crossing
+from lightflyer.statics.grid_refinement import at, crossing
 from lightflyer.statics.sinking import night_length, night_places
 from lightflyer.uncertainty.inputs import Inputs
 
@@ -71,14 +71,19 @@ def _strongest_light(
     """Place of rest in the strongest light in which each sample's film survives, and that light."""
 
     # zero where the film is too hot already in the least light, NaN where no light is too strong
-    def cool(at: np.ndarray) -> np.ndarray:
-        return coolness(look(at[:, None], (LEAST_HEAT,))[LEAST_HEAT][:, 0], highest)
+    def cool(there: np.ndarray) -> np.ndarray:
+        return coolness(look(there[:, None], (LEAST_HEAT,))[LEAST_HEAT][:, 0], highest)
 
     known, never = ~np.isnan(rows[LEAST_LIGHT]), coolness(found.at_easiest[LEAST_HEAT], highest) < 0
     hot = (coolness(rows[LEAST_HEAT], highest) < 0.0) & known & (places[:, None] > found.easiest)
     first, wanted = hot.argmax(axis=0), hot.any(axis=0) & ~never
-    inside = np.where(wanted, np.fmax(places[np.maximum(first - 1, 0)], found.easiest), places[0])
-    place = crossing(cool, places[first], inside, wanted, TOLERANCE)
+    before = np.maximum(first - 1, 0)
+    easiest_is_inside = found.easiest > places[before]
+    inside = np.where(wanted, np.fmax(places[before], found.easiest), places[0])
+    heats = [at(rows[LEAST_HEAT], place) for place in (first, before)]
+    heats[1] = np.where(easiest_is_inside, found.at_easiest[LEAST_HEAT], heats[1])
+    known = tuple(coolness(heat, highest) for heat in heats)
+    place = crossing(cool, places[first], inside, wanted, TOLERANCE, known)
     light = look(place[None, None], (LEAST_LIGHT,))[LEAST_LIGHT][0, 0]
     return place, {LEAST_LIGHT: np.where(wanted, light, np.where(never, 0.0, np.nan))}
 

@@ -399,7 +399,7 @@ def test_in_a_flyer_file_its_error_counts(flyer_file):
     text = flyer_file().read_text("utf-8").partition("[force]")[0] + '[force]\nmodel = "kinetic"\n'
     path = flyer_file(text=text)
     configuration = lf.read_flyer_file(path)
-    names = ("force_error", "heat_error", "wall_error")
+    names = ("force_error", "heat_error", "wall_error", "sharing_error")
     assert configuration.uncertainties() == {f"force.{name}": 1.0 for name in names}
     model = configuration.build().model
     assert isinstance(model, lf.Kinetic)

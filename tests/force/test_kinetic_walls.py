@@ -15,7 +15,7 @@ from lightflyer.design.setup import Setup
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic import scattering
 from lightflyer.force.kinetic import walls as kinetic_walls
-from lightflyer.force.kinetic.walls import wall_fit
+from lightflyer.force.kinetic.walls import sharing_factor, wall_fit
 from lightflyer.kinetic_theory.walls import normal_accommodation
 from lightflyer.prediction.prediction import Prediction
 
@@ -341,12 +341,15 @@ def test_maxwell_walls_have_no_error_in_a_flyer_file(flyer_file):
     for wall, uncertain in names.items():
         read = lf.read_flyer_file(flyer_file(text=f'{text}wall = "{wall}"\n'))
         assert ("force.wall_error" in read.uncertainties()) == uncertain
+        assert ("force.sharing_error" in read.uncertainties()) == (wall == "unknown")
         assert read.build().model.wall == wall
     slip = f'{text}wall = "{CL}"\ntangential_accommodation = "0.9 ± 0.05"\n'
     read = lf.read_flyer_file(flyer_file(text=slip))
     assert read.uncertainties()["force.tangential_accommodation"] == pytest.approx(0.05)
     with pytest.raises(lf.ConfigurationError, match="wall"):
         lf.read_flyer_file(flyer_file(text=text + 'wall = "rough"\n'))
+    with pytest.raises(lf.ConfigurationError, match="it is for unknown ones"):
+        lf.read_flyer_file(flyer_file(text=f'{text}wall = "{CL}"\nsharing_error = "0 ± 1"\n'))
 
 
 def test_bad_walls_are_named():
@@ -377,3 +380,41 @@ def test_a_sandwich_has_maxwell_walls_and_says_so():
     )
     assert [text for text in more if text.startswith("wall = accommodated has no effect")]
     assert plain.assumptions(sandwich)[0].startswith("walls: Maxwell's for a sandwich")
+
+
+@pytest.mark.parametrize(
+    ("gas", "most", "least"), [("diatomic", 3.0, 0.6), ("monatomic", 2.0, 2 / 3)]
+)
+def test_shared_differences_push_by_hand_in_thin_gas(gas, most, least):
+    """One kind of energy alone differs, or bounced molecules give half of their normal one."""
+    kinds = {"diatomic": 3, "monatomic": 2}[gas]
+    of_all = (kinds - 0.5) / kinds  # what a trapped molecule adds to the mean of all kinds
+    assert least == pytest.approx(0.5 / of_all)
+    for error, expected in ((0.0, 1.0), (1.96, most), (-1.96, least), (10.0, most), (-10.0, least)):
+        found = float(sharing_factor(gas, 1e5, 0.85, 0.0, error))
+        assert found == pytest.approx(expected, rel=2e-4)
+
+
+@pytest.mark.parametrize("altitude", [60e3, 70e3, 80e3, 100e3])
+@pytest.mark.parametrize("tacs", [(0.8, 0.9), (0.9, 0.8), (0.93, 0.97)])
+def test_the_band_of_unknown_walls_contains_those_of_cercignani_and_lampis(altitude, tacs):
+    disk = lf.Disk(lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, *tacs), radius=0.01)
+    state = lf.Earth().state(altitude)
+
+    def size(**given):
+        return float(lf.lift(disk, state, lf.Kinetic(**given)) / lf.lift(disk, state, MODEL))
+
+    low, high = (size(sharing_error=end) for end in (-1.96, 1.96))
+    for tangential, rotational in ((None, None), (0.9, None), (0.9, 0.85), (0.95, 0.8), (1.0, 1.0)):
+        known = size(
+            wall=CL, tangential_accommodation=tangential, rotational_accommodation=rotational
+        )
+        assert low < known < 1.06 * high  # and wall_error beside it
+
+
+def test_an_even_sharing_is_the_nominal_one_and_known_walls_have_none():
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    disk, state = lf.Disk(film, radius=0.01), lf.Earth().state(75e3)
+    assert lf.lift(disk, state, lf.Kinetic(sharing_error=0.0)) == lf.lift(disk, state, MODEL)
+    with pytest.raises(lf.ParameterError, match="it is for unknown ones"):
+        lf.Kinetic(wall="maxwell", sharing_error=1.0)

@@ -211,19 +211,3 @@ def test_covered_is_where_nothing_is_said_to_be_outside(model, radius):
         said = diagnose_at(setup, [altitude], found.at["temperature"])
         outside = [line for line in said if ", below " in line or ", above " in line]
         assert found.at["covered"].tolist() == [0.0 if outside else 1.0], (altitude, said)
-
-
-def test_what_no_band_contains_is_true_of_cercignani_lampis_walls_and_said_where_walls_are_open():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    disk, state = lf.Disk(film, radius=0.01), lf.Earth().state(80e3)
-    open_walls = lf.Kinetic()
-    said = open_walls.left_open(disk)
-    for word, stated in (("twice", {}), ("three times", {"rotational_accommodation": 1.0})):
-        known = lf.Kinetic(wall="cercignani-lampis", tangential_accommodation=1.0, **stated)
-        factor = float(lf.lift(disk, state, known) / lf.lift(disk, state, open_walls))
-        assert word in said
-        assert factor == pytest.approx({"twice": 2.0, "three times": 3.0}[word], rel=0.1)
-        assert known.left_open(disk) == ""
-    alike = lf.Disk(lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.8), radius=0.01)
-    assert open_walls.left_open(alike) == ""
-    assert lf.Lu2023().left_open(disk) == ""

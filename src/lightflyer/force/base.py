@@ -112,11 +112,6 @@ class AbstractForceModel(Checked):
             outside = describe(self.ranges(flyer, state, temperature), state.pressure)
         return outside + self.remarks(flyer, state, temperature)
 
-    def left_open(self, flyer: Any) -> str:
-        """What no error of the model contains, in a few words; empty where that is nothing."""
-        del flyer
-        return ""
-
     def assumptions(self, flyer: Any) -> tuple[str, ...]:
         """What the model assumes about a flyer that a reader must know, in short texts."""
         del flyer

@@ -62,9 +62,6 @@ def prediction_parts(
         yield _results(prediction, prediction.summary())
     yield from (wrap(line, width) for line in warning_lines(prediction.other_warnings))
     yield wrap(_force_line(prediction, sources), width)
-    left_open = prediction.setup.model.left_open(prediction.setup.flyer)
-    if left_open:
-        yield wrap(f"in no band: {left_open}", width)
     if verbose:
         yield wrap("; ".join(prediction.assumptions), width)
 

@@ -5,7 +5,6 @@ from typing import Any, ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from lightflyer.core.errors import ParameterError
@@ -86,6 +85,7 @@ class KineticDisk(AbstractForceModel):
     polyatomic: Polyatomic = eqx.field(static=True)
     wall: Wall = eqx.field(static=True)
     wall_error: StandardErrors | None
+    sharing_error: StandardErrors | None
     tangential_accommodation: Fraction | None
     rotational_accommodation: Fraction | None
     collisions: Collisions = eqx.field(static=True)
@@ -103,6 +103,7 @@ class KineticDisk(AbstractForceModel):
             self.wall_error,
             self.tangential_accommodation,
             self.rotational_accommodation,
+            self.sharing_error,
         )
 
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
@@ -184,10 +185,6 @@ class KineticDisk(AbstractForceModel):
         if self.film_balance == "local":
             yield from local_balance_fit().ranges(knudsen)
         yield from kinetic_walls.ranges(flyer, self.walls, _kind(state.gas), knudsen, lowest)
-
-    def left_open(self, flyer: Disk) -> str:
-        unlike = bool(np.any(flyer.film.tac_difference != 0.0))
-        return kinetic_walls.LEFT_OPEN if self.wall == "unknown" and unlike else ""
 
     def remarks(
         self,

@@ -8,6 +8,7 @@ import equinox as eqx
 import pydantic
 from jax import Array
 
+from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Fraction, StandardErrors
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks
@@ -76,6 +77,13 @@ class Kinetic(AbstractForceModel):
         of the difference of Maxwell's and accommodated ones, with what collisions take away at each
         or with the same at both, whichever is larger. That of accommodated and Cercignani–Lampis
         walls is what collisions change in them beside Maxwell's, which have none.
+    sharing_error : array or None
+        Deviation of how unknown walls share the difference of their TACs among normal motion,
+        tangential motion and rotation, in standard errors [1]: the pair of TACs leaves it open. A
+        flyer file gives it as 0 ± 1. At 0 each kind differs as the TACs do. At 1.96 tangential
+        motion and rotation accommodate alike on both faces, and thin gas pushes three times as
+        hard (twice, of a monatomic gas). At -1.96 the faces differ in how many molecules they
+        trap, and it pushes 0.6 times as hard (:mod:`lightflyer.force.kinetic.walls`).
     tangential_accommodation : array or None
         Accommodation coefficient of tangential momentum, of both faces, for Cercignani–Lampis walls
         [1]. The normal motion then accommodates so much that the TACs are those of the energy
@@ -132,6 +140,7 @@ class Kinetic(AbstractForceModel):
     polyatomic: Polyatomic = eqx.field(static=True, default="refused")
     wall: Wall = eqx.field(static=True, default="unknown")
     wall_error: StandardErrors | None = None
+    sharing_error: StandardErrors | None = None
     tangential_accommodation: Fraction | None = None
     rotational_accommodation: Fraction | None = None
     collisions: Collisions = eqx.field(static=True, default="vhs")
@@ -148,10 +157,6 @@ class Kinetic(AbstractForceModel):
 
     def _model(self, kind: type) -> Any:
         return kind(**{one.name: getattr(self, one.name) for one in dataclasses.fields(kind)})
-
-    def left_open(self, flyer: AbstractFlyer) -> str:
-        found: str = self.model_of(flyer).left_open(flyer)
-        return found
 
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
         return self.model_of(flyer).assumptions(flyer)
@@ -202,8 +207,14 @@ class KineticSection(ForceSection, of=Kinetic):
 
     @pydantic.model_validator(mode="before")
     @classmethod
-    def _maxwell_walls(cls, content: Any) -> Any:
-        """Maxwell walls have no error, which then is not among the uncertainties."""
-        if isinstance(content, Mapping) and content.get("wall") == "maxwell":
-            return {"wall_error": 0.0, **content}
-        return content
+    def _known_walls(cls, content: Any) -> Any:
+        """Walls that are known have no such error, which then is not among the uncertainties."""
+        if not isinstance(content, Mapping) or content.get("wall", "unknown") == "unknown":
+            return content
+        if "sharing_error" in content:
+            raise ConfigurationError(
+                f'sharing_error has no meaning with wall = "{content["wall"]}"; it is for unknown '
+                "ones"
+            )
+        none = {"wall_error": 0.0} if content["wall"] == "maxwell" else {}
+        return {**none, "sharing_error": 0.0, **content}

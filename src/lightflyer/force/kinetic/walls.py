@@ -11,6 +11,18 @@ collisions take away another share of them,
 with polynomials :math:`g` through a table of the solver's in :math:`\ln(T_h/T_c)`, the mean TAC
 and the Knudsen number. Collisions change nothing as the gas gets thin, and no heat loss where both
 walls are the same.
+
+A pair of TACs leaves open how the faces share their difference among normal motion, tangential
+motion and rotation. If the last two differ by :math:`(1-s)\,\Delta\alpha`, the force is
+
+.. math:: F\,(1+s\,g_s),\qquad g_s = \frac{\sum_k (w_n-w_k)}{w_n+\sum_k w_k}
+
+with the weights of :mod:`lightflyer.force.kinetic.scattering`; in thin gas :math:`g_s` is 2, or 1
+of a monatomic gas. Unknown walls have :math:`s` from :math:`-a/(n-a)` to 1. At 1 tangential motion
+and rotation accommodate wholly, and normal motion in :math:`\alpha_n = n\bar\alpha-n+1`, which
+makes :math:`g_s` larger by :math:`\sqrt{(1+\bar\alpha\theta)/(1+\alpha_n\theta)}`. At the other end
+the faces differ in how many of the molecules they trap: these accommodate in all :math:`n` kinds of
+energy, and those that bounce in :math:`a = 1/2` of their normal energy alone.
 """
 
 from dataclasses import dataclass
@@ -22,6 +34,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from lightflyer.core.checks import is_concrete
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.precision import float64
@@ -31,7 +44,12 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.kinetic.ratios import heating_of
-from lightflyer.force.kinetic.scattering import ScatteringFit, Stated, mean_tac
+from lightflyer.force.kinetic.scattering import (
+    Accommodations,
+    ScatteringFit,
+    Stated,
+    mean_tac,
+)
 from lightflyer.force.kinetic.scattering import fit_columns as fit_scattering
 from lightflyer.force.kinetic.scattering import ranges as scattering_ranges
 from lightflyer.force.kinetic.table_fit import kinetic_fit
@@ -42,9 +60,8 @@ Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
 """What becomes of molecules at a face; unknown is the middle of the next two."""
 
 _IN_WORDS = {
-    "unknown": "walls: the mean of Maxwell's and of fully accommodated ones; half their "
-    "difference is taken as the 95 % error, and excludes that normal motion, tangential motion and "
-    "rotation accommodate differently",
+    "unknown": "walls: the mean of Maxwell's and of fully accommodated ones; bands contain both, "
+    "and that normal motion, tangential motion and rotation accommodate each on its own",
     "maxwell": "walls: Maxwell's, a share TAC of the molecules leaves at the temperature of the "
     "face, the rest is reflected",
     "accommodated": "walls: accommodated, all molecules leave a face at one temperature",
@@ -52,11 +69,8 @@ _IN_WORDS = {
     "accommodation pushes is solved",
 }
 
-LEFT_OPEN = (
-    "where tangential motion accommodates alike on both faces, they push about twice as hard, and "
-    "three times where rotation does too (wall under [force])"
-)
-"""What a pair of TACs leaves open: the page on the kinetic force has numbers."""
+BOUNCED = 0.5
+"""Share of their normal energy that molecules accommodate which a face does not trap, at most."""
 
 # powers of heating, TAC and Knudsen number
 _HEATED_POWERS = [(1, tac, knudsen) for tac in range(3) for knudsen in range(4)]
@@ -71,6 +85,8 @@ _HEAT_POWERS = [
     *_HEATED_POWERS,
     *((2, 0, knudsen) for knudsen in range(2)),
 ]
+_SHARED_POWERS = [(knudsen, tac) for tac in range(4) for knudsen in range(5)]
+_SHARED_TACS = 0.5, 0.98  # range of the table of scattering, as all kinds of it have
 _KNUDSEN_0 = 0.25  # where thin gas gives way to dense, for what is fitted only
 _HELD = "the table of walls other than Maxwell's ends there, and what they change is held"
 
@@ -86,6 +102,8 @@ class Walls(NamedTuple):
     tangential: Numeric | None = None
     # That of rotational energy of both faces, likewise; without it as the TACs say
     rotational: Numeric | None = None
+    # Deviation of how unknown walls share the difference of their TACs, in standard errors [1]
+    sharing: Numeric | None = None
 
     def stated(self, gas: str) -> Stated:
         """What is known of both faces beside their TACs, in a gas of the table."""
@@ -103,6 +121,13 @@ def require_walls(walls: Walls) -> None:
             raise ParameterError(
                 f'{name} has no meaning with wall = "{walls.wall}"; it is for cercignani-lampis'
             )
+    stated_error = walls.sharing is not None and not (
+        is_concrete(walls.sharing) and np.all(np.asarray(walls.sharing) == 0.0)
+    )
+    if stated_error and walls.wall != "unknown":
+        raise ParameterError(
+            f'sharing_error has no meaning with wall = "{walls.wall}"; it is for unknown ones'
+        )
 
 
 def describe_walls(walls: Walls) -> str:
@@ -196,6 +221,43 @@ def scattering_fit(gas: str = "diatomic") -> ScatteringFit:
         return fit_scattering(columns, force_at_walls_of_one_temperature(columns, gas))
 
 
+@lru_cache
+def _sharing_fit(gas: str) -> Any:
+    """Coefficients of what :func:`sharing_factor` takes of the Knudsen number and the TAC."""
+    fit = scattering_fit(gas)
+    positions, places = (axis.ravel() for axis in np.meshgrid(*[np.linspace(-1.0, 1.0, 25)] * 2))
+    low, high = np.log(fit.knudsen_range)
+    knudsen = np.exp(0.5 * (low + high + positions * (high - low)))
+    tac = 0.5 * (sum(_SHARED_TACS) + places * (_SHARED_TACS[1] - _SHARED_TACS[0]))
+    with float64(), jax.ensure_compile_time_eval():
+        weights = fit.weights(jnp.asarray(knudsen), Accommodations(*[jnp.asarray(tac)] * 3))
+        normal, *others = (np.asarray(one) for one in weights[: _kinds_of(gas)])
+    gain = sum(normal - one for one in others) / (normal + sum(others))
+    dense = _denseness(knudsen)
+    return least_squares((gain - len(others)) / dense, (positions, places), _SHARED_POWERS)
+
+
+def _kinds_of(gas: str) -> int:
+    return 2 if gas == "monatomic" else 3
+
+
+def sharing_factor(
+    gas: str, knudsen: Numeric, tac: Numeric, excess: Array, error: Numeric
+) -> Array:
+    """Force over that of walls that share the difference of their TACs evenly [1]."""
+    # ``error``: in standard errors; the ends are those of a 95 % band, and nothing is beyond them
+    kinds = _kinds_of(gas)
+    low, high = np.log(scattering_fit(gas).knudsen_range)
+    position = place_between(jnp.clip(jnp.log(knudsen), low, high), low, high)
+    place = place_between(jnp.clip(tac, *_SHARED_TACS), *_SHARED_TACS)
+    gain = kinds - 1 + _denseness(knudsen) * polynomial(_sharing_fit(gas), position, place)
+    way = jnp.clip(jnp.asarray(error) / NORMAL_HALF_WIDTH_95, -1.0, 1.0)
+    normal = jnp.maximum(kinds * jnp.asarray(tac) - (kinds - 1), 0.0)
+    heated = jnp.sqrt((1.0 + tac * excess) / (1.0 + normal * excess))
+    share = heated * jnp.maximum(way, 0.0) + BOUNCED / (kinds - BOUNCED) * jnp.minimum(way, 0.0)
+    return jnp.asarray(1.0 + share * gain)
+
+
 def force_at_walls_of_one_temperature(table: dict[str, np.ndarray], gas: str) -> np.ndarray:
     """Linear force of accommodated walls with the TACs of a table, over free molecules', (n,)."""
     place = table["knudsen"], 1.0, mean_tac(table, rotates=gas == "diatomic")
@@ -223,11 +285,14 @@ def force(
     # Maxwell's collisions at this wall: direct simulation lies between the two
     same = ratio * free
     if walls.wall == "unknown":
-        return _uncertain(
+        found = _uncertain(
             0.5 * (maxwell + other * free),
             0.5 * _larger(maxwell - same, maxwell - other * free),
             walls.error,
         )
+        if walls.sharing is None:
+            return found
+        return found * sharing_factor(kind, knudsen, film.tac_mean, excess, walls.sharing)
     return _uncertain(other * free, same - other * free, walls.error)
 
 

@@ -46,9 +46,10 @@ def keep(page: Page, name: str, part: str | None = None) -> None:
 
 def calculator(browser: Browser, built: Path) -> None:
     """The tutorial's disk, light and dark."""
+    design = "#design:flyer.diameter=1&flyer.payload=0&altitude=80"
     for scheme, ending in (("light", ""), ("dark", "-dark")):
         page = browser.new_page(color_scheme=scheme, viewport={"width": 1100, "height": 900})
-        page.goto(f"{(built / 'calculator.html').as_uri()}#design:flyer.diameter=1")
+        page.goto(f"{(built / 'calculator.html').as_uri()}{design}")
         page.wait_for_selector("#lf-verdict:not(:empty)")
         page.add_style_tag(content="#lf-calculator{max-height:860px;overflow:hidden}")
         keep(page, f"tutorial-calculator{ending}", "#lf-calculator")

@@ -272,7 +272,7 @@ def test_predict_reproduces_a_downloaded_file(computed, designs, tmp_path):
 
 def test_the_start_is_the_file_of_init(tmp_path):
     file = tmp_path / "flyer.toml"
-    file.write_text(templates()["earth"].read(), encoding="utf-8")
+    file.write_text(templates()["laden"].read(), encoding="utf-8")
     start, ours = read_design(file), model.design(MODELS[0])
     assert start.setup.model == ours.setup.model
     assert start.setup.flyer == ours.setup.flyer

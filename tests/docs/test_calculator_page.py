@@ -83,6 +83,8 @@ def page(browser, files):
     context.route(f"{SITE}**", answer)
     opened.goto(SITE)
     expect(opened.locator("#lf-verdict")).not_to_be_empty()
+    for group in opened.locator(".lf-controls summary").all()[1:]:  # closed on a phone
+        group.click()
     yield opened
     assert said == []
     context.close()
@@ -91,11 +93,11 @@ def page(browser, files):
 @pytest.fixture(scope="module")
 def at_first():
     """Irradiance to levitate and band of the disk of ``init``, as the page shows them."""
-    file = lf.FlyerFile(**tomllib.loads(templates()["earth"].read()))
-    found = lf.predict(file, at=[80e3])
+    file = lf.FlyerFile(**tomllib.loads(templates()["laden"].read()))
+    found = lf.predict(file, at=[76e3])
     low, high = found.bands[0]
     light = float(found.at["levitation_irradiance"][0])
-    return f"{light:.1f} W/m²", f"{low / 1e3:.1f} to {high / 1e3:.1f} km"
+    return f"{light:.4g} W/m²", f"{low / 1e3:.1f} to {high / 1e3:.1f} km"
 
 
 def _value(page, name):
@@ -104,11 +106,18 @@ def _value(page, name):
 
 def test_it_starts_with_the_disk_of_init_and_fits_a_phone(page, at_first):
     expect(_value(page, "levitation_irradiance")).to_have_text(at_first[0])
-    expect(page.locator("#lf-verdict")).to_contain_text("Levitates at 80 km, but its film melts")
+    expect(page.locator("#lf-verdict")).to_contain_text("Levitates at 76 km, and carries up to")
+    expect(page.locator("#lf-verdict")).to_have_attribute("data-flies", "true")
     assert page.locator("html").evaluate("(html) => html.scrollWidth") <= 360
     words = page.get_attribute("#lf-curve", "aria-label")
     assert at_first[1] in words
-    assert "Let go, it rests at 85.1 km and 573 K; its film bears 520 K." in words
+    assert "Let go, it rests at 79.5 km and 502 K; its film bears 520 K and survives." in words
+
+
+def test_the_disk_of_the_paper_is_one_click_away(page):
+    page.click(".lf-another a")
+    expect(page.locator("#lf-verdict")).to_contain_text("Levitates at 80 km, but its film melts")
+    expect(page.locator("#lf-flyer-diameter-box")).to_have_value("2")
 
 
 def test_keys_move_a_slider_and_results_follow(page, at_first):
@@ -116,7 +125,7 @@ def test_keys_move_a_slider_and_results_follow(page, at_first):
     page.keyboard.press("ArrowLeft")
     expect(_value(page, "levitation_irradiance")).not_to_have_text(at_first[0])
     expect(page.locator("#lf-film-absorptance-box")).to_have_value("0.74")
-    expect(page.locator("#lf-spoken")).to_contain_text("Levitates at 80 km")
+    expect(page.locator("#lf-spoken")).to_contain_text("Levitates at 76 km")
     page.click("#lf-reset")
     expect(_value(page, "levitation_irradiance")).to_have_text(at_first[0])
 
@@ -179,7 +188,7 @@ def test_a_move_is_undone_and_one_number_reset(page, at_first):
     page.fill("#lf-altitude-box", "75")
     expect(page).to_have_url(re.compile("altitude=75"))
     page.click("#lf-undo")
-    expect(page.locator("#lf-altitude-box")).to_have_value("80")
+    expect(page.locator("#lf-altitude-box")).to_have_value("76")
     expect(page.locator("#lf-flyer-diameter-box")).to_have_value("1")
     page.click("#lf-flyer-diameter-reset")
     expect(page.locator("#lf-flyer-diameter-reset")).to_be_hidden()
@@ -190,7 +199,7 @@ def test_a_slider_plays_until_it_is_stopped(page):
     play, box = page.locator("#lf-altitude-play"), page.locator("#lf-altitude-box")
     play.click()
     expect(play).to_have_attribute("aria-pressed", "true")
-    expect(box).not_to_have_value("80")
+    expect(box).not_to_have_value("76")
     play.click()
     stopped = box.input_value()
     page.wait_for_timeout(200)
@@ -212,18 +221,18 @@ def test_what_is_beyond_a_range_is_said(page):
 
 def test_the_download_is_what_is_shown(page):
     page.select_option("#lf-model", "kinetic")
-    page.fill("#lf-flyer-diameter-box", "0,5")
+    page.fill("#lf-flyer-diameter-box", "0,7")
     with page.expect_download() as waiting:
         page.click("#lf-download")
     content = tomllib.loads(waiting.value.path().read_text(encoding="utf-8"))
-    assert content["flyer"]["diameter"] == "0.5 cm"
+    assert content["flyer"]["diameter"] == "0.7 cm"
     assert content["force"] == {"model": "kinetic"}
 
 
 def test_a_click_on_the_map_goes_there_and_a_move_is_quick(page):
     page.locator("html").evaluate(TIMED)
     page.locator("#lf-map-axes").click(position={"x": 150, "y": 100})
-    expect(page.locator("#lf-flyer-diameter-box")).not_to_have_value("2")
+    expect(page.locator("#lf-flyer-diameter-box")).not_to_have_value("0.5")
     diameter, altitude = (page.input_value(f"#lf-{n}-box") for n in ("flyer-diameter", "altitude"))
     assert 0.1 < float(diameter) < 20.0
     assert 20.0 < float(altitude) < 120.0

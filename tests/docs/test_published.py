@@ -33,7 +33,9 @@ def test_its_file_is_read_and_its_verdict_is_of_that_file(flyer, tmp_path):
 @pytest.mark.parametrize("flyer", FLYERS, ids=NAMES)
 def test_its_page_names_a_source_of_every_number(flyer):
     listed = (DOCS / "references.rst").read_text(encoding="utf-8")
-    text = page(flyer)
+    written = page(flyer)
+    assert f'<a href="../references.html#{flyer.source.lower()}">{flyer.source}</a>' in written
+    text = re.sub(r"<[^>]*>", "", written)
     words = " ".join([flyer.source, *(where for _, _, where in flyer.told), text])
     for source in re.findall(r"\b[A-Z][a-z]+20\d\d\b", words):
         assert f".. [{source}]" in listed

@@ -57,6 +57,8 @@ class Kind:
         Ends of the axis of irradiance [W/m²].
     assumed : str
         What flyer this is, in a sentence.
+    another : tuple of str
+        Another design to look at: what its link says, and its numbers in an address. May be empty.
     """
 
     name: str
@@ -67,6 +69,7 @@ class Kind:
     mass: str
     lights: tuple[float, float]
     assumed: str
+    another: tuple[str, str] | tuple[()] = ()
 
     @property
     def numbers(self) -> tuple[Number, ...]:
@@ -87,6 +90,11 @@ class Kind:
     def size(self) -> Number:
         """Size of the flyer."""
         return next(one for one in self.numbers if one.name in ("flyer.diameter", "flyer.size"))
+
+    @property
+    def payload(self) -> Number:
+        """What the flyer carries."""
+        return next(one for one in self.numbers if one.name == "flyer.payload")
 
     @property
     def limits(self) -> tuple[str, ...]:
@@ -134,8 +142,9 @@ _SMALL_LIGHT, _STRONG_LIGHT = (100.0, 1e4), (100.0, 1e5)
 
 KINDS = (
     Kind(
-        "disk", "Disk over Earth", "earth", {**_DISK, _LIGHT: _AROUND},
-        80.0, "mg", _SMALL_LIGHT, "a level, flat, thin disk of one temperature",
+        "disk", "Disk over Earth", "laden", {**_DISK, _LIGHT: _AROUND},
+        76.0, "mg", _SMALL_LIGHT, "a level, flat, thin disk of one temperature",
+        ("Try the 2-cm germanium disk at 80 km", "flyer.diameter=2&flyer.payload=0&altitude=80"),
     ),
     Kind(
         "mars", "Disk over Mars", "mars",

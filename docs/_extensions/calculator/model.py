@@ -275,12 +275,13 @@ def described(number: Number, kind: Kind = DISK) -> dict[str, Any]:
     content: Any = template(kind)
     for part in outer:
         content = content[part]
-    default = str(content[key]).removesuffix(number.unit)
+    value, _, unit = str(content[key]).partition(" ")
+    shift = scale_and_offset(unit, number.unit)[0] if unit and unit != number.unit else 1.0
     quantity = quantities_of(FilmProperties).get(key) or base.fields[number.name].quantity
     smallest, largest = quantity.sizes
     least, most = max(quantity.lowest, smallest), min(quantity.highest, largest)
     return shown | {
-        "default": float(default),
+        "default": float(f"{float(value) * shift:.12g}"),
         "factor": scale,
         # sizes are those of values other than zero
         "least": (least if quantity.open_below else quantity.lowest) / scale,

@@ -42,7 +42,13 @@ def html(name: str = DISK.name) -> str:
         f'<a href="{page_of(one)}"{_here(one, kind)}>{escape(one.title)}</a>' for one in KINDS
     )
     return _PAGE.format(
-        kind=kind.name, kinds=kinds, groups=groups, models=models, assumed=assumed, presets=presets
+        kind=kind.name,
+        kinds=kinds,
+        groups=groups,
+        models=models,
+        assumed=assumed,
+        presets=presets,
+        another=_another(kind),
     )
 
 
@@ -67,6 +73,13 @@ def _presets(kind: Kind) -> list[tuple[str, str]]:
     found = ((f"{one.source}: {one.title}", calculator_state(one)) for one in published())
     links = [(title, link) for title, (name, link) in found if name == kind.name]
     return [(f"that of lightflyer init --kind {kind.template}", "#design:"), *links]
+
+
+def _another(kind: Kind) -> str:
+    if not kind.another:
+        return ""
+    title, numbers = kind.another
+    return f'<p class="lf-another"><a href="#design:{escape(numbers)}">{escape(title)}</a></p>'
 
 
 def _number(number: Number) -> str:
@@ -102,7 +115,7 @@ _PAGE = """\
 <select id="lf-preset"><option value="">…</option>{presets}</select></div>
 <div class="lf-model"><label for="lf-model">force model</label>
 <select id="lf-model">{models}</select></div>
-{groups}
+{another}{groups}
 <div class="lf-buttons"><button type="button" id="lf-undo" disabled>Undo</button>
 <button type="button" id="lf-reset">Reset</button>
 <button type="button" id="lf-link">Copy link</button>

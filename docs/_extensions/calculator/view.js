@@ -13,6 +13,7 @@
   const LINK = "#design:";
   const MOST_UNDONE = 200;
   const SWEEP = 6e3; // ms from one end of a slider to the other, and back
+  const NARROW = "(max-width: 46rem)"; // as in calculator.css
   const EMBEDDED = { width: 1100, height: 900 }; // [px]
 
   const values = core.defaults();
@@ -326,6 +327,9 @@
         create("dd", { id: `lf-value-${name}` }),
       );
     });
+    // on a phone the figures come soon after the first numbers
+    const groups = [...document.querySelectorAll(".lf-controls details")];
+    if (window.matchMedia(NARROW).matches) groups.slice(1).forEach((group) => (group.open = false));
     figures.prepare(goTo);
     about.numbers.forEach(connect);
     about.numbers.forEach(connectTools);

@@ -19,11 +19,13 @@ from sphinx.util import logging
 
 from lightflyer.core.units import scale_and_offset
 
+from .sources import linked, online
 from .table import DOCS, TABLE, VERDICTS, Published, is_number, published
 
 LOGGER = logging.getLogger(__name__)
 _HERE = Path(__file__).parent
 _PAGES = "flyers-published"  # folder of the pages, which are made, and of the flyer files
+_UP = "../"  # from these pages to the others
 _SCRIPT = "published.js"
 _KILO, _MILLIGRAM, _GRAM = 1e3, 1e-6, 1e-3
 
@@ -31,9 +33,11 @@ _KILO, _MILLIGRAM, _GRAM = 1e3, 1e-6, 1e-3
 def page(flyer: Published) -> str:
     """The page of a flyer, in Markdown."""
     found = flyer.verdict()
-    told = "\n".join(f"| {what} | {value} | {where} |" for what, value, where in flyer.told)
+    told = "\n".join(
+        f"| {what} | {value} | {linked(where, _UP)} |" for what, value, where in flyer.told
+    )
     numbers = "\n".join(
-        f"| `{section}.{key}` | {value} | {where} |"
+        f"| `{section}.{key}` | {value} | {linked(where, _UP)} |"
         for section, keys in flyer.file.items()
         for key, (value, where) in keys.items()
         if where
@@ -48,6 +52,7 @@ def page(flyer: Published) -> str:
             kind=flyer.kind,
             size=_size(flyer),
             source=flyer.source,
+            cited=linked(flyer.source, _UP) + online(flyer.source),
             status="It flew." if flyer.flew else "It was computed, and has not been built.",
             claimed=flyer.claimed,
             told=told,
@@ -79,7 +84,7 @@ def calculator_state(flyer: Published) -> tuple[str, str]:
     name = {"earth": "disk"}.get(flyer.file["environment"]["kind"][0], "chamber")
     name = name if flyer.kind == "disk" else flyer.kind
     kind = next(one for one in KINDS if one.name == name)
-    given = _numbers_of(flyer)
+    given = {"flyer.payload": (0.0, kind.payload.unit)} | _numbers_of(flyer)
     parts = [f"model={flyer.file['force']['model'][0]}"]
     for number in kind.numbers:
         if number.name in given:
@@ -150,7 +155,8 @@ def _ratio(flyer: Published) -> str:
 def _flyer_table() -> str:
     rows = "".join(
         f'<tr><th scope="row"><a href="{_PAGES}/{one.name}.html">{escape(one.title)}</a></th>'
-        f"<td>{escape(one.source)}</td><td>{'flew' if one.flew else 'computed'}</td>"
+        f"<td>{linked(one.source)}{online(one.source)}</td>"
+        f"<td>{'flew' if one.flew else 'computed'}</td>"
         f"<td>{escape(one.claimed)}</td><td>{escape(_band(one))}</td></tr>"
         for one in published()
     )

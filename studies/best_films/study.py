@@ -18,6 +18,7 @@ ALTITUDES_KM = (80, 75, 85)
 MAIN_KM = 80
 POLICIES = ("error", "lossless", "hold")
 SHOWN = 6
+LABELLED = {palette.BLUE: (71.0, 0.13), palette.ORANGE: (84.2, 0.108), palette.GREEN: (77.0, -0.21)}
 PENALTY = 10.0  # [mg] for a film twice as hot as allowed
 ASKED = tomllib.loads((HERE / "study.toml").read_text(encoding="utf-8"))["optimise"]
 FLYER = tomllib.loads((HERE / "flyer.toml").read_text(encoding="utf-8"))
@@ -137,7 +138,7 @@ def at_altitude(altitude_km):
 
 def draw(results, path):
     """Payload of the best stacks, with bounds, and of three films over altitude."""
-    figure = plot.new_figure(columns=2, width=5.2, height=4.2)
+    figure = plot.new_figure(rows=2, height=7.6)
     bars, curves = figure.axes
     shown = results["ranking"][::-1]
     rows = np.arange(len(shown))
@@ -147,18 +148,18 @@ def draw(results, path):
         low, high = entry["bounds_mg"]["emittance_without_data"]
         (line,) = bars.plot([low, high], [row, row], color="black", lw=1.2, marker="|")
     line.set_label("where missing infrared data let the film\nabsorb everything or nothing")
-    words = ["\n".join(f"{name} {size:.0f} nm" for name, size in entry["layers"])
-             for entry in shown]  # fmt: skip
-    bars.set_yticks(rows, words, fontsize=6)
+    words = [", ".join(f"{name} {size:.0f}" for name, size in entry["layers"]) for entry in shown]
+    bars.set_yticks(rows, words)
+    bars.set_title("layers from top to bottom, thickness in nm", fontsize="medium")
     bars.axvline(0.0, color=palette.GREY, lw=1.0)
     bars.set_xlabel(f"payload at {MAIN_KM} km [mg]")
-    plot.legend_below(bars, most=1)
+    plot.legend_below(bars, most=2)
     altitude = np.linspace(70.0, 95.0, 101)
     main = results[f"at_{MAIN_KM}_km"]
     films = {
         f"best film for {MAIN_KM} km": (main["best"], palette.BLUE),
-        "germanium on mylar, best thickness": (main["germanium_on_mylar"], palette.ORANGE),
-        "nominal film of Lu et al. (2023)": (NOMINAL, palette.GREEN),
+        "germanium on mylar,\nbest thickness": (main["germanium_on_mylar"], palette.ORANGE),
+        "nominal film of\nLu et al. (2023)": (NOMINAL, palette.GREEN),
     }
     for label, (layers, colour) in films.items():
         setup = flyer_with(layers).build()
@@ -166,10 +167,11 @@ def draw(results, path):
         carried = np.asarray(lf.payload(setup.flyer, state, setup.model)) / MILLIGRAM
         hot = np.asarray(lf.equilibrium(setup.flyer, state, setup.model).temperature) > HOTTEST
         curves.plot(altitude, carried, color=colour, lw=1.0, ls=":")
-        curves.plot(altitude, np.where(hot, np.nan, carried), color=colour, label=label)
+        curves.plot(altitude, np.where(hot, np.nan, carried), color=colour)
+        curves.text(*LABELLED[colour], label, color=colour)
     curves.plot([], [], color=palette.GREY, lw=1.0, ls=":", label=f"hotter than {HOTTEST:g} K")
     curves.axhline(0.0, color=palette.GREY, lw=1.0)
-    curves.set(xlabel="altitude [km]", ylabel="payload [mg]", ylim=(-0.25, None))
+    curves.set(xlabel="altitude [km]", ylabel="payload [mg]", ylim=(-0.25, 0.16))
     plot.legend_below(curves, most=1)
     plot.save(figure, [path])
 

@@ -65,30 +65,39 @@ def draw_share(ax):
         thin = float(free_molecular.broadside_disk(0.0, 1.0, 1.0))
         share = np.asarray(jax.jit(lambda d: dense_share(d, 1.0, "diatomic"))(delta))
     dense = 16.0 / (np.pi * delta)
-    ax.loglog(delta, 1.0 / (1.0 + share * thin / dense), label="this package")
-    ax.loglog(delta, 1.0 / (1.0 + thin / dense), "--", label="both resistances, added")
-    ax.loglog(delta, np.minimum(dense / thin, 2.0), ":", color="grey", label="slow flow")
+    ax.loglog(delta, 1.0 / (1.0 + share * thin / dense))
+    ax.loglog(delta, 1.0 / (1.0 + thin / dense), "--")
+    ax.loglog(delta, np.minimum(dense / thin, 2.0), ":", color=palette.GREY)
+    ax.text(0.012, 0.3, "this package; dots:\nkinetic equation", color=palette.BLUE)
+    ax.text(0.012, 0.2, "both resistances, added", color=palette.VERMILION)
+    ax.text(2.6, 1.0, "slow flow", color=palette.GREY)
     for line in (HERE / "points.jsonl").read_text().splitlines():
         point = json.loads(line)
         drag = {(gas, tac): value for gas, tac, value in point["drag"]}["diatomic", 1.0]
         if point["level"] == "fine":
             ax.loglog(point["rarefaction"], drag / thin, "o", color=palette.BLUE, markersize=3.5)
-    ax.plot([], [], "o", color=palette.BLUE, markersize=3.5, label="kinetic equation")
     ax.set_ylim(0.01, 1.5)
     ax.set_xlabel("rarefaction δ [1]")
     ax.set_ylabel("drag over that of free molecules [1]")
-    ax.legend(fontsize="small")
 
 
 def draw_sinking(ax):
     """Sinking speed over altitude."""
     altitudes = np.linspace(30e3, 86e3, 113)
     for diameter in SIZES:
-        ax.semilogx(speeds(diameter, altitudes), altitudes / 1e3, label=f"{diameter * 1e3:g} mm")
+        found = speeds(diameter, altitudes)
+        (line,) = ax.semilogx(found, altitudes / 1e3)
+        at = altitudes.size // 3
+        ax.annotate(
+            f"{diameter * 1e3:g} mm",
+            (found[at], altitudes[at] / 1e3),
+            (4, 0),
+            textcoords="offset points",
+            color=line.get_color(),
+        )
     plot.plain_decades(ax.xaxis)
     ax.set_xlabel("sinking speed in the dark [m/s]")
     ax.set_ylabel("altitude [km]")
-    ax.legend(fontsize="small", title="diameter, 1 g/m²")
 
 
 def main():

@@ -154,22 +154,21 @@ def rounded(values):
 
 
 def draw(found, path):
-    """Force over published, correction by correction."""
+    """Force over published at the highest altitude, correction by correction."""
     figure = plot.new_figure(columns=1, rows=1, height=5.0)
     (ax,) = figure.axes
     names = list(found["sphere"]["force_over_published"])
-    styles = ((ALTITUDES[-1], "-"), (60.0, "--"))
     for form, colour in zip(FORMS, (palette.BLUE, palette.VERMILION, palette.GREEN), strict=True):
-        for altitude, style in styles:
-            at = int(np.flatnonzero(altitude == ALTITUDES)[0])
-            line = [found[form]["force_over_published"][name][at] for name in names]
-            ax.plot(line, style, marker="o", color=colour, label=f"{form}, {altitude:g} km")
+        line = [found[form]["force_over_published"][name][-1] for name in names]
+        ax.plot(line, marker="o", color=colour)
+        ax.annotate(form, (len(names) - 1, line[-1]), (8, 0), textcoords="offset points",
+                    va="center", color=colour)  # fmt: skip
     labels = ["as published", *(f"({n}) {name.replace('_', ' ')}"
               for n, name in enumerate(names[1:], 1))]  # fmt: skip
     ax.set_xticks(range(len(names)), labels, rotation=35, ha="right")
     ax.set_yscale("log")
-    ax.set_ylabel("force over published")
-    ax.legend()
+    ax.set_ylabel(f"force over published, {ALTITUDES[-1]:g} km")
+    ax.margins(x=0.12)
     plot.save(figure, [path])
 
 

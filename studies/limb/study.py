@@ -121,16 +121,26 @@ def draw_sunset(ax, passes):
     """Light at 75 km as the sun sets: through the air, and by the effective limb."""
     altitude = 75e3
     depression = np.radians(np.linspace(3.0, 9.5, 300))
-    for deck, style in ((0.0, "-"), (12e3, "--")):
-        label = f"air, clouds up to {deck / 1e3:g} km" if deck else "air without clouds"
+    for deck, style, label, where in (
+        (0.0, "-", "clear\nair", (8.75, 0.24)),
+        (12e3, "--", "over clouds\nup to 12 km", (6.9, 0.2)),
+    ):
         light = setting_sun(altitude, passes, deck, depression)
-        ax.plot(np.degrees(depression), light, style, label=label)
+        (line,) = ax.plot(np.degrees(depression), light, style)
+        ax.text(*where, label, color=line.get_color(), ha="right" if deck else "left")
     edge = horizon_depression(EARTH_LIMB, altitude, RADIUS)
-    ax.plot(np.degrees(depression), visible_share(edge - depression, SUN), ":", color="black",
-            label=f"effective limb at {EARTH_LIMB.height / 1e3:g} km")  # fmt: skip
+    ax.plot(np.degrees(depression), visible_share(edge - depression, SUN), ":", color="black")
+    ax.text(3.1, 0.9, f"as computed here:\nlimb at {EARTH_LIMB.height / 1e3:g} km", va="top")
     ax.set_xlabel("depression of the sun's centre [°]")
     ax.set_ylabel("sunlight at 75 km over that of the day [1]")
-    ax.legend(fontsize="small")
+
+
+LABELLED = {  # where names of lines begin
+    (0.0, "top"): (8.6, 1240.0),
+    (60.0, "top"): (16.4, 850.0),
+    (0.0, "bottom"): (8.2, 370.0),
+    (60.0, "bottom"): (8.4, 30.0),
+}
 
 
 def draw_day(ax):
@@ -145,12 +155,13 @@ def draw_day(ax):
             light = radiation.on_faces()
         for face, style in (("top", "-"), ("bottom", "--")):
             values = radiation.irradiance * np.asarray(getattr(light, f"beam_{face}"))
-            ax.plot(hours + 12.0, values, style, color=colour, label=f"{degrees:g}° N, {face} face")
+            ax.plot(hours + 12.0, values, style, color=colour)
+            ax.text(*LABELLED[degrees, face], f"{degrees:g}° N, {face} face", color=colour)
     ax.set_xlabel("UTC at longitude 0°, 21 June [h]")
     ax.set_ylabel("light on a level flyer at 75 km [W/m²]")
     ax.set_xlim(0.0, 24.0)
     ax.set_xticks(range(0, 25, 6))
-    ax.legend(fontsize="small")
+    ax.set_ylim(None, 1350.0)
 
 
 def main():

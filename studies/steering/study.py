@@ -68,6 +68,13 @@ def gram():
             print(f"| {1e3 * density:g} g/m², {1e3 * diameter:g} mm | {' | '.join(cells)} |")
 
 
+LABELLED = {  # where names of lines begin, left and right
+    "5 mm": ((77.0, 2.5), (90.8, 0.0029)),
+    "1 cm": ((87.0, 1.9), (90.8, 0.011)),
+    "2 cm": ((72.5, 1.95), (90.8, 0.039)),
+}
+
+
 def main():
     """Both panels and tables."""
     gram()
@@ -83,9 +90,11 @@ def main():
             print(f"{name}: {speed[at]:.2f} m/s at {ALTITUDES[at] / 1e3:.0f} km "
                   f"and {np.degrees(tilt[at]):.0f}°")  # fmt: skip
         lengths[name] = rods(diameter)
-        left.plot(ALTITUDES / 1e3, speeds[name], color=COLOURS[name], label=f"{name}, lu2023")
-        left.plot(ALTITUDES / 1e3, kinetic, "--", color=COLOURS[name], label=f"{name}, kinetic")
-        right.plot(ALTITUDES / 1e3, 1e3 * lengths[name], color=COLOURS[name], label=name)
+        left.plot(ALTITUDES / 1e3, speeds[name], color=COLOURS[name])
+        left.plot(ALTITUDES / 1e3, kinetic, "--", color=COLOURS[name])
+        right.plot(ALTITUDES / 1e3, 1e3 * lengths[name], color=COLOURS[name])
+        for ax, place in zip((left, right), LABELLED[name], strict=True):
+            ax.text(*place, name, color=COLOURS[name])
     print("| altitude | " + " | ".join(SIZES) + " |")
     for number in range(10, ALTITUDES.size, 5):
         cells = [f"{speeds[name][number]:.2f} m/s at {np.degrees(tilts[name][number]):.0f}°"
@@ -95,10 +104,11 @@ def main():
     left.set(xlabel="altitude [km]", ylabel="fastest drift at constant altitude [m/s]",
              xlim=(55, 90), ylim=(0, None))  # fmt: skip
     right.set(xlabel="altitude [km]", ylabel="longest stable rod [mm]", yscale="log")
+    right.set_xlim(None, 97.0)
     plot.plain_decades(right.yaxis)
     for ax in (left, right):
         ax.grid(alpha=0.25)
-        ax.legend(fontsize="small")
+    left.text(56.0, 2.4, "solid: lu2023\ndashed: kinetic")
     plot.save(figure, [IMAGE])
 
 

@@ -203,19 +203,20 @@ def returned():
 
 def draw(tables, printed):
     """Visible T and R of structures, and the allowed thicknesses and porosities."""
-    figure = plot.new_figure(columns=2, height=4.6)
+    figure = plot.new_figure(rows=2, height=8.4)
     ax, map_ax = figure.axes
-    for number, (name, names) in enumerate(STRUCTURES.items()):
+    for name, names in STRUCTURES.items():
         for porosity, style in ((0.0, "-"), (0.6, "--")):
             found = shares(names, germanium("Ge", porosity), THICKNESS)[0]
-            ax.plot(*found, style, color=palette.PALETTE[number], lw=1.2,
-                    label=f"germanium on {name}" if style == "-" else None)  # fmt: skip
+            colour = palette.BLUE if name == LIKELY else palette.GREY
+            ax.plot(*found, style, color=colour, lw=2.0 if name == LIKELY else 0.8)
             at = np.argmin(np.abs(THICKNESS * (1.0 - porosity) - NOMINAL))
-            ax.plot(*found[:, at], plot.MARKERS[number], ms=5, color=palette.PALETTE[number])
+            ax.plot(*found[:, at], "o", ms=4, color=colour)
     (t, dt), (r, dr) = GERMANIUM_FILM[:2]
     ax.errorbar(t, r, 1.96 * dr, 1.96 * dt, "k", capsize=3, lw=1.5, label="measured, 95 %")
-    ax.plot([], [], "k-", label="dense")
-    ax.plot([], [], "k--", label="60 % pores")
+    ax.plot([], [], "-", color=palette.BLUE, lw=2.0, label="both faces, alumina on the lit one")
+    ax.plot([], [], "-", color=palette.GREY, lw=0.8, label="four other orders of layers")
+    ax.plot([], [], "k--", label="dashed: 60 % pores")
     ax.plot([], [], "o", color=palette.GREY, label="mass of 20 nm per face")
     ax.set(xlabel="transmittance, white lamp [1]", ylabel="reflectance, white lamp [1]",
            xlim=(0.0, 0.6), ylim=(0.0, 0.7))  # fmt: skip

@@ -57,16 +57,18 @@ def _force(axes):
     smooth = np.geomspace(0.01, 2000.0, 300)
     with lf.float64():
         formula = np.asarray(through_flow_coefficient(smooth))
-    axes.plot(smooth, formula, color=palette.BLUE, label="formula")
-    axes.plot(reynolds, value, "o", color="black", ms=5, label="Navier–Stokes equations (OpenFOAM)")
-    axes.axhline(CREEPING, color=palette.GREEN, ls="--", lw=1, label="Stokes: 16")
-    axes.plot(smooth, np.pi * smooth, color=palette.VERMILION, ls=":", label="jet: F = ρu²πa²")
+    axes.plot(smooth, formula, color=palette.BLUE)
+    axes.plot(reynolds, value, "o", color="black", ms=5)
+    axes.axhline(CREEPING, color=palette.GREEN, ls="--", lw=1)
+    axes.plot(smooth, np.pi * smooth, color=palette.VERMILION, ls=":")
     axes.set(
         xscale="log", yscale="log", xlabel="Reynolds number ρau/μ", ylabel="force over μau",
         ylim=(8.0, 8e3), xlim=(0.01, 2000.0),
     )  # fmt: skip
+    axes.text(0.013, 18.5, "Stokes: 16", color=palette.GREEN)
+    axes.text(4.0, 9.0, "jet: ρu²πa²", color=palette.VERMILION)
+    axes.text(0.013, 200.0, "formula;\ndots: Navier–Stokes\n(OpenFOAM)", color=palette.BLUE)
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8)
 
 
 def draw_claim(found, path):
@@ -77,31 +79,27 @@ def draw_claim(found, path):
     with lf.float64():
         around = claim.Surroundings()
         lines = (
-            ("endless sheet: no flow around it", palette.VERMILION, "--",
+            ("endless sheet", (0.12, 2000.0), palette.VERMILION, "--",
              around.slab(difference, claim.OPEN_FRACTION)),
-            ("flow, as fast as effusion through all of it", palette.ORANGE, "-",
+            ("flow, as fast as effusion", (0.1, 8.0), palette.ORANGE, "-",
              around.flow(around.effusion(difference))),
-            ("flow, transmitting disk", palette.BLUE, "-",
+            ("flow, transmitting disk", (2.2, 0.25), palette.BLUE, "-",
              around.flow(around.transmitting_disk(difference, claim.OPEN_FRACTION))),
         )  # fmt: skip
-    for label, colour, style, force in lines:
-        axes.plot(
-            difference, claim.mass(force, around.gravity), color=colour, ls=style, label=label
-        )
+    for label, where, colour, style, force in lines:
+        axes.plot(difference, claim.mass(force, around.gravity), color=colour, ls=style)
+        axes.text(*where, label, color=colour)
     sunlight, warm = found["available_difference_k"], found["by_warm_air_mg"]
-    axes.axvspan(
-        sunlight["low"], sunlight["high"], color=palette.YELLOW, alpha=0.4, lw=0,
-        label="difference in sunlight (95 %)",
-    )  # fmt: skip
-    axes.axhspan(
-        warm["low"], warm["high"], color=palette.GREY, alpha=0.4, lw=0,
-        label="lift of the air that the device warms (95 %)",
-    )  # fmt: skip
-    axes.axhline(found["claimed_mg"], color="black", ls=":", label="published payload, 285 mg")
+    axes.axvspan(sunlight["low"], sunlight["high"], color=palette.YELLOW, alpha=0.4, lw=0)
+    axes.text(sunlight["high"] * 1.1, 2e-4, "difference in sunlight (95 %)", color=palette.GREY)
+    axes.axhspan(warm["low"], warm["high"], color=palette.GREY, alpha=0.4, lw=0)
+    axes.text(95.0, warm["low"] * 0.7, "lift of the air that it warms", ha="right", va="top",
+              color=palette.GREY)  # fmt: skip
+    axes.axhline(found["claimed_mg"], color="black", ls=":")
+    axes.text(1.0, found["claimed_mg"] * 1.15, "published payload")
     axes.set(
         xscale="log", yscale="log", xlim=(0.02, 100.0), ylim=(1e-4, 1e4),
         xlabel="temperature difference of the membranes [K]", ylabel="force over weight of 1 mg",
     )  # fmt: skip
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8, loc="lower right")
     plot.save(figure, [path])

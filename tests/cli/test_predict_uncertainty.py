@@ -1,10 +1,12 @@
 import json
 
+import numpy as np
 import pytest
 import xarray as xr
 
+import lightflyer as lf
 from lightflyer.files.result_text import as_text
-from lightflyer.uncertainty.text import band_parts
+from lightflyer.uncertainty.text import band_parts, share_lines
 
 FILE = """\
 [flyer]
@@ -49,7 +51,8 @@ def test_bands_for_a_file_with_uncertainties(run, folder):
     share = summary["uncertainty"]["share_that_levitates"]
     edge = summary["uncertainty"]["results"]["altitude_band_km.lower"]["monte_carlo"]
     assert share == pytest.approx(edge["share_of_samples"], abs=0.011)  # a sample at the margin
-    assert f"levitates in {100.0 * share:.0f} % of 100 samples of the ± below" in told
+    assert summary["uncertainty"]["share_that_survives"] is None  # no limit is stated
+    assert f"it flies in {100.0 * share:.0f} % of 100 samples of these" in told
     payload = summary["uncertainty"]["results"]["best.payload_mg"]
     assert payload["value"] == summary["best"]["payload_mg"]
     assert payload["monte_carlo"]["low"] < payload["value"] < payload["monte_carlo"]["high"]
@@ -64,12 +67,24 @@ def test_errors_of_the_force_model_are_told_from_those_of_the_file():
     told = {
         "inputs": {"film.tac_top": 0.01, "force.force_error": 1.0, "force.c_fm": 0.1},
         "between_bounds": [], "tac_correlation": None, "samples": 0, "warnings": [],
-        "share_that_levitates": None, "results": {},
+        "share_that_levitates": None, "share_that_survives": None, "results": {},
     }  # fmt: skip
     assert as_text(band_parts(told)).endswith(
         "from the ± of film.tac_top, force.c_fm, and the force model's own errors "
         "(force.force_error)"
     )
+
+
+def test_in_how_many_samples_a_film_survives(flyer_file):
+    text = FILE.replace("[film]", '[film]\nhighest_temperature = "400 K"')
+    found = lf.propagate(flyer_file(text=text), samples=100)
+    rest = found.sampled["verdict.rest.temperature_k"]
+    assert found.share_that_survives == np.sum(rest <= 400.0) / 100
+    both = {"share_that_levitates": 0.8, "share_that_survives": 0.3, "samples": 100}
+    assert [*share_lines(both)] == [
+        "it flies in 80 % of 100 samples of these, and its film survives at rest in 30 %"
+    ]
+    assert not [*share_lines(both | {"share_that_levitates": 1.0, "share_that_survives": 1.0})]
 
 
 def test_first_order_alone(run, folder):

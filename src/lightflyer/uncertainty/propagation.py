@@ -141,6 +141,7 @@ class PredictionUncertainty(PrintedResult):
             "samples": self.samples,
             "seed": self.seed,
             "share_that_levitates": self.share_that_levitates,
+            "share_that_survives": self.share_that_survives,
             "warnings": list(self.warnings),
             "results": {name: self._result(name) for name in self.nominal},
         }
@@ -151,6 +152,13 @@ class PredictionUncertainty(PrintedResult):
         if not self.samples:
             return None
         return float(np.mean(self.sampled["best.lift_over_weight"] > 1.0))
+
+    @property
+    def share_that_survives(self) -> float | None:
+        """Share of the samples that rest somewhere, let go, where the film survives, or None."""
+        heat = self.sampled.get("verdict.rest.temperature_k")
+        highest = self.prediction.verdict.highest_temperature
+        return None if heat is None or highest is None else float(np.mean(heat <= highest))
 
     @property
     def tac_correlation(self) -> float | None:

@@ -176,7 +176,7 @@ def _write(
 def _show(console: "Console", file: "FlyerFile", results: "_Results") -> None:
     """The verdict, a table around the bands, and what stands behind them."""
     from lightflyer.prediction.text import prediction_parts
-    from lightflyer.uncertainty.text import sources_line
+    from lightflyer.uncertainty.text import share_lines, sources_line
 
     prediction, _, uncertainty = results
     bands = {} if uncertainty is None else uncertainty.bands
@@ -186,10 +186,8 @@ def _show(console: "Console", file: "FlyerFile", results: "_Results") -> None:
         sources = f"; brackets: 95 % bands from {told}"
     show(console, prediction_parts(prediction, console.width, bands, sources=sources))
     if uncertainty is not None:
-        share = uncertainty.share_that_levitates
-        if share is not None and share < 1.0:
-            count = uncertainty.samples
-            console.print(f"it flies in {100.0 * share:.0f} % of {count} samples of these")
+        for line in share_lines(uncertainty.summary()):
+            console.print(wrap(line), soft_wrap=True)
         for warning in warning_lines(uncertainty.warnings):
             console.print(wrap(warning), soft_wrap=True)
     _note_kept(console, file, uncertainty)

@@ -13,6 +13,7 @@ import numpy as np
 
 import lightflyer as lf
 from lightflyer.core import constants
+from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation, sunlight
 from lightflyer.files import drawing as plot
 from lightflyer.files import palette
@@ -34,6 +35,8 @@ SIZES = np.round(np.arange(0.2, 6.01, 0.2), 1) * 1e-2
 ALTITUDES = np.linspace(55e3, 95e3, 401)
 INCIDENCES = (0.0, 45.0)
 SEED, SAMPLES = 1, 4000
+AREAL_DENSITIES = 1.3e-3, 1.0e-3  # that the paper states [kg/m²]
+TAC_ERROR = 0.03  # that the paper states of each
 
 # mean free path of hard spheres, (32/5π) μ/(ρ v̄), over the one used here
 HARD_SPHERES = 16.0 / (5.0 * np.pi)
@@ -265,9 +268,9 @@ def summary(model, surroundings, irradiance, payload, altitude):
     }
 
 
-def best_lift_over_weight(model, environment):
+def best_lift_over_weight(model, environment, film=FILM):
     """Largest lift over weight of the 2-cm disk over altitude, and where [m]."""
-    disk, state = lf.Disk(FILM, RADIUS), environment.state(ALTITUDES)
+    disk, state = lf.Disk(film, RADIUS), environment.state(ALTITUDES)
     found = lf.lift(disk, state, model, throw=False) / lf.statics.weight(disk, state)
     return found.max(axis=-1), ALTITUDES[found.argmax(axis=-1)]
 
@@ -292,11 +295,12 @@ class LinearKinetic(lf.AbstractForceModel):
 
 
 def kinetic_error():
-    """What the kinetic model's own error does to the 2-cm disk over Earth."""
+    """What the kinetic model's own errors do to the 2-cm disk over Earth."""
     rng = np.random.default_rng(SEED)
-    force, heat = rng.standard_normal((2, SAMPLES, 1))
+    names = ("force_error", "heat_error", "wall_error", "sharing_error")
+    errors = dict(zip(names, rng.standard_normal((len(names), SAMPLES, 1)), strict=True))
     environment = SURROUNDINGS[EARTH](0.0)
-    best, _ = best_lift_over_weight(lf.Kinetic(force, heat), environment)
+    best, _ = best_lift_over_weight(lf.Kinetic(**errors), environment)
     state = environment.state(ALTITUDES)
     hot = lf.equilibrium(lf.Disk(FILM, RADIUS), state, lf.Kinetic(), throw=False).temperature
     beyond = ALTITUDES[hot / np.asarray(state.temperature) > RATIOS[-1]]
@@ -307,6 +311,29 @@ def kinetic_error():
             best_lift_over_weight(LinearKinetic(), environment)[0]
         ),
         "table_ends_at_km": float(beyond.min()) / 1e3 if beyond.size else None,
+    }
+
+
+def unknowns():
+    """Largest lift over weight of the 2-cm disk over Earth at both ends of each unknown."""
+    environment = SURROUNDINGS[EARTH](0.0)
+
+    def best(areal_density=1e-3, top=0.8, bottom=0.9, **model):
+        film = lf.FilmProperties(areal_density, 0.75, 0.08, 0.08, tac_top=top, tac_bottom=bottom)
+        return float(best_lift_over_weight(lf.Kinetic(**model), environment, film)[0])
+
+    bounds = -NORMAL_HALF_WIDTH_95, NORMAL_HALF_WIDTH_95
+    walls = ("accommodated", "maxwell")
+    of_errors = {
+        name: [best(**{name: bound}) for bound in bounds]
+        for name in ("sharing_error", "wall_error", "force_error", "heat_error")
+    }
+    return {
+        "as stated": best(),
+        "walls": {wall: best(wall=wall) for wall in walls},
+        "areal density": [best(areal_density=density) for density in AREAL_DENSITIES],
+        "TAC of one face": [best(bottom=0.9 + change) for change in (-TAC_ERROR, TAC_ERROR)],
+        **of_errors,
     }
 
 
@@ -321,6 +348,7 @@ def main():
         "simple_forms": simple_forms(),
         "flight": draw_flight(),
         "kinetic_error": kinetic_error(),
+        "unknowns": unknowns(),
     }
     (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n", "utf-8")
 

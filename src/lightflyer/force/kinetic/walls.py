@@ -19,8 +19,9 @@ motion and rotation. If the last two differ by :math:`(1-s)\,\Delta\alpha`, the 
 
 with the weights of :mod:`lightflyer.force.kinetic.scattering`; in thin gas :math:`g_s` is 2, or 1
 of a monatomic gas. Unknown walls have :math:`s` from :math:`-a/(n-a)` to 1. At 1 tangential motion
-and rotation accommodate wholly, and normal motion in :math:`\alpha_n = n\bar\alpha-n+1`, which
-makes :math:`g_s` larger by :math:`\sqrt{(1+\bar\alpha\theta)/(1+\alpha_n\theta)}`. At the other end
+and rotation accommodate wholly, and normal motion in :math:`\alpha_n = n\bar\alpha-n+1`: the
+weights are those there, and :math:`1+g_s` is larger by
+:math:`\sqrt{(1+\bar\alpha\theta)/(1+\alpha_n\theta)}`. At the other end
 the faces differ in how many of the molecules they trap: these accommodate in all :math:`n` kinds of
 energy, and those that bounce in :math:`a = 1/2` of their normal energy alone.
 """
@@ -222,19 +223,34 @@ def scattering_fit(gas: str = "diatomic") -> ScatteringFit:
 
 
 @lru_cache
-def _sharing_fit(gas: str) -> Any:
+def _sharing_fit(gas: str) -> tuple[Any, Any]:
     """Coefficients of what :func:`sharing_factor` takes of the Knudsen number and the TAC."""
-    fit = scattering_fit(gas)
+    # of the force where normal motion alone differs, and of what a share moves it at the mean TAC
+    fit, kinds = scattering_fit(gas), _kinds_of(gas)
     positions, places = (axis.ravel() for axis in np.meshgrid(*[np.linspace(-1.0, 1.0, 25)] * 2))
     low, high = np.log(fit.knudsen_range)
     knudsen = np.exp(0.5 * (low + high + positions * (high - low)))
     tac = 0.5 * (sum(_SHARED_TACS) + places * (_SHARED_TACS[1] - _SHARED_TACS[0]))
+    whole = np.ones_like(tac)
     with float64(), jax.ensure_compile_time_eval():
-        weights = fit.weights(jnp.asarray(knudsen), Accommodations(*[jnp.asarray(tac)] * 3))
-        normal, *others = (np.asarray(one) for one in weights[: _kinds_of(gas)])
-    gain = sum(normal - one for one in others) / (normal + sum(others))
-    dense = _denseness(knudsen)
-    return least_squares((gain - len(others)) / dense, (positions, places), _SHARED_POWERS)
+        means = (
+            Accommodations(tac, tac, tac),
+            Accommodations(_left_to_normal(tac, kinds), whole, whole),
+        )
+        even, alone = (np.asarray(fit.weights(knudsen, mean)[:kinds]) for mean in means)
+    upper = kinds * alone[0] / even.sum(axis=0)
+    gain = (kinds * even[0] - even.sum(axis=0)) / even.sum(axis=0)
+    dense, variables = _denseness(knudsen), (positions, places)
+    upper, gain = (
+        least_squares((found - thin) / dense, variables, _SHARED_POWERS)
+        for found, thin in ((upper, kinds), (gain, kinds - 1))
+    )
+    return upper, gain
+
+
+def _left_to_normal(tac: Any, kinds: int) -> Any:
+    """Accommodation of normal energy where all else accommodates wholly [1]."""
+    return jnp.maximum(kinds * jnp.asarray(tac) - (kinds - 1), 0.0)
 
 
 def _kinds_of(gas: str) -> int:
@@ -250,12 +266,16 @@ def sharing_factor(
     low, high = np.log(scattering_fit(gas).knudsen_range)
     position = place_between(jnp.clip(jnp.log(knudsen), low, high), low, high)
     place = place_between(jnp.clip(tac, *_SHARED_TACS), *_SHARED_TACS)
-    gain = kinds - 1 + _denseness(knudsen) * polynomial(_sharing_fit(gas), position, place)
+    upper, gain = (
+        thin + _denseness(knudsen) * polynomial(coefficients, position, place)
+        for thin, coefficients in zip((kinds, kinds - 1), _sharing_fit(gas), strict=True)
+    )
+    heated = jnp.sqrt((1.0 + tac * excess) / (1.0 + _left_to_normal(tac, kinds) * excess))
     way = jnp.clip(jnp.asarray(error) / NORMAL_HALF_WIDTH_95, -1.0, 1.0)
-    normal = jnp.maximum(kinds * jnp.asarray(tac) - (kinds - 1), 0.0)
-    heated = jnp.sqrt((1.0 + tac * excess) / (1.0 + normal * excess))
-    share = heated * jnp.maximum(way, 0.0) + BOUNCED / (kinds - BOUNCED) * jnp.minimum(way, 0.0)
-    return jnp.asarray(1.0 + share * gain)
+    trapped = BOUNCED / (kinds - BOUNCED) * gain
+    return jnp.asarray(
+        1.0 + (heated * upper - 1.0) * jnp.maximum(way, 0.0) + trapped * jnp.minimum(way, 0.0)
+    )
 
 
 def force_at_walls_of_one_temperature(table: dict[str, np.ndarray], gas: str) -> np.ndarray:

@@ -69,6 +69,25 @@ def test_a_models_own_error_has_a_share_but_is_not_to_be_measured(uncertain):
     assert not few.ranked
 
 
+def test_a_measured_force_leaves_what_is_not_of_the_force(uncertain):
+    kinetic = uncertain.model_copy(update={"force": KineticSection(model="kinetic")})
+    inputs = {
+        "force.sharing_error": {"distribution": "normal", "mean": 0, "standard_deviation": 1},
+        "film.areal_density": {
+            "distribution": "normal", "mean": "2 g/m^2", "standard_deviation": "0.3 g/m^2"
+        },
+    }  # fmt: skip
+    section = {"outputs": "payload", "at": {"altitude": "78 km"}, "inputs": inputs}
+    (found,) = lf.sensitivity(kinetic, points=1024, **section)
+    removed, left = found.with_known_force
+    assert left == pytest.approx(np.pi * 1e-4 * 0.3e-3, rel=0.1)  # of the disk's own mass
+    assert removed == pytest.approx(1.0 - (left / found.spread) ** 2)
+    assert "a force measured on the same film would remove" in " ".join(str(found).split())
+    del inputs["force.sharing_error"]
+    (known,) = lf.sensitivity(kinetic, points=64, **section)
+    assert known.with_known_force is None
+
+
 def test_the_files_own_uncertainties_and_their_first_order_spread(uncertain):
     """Small spreads: variance is the sum of squared slopes times variances (predict's method)."""
     payload, temperature = lf.sensitivity(

@@ -52,6 +52,7 @@ _ENDS = (0.025, 0.975)
 _STEP = 1e-4  # of an input's 95 % range, for elasticities
 _OWN_ERROR = quantity_of(StandardErrors)  # of a model, which cannot be measured
 _LARGEST_INTERVAL = 0.2  # of a share, beyond which shares are not ranked
+_OF_SHARING = ".sharing_error"
 _LEFT_BY_HALVING = 0.25  # of a variance, when a standard deviation is halved
 
 
@@ -158,6 +159,16 @@ class Indices(PrintedResult):
         return self.spread * float(np.sqrt(1.0 - (1.0 - _LEFT_BY_HALVING) * share))
 
     @property
+    def with_known_force(self) -> tuple[float, float] | None:
+        """Share of the variance that a measured force removes, and the spread that it leaves."""
+        # a pair of TACs leaves open how the faces share it, and so the force
+        rows = [row for row, name in enumerate(self.names) if name.endswith(_OF_SHARING)]
+        if not rows:
+            return None
+        share = float(np.clip(self.first[rows[0]], 0.0, 1.0))
+        return share, self.spread * float(np.sqrt(1.0 - share))
+
+    @property
     def dataset(self) -> "xr.Dataset":
         """Shares and ranges over the dimension ``input``."""
         import xarray as xr
@@ -197,6 +208,7 @@ class Indices(PrintedResult):
             "elasticities": {name: _finite(value) for name, value in self.elasticity.items()},
             "measure_next": self.next,
             "standard_deviation_after_halving": self.spread_after_halving,
+            "standard_deviation_with_known_force": (self.with_known_force or (0.0, None))[1],
             "measured_differences": [one.summary(self.spread) for one in self.differences],
             "warnings": list(self.warnings),
         }

@@ -301,12 +301,14 @@ def kinetic_error():
     errors = dict(zip(names, rng.standard_normal((len(names), SAMPLES, 1)), strict=True))
     environment = SURROUNDINGS[EARTH](0.0)
     best, _ = best_lift_over_weight(lf.Kinetic(**errors), environment)
+    measured, _ = best_lift_over_weight(lf.Kinetic(**errors | {"sharing_error": 0.0}), environment)
     state = environment.state(ALTITUDES)
     hot = lf.equilibrium(lf.Disk(FILM, RADIUS), state, lf.Kinetic(), throw=False).temperature
     beyond = ALTITUDES[hot / np.asarray(state.temperature) > RATIOS[-1]]
     return {
         "best_lift_over_weight_95": np.quantile(best, (0.025, 0.975)).tolist(),
         "share_that_flies": float(np.mean(best >= 1.0)),
+        "best_lift_over_weight_95_if_shared_evenly": np.quantile(measured, (0.025, 0.975)).tolist(),
         "linear_theory_best_lift_over_weight": float(
             best_lift_over_weight(LinearKinetic(), environment)[0]
         ),

@@ -26,9 +26,7 @@ def verdict(flyer: Published) -> dict[str, Any]:
         path.write_text(flyer.flyer_file(), encoding="utf-8")
         design = read_design(path)
     prediction = lf.predict(design)
-    bands = {}
-    if prediction.bands:
-        bands = lf.propagate(design, prediction=prediction, samples=_SAMPLES, seed=0).bands
+    bands = lf.propagate(design, prediction=prediction, samples=_SAMPLES, seed=0).bands
     summary = prediction.summary()
     where = "pressure" if "pressure" in prediction.coordinate.name else "altitude"
     kept = {

@@ -193,11 +193,11 @@ def indices_parts(found: "Indices") -> Parts:
         advice += f"{factor * found.spread_after_halving:.2g}{unit}"
     yield advice
     if found.ranked and found.with_known_force is not None:
-        removed, left = found.with_known_force
+        removed, spread = found.with_known_force
         yield wrap(
             f"a force measured on the same film would remove {100.0 * removed:.0f} % of the "
-            f"variance and leave ± {factor * left:.2g}{unit}; tangential momentum measured on both "
-            "faces removes a part of that"
+            f"variance and leave ± {factor * spread:.2g}{unit}; tangential momentum measured on "
+            "both faces removes a part of that"
         )
     for one in found.differences if found.ranked else ():
         yield wrap(

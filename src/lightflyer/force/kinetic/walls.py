@@ -87,7 +87,6 @@ _HEAT_POWERS = [
     *((2, 0, knudsen) for knudsen in range(2)),
 ]
 _SHARED_POWERS = [(knudsen, tac) for tac in range(4) for knudsen in range(5)]
-_SHARED_TACS = 0.5, 0.98  # range of the table of scattering, as all kinds of it have
 _KNUDSEN_0 = 0.25  # where thin gas gives way to dense, for what is fitted only
 _HELD = "the table of walls other than Maxwell's ends there, and what they change is held"
 
@@ -230,7 +229,8 @@ def _sharing_fit(gas: str) -> tuple[Any, Any]:
     positions, places = (axis.ravel() for axis in np.meshgrid(*[np.linspace(-1.0, 1.0, 25)] * 2))
     low, high = np.log(fit.knudsen_range)
     knudsen = np.exp(0.5 * (low + high + positions * (high - low)))
-    tac = 0.5 * (sum(_SHARED_TACS) + places * (_SHARED_TACS[1] - _SHARED_TACS[0]))
+    lowest, highest = _shared_tacs(kinds)
+    tac = 0.5 * (lowest + highest + places * (highest - lowest))
     whole = np.ones_like(tac)
     with float64(), jax.ensure_compile_time_eval():
         means = (
@@ -253,6 +253,11 @@ def _left_to_normal(tac: Any, kinds: int) -> Any:
     return jnp.maximum(kinds * jnp.asarray(tac) - (kinds - 1), 0.0)
 
 
+def _shared_tacs(kinds: int) -> tuple[float, float]:
+    """Mean TACs between which normal motion alone is in the table of scattering [1]."""
+    return 1.0 - 0.9 / kinds, 0.98
+
+
 def _kinds_of(gas: str) -> int:
     return 2 if gas == "monatomic" else 3
 
@@ -265,7 +270,8 @@ def sharing_factor(
     kinds = _kinds_of(gas)
     low, high = np.log(scattering_fit(gas).knudsen_range)
     position = place_between(jnp.clip(jnp.log(knudsen), low, high), low, high)
-    place = place_between(jnp.clip(tac, *_SHARED_TACS), *_SHARED_TACS)
+    tacs = _shared_tacs(kinds)
+    place = place_between(jnp.clip(tac, *tacs), *tacs)
     upper, gain = (
         thin + _denseness(knudsen) * polynomial(coefficients, position, place)
         for thin, coefficients in zip((kinds, kinds - 1), _sharing_fit(gas), strict=True)

@@ -47,6 +47,9 @@ def _best_table(comparison: "Comparison") -> Table:
     return table
 
 
+_ROUNDING = 1e-6  # of the larger end of a band
+
+
 def _table(headings: Iterable[str], left: tuple[int, ...] = (0,)) -> Table:
     return table_of(headings, left=left, collapse_padding=True, pad_edge=False)
 
@@ -68,13 +71,19 @@ def _best_cells(found: "Compared", scale: float) -> tuple[str, ...]:
         flies = f"{low} to {high}" + (" …" if len(prediction.bands) > 1 else "")
     return (
         format(values["payload"] * scale, ".4g"),
-        "–" if band is None else f"{band[0] * scale:.3g} to {band[1] * scale:.3g}",
+        "–" if band is None else " to ".join(_ends(band, scale)),
         format(found.best.coordinate * factor, digits),
         format(shown["payload_per_area"], ".3g"),
         format(shown["relative_payload"], ".3g"),
         format(shown["temperature"], ".0f"),
         flies,
     )
+
+
+def _ends(band: tuple[float, float], scale: float) -> list[str]:
+    """Ends of a band; one that is only the rounding of an edge is zero."""
+    size = max(map(abs, band))
+    return [f"{0.0 if abs(end) < _ROUNDING * size else end * scale:.3g}" for end in band]
 
 
 def needs_table(comparison: "Comparison") -> Table:

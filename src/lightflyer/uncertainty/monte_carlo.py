@@ -82,8 +82,8 @@ def _strongest_light(
     inside = np.where(wanted, np.fmax(places[before], found.easiest), places[0])
     heats = [at(rows[LEAST_HEAT], place) for place in (first, before)]
     heats[1] = np.where(easiest_is_inside, found.at_easiest[LEAST_HEAT], heats[1])
-    known = tuple(coolness(heat, highest) for heat in heats)
-    place = crossing(cool, places[first], inside, wanted, TOLERANCE, known)
+    margins = tuple(coolness(heat, highest) for heat in heats)
+    place = crossing(cool, places[first], inside, wanted, TOLERANCE, margins)
     light = look(place[None, None], (LEAST_LIGHT,))[LEAST_LIGHT][0, 0]
     return place, {LEAST_LIGHT: np.where(wanted, light, np.where(never, 0.0, np.nan))}
 

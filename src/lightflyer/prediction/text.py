@@ -114,6 +114,8 @@ def film_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
         band = bands.get("verdict.rest.temperature_k")
         hot = _with_band(rest.values["temperature"], band, ".0f", "K")
         survives = " and survives" if found.survives else ""
+        if found.survives and band is not None and band[1] > (found.highest_temperature or 0.0):
+            survives += ", but not in all of that band"
         place = _place_text(prediction, rest.coordinate)
         yield f"Let go, it rests at {place} and {hot}; {film}{survives}."
     ways = []

@@ -263,7 +263,7 @@ def _convert(to: _Emitter, value: Any, *, new_dtype: str) -> Any:
 
 @_rule("broadcast_in_dim")
 def _broadcast(_: _Emitter, value: Any, *, axes: list[int], new: list[int]) -> Any:
-    return np.broadcast_to(np.expand_dims(value, tuple(axes)), new)
+    return np.broadcast_to(np.expand_dims(value, tuple(axes)) if value.ndim else value, new)
 
 
 @_rule("iota")

@@ -145,6 +145,18 @@ def bind(function: Callable[..., R], *given: Any, example: Sequence[Any]) -> Cal
         return runner.bind(given, tuple(example))
 
 
+def evaluate_once(function: Callable[..., Any], *arrays: np.ndarray) -> np.ndarray:
+    """A function of arrays whose result is one array, by NumPy, also while others are traced.
+
+    For what is needed once: JAX would compile each of its operations.
+    """
+    shapes, types = [array.shape for array in arrays], [array.dtype.str for array in arrays]
+    with jax.enable_x64(True):
+        program, _ = trace(lambda leaves: function(*leaves), shapes, types)
+    (found,) = run(program, arrays)
+    return found
+
+
 def is_entry_point(function: Any) -> bool:
     """Whether a function was made public by one of the decorators here."""
     return getattr(function, "is_entry_point", False) is True

@@ -30,7 +30,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -38,7 +37,6 @@ from jax import Array
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.precision import float64
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
@@ -56,6 +54,7 @@ from lightflyer.force.kinetic.scattering import ranges as scattering_ranges
 from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.laws.faces import accommodated_force, maxwell_force
 from lightflyer.numerics.polynomials import hold_within, least_squares, place_between, polynomial
+from lightflyer.program.entry_point import evaluate_once
 
 Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
 """What becomes of molecules at a face; unknown is the middle of the next two."""
@@ -217,8 +216,7 @@ def scattering_fit(gas: str = "diatomic") -> ScatteringFit:
     table = shipped_table("kinetic_scattering.csv")
     kept = np.array(table.texts["gas"]) == gas
     columns = {name: column[kept] for name, column in table.numbers.items()}
-    with float64(), jax.ensure_compile_time_eval():  # also where a model is being traced
-        return fit_scattering(columns, force_at_walls_of_one_temperature(columns, gas))
+    return fit_scattering(columns, force_at_walls_of_one_temperature(columns, gas))
 
 
 @lru_cache
@@ -231,13 +229,13 @@ def _sharing_fit(gas: str) -> tuple[Any, Any]:
     knudsen = np.exp(0.5 * (low + high + positions * (high - low)))
     lowest, highest = _shared_tacs(kinds)
     tac = 0.5 * (lowest + highest + places * (highest - lowest))
-    whole = np.ones_like(tac)
-    with float64(), jax.ensure_compile_time_eval():
-        means = (
-            Accommodations(tac, tac, tac),
-            Accommodations(_left_to_normal(tac, kinds), whole, whole),
-        )
-        even, alone = (np.asarray(fit.weights(knudsen, mean)[:kinds]) for mean in means)
+
+    def weights(normal: Array, other: Array) -> Array:
+        return jnp.stack(fit.weights(knudsen, Accommodations(normal, other, other))[:kinds])
+
+    left = np.maximum(kinds * tac - (kinds - 1), 0.0)
+    means = (tac, tac), (left, np.ones_like(tac))
+    even, alone = (evaluate_once(weights, *mean) for mean in means)
     upper = kinds * alone[0] / even.sum(axis=0)
     gain = (kinds * even[0] - even.sum(axis=0)) / even.sum(axis=0)
     dense, variables = _denseness(knudsen), (positions, places)
@@ -286,8 +284,12 @@ def sharing_factor(
 
 def force_at_walls_of_one_temperature(table: dict[str, np.ndarray], gas: str) -> np.ndarray:
     """Linear force of accommodated walls with the TACs of a table, over free molecules', (n,)."""
-    place = table["knudsen"], 1.0, mean_tac(table, rotates=gas == "diatomic")
-    return np.asarray(kinetic_fit(gas).force_ratio(*place) * wall_fit(gas).force_factor(*place))
+
+    def force(knudsen: Array, tac: Array) -> Array:
+        place = knudsen, 1.0, tac
+        return kinetic_fit(gas).force_ratio(*place) * wall_fit(gas).force_factor(*place)
+
+    return evaluate_once(force, table["knudsen"], mean_tac(table, rotates=gas == "diatomic"))
 
 
 def force(

@@ -11,6 +11,8 @@ from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, budget_outputs
 from lightflyer.files.result_text import Parts, table_of, warning_lines, wrap
 from lightflyer.prediction.text import film_lines
 
+_ROUNDING = 1e-6  # of the larger end of a band, below which the other one is zero
+
 if TYPE_CHECKING:
     from lightflyer.comparison.comparison import Compared, Comparison
 
@@ -45,9 +47,6 @@ def _best_table(comparison: "Comparison") -> Table:
         mark = "*" if found is comparison.best and found.prediction.bands else " "
         table.add_row(f"{letter}{mark}", *_best_cells(found, scale))
     return table
-
-
-_ROUNDING = 1e-6  # of the larger end of a band
 
 
 def _table(headings: Iterable[str], left: tuple[int, ...] = (0,)) -> Table:

@@ -178,6 +178,7 @@ def _public(function: Callable[P, R], runner: "_Runner") -> Callable[P, R]:
 
 
 def _run_beside(program: Program, known: list[np.ndarray], inputs: Sequence[Any]) -> list[Any]:
+    """What a bound function gives where Python cannot be written for it: slower, and the same."""
     found = run(program, [*known, *map(np.asarray, inputs)])
     return [array[()] for array in found]
 

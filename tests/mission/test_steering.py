@@ -168,10 +168,10 @@ def test_members_have_a_drag_of_their_own(closed_form_disk, lit_air):
     design = as_design(closed_form_disk(2e-3), lit_air(), lf.FreeMolecular())
     start = Release("75 km", **RELEASE).start()
     members = lf.mission.Ensemble(4000, drag=0.05)
-    drags = flights_of(design, lf.mission.Level(), start, members, [3600.0]).drags
+    drags = flights_of(design, lf.mission.Level(), start, members, [3600.0]).errors.drag
     assert drags[0] == drags[-1] == 1.0
     assert np.log(drags[1:-1]).std() == pytest.approx(0.05, rel=0.03)
-    still = lf.mission.Ensemble(3, drag=0.0)
+    still = lf.mission.Ensemble(3, drag=0.0, waves=0.0)
     assert flights_of(design, lf.mission.Level(), start, still).drags is None
 
 

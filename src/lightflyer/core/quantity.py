@@ -335,6 +335,7 @@ EnergyGap = Annotated[
 OscillatorStrength = Annotated[Numeric, Quantity("", 0.0)]
 Permittivity = Annotated[Numeric, Quantity("", 0.0, sizes=(0.0, 1e4), why="no medium has more")]
 Fraction = Annotated[Numeric, Quantity("", 0.0, 1.0)]
+Multiple = Annotated[Numeric, Quantity("", 0.0, 10.0)]
 OpenFraction = Annotated[Numeric, Quantity("", 0.0, HIGHEST_OPEN_FRACTION)]
 Emittance = Annotated[
     Numeric, Quantity("", 0.0, 1.0, open_below=True,

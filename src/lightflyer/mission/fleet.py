@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -14,16 +14,18 @@ from lightflyer.compute.scheduler import processors
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.precision import float64
 from lightflyer.core.progress import asked_to_end, report
-from lightflyer.core.quantity import Checked, Distance, Duration, Fraction, Speed
+from lightflyer.core.quantity import Checked, Distance, Duration, Fraction, Multiple, Speed
 from lightflyer.core.types import Numeric
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
-from lightflyer.environment.base import Place
+from lightflyer.environment.base import AbstractEnvironment, Place
+from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track, track
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.path.single import follow
+from lightflyer.mission.path.waves import Waves, draw_waves
 from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
 from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
@@ -34,7 +36,7 @@ BATCH = 256
 MEMBERS = 200  # of an ensemble, unless it says otherwise
 FEW = 4  # Flights up to which each is followed by itself
 _A_DAY = 86_400.0
-_WIND, _RELEASE, _DRAG = 1, 2, 3  # added to the seed, so that one does not follow the other
+_WIND, _RELEASE, _DRAG, _WAVES = 1, 2, 3, 4  # added to the seed, so that one does not follow the other
 _ANOTHER = 7  # any number of flights that no table of a flyer happens to have as its length
 
 
@@ -50,6 +52,9 @@ class Ensemble(Checked):
         [m/s].
     wind_correlation_time : array
         Time over which an error of the wind stays what it is [s].
+    waves : array, optional
+        Gravity waves and tides over their climatology [1]; zero for still air. By default 1 over
+        the Earth, and none elsewhere, where their climatology is not known.
     drag : array
         Relative standard uncertainty of the drag [1]; by default a sixth of what warmth adds to
         that of a disk of 1.6 times the air's temperature.
@@ -63,6 +68,7 @@ class Ensemble(Checked):
     wind: Speed = 0.0
     vertical_wind: Speed = 0.0
     wind_correlation_time: Duration = _A_DAY
+    waves: Multiple | None = None
     drag: Fraction = 0.03
     altitude: Distance = 0.0
     distance: Distance = 0.0
@@ -73,6 +79,27 @@ class Ensemble(Checked):
         if not isinstance(members, int | np.integer):
             raise ParameterError(f"members = {members} must be a whole number")
 
+    def waves_over(self, environment: AbstractEnvironment) -> float:
+        """Size of the waves in some air, over their climatology."""
+        known = planet_of(environment).name == EARTH_PLANET.name
+        if self.waves is None:
+            return float(known)
+        scale = float(self.waves)
+        if scale > 0.0 and not known:
+            raise ParameterError(
+                f"waves = {scale:g}: their climatology is the Earth's; over "
+                f"{planet_of(environment).name} leave waves out"
+            )
+        return scale
+
+
+class Errors(NamedTuple):
+    """What differs from flight to flight beside the flyer, as :class:`Craft` takes it."""
+
+    wind_error: WindError | None
+    waves: Waves | None
+    drag: Array | None
+
 
 class Flights(eqx.Module):
     """Flights that are computed together."""
@@ -80,8 +107,7 @@ class Flights(eqx.Module):
     setup: Setup  # Numbers that are the same in all flights; None in place of the others
     varied: Setup  # The others, each with a leading axis
     starts: Start  # Numbers have a leading axis
-    wind_errors: WindError | None  # Fields have a leading axis
-    drags: Array | None  # Over what the flyer's law has [1], shape (flights,)
+    errors: "Errors"  # Fields have a leading axis
     rule: AbstractAttitudeRule
 
     @property
@@ -100,8 +126,12 @@ def flights_of(
     setup, varied = _separate(design, ensemble, len(delays))
     radius = float(planet_of(design.setup.environment).radius)
     starts = _starts(start, ensemble, delays, radius)
-    wind_errors, drags = _wind_errors(ensemble, len(delays)), _drags(ensemble, len(delays))
-    return Flights(setup, varied, starts, wind_errors, drags, rule)
+    errors = Errors(
+        _wind_errors(ensemble, len(delays)),
+        _waves(ensemble, len(delays), design.setup.environment),
+        _drags(ensemble, len(delays)),
+    )
+    return Flights(setup, varied, starts, errors, rule)
 
 
 def _separate(
@@ -141,6 +171,17 @@ def _wind_errors(ensemble: Ensemble | None, launches: int) -> WindError | None:
         ensemble.seed + _WIND,
     )
     return jax.tree.map(lambda part: _among_others(part, launches), errors)
+
+
+def _waves(
+    ensemble: Ensemble | None, launches: int, environment: AbstractEnvironment
+) -> Waves | None:
+    """Waves of the members' air, none in the other flights."""
+    scale = 0.0 if ensemble is None else ensemble.waves_over(environment)
+    if ensemble is None or scale == 0.0:
+        return None
+    waves = draw_waves(ensemble.members, scale, ensemble.seed + _WAVES)
+    return jax.tree.map(lambda part: _among_others(part, launches), waves)
 
 
 def _drags(ensemble: Ensemble | None, launches: int) -> Any:
@@ -188,11 +229,11 @@ def _move(place: Place, north: Any, east: Any) -> tuple[Array, Array]:
 
 
 def _integrate(flights: Flights, limits: Limits, elapsed: Any, accuracy: Accuracy) -> Track:
-    def one(varied: Setup, start: Start, wind_error: WindError | None, drag: Any) -> Track:
-        craft = Craft(eqx.combine(varied, flights.setup), flights.rule, wind_error, drag)
+    def one(varied: Setup, start: Start, errors: Errors) -> Track:
+        craft = Craft(eqx.combine(varied, flights.setup), flights.rule, *errors)
         return track(craft, start, limits, elapsed, accuracy)
 
-    return jax.vmap(one)(flights.varied, flights.starts, flights.wind_errors, flights.drags)
+    return jax.vmap(one)(flights.varied, flights.starts, flights.errors)
 
 
 _tracks = entry_point(_integrate, way="xla")  # thousands of steps one after the other
@@ -245,13 +286,13 @@ def fly_all(
 
 def one_of(flights: Flights, row: int) -> tuple[Craft, Start]:
     """Who flies one of the flights, and from where."""
-    parts = (flights.varied, flights.starts, flights.wind_errors, flights.drags)
-    varied, start, *errors = jax.tree.map(lambda leaf: np.asarray(leaf)[row], parts)
+    parts = flights.varied, flights.starts, flights.errors
+    varied, start, errors = jax.tree.map(lambda leaf: np.asarray(leaf)[row], parts)
     return Craft(eqx.combine(varied, flights.setup), flights.rule, *errors), start
 
 
 def take(flights: Flights, rows: Any) -> Flights:
     """Some of the flights."""
-    parts = (flights.varied, flights.starts, flights.wind_errors, flights.drags)
-    varied, starts, errors, drags = jax.tree.map(lambda leaf: np.asarray(leaf)[rows], parts)
-    return Flights(flights.setup, varied, starts, errors, drags, flights.rule)
+    parts = flights.varied, flights.starts, flights.errors
+    varied, starts, errors = jax.tree.map(lambda leaf: np.asarray(leaf)[rows], parts)
+    return Flights(flights.setup, varied, starts, errors, flights.rule)

@@ -30,6 +30,7 @@ from lightflyer.environment.planet import Planet
 from lightflyer.environment.radiation import Attitude
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Moment
+from lightflyer.mission.path.waves import Waves
 from lightflyer.mission.path.wind_error import WindError
 from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
 from lightflyer.statics.balance import Equilibrium, equilibrium
@@ -82,6 +83,7 @@ class Craft(eqx.Module):
     rule: AbstractAttitudeRule
     # By how much the wind differs from the environment's; None for not at all
     wind_error: WindError | None = None
+    waves: Waves | None = None  # Of the air, beside the environment's state; None for still air
     # Drag over what the flyer's law has [1]; None for the law's
     drag: Numeric | None = None
 
@@ -93,6 +95,8 @@ class Craft(eqx.Module):
     def surroundings(self, altitude: Numeric, place: Place, elapsed: Numeric) -> Surroundings:
         """What surrounds the flyer, and how it lies there; ``elapsed``: time since the release."""
         state = self.setup.environment.state(altitude, place)
+        if self.waves is not None:
+            state = self.waves.disturb(state, altitude, place, elapsed)
         moment = self.moment(altitude, place, elapsed, state)
         lying = with_attitude(self.setup.flyer, self.rule.attitude(moment))
         return Surroundings(lying, state, moment.wind, self.rule.light(moment), self.drag)

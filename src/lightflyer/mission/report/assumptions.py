@@ -12,6 +12,7 @@ from lightflyer.force.lu2023 import READINGS, Reading
 from lightflyer.mission.fleet import Ensemble
 from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.dynamics import Inertia
+from lightflyer.mission.path.waves import describe_waves
 
 _SECONDS_AN_HOUR = 3600.0
 
@@ -58,7 +59,7 @@ def assumptions_of(
     told.append("absorptance: the same at every incidence, for a film of layers as at the release")
     told.append("force and heat balance: those of a flyer at rest in the gas")
     told.append(f"drag: {setup.flyer.drag_law}")
-    return (*told, *_ensemble_assumptions(ensemble))
+    return (*told, *_ensemble_assumptions(ensemble, environment))
 
 
 def _light_assumptions(environment: AbstractEnvironment) -> tuple[str, ...]:
@@ -68,7 +69,9 @@ def _light_assumptions(environment: AbstractEnvironment) -> tuple[str, ...]:
     return ("light: the same at all times", *environment.assumptions())
 
 
-def _ensemble_assumptions(ensemble: Ensemble | None) -> tuple[str, ...]:
+def _ensemble_assumptions(
+    ensemble: Ensemble | None, environment: AbstractEnvironment
+) -> tuple[str, ...]:
     if ensemble is None:
         return ()
     told = [f"ensemble: {ensemble.members} members, seed {ensemble.seed}, every ± of the design"]
@@ -79,6 +82,8 @@ def _ensemble_assumptions(ensemble: Ensemble | None) -> tuple[str, ...]:
             f"error of the wind: ± {winds[0]:g} m/s east and north, ± {winds[1]:g} m/s up, the "
             f"same at all altitudes, correlated over {hours:g} h"
         )
+    scale = ensemble.waves_over(environment)
+    told.append(describe_waves(scale) if scale else "waves: none; the air is still but for its wind")
     if float(ensemble.drag):
         told.append(f"drag: ± {100.0 * float(ensemble.drag):g} %, the same throughout a flight")
     spread = [float(part) for part in (ensemble.altitude, ensemble.distance, ensemble.time)]

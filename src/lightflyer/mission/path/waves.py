@@ -1,0 +1,132 @@
+r"""Gravity waves and tides: air that rises and falls, and is warmer and colder, along a flight.
+
+Waves move a layer of air up by :math:`\zeta`, which cools it as it expands. At some altitude the
+temperature differs by
+
+.. math::
+    \frac{T'}{T} = \tau = -\frac{N^2}{g}\zeta
+
+for the buoyancy frequency :math:`N`. A wave of intrinsic frequency :math:`\omega` and vertical
+wavenumber :math:`m`, whose energy goes up, is :math:`\tau\propto\cos(\omega t+mz+\varphi)`. Air
+moves at :math:`w=\partial\zeta/\partial t` and along the ground at :math:`u=wN/\omega`, and its
+pressure differs by :math:`p'/p=\int\tau\,dz/H` (linear theory, without the planet's rotation). A
+flyer drifts with the air, so it meets waves at their intrinsic frequencies.
+
+Temperatures by gravity waves grow from 0.5 K at 20 km to 8 K at 100 km, with vertical wavelengths
+of 10 km to 20 km, and in winter they may be twice those in summer [Rauthe2008]_. Their energy falls
+with the frequency as :math:`\omega^{-5/3}` [Nakamura1996]_. Tides of 24 h and 12 h make 30 % to 50 %
+of all fluctuations [Luebken2008]_. They are given random phases: theirs depend on place and season.
+"""
+
+from dataclasses import replace
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from lightflyer.core.types import Numeric
+from lightflyer.environment.base import EnvironmentState, Place, Wind
+from lightflyer.mission.path.position import directions
+
+_LOWEST, _HIGHEST = (20e3, 0.5), (100e3, 8.0)  # Altitude [m] and temperature by gravity waves [K]
+_WAVELENGTHS = 10e3, 20e3  # Vertical, of gravity waves [m]
+_TIDAL_WAVELENGTHS = 25e3, 60e3  # from memory; the shorter that of the diurnal tide's first mode
+_TIDES = 2.0 * np.pi / 86_400.0 * np.array([1.0, 2.0])  # rad/s
+_TIDAL_SHARE = 0.4  # Of the sum of both temperatures
+_SPREAD = 0.4  # Of the logarithm of a member's amplitude: seasons and places
+
+_LONGEST_PERIOD, SHORTEST_PERIOD = 86_400.0, 1800.0
+"""Periods of the waves that a flight meets [s]. Shorter ones push a flyer to and fro by less than
+200 m at 80 km, and would need steps of seconds."""
+
+BUOYANCY_FREQUENCY = 0.02
+"""[rad/s]; between 0.017 and 0.022 from 20 km to 90 km of the US Standard Atmosphere."""
+
+_SCALE_HEIGHT = 7e3  # m
+_COUNT = 8  # Gravity waves of one flight
+
+
+class Waves(eqx.Module):
+    """Waves along one flight; zeros are still air."""
+
+    frequencies: Numeric  # shape (waves,); [rad/s]
+    wavenumbers: Numeric  # shape (waves,); [rad/m]
+    cosines: Numeric  # shape (waves,); over the climatology's temperature [1]
+    sines: Numeric
+    # shape (3, waves); along which air moves, in the planet's frame, two of whose parts lie along
+    # the ground [1]
+    headings: Numeric
+    reaches: Numeric  # shape (waves,); pressure's share over that of temperature [1]
+
+    def disturb(
+        self, state: EnvironmentState, altitude: Numeric, place: Place, elapsed: Numeric
+    ) -> EnvironmentState:
+        """A state of the air with these waves; ``elapsed``: time since the release [s]."""
+        phases = self.frequencies * elapsed + self.wavenumbers * altitude
+        cosine, sine = jnp.cos(phases), jnp.sin(phases)
+        size = temperature_by_gravity_waves(altitude) / state.temperature
+        warmer = size * jnp.sum(self.cosines * cosine + self.sines * sine)
+        quarter = self.sines * cosine - self.cosines * sine  # a quarter of a wave ahead
+        lift = -size * state.gravity / BUOYANCY_FREQUENCY**2
+        up = lift * jnp.sum(self.frequencies * quarter)
+        along = lift * BUOYANCY_FREQUENCY * jnp.sum(self.headings * quarter, axis=-1)
+        to_east, to_north = directions(place.latitude, place.longitude)
+        wind = Wind(0.0, 0.0, 0.0) if state.wind is None else state.wind
+        moved = Wind(
+            wind.east + jnp.dot(along, to_east), wind.north + jnp.dot(along, to_north), wind.up + up
+        )
+        return replace(
+            state,
+            temperature=state.temperature * (1.0 + warmer),
+            pressure=state.pressure * (1.0 - size * jnp.sum(self.reaches * quarter)),
+            wind=moved,
+        )
+
+
+def temperature_by_gravity_waves(altitude: Numeric) -> Array:
+    """Root of the mean square of the temperature that they add [K]; ``altitude`` [m]."""
+    (low, least), (high, most) = _LOWEST, _HIGHEST
+    share = jnp.clip((altitude - low) / (high - low), -0.5, 1.25)
+    return least * (most / least) ** share
+
+
+def draw_waves(count: int, scale: float, seed: int) -> Waves:
+    """Waves of many flights, each with its own; ``scale``: their size over the climatology's."""
+    generator = np.random.default_rng(seed)
+    longest, shortest = 2.0 * np.pi / _LONGEST_PERIOD, 2.0 * np.pi / SHORTEST_PERIOD
+    edges = np.geomspace(longest, shortest, _COUNT + 1)
+    parts = np.diff(-(edges ** (-2.0 / 3.0)))  # of the energy, by the integral of its spectrum
+    parts /= longest ** (-2.0 / 3.0) - BUOYANCY_FREQUENCY ** (-2.0 / 3.0)
+    places = generator.random((count, _COUNT))
+    frequencies = edges[:-1] * (edges[1:] / edges[:-1]) ** places
+    tides = np.tile(_TIDES, (count, 1))
+    tidal = (_TIDAL_SHARE / (1.0 - _TIDAL_SHARE)) ** 2 / _TIDES.size
+    amplitudes = np.sqrt(np.append(parts, np.full(_TIDES.size, tidal)))
+    sizes = np.exp(_SPREAD * generator.standard_normal((count, 1)) - _SPREAD**2)  # mean square 1
+    amplitudes = scale * sizes * amplitudes
+    lengths = [
+        low * (high / low) ** generator.random((count, number))
+        for (low, high), number in ((_WAVELENGTHS, _COUNT), (_TIDAL_WAVELENGTHS, _TIDES.size))
+    ]
+    wavenumbers = 2.0 * np.pi / np.concatenate(lengths, axis=1)
+    shape = wavenumbers.shape
+    return Waves(
+        np.concatenate([frequencies, tides], axis=1),
+        wavenumbers,
+        amplitudes * generator.standard_normal(shape),
+        amplitudes * generator.standard_normal(shape),
+        np.sqrt(0.5) * generator.standard_normal((count, 3, shape[1])),
+        1.0 / (wavenumbers * _SCALE_HEIGHT),
+    )
+
+
+def describe_waves(scale: float) -> str:
+    """What is assumed about the air's waves, in words."""
+    sizes = [scale * float(temperature_by_gravity_waves(height)) for height in (60e3, 80e3)]
+    return (
+        f"waves: gravity waves of ± {sizes[0]:.2g} K at 60 km and ± {sizes[1]:.2g} K at 80 km, "
+        f"tides of {100.0 * _TIDAL_SHARE:.0f} % of both, with the rise and fall, wind and pressure "
+        f"that belong to them; periods of {SHORTEST_PERIOD / 60.0:.0f} min to "
+        f"{_LONGEST_PERIOD / 3600.0:.0f} h"
+    )

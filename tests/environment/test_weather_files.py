@@ -110,7 +110,7 @@ MOMENTS = np.array([1.3, 0.4, 2.6, 2.0])
 
 
 def independent(index):
-    """Winds by SciPy, linear in pressure's logarithm, at the level whose height is wanted."""
+    """Winds and air by SciPy, linear in pressure's logarithm, at the level of the height wanted."""
     north, east = np.degrees(PLACES[index])
     table = [np.concatenate([field, field[..., :1]], axis=3)
              for field in truth(*np.meshgrid(*AXES, indexing="ij"))]  # fmt: skip
@@ -118,9 +118,9 @@ def independent(index):
     at = np.stack(np.broadcast_arrays(MOMENTS[index], levels, north, east % 360.0), axis=-1)
     axes = (*AXES[:3], np.append(EAST, 360.0))
     table[2] *= -GAS_CONSTANT * table[3] / (np.exp(-AXES[1])[:, None, None] * GRAVITY)
-    u, v, up, _, geopotential = (RegularGridInterpolator(axes, field)(at) for field in table)
+    *air, geopotential = (RegularGridInterpolator(axes, field)(at) for field in table)
     height = altitude_of(geopotential, PLACES[index, 0])
-    return [np.interp(HEIGHTS[index], height, part) for part in (u, v, up)]
+    return [np.interp(HEIGHTS[index], height, part) for part in (*air, np.exp(-levels))]
 
 
 @pytest.mark.parametrize("layout", [era5, gfs, merra2, icon, wrf])
@@ -132,8 +132,11 @@ def test_a_file_as_it_is_downloaded(tmp_path, layout):
     assert f"altitudes of its levels by the {told} of the data" in wind.describe()[0]
     since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
     for index, (height, moment) in enumerate(zip(HEIGHTS, MOMENTS, strict=True)):
-        found = wind.velocity(height, Place(*PLACES[index], since + moment * 21600.0))
-        east, north, up = independent(index)
+        place = Place(*PLACES[index], since + moment * 21600.0)
+        found, state = wind.velocity(height, place), lf.Earth(wind=wind).state(height, place)
+        east, north, up, temperature, pressure = independent(index)
+        assert state.temperature == pytest.approx(temperature, rel=2e-4)
+        assert state.pressure == pytest.approx(pressure, rel=1e-3)
         np.testing.assert_allclose([found.east, found.north], [east, north], atol=0.1)
         if layout is not wrf:
             assert found.up == pytest.approx(up, rel=1e-3)
@@ -275,7 +278,7 @@ def test_another_wind_takes_over_smoothly_beyond_the_data():
         assert float(slope(top - 1e3)) == pytest.approx(np.diff(step)[0] / 2.0, rel=1e-5)
     later = here._replace(time=here.time + 1e7)
     assert both.velocity(30e3, later).east == -60.0
-    assert both.describe()[1] == "wind beyond the data: -60 m/s east, everywhere"
+    assert both.describe()[-1] == "wind beyond the data: -60 m/s east, everywhere"
 
 
 def test_the_other_wind_need_not_reach_where_the_data_do():
@@ -288,3 +291,36 @@ def test_the_other_wind_need_not_reach_where_the_data_do():
         both.velocity(70e3, equator)
     north = equator._replace(latitude=0.8)
     np.testing.assert_allclose(both.velocity(70e3, north), gradient.velocity(70e3, north))
+
+
+def test_air_of_the_data_goes_over_into_the_atmosphere():
+    """Smoothly, above in hydrostatic balance, and beside the data back to the atmosphere's own."""
+    data = GriddedWind(canonical().sel(latitude=slice(20.0, 60.0), longitude=slice(0.0, 60.0)))
+    wind = lf.environment.WindBeyondData(data, lf.environment.UniformWind(-10.0))
+    since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
+    place = Place(*np.radians([42.0, 13.0]), since + 3e4)
+    with_data, without = lf.Earth(wind=wind), lf.Earth()
+    heights = np.arange(20e3, 70e3, 10.0)
+    air = with_data.state(heights, place)
+    warm = 245.0 + 20.0 * np.sin(np.radians(42.0))
+    top = data.reach.ends[1][1]
+    inside, above = heights < top - 2e3, heights > top
+    np.testing.assert_allclose(air.temperature[inside], warm, rtol=1e-6)
+    standard = without.state(heights)
+    np.testing.assert_allclose(air.temperature[above], standard.temperature[above], rtol=1e-12)
+    slope = np.gradient(np.log(air.pressure), heights)
+    expected = -air.gravity / (air.gas.specific_gas_constant * air.temperature)
+    np.testing.assert_allclose(slope[5:-5], expected[5:-5], rtol=5e-3)
+    beside = Place(np.radians(42.0), np.radians(-5.0), since + 3e4)
+    assert with_data.state(30e3, beside).pressure == pytest.approx(without.state(30e3).pressure)
+
+
+def test_a_flyer_may_keep_its_atmosphere(tmp_path):
+    path = tmp_path / "weather.nc"
+    canonical().to_netcdf(path, engine="h5netcdf")
+    place = Place(*PLACES[0], (START - np.datetime64("2000-01-01T12:00")) / np.timedelta64(1, "s"))
+    for air, temperature in ((True, 245.0 + 20.0 * np.sin(PLACES[0, 0])), (False, None)):
+        environment = lf.Earth(wind=GriddedWind.from_file(path, air=air))
+        expected = temperature or lf.Earth().state(30e3).temperature
+        assert environment.state(30e3, place).temperature == pytest.approx(expected, rel=1e-6)
+        assert any("air: temperature" in text for text in environment.wind.describe()) == air

@@ -128,6 +128,9 @@ class Planetary(AbstractEnvironment):
         state = _state(self, radiation, altitude, place)
         if place is not None and wind is not None:
             state = replace(state, wind=wind.velocity(altitude, place))
+            air = wind.air(altitude, place, self.atmosphere)
+            if air is not None:
+                state = replace(state, **air._asdict())
         return state
 
 

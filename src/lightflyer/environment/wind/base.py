@@ -2,6 +2,7 @@
 
 import abc
 from functools import reduce
+from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -9,8 +10,16 @@ import jax.numpy as jnp
 from lightflyer.core.checks import is_traced, require_data
 from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
+from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.program.entry_point import entry_point
+
+
+class Air(NamedTuple):
+    """What a wind's data know of the air itself."""
+
+    temperature: Numeric  # [K]
+    pressure: Numeric  # [Pa]
 
 
 class AbstractWind(eqx.Module):
@@ -28,6 +37,18 @@ class AbstractWind(eqx.Module):
         Where a margin is negative, concrete arguments raise :class:`ParameterError`, traced ones
         give NaN.
         """
+
+    def air(
+        self,
+        altitude: Altitude,  # noqa: ARG002
+        place: Place,  # noqa: ARG002
+        atmosphere: AbstractAtmosphere,  # noqa: ARG002
+    ) -> Air | None:
+        """The air of the wind's data; None where they have none, or only winds are meant.
+
+        ``altitude`` [m]; ``atmosphere``: the air where the data end.
+        """
+        return None
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         """How far the wind still reaches, for what integrates along a path; ``altitude`` [m].

@@ -1,16 +1,19 @@
 """Wind from data where they reach, and from another wind above, below and beside them."""
 
-from functools import reduce
+from functools import partial, reduce
 from typing import Any
 
 import jax
 import jax.numpy as jnp
+from jax import Array
 
 from lightflyer.core.quantity import Altitude, require_record
 from lightflyer.core.types import Numeric
+from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
-from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.environment.wind.base import AbstractWind, Air
 from lightflyer.environment.wind.gridded import GriddedWind, by_parts
+from lightflyer.environment.wind.reach import TWO_KILOMETRES
 from lightflyer.program.entry_point import entry_point
 
 
@@ -18,7 +21,8 @@ class WindBeyondData(AbstractWind):
     """Wind from data, which another one takes over from smoothly where they end.
 
     Within the last two kilometres, degree or hour of the data the other wind gains weight, up to
-    all of it at their end.
+    all of it at their end. So does the temperature of the atmosphere. Above and below, the pressure
+    keeps its ratio to the atmosphere's, as it has to in hydrostatic balance.
 
     Parameters
     ----------
@@ -40,7 +44,14 @@ class WindBeyondData(AbstractWind):
         self.data, self.beyond = data, beyond
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
-        return self._require_margins(altitude, place, by_parts(_velocity, self, altitude, place))
+        found = Wind(*by_parts(_velocity, self, altitude, place, Wind))
+        return self._require_margins(altitude, place, found)
+
+    def air(self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere) -> Air | None:
+        if not self.data.has_air:
+            return None
+        look = partial(_air, atmosphere=atmosphere)
+        return Air(*by_parts(look, self, altitude, place, Air))
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         within = _within(self.data, altitude, place) - 1.0
@@ -64,8 +75,41 @@ def _within(data: GriddedWind, altitude: Altitude, place: Place) -> Numeric:
 
 @entry_point
 def _weight(data: GriddedWind, altitude: Altitude, place: Place) -> Numeric:
-    share = jnp.clip(_within(data, altitude, place), 0.0, 1.0)
+    return _smooth(_within(data, altitude, place))
+
+
+def _smooth(within: Numeric) -> Numeric:
+    share = jnp.clip(within, 0.0, 1.0)
     return share**2 * (3.0 - 2.0 * share)
+
+
+def _inner(lowest: float, highest: float, altitude: Altitude) -> Array:
+    """The altitude, which stays within the data and slows down in their last two kilometres [m]."""
+
+    def slowed(distance: Numeric) -> Array:
+        inside = jnp.clip(distance / TWO_KILOMETRES, 0.0, 1.0)
+        return jnp.maximum(distance, 0.5 * TWO_KILOMETRES * (1.0 + inside**2))
+
+    return lowest + slowed(highest - slowed(highest - altitude) - lowest)
+
+
+@entry_point
+def _air(
+    wind: WindBeyondData, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere
+) -> Air:
+    margins = wind.data.margins(altitude, place).items()
+    sides = [margin for name, margin in margins if not name.startswith("altitude")]
+    beside = _smooth(reduce(jnp.minimum, sides, jnp.asarray(1.0)))
+    inner = _inner(*wind.data.reach.ends[1], altitude)
+    data = wind.data.air(inner, place, atmosphere)
+    assert data is not None
+    known = beside > 0.0  # elsewhere NaN
+    warmer = jnp.where(known, data.temperature - atmosphere.temperature(inner, place), 0.0)
+    ratio = jnp.where(known, data.pressure / atmosphere.pressure(inner, place), 1.0)
+    return Air(
+        atmosphere.temperature(altitude, place) + _weight(wind.data, altitude, place) * warmer,
+        atmosphere.pressure(altitude, place) * ratio**beside,
+    )
 
 
 @entry_point

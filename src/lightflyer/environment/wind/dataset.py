@@ -42,6 +42,7 @@ PLACING = "geopotential", "height", "temperature"
 """What tells the altitudes of pressure levels; the first of them that is there does."""
 
 _AIR = {"temperature": "K", "geopotential": "m**2/s**2", "height": "m"}  # beside winds
+_OF_AIR = "temperature", "log_pressure"
 _FEWEST_LEVELS = 2
 
 
@@ -59,6 +60,8 @@ class WindGrid(NamedTuple):
     north: np.ndarray
     up: np.ndarray
     told: str = ""  # How the altitudes of pressure levels are known
+    # shape (t, z, y, x, 2); temperature [K] and logarithm of the pressure in Pa, where both are known
+    air: np.ndarray | None = None
 
 
 class Fields(NamedTuple):
@@ -125,12 +128,15 @@ def grid_of(
     given = fields.values if winds is None else winds
     zero = np.zeros((time.size, level.size, latitude.size, longitude.size))
     east, north, up = (given.get(name, zero) for name in _VARIABLES)
+    known = [given[name] for name in _OF_AIR if name in given and winds is not None]
+    air = np.stack(known, axis=-1) if len(known) == len(_OF_AIR) else None
     if fields.same_around:
         longitude = np.arange(_MERIDIANS) / _MERIDIANS * 2.0 * np.pi
         east, north, up = (np.repeat(part, _MERIDIANS, axis=-1) for part in (east, north, up))
+        air = None if air is None else np.repeat(air, _MERIDIANS, axis=3)
     by_pressure = fields.by_pressure and altitudes is None
     return _around(
-        WindGrid(time, level, by_pressure, latitude, longitude, False, east, north, up, told)
+        WindGrid(time, level, by_pressure, latitude, longitude, False, east, north, up, told, air)
     )
 
 
@@ -305,12 +311,15 @@ def heights_of(fields: Fields) -> tuple[np.ndarray | None, str]:
 
 
 def winds_on(new: np.ndarray, fields: Fields, altitude: np.ndarray) -> dict[str, np.ndarray]:
-    """The winds on new levels [m]; ``altitude``: of the levels that they are on."""
+    """The winds and the air on new levels [m]; ``altitude``: of the levels that they are on."""
     winds = {name: fields.values[name] for name in _VARIABLES if name in fields.values}
     if fields.is_omega:  # of air in hydrostatic balance
         pressure = np.exp(-fields.axes[1])[:, None, None]
         density = pressure / (GAS_CONSTANT * fields.values["temperature"])
         winds["w"] = -winds["w"] / (density * constants.STANDARD_GRAVITY)
+    if "temperature" in fields.values:
+        level = np.broadcast_to(-fields.axes[1][:, None, None], altitude.shape)
+        winds |= dict(zip(_OF_AIR, (fields.values["temperature"], level), strict=True))
     return dict(zip(winds, on_altitudes(altitude, [*winds.values()], new), strict=True))
 
 
@@ -325,5 +334,8 @@ def _around(grid: WindGrid) -> WindGrid:
         raise ConfigurationError("winds: longitude goes more than once round the planet")
     if width > turn - 1e-6:  # 0° and 360° are both there
         east, north, up = (field[..., :-1] for field in (grid.east, grid.north, grid.up))
-        return grid._replace(longitude=longitude[:-1], around=True, east=east, north=north, up=up)
+        air = None if grid.air is None else grid.air[..., :-1, :]
+        return grid._replace(
+            longitude=longitude[:-1], around=True, east=east, north=north, up=up, air=air
+        )
     return grid._replace(around=bool(width + 1.01 * spacing >= turn))

@@ -1,7 +1,7 @@
 """Wind from data on a grid: a reanalysis, a forecast, a climatology."""
 
 from collections.abc import Callable, Iterator
-from functools import reduce
+from functools import partial, reduce
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -16,7 +16,7 @@ from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
-from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.environment.wind.base import AbstractWind, Air
 from lightflyer.environment.wind.dataset import WindGrid, read_grid
 from lightflyer.environment.wind.reach import Reach, next_to
 from lightflyer.environment.wind.store import Store, open_wind
@@ -49,6 +49,9 @@ class GriddedWind(AbstractWind):
         dataset's geopotential, or its heights, or its temperature has them.
     atmosphere : AbstractAtmosphere, optional
         Finds the altitudes of pressure levels where the dataset has none of these.
+    air : bool
+        Whether flights meet the dataset's temperature and pressure too, where it has a temperature
+        on pressure levels; by default they do.
 
     Raises
     ------
@@ -78,10 +81,13 @@ class GriddedWind(AbstractWind):
     bounds: Any  # shape (4, 2); between which the table is the data's; None for everywhere
     reach: Reach
     rises: bool = eqx.field(static=True)
+    has_air: bool = eqx.field(static=True)
     told: str = eqx.field(static=True)
     store: Store | None = eqx.field(static=True)
 
-    def __init__(self, dataset: Any, atmosphere: AbstractAtmosphere | None = None):
+    def __init__(
+        self, dataset: Any, atmosphere: AbstractAtmosphere | None = None, *, air: bool = True
+    ):
         is_read = isinstance(dataset, WindGrid | Store)
         grid = dataset if is_read else read_grid(dataset)
         if grid.by_pressure and atmosphere is None:
@@ -91,9 +97,11 @@ class GriddedWind(AbstractWind):
         self.told, self.bounds = grid.told, None
         if isinstance(grid, Store):
             self.store, self.table, self.axes, self.rises = grid, None, None, grid.rises
+            self.has_air = air and grid.has_air
             coordinates = tuple(grid.axes)
         else:
             self.store, self.rises = None, bool(np.any(grid.up))
+            self.has_air = air and grid.air is not None
             self.table, self.axes = _tabulate(grid)
             coordinates = grid.time, grid.level, grid.latitude, grid.longitude
         ends = [(float(axis[0]), float(axis[-1])) for axis in coordinates]
@@ -106,15 +114,15 @@ class GriddedWind(AbstractWind):
 
     @classmethod
     def from_file(
-        cls, path: str | Path, atmosphere: AbstractAtmosphere | None = None
+        cls, path: str | Path, atmosphere: AbstractAtmosphere | None = None, *, air: bool = True
     ) -> "GriddedWind":
         """Wind from a NetCDF or GRIB file, or from all that match a pattern such as ``era5-*.nc``.
 
-        ``atmosphere``: as of the class. Of more than 2.5 million points of a variable only a part
+        ``atmosphere``, ``air``: as of the class. Of more than 2.5 million points of a variable only a part
         is in memory, that around a place, and the next one is read where it is wanted.
         """
         try:
-            return cls(open_wind(path), atmosphere)
+            return cls(open_wind(path), atmosphere, air=air)
         except ConfigurationError as error:
             told = str(error)
             raise ConfigurationError(
@@ -123,16 +131,28 @@ class GriddedWind(AbstractWind):
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         if self.table is None:
-            found = by_parts(GriddedWind.velocity, self, altitude, place)
+            found = Wind(*by_parts(GriddedWind.velocity, self, altitude, place, Wind))
             return self._require_margins(altitude, place, found)
-        wind = self.at_level(self.reach.level(altitude, place), place)
-        return self._require_margins(altitude, place, wind)
+        wind = self.at_level(self.reach.level(altitude, place), place)[:3]
+        return self._require_margins(altitude, place, Wind(*wind))
 
-    def at_level(self, level: Numeric, place: Place) -> Wind:
-        """Wind of a table at a coordinate of its levels, wherever it ends."""
+    def at_level(self, level: Numeric, place: Place) -> tuple[Any, ...]:
+        """Wind and air of a table at a coordinate of its levels, wherever it ends.
+
+        East, north, up [m/s], and where known temperature [K] and logarithm of the pressure.
+        """
         assert self.axes is not None
         longitude = self._longitude(place)
         return _interpolate(self.table, self.axes, self.bounds, level, place, longitude)
+
+    def air(self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere) -> Air | None:
+        if not self.has_air:
+            return None
+        if self.table is None:
+            look = partial(GriddedWind.air, atmosphere=atmosphere)
+            return Air(*by_parts(look, self, altitude, place, Air))
+        temperature, log_pressure = self.at_level(self.reach.level(altitude, place), place)[3:]
+        return Air(temperature, jnp.exp(log_pressure))
 
     def part(self, place: Place) -> "GriddedWind":
         """The wind around a place, in memory; everywhere where all is."""
@@ -165,7 +185,8 @@ class GriddedWind(AbstractWind):
     def describe(self) -> tuple[str, ...]:
         upwards = "" if self.rises else ", nothing upwards"
         heights = f"; altitudes of its levels by {self.told}" if self.told else ""
-        return (f"wind: data, {self.reach.describe()}{upwards}{heights}",)
+        air = ("air: temperature and pressure of the data of the wind",) if self.has_air else ()
+        return (f"wind: data, {self.reach.describe()}{upwards}{heights}", *air)
 
 
 def _is_within(bounds: Any, position: tuple[Any, ...]) -> Any:
@@ -214,11 +235,18 @@ def _is_data(leaf: Any) -> bool:
 
 
 def by_parts(
-    velocity: Callable[[Any, Any, Place], Wind], wind: Any, altitude: Altitude, place: Place
-) -> Wind:
-    """Velocity of a wind some of which is in files, part by part of these; NaN where it ends."""
+    look: Callable[[Any, Any, Place], Any],
+    wind: Any,
+    altitude: Altitude,
+    place: Place,
+    kind: type[Wind] | type[Air],
+) -> Any:
+    """What a wind some of which is in files tells, part by part of these; NaN where it ends.
+
+    ``kind``: of what ``look`` returns, whose numbers are returned.
+    """
     if all(one.table is not None for one in winds_in_files(wind)):
-        return velocity(wind, altitude, place)
+        return look(wind, altitude, place)
     if is_traced(altitude, place):
         raise ParameterError(
             "winds of large files are read where a mission goes, not under JAX's transformations; "
@@ -228,10 +256,10 @@ def by_parts(
     height, *where = (np.broadcast_to(part, shape).ravel() for part in (altitude, *place))
     flat = Place(*where)
     inside = reduce(np.minimum, wind.margins(height, flat).values(), np.zeros(height.size)) >= 0.0
-    found = np.full((3, height.size), np.nan)
+    found = np.full((len(kind._fields), height.size), np.nan)
     for part, here in parts_along(wind, flat, inside):
-        found[:, here] = velocity(part, height[here], Place(*(values[here] for values in flat)))
-    return Wind(*(row.reshape(shape)[()] for row in found))
+        found[:, here] = look(part, height[here], Place(*(values[here] for values in flat)))
+    return [row.reshape(shape)[()] for row in found]
 
 
 def _tabulate(grid: WindGrid) -> tuple[np.ndarray, tuple[Axis, Axis, Axis, Axis]]:
@@ -259,7 +287,8 @@ def _as_vectors(grid: WindGrid) -> np.ndarray:
     latitude, longitude = grid.latitude[:, None], grid.longitude
     east, north = _directions(latitude, longitude, np)
     horizontal = grid.east[..., None] * east + grid.north[..., None] * north
-    return np.concatenate([horizontal, grid.up[..., None]], axis=-1)
+    air = [] if grid.air is None else [grid.air]
+    return np.concatenate([horizontal, grid.up[..., None], *air], axis=-1)
 
 
 def _directions(latitude: Any, longitude: Any, xp: Any = jnp) -> tuple[Any, Any]:
@@ -294,13 +323,12 @@ def _interpolate(
     level: Numeric,
     place: Place,
     longitude: Numeric,
-) -> Wind:
+) -> tuple[Any, ...]:
     position = (place.time, level, place.latitude, longitude)
     found = interpolate(table, axes, position)
     if bounds is not None:  # beyond a part of the data there are others
         found = jnp.where(_is_within(bounds, position)[..., None], found, jnp.nan)
     east, north = _directions(place.latitude, place.longitude)
     horizontal = found[..., :3]
-    return Wind(
-        jnp.sum(horizontal * east, axis=-1), jnp.sum(horizontal * north, axis=-1), found[..., 3]
-    )
+    along = (jnp.sum(horizontal * part, axis=-1) for part in (east, north))
+    return (*along, *jnp.moveaxis(found[..., 3:], -1, 0))

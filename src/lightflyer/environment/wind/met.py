@@ -2,13 +2,16 @@
 
 from typing import Any, TypeVar
 
+import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
+from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
-from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.environment.wind.base import AbstractWind, Air
 from lightflyer.environment.wind.gridded import GriddedWind, parts_along
 from lightflyer.environment.wind.reach import Reach
 from lightflyer.numerics.cubic_grid import Axis, interpolate
@@ -21,13 +24,23 @@ class MetWind(AbstractWind):
     """The column of a wind over a flyer, by time alone; as of the data at the times given."""
 
     reach: Reach
-    columns: Any  # shape (times, levels, 3); [m/s]
+    # shape (times, levels, 3 or 5); wind [m/s], and temperature [K] and logarithm of the pressure
+    columns: Any
     axes: tuple[Axis, Axis]  # of times and levels
+    has_air: bool = eqx.field(static=True)
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         level = self.reach.level(altitude, place)
         wind = _interpolate(self.columns, self.axes, place.time, level)
-        return self._require_margins(altitude, place, wind)
+        return self._require_margins(altitude, place, Wind(*wind[:3]))
+
+    def air(self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere) -> Air | None:
+        del atmosphere
+        if not self.has_air:
+            return None
+        level = self.reach.level(altitude, place)
+        temperature, log_pressure = _interpolate(self.columns, self.axes, place.time, level)[3:]
+        return Air(temperature, jnp.exp(log_pressure))
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         return self.reach.margins(altitude, place)
@@ -37,9 +50,8 @@ class MetWind(AbstractWind):
 
 
 @entry_point
-def _interpolate(columns: Any, axes: tuple[Axis, Axis], time: Numeric, level: Numeric) -> Wind:
-    found = interpolate(columns, axes, (time, level))
-    return Wind(found[..., 0], found[..., 1], found[..., 2])
+def _interpolate(columns: Any, axes: tuple[Axis, Axis], time: Numeric, level: Numeric) -> Any:
+    return tuple(jnp.moveaxis(interpolate(columns, axes, (time, level)), -1, 0))
 
 
 def with_met_winds(tree: T, place: Place) -> T:
@@ -54,11 +66,11 @@ def with_met_winds(tree: T, place: Place) -> T:
         if not isinstance(leaf, GriddedWind) or leaf.store is None:
             return leaf
         levels = leaf.store.axes[1]
-        columns = np.full((times.size, levels.size, 3), np.nan)
+        columns = np.full((times.size, levels.size, 5 if leaf.store.has_air else 3), np.nan)
         for part, here in parts_along(leaf, place, np.ones(times.size, bool)):
             there = Place(*(values[here, None] for values in place))
             columns[here] = np.stack(part.at_level(levels, there), axis=-1)
-        return MetWind(leaf.reach, columns, (Axis(times), Axis(levels)))
+        return MetWind(leaf.reach, columns, (Axis(times), Axis(levels)), leaf.has_air)
 
     found: T = jax.tree.map(met, tree, is_leaf=lambda leaf: isinstance(leaf, GriddedWind))
     return found

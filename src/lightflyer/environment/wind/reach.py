@@ -16,7 +16,7 @@ from lightflyer.program.entry_point import entry_point
 _TURN = 2.0 * np.pi
 # Units of margins, in which ends compare.
 _HOUR = 3600.0
-_TWO_KILOMETRES = 2e3
+TWO_KILOMETRES = 2e3
 _LOG_PRESSURE = 0.3  # of the same order
 _ONE_DEGREE = RADIANS_PER_DEGREE
 
@@ -50,7 +50,7 @@ class Reach(eqx.Module):
         if time[0] != time[1]:
             found |= _margins("time", place.time, time, _HOUR, *map(_date, time))
         lowest, highest = self._level_names()
-        unit = _TWO_KILOMETRES if self.atmosphere is None else _LOG_PRESSURE
+        unit = TWO_KILOMETRES if self.atmosphere is None else _LOG_PRESSURE
         height = self.level(altitude, place)
         found |= _margins("altitude", height, level, unit, lowest, f"{highest}; {_TAKES_OVER}")
         south, north = (f"{end / RADIANS_PER_DEGREE:.4g}°" for end in latitude)

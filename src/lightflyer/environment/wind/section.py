@@ -113,6 +113,7 @@ class DataWindSection(WindSection):
     kind: Literal["data"]
     file: str
     beyond: Literal["gradient"] | None = None
+    air: Literal["data", "atmosphere"] | None = None
 
     @pydantic.field_validator("file")
     @classmethod
@@ -126,7 +127,11 @@ class DataWindSection(WindSection):
         atmosphere: AbstractAtmosphere,
         indices: Indices | None,
     ) -> AbstractWind:
-        data = GriddedWind(_grid(self.file), atmosphere)
+        data = GriddedWind(_grid(self.file), atmosphere, air=self.air != "atmosphere")
+        if self.air == "data" and not data.has_air:
+            raise ConfigurationError(
+                f"{self.file}: has no temperature on pressure levels; leave out wind.air"
+            )
         if self.beyond is None:
             return data
         self.require(indices)

@@ -113,6 +113,7 @@ class Store:
         times, levels, rows, columns = self._all
         highest = self._fields((times[:1], levels[-_FEWEST_LEVELS:], rows[:2], columns))
         altitude, self.told = heights_of(highest)
+        self.has_air = altitude is not None and "temperature" in there
         self.by_pressure = by_pressure and altitude is None
         own = source[1][self._first_level :]
         self.axes = [source[0], own if altitude is None else self._common_levels(), *source[2:]]
@@ -211,11 +212,9 @@ class Store:
                 grids.append(grid_of(fields, told))
             else:
                 grids.append(grid_of(fields, told, new, winds_on(new, fields, altitude)))
-        time, east, north, up = (
-            np.concatenate([getattr(grid, name) for grid in grids])
-            for name in ("time", "east", "north", "up")
-        )
-        return grids[0]._replace(time=time, east=east, north=north, up=up)
+        names = ["time", "east", "north", "up", *(["air"] if self.has_air else [])]
+        found = {name: np.concatenate([getattr(grid, name) for grid in grids]) for name in names}
+        return grids[0]._replace(**found)
 
     def _fields(self, ranges: _Ranges, *, air_only: bool = False) -> Fields:
         dataset = self._select(ranges, air_only=air_only)

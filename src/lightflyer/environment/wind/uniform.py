@@ -11,8 +11,9 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
+from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
-from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.environment.wind.base import AbstractWind, Air
 from lightflyer.program.entry_point import entry_point
 
 
@@ -70,6 +71,10 @@ class SumOfWinds(AbstractWind):
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         return _sum(tuple(wind.velocity(altitude, place) for wind in self.winds))
+
+    def air(self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere) -> Air | None:
+        found = (wind.air(altitude, place, atmosphere) for wind in self.winds)
+        return next((air for air in found if air is not None), None)
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         return {

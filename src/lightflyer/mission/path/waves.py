@@ -14,7 +14,7 @@ flyer drifts with the air, so it meets waves at their intrinsic frequencies.
 
 Temperatures by gravity waves grow from 0.5 K at 20 km to 8 K at 100 km, with vertical wavelengths
 of 10 km to 20 km, and in winter they may be twice those in summer [Rauthe2008]_. Their energy falls
-with the frequency as :math:`\omega^{-5/3}` [Nakamura1996]_. Tides of 24 h and 12 h make 30 % to 50 %
+with the frequency as :math:`\omega^{-5/3}` [Manson1999]_. Tides of 24 h and 12 h make 30 % to 50 %
 of all fluctuations [Luebken2008]_. They are given random phases: theirs depend on place and season.
 """
 
@@ -37,8 +37,8 @@ _TIDAL_SHARE = 0.4  # Of the sum of both temperatures
 _SPREAD = 0.4  # Of the logarithm of a member's amplitude: seasons and places
 
 _LONGEST_PERIOD, SHORTEST_PERIOD = 86_400.0, 1800.0
-"""Periods of the waves that a flight meets [s]. Shorter ones push a flyer to and fro by less than
-200 m at 80 km, and would need steps of seconds."""
+"""Periods of the waves that a flight meets [s]. Shorter ones move air by 100 m at 80 km (root of
+the mean square), and would need short steps."""
 
 BUOYANCY_FREQUENCY = 0.02
 """[rad/s]; between 0.017 and 0.022 from 20 km to 90 km of the US Standard Atmosphere."""

@@ -34,7 +34,8 @@ def fly(millimetres, latitude, month, waves, vertical):
         1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9, highest_temperature=633.0
     )
     environment = lf.Earth(
-        sky=lf.environment.Daylight(), wind=lf.environment.UniformWind(-60.0 if month == 6 else 60.0)
+        sky=lf.environment.Daylight(),
+        wind=lf.environment.UniformWind(-60.0 if month == 6 else 60.0),
     )
     return lf.fly(
         lf.Disk(film, radius=0.5e-3 * millimetres), environment, lf.Kinetic(),
@@ -66,6 +67,7 @@ def row(flown):
 
 
 def main():
+    """Fly all cases and write their numbers."""
     rows = [
         (flyer, air, *(f"{value:.3g}" for value in row(fly(*FLYERS[flyer], *CASES[air]))))
         for flyer in FLYERS

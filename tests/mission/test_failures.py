@@ -66,7 +66,9 @@ def test_members_of_an_ensemble_end_as_the_stated_flight_does(beyond):
     ends = flown.ensemble_end_altitude
     # the same film is too hot at one altitude, under a sun that hardly moves
     assert float(np.abs(ends - flown.end_altitude).max()) < 0.1 * float(ends.mean() - 75e3)
-    exact = fly(disk(), ensemble=lf.mission.Ensemble(members=6, drag=0.0, waves=0.0), every="10 min")
+    exact = fly(
+        disk(), ensemble=lf.mission.Ensemble(members=6, drag=0.0, waves=0.0), every="10 min"
+    )
     np.testing.assert_allclose(exact.ensemble_end_elapsed, exact.end_elapsed, atol=0.05)
 
 

@@ -200,6 +200,21 @@ def test_work_that_is_worth_a_compilation_is_compiled(monkeypatch):
         pass
 
 
+def test_a_large_table_is_looked_up_without_a_compiler(rng, monkeypatch):
+    """Its elements are no work, and places of any number serve one trace."""
+    monkeypatch.setattr(entry_points._Runner, "_by_xla", None)  # XLA would fail
+    columns = np.arange(4.0)  # as long as one of the numbers of places
+    look_up = entry_point(lambda table, columns, at: jnp.sum(table[at.astype(int)] * columns, -1))
+    table = rng.random((2_000_000, 4))
+    traces = []
+    monkeypatch.setattr(entry_points, "trace", lambda *given: traces.append(1) or trace(*given))
+    for count in (5, 7, 9):
+        places = rng.integers(0, len(table), count)
+        expected = table[places] @ columns
+        np.testing.assert_allclose(look_up(table, columns, places * 1.0), expected, rtol=1e-12)
+    assert len(traces) <= 3  # for all lengths, for the commonest, and for that of the places
+
+
 def test_a_program_is_data_and_a_flipped_bit_is_seen():
     program = traced(lambda x: jax.lax.fori_loop(0, 3, lambda _, y: y * x, x), ("n0",))
     content = program.to_bytes(b"salt")

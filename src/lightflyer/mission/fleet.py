@@ -36,7 +36,12 @@ BATCH = 256
 MEMBERS = 200  # of an ensemble, unless it says otherwise
 FEW = 4  # Flights up to which each is followed by itself
 _A_DAY = 86_400.0
-_WIND, _RELEASE, _DRAG, _WAVES = 1, 2, 3, 4  # added to the seed, so that one does not follow the other
+_WIND, _RELEASE, _DRAG, _WAVES = (
+    1,
+    2,
+    3,
+    4,
+)  # added to the seed, so that one does not follow the other
 _ANOTHER = 7  # any number of flights that no table of a flyer happens to have as its length
 
 

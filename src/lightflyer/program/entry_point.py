@@ -319,7 +319,12 @@ class _Runner:
         if traced is None:
             return None
         program, call = traced.program, (structure, shapes)
-        elements = max((array.size for array in arrays), default=1)
+        sizes = (
+            array.size
+            for array, is_table in zip(arrays, program.tables, strict=True)
+            if not is_table
+        )
+        elements = max(sizes, default=1)
         rows = elements if shape is None else min(elements, ROWS)
         calls, work = self._run.get(program, (program.size, program.size))
         by_xla = COMPILATION * program.size + XLA_ELEMENT * work * elements
@@ -355,9 +360,10 @@ class _Runner:
         self, structure: Any, shapes: tuple[tuple[int, ...], ...]
     ) -> Iterator[tuple[tuple[tuple[Length, ...], ...], tuple[bool, ...]]]:
         """Shapes to trace for, the most general first, and which of them stand for longer ones."""
-        # Lengths are symbols: all, then the commonest, then none. Before that, numbers of a flyer
-        # or its surroundings may be single though there are many, where the function takes an array
-        # beside them: what a prediction traces then serves Monte Carlo, too.
+        # Lengths are symbols: all, then the commonest, or that of the last argument, for which
+        # tables are most often looked up, then none. Before that, numbers of a flyer or its
+        # surroundings may be single though there are many, where the function takes an array beside
+        # them: what a prediction traces then serves Monte Carlo, too.
         elements = self._elements(structure, shapes)
         beside = {n for n in _beside(structure, len(shapes)) if shapes[n] == elements}
         widened = tuple(shape == elements and n not in beside for n, shape in enumerate(shapes))
@@ -369,8 +375,9 @@ class _Runner:
             yield pattern, widened
         lengths = Counter(length for shape in shapes for length in shape if length > 1)
         commonest = [length for length, _ in lengths.most_common()]
-        for count in sorted({len(commonest), min(1, len(commonest)), 0}, reverse=True):
-            symbols = dict(zip(commonest[:count], SYMBOLS, strict=False))
+        last = [one[0] for one in shapes if one and one[0] > 1][-1:]
+        for chosen in dict.fromkeys(map(tuple, (commonest, commonest[:1], last, ()))):
+            symbols = dict(zip(chosen, SYMBOLS, strict=False))
             pattern = tuple(
                 tuple(symbols.get(length, length) for length in shape) for shape in shapes
             )

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 ROWS = "n0"  # Symbol of the axis along which elements lie
+LOOKED_UP = "gather", "dynamic_slice"  # Operations that look up some elements of their first input
 FORMAT = 2  # Version of the form in which programs are written
 Length: TypeAlias = int | str  # Number of elements along an axis, or an expression of symbols
 
@@ -85,6 +86,12 @@ class Program:
         single = {number for number, shape in inputs if not shape}
         return single | {number for number, array in self.constants.items() if not array.ndim}
 
+    @cached_property
+    def tables(self) -> tuple[bool, ...]:
+        """Of which inputs only some elements are looked up, or none."""
+        read = _read_whole(self.body)
+        return tuple(number not in read for number in self.body.arguments)
+
     def prepare_once(self, what: Any, prepare: "Callable[[Program], Any]") -> Any:
         """What follows from the program, such as what a backend makes of it, made once."""
         if what not in self._prepared:
@@ -143,6 +150,16 @@ class Program:
             output_types=tuple(tree["output_types"]),
             rows=frozenset(tree["rows"]),
         )
+
+
+def _read_whole(block: Block) -> set[int]:
+    """Values of which an operation reads all elements."""
+    found = set(block.results)
+    for operation in block.operations:
+        found.update(
+            operation.inputs[operation.name in LOOKED_UP :], *map(_read_whole, operation.blocks)
+        )
+    return found
 
 
 def _size(block: Block) -> int:

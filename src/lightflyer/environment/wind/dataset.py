@@ -60,7 +60,7 @@ class WindGrid(NamedTuple):
     north: np.ndarray
     up: np.ndarray
     told: str = ""  # How the altitudes of pressure levels are known
-    # shape (t, z, y, x, 2); temperature [K] and logarithm of the pressure in Pa, where both are known
+    # shape (t, z, y, x, 2); temperature [K] and logarithm of the pressure in Pa, where known
     air: np.ndarray | None = None
 
 

@@ -118,8 +118,8 @@ class GriddedWind(AbstractWind):
     ) -> "GriddedWind":
         """Wind from a NetCDF or GRIB file, or from all that match a pattern such as ``era5-*.nc``.
 
-        ``atmosphere``, ``air``: as of the class. Of more than 2.5 million points of a variable only a part
-        is in memory, that around a place, and the next one is read where it is wanted.
+        ``atmosphere``, ``air``: as of the class. Of more than 2.5 million points of a variable only
+        a part is in memory, that around a place, and the next one is read where it is wanted.
         """
         try:
             return cls(open_wind(path), atmosphere, air=air)

@@ -213,7 +213,9 @@ class Store:
             else:
                 grids.append(grid_of(fields, told, new, winds_on(new, fields, altitude)))
         names = ["time", "east", "north", "up", *(["air"] if self.has_air else [])]
-        found = {name: np.concatenate([getattr(grid, name) for grid in grids]) for name in names}
+        found: dict[str, Any] = {
+            name: np.concatenate([getattr(grid, name) for grid in grids]) for name in names
+        }
         return grids[0]._replace(**found)
 
     def _fields(self, ranges: _Ranges, *, air_only: bool = False) -> Fields:

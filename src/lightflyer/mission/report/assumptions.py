@@ -83,7 +83,9 @@ def _ensemble_assumptions(
             f"same at all altitudes, correlated over {hours:g} h"
         )
     scale = ensemble.waves_over(environment)
-    told.append(describe_waves(scale) if scale else "waves: none; the air is still but for its wind")
+    told.append(
+        describe_waves(scale) if scale else "waves: none; the air is still but for its wind"
+    )
     if float(ensemble.drag):
         told.append(f"drag: ± {100.0 * float(ensemble.drag):g} %, the same throughout a flight")
     spread = [float(part) for part in (ensemble.altitude, ensemble.distance, ensemble.time)]

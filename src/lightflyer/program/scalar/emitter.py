@@ -15,7 +15,7 @@ import numpy as np
 
 from lightflyer.program.operations import RULES as MOVES
 from lightflyer.program.operations import UnsupportedError
-from lightflyer.program.program import Block, Operation, Program
+from lightflyer.program.program import LOOKED_UP, Block, Operation, Program
 from lightflyer.program.scalar.graph import FOLDS, Graph, Node, Scope
 
 MOST_STEPS = 256
@@ -25,8 +25,7 @@ _MOVES = {"broadcast_in_dim", "concatenate", "pad", "reshape", "rev", "slice", "
           "stack", "transpose", "unstack"}  # fmt: skip
 """Operations that move elements alone: NumPy's rules serve for nodes, too."""
 
-_LOOKED_UP = {"dynamic_slice", "gather"}
-"""Operations whose first input may be an array of numbers."""
+_LARGE = 100_000  # Elements from which on a table stays in its array
 
 _REDUCTIONS = {
     "reduce_sum": "add",
@@ -67,7 +66,7 @@ class _Emitter:
         self.graph = graph
         self.scope: Scope | None = None
         self.values: dict[int, np.ndarray] = {}
-        self._tables: dict[int, tuple[np.ndarray, tuple[Any, ...]]] = {}
+        self._tables: dict[int, tuple[np.ndarray, Sequence[Any]]] = {}
 
     def run(self, block: Block) -> list[np.ndarray]:
         """Results of a block whose arguments are set."""
@@ -82,7 +81,7 @@ class _Emitter:
         name, given = operation.name, operation.parameters
         is_known = [array.dtype != object for array in inputs]
         if not (name in _MOVES and all(is_known)):
-            kept = name in _LOOKED_UP
+            kept = name in LOOKED_UP
             inputs = [*inputs[:kept], *map(self.nodes, inputs[kept:])]
         if name in _BLOCKS:
             return _BLOCKS[name](self, operation, inputs)
@@ -105,11 +104,14 @@ class _Emitter:
         """An array that fills its axes: a constant that is the same everywhere need not."""
         return array if array.shape == tuple(shape) else np.broadcast_to(array, shape)
 
-    def table(self, array: np.ndarray) -> tuple[Any, ...]:
+    def table(self, array: np.ndarray) -> Sequence[Any]:
         """The elements of an array of numbers."""
         # what is kept keeps the array, too: another one may not come to its place in memory
         if id(array) not in self._tables:
-            self._tables[id(array)] = array, tuple(array.ravel().tolist())
+            flat = array.ravel()
+            # numbers of Python are found a little sooner, and need four times the memory
+            elements = tuple(flat.tolist()) if flat.size < _LARGE else flat.data
+            self._tables[id(array)] = array, elements
         return self._tables[id(array)][1]
 
     def constants(self, value: Any) -> np.ndarray:

@@ -6,6 +6,7 @@ change in it.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -142,7 +143,7 @@ class Graph:
             found = self.choice(here, values[place], found)
         return found
 
-    def row(self, table: tuple[Any, ...], index: Node) -> Node:
+    def row(self, table: Sequence[Any], index: Node) -> Node:
         """A number of a table that lives on, by an index that is within range."""
         if index.is_constant:
             return self.constant(table[int(index.data)])

@@ -77,8 +77,8 @@ class _JavaScript(Language):
     def negation(self, operand: str) -> Written:
         return f"!{operand}", PREFIX
 
-    def table(self, values: tuple[Any, ...]) -> str:
-        return self._tables.name(values)
+    def table(self, values: Sequence[Any]) -> str:
+        return self._tables.name(tuple(values))
 
     def definition(self, name: str, text: str) -> str:
         return f"const {name}={text};"

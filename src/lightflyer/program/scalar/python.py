@@ -138,7 +138,7 @@ class _Python(Language):
     functions: ClassVar = {name.removeprefix("_"): name for name in _FUNCTIONS}
 
     def __init__(self) -> None:
-        self.tables: dict[str, tuple[Any, ...]] = {}
+        self.tables: dict[str, Sequence[Any]] = {}
         self._names: dict[int, str] = {}
 
     def number(self, value: Any) -> str:
@@ -152,7 +152,7 @@ class _Python(Language):
     def negation(self, operand: str) -> Written:
         return f"(not {operand})", PRIMARY
 
-    def table(self, values: tuple[Any, ...]) -> str:
+    def table(self, values: Sequence[Any]) -> str:
         name = self._names.setdefault(id(values), f"T{len(self._names)}")
         self.tables[name] = values
         return name

@@ -41,7 +41,7 @@ class Language(ABC):
         """Logical negation of an operand that binds more closely than a prefix."""
 
     @abstractmethod
-    def table(self, values: tuple[Any, ...]) -> str:
+    def table(self, values: Sequence[Any]) -> str:
         """Name of an array of constants."""
 
     @abstractmethod

@@ -6,7 +6,8 @@ import xarray as xr
 
 import lightflyer as lf
 from lightflyer.files.result_text import as_text
-from lightflyer.uncertainty.text import band_parts, share_lines
+from lightflyer.prediction.text import Shares, verdict_lines
+from lightflyer.uncertainty.text import band_parts
 
 FILE = """\
 [flyer]
@@ -52,7 +53,7 @@ def test_bands_for_a_file_with_uncertainties(run, folder):
     edge = summary["uncertainty"]["results"]["altitude_band_km.lower"]["monte_carlo"]
     assert share == pytest.approx(edge["share_of_samples"], abs=0.011)  # a sample at the margin
     assert summary["uncertainty"]["share_that_survives"] is None  # no limit is stated
-    assert f"it flies in {100.0 * share:.0f} % of 100 samples of these" in told
+    assert f"It flies, in {100.0 * share:.0f} % of 100 samples, from" in told
     payload = summary["uncertainty"]["results"]["best.payload_mg"]
     assert payload["value"] == summary["best"]["payload_mg"]
     assert payload["monte_carlo"]["low"] < payload["value"] < payload["monte_carlo"]["high"]
@@ -80,11 +81,13 @@ def test_in_how_many_samples_a_film_survives(flyer_file):
     found = lf.propagate(flyer_file(text=text), samples=100)
     rest = found.sampled["verdict.rest.temperature_k"]
     assert found.share_that_survives == np.sum(rest <= 400.0) / 100
-    both = {"share_that_levitates": 0.8, "share_that_survives": 0.3, "samples": 100}
-    assert [*share_lines(both)] == [
-        "it flies in 80 % of 100 samples of these, and its film survives at rest in 30 %"
-    ]
-    assert not [*share_lines(both | {"share_that_levitates": 1.0, "share_that_survives": 1.0})]
+    for flies, survives, words in (
+        (0.8, 0.3, ("It flies, in 80 % of 100 samples, from", "survives in 30 % of the samples.")),
+        (1.0, None, ("It flies from", "its film bears 400 K.")),
+    ):
+        told = " ".join(verdict_lines(found.prediction, {}, Shares(100, flies, survives)))
+        assert all(text in told for text in words)
+    assert found.shares == (100, found.share_that_levitates, found.share_that_survives)
 
 
 def test_first_order_alone(run, folder):

@@ -26,14 +26,14 @@ def verdict(flyer: Published) -> dict[str, Any]:
         path.write_text(flyer.flyer_file(), encoding="utf-8")
         design = read_design(path)
     prediction = lf.predict(design)
-    bands = lf.propagate(design, prediction=prediction, samples=_SAMPLES, seed=0).bands
+    found = lf.propagate(design, prediction=prediction, samples=_SAMPLES, seed=0)
     summary = prediction.summary()
     where = "pressure" if "pressure" in prediction.coordinate.name else "altitude"
     kept = {
         "coordinate": where,
         "bands": prediction.bands,
         "own_mass": float(prediction.setup.flyer.own_mass),
-        "lines": list(verdict_lines(prediction, bands)),
+        "lines": list(verdict_lines(prediction, found.bands, found.shares)),
         "warnings": summary["warnings"],
     }
     return {"digest": flyer.digest(), "version": lf.__version__} | json.loads(json.dumps(kept))

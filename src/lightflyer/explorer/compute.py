@@ -152,7 +152,8 @@ def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) 
 
 def verdict_of(prediction: Prediction, uncertainty: PredictionUncertainty | None) -> dict[str, Any]:
     """The verdict in sentences, and whether the flyer ``flies``, is too ``hot`` or does ``not``."""
-    lines = list(verdict_lines(prediction, {} if uncertainty is None else uncertainty.bands))
+    told = () if uncertainty is None else (uncertainty.bands, uncertainty.shares)
+    lines = list(verdict_lines(prediction, *told))
     found = prediction.verdict
     melts = found.survives is False or found.limit == "film"
     state = "not" if not prediction.bands else "hot" if melts else "flies"

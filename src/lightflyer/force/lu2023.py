@@ -11,9 +11,11 @@ from typing import Any, ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 import pydantic
 from jax import Array
 
+from lightflyer.core.checks import is_concrete
 from lightflyer.core.quantity import ForceCoefficient, StandardErrors
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
@@ -96,7 +98,7 @@ def rayleigh_number(
     mean = _mean_temperature(temperature, excess)
     density = gas.density(pressure, mean)
     viscosity, conductivity = gas.viscosity(mean), gas.conductivity(mean)
-    difference = temperature * jnp.abs(excess)
+    difference = temperature * abs(excess)
     buoyancy = gravity * density * (2.0 * radius) ** 3 * difference
     return buoyancy * density * gas.heat_capacity(mean) / (mean * viscosity * conductivity)
 
@@ -244,8 +246,10 @@ class Lu2023(AbstractForceModel):
         """Those of the tests to which the paper's coefficients were fitted."""
         # Other coefficients hold where those who fitted them say.
         fitted = (self.c_fm == _FITTED_C_FM) & (self.c_cont == _FITTED_C_CONT)
-        ratio = jnp.where(fitted, temperature / state.temperature, jnp.nan)
-        yield _FITTED_DIAMETERS, jnp.where(fitted, 2.0 * flyer.radius, jnp.nan)
+        ratio, diameter = temperature / state.temperature, 2.0 * flyer.radius
+        where = np.where if is_concrete(ratio, diameter, self.c_fm, self.c_cont) else jnp.where
+        ratio = where(fitted, ratio, np.nan)
+        yield _FITTED_DIAMETERS, where(fitted, diameter, np.nan)
         yield _FITTED_WARMER, ratio
         yield _FITTED_HEATING, ratio
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from rich.table import Table
@@ -34,10 +34,22 @@ Bands: TypeAlias = Mapping[str, tuple[float, float]]
 """95 % bands of results, by their names in the summary of the uncertainty."""
 
 
+class Shares(NamedTuple):
+    """In how many samples of its uncertainties a flyer flies, and its film survives at rest."""
+
+    samples: int = 0
+    flies: float | None = None  # Share of the samples [1]; None without samples
+    survives: float | None = None  # None where the film's limit is not known, too
+
+
+_UNKNOWN = Shares()
+
+
 def prediction_parts(
     prediction: "Prediction",
     width: int = NARROW,
     bands: Bands = _NONE,
+    shares: Shares = _UNKNOWN,
     *,
     sources: str = "",
     verbose: bool = False,
@@ -45,7 +57,7 @@ def prediction_parts(
     """The verdict, a table around the bands, and what must be known; ``verbose``: all of it."""
     # ``sources``: where the bands are from, told in short
     width = min(width, NARROW)
-    yield from (wrap(line, width) for line in verdict_lines(prediction, bands))
+    yield from (wrap(line, width) for line in verdict_lines(prediction, bands, shares))
     if prediction.asked.size:
         yield from (
             _points_tables(prediction, width) if verbose else [_short_table(prediction, width)]
@@ -66,22 +78,27 @@ def prediction_parts(
         yield wrap("; ".join(prediction.assumptions), width)
 
 
-def verdict_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
+def verdict_lines(
+    prediction: "Prediction", bands: Bands = _NONE, shares: Shares = _UNKNOWN
+) -> Iterator[str]:
     """What flies, where, what becomes of it when let go, and what its film allows."""
     setup, found = prediction.setup, prediction.verdict
     own_mass, payload = _mass(float(setup.flyer.own_mass)), _mass(float(setup.flyer.payload), "g")
     carried = f", payload {payload}" if float(setup.flyer.payload) else ""
     light = f"{prediction.available:.4g} W/m²"
     yield f"{setup.flyer.describe()}, {own_mass}{carried}, in {light}"
+    several = f" of {shares.samples} samples"
     if not prediction.bands:
-        yield f"It does not fly: lift is at most {_most_lift(prediction, bands)}."
+        but = f", but does in {_percent(shares.flies)}{several}" if shares.flies else ""
+        yield f"It does not fly{but}: lift is at most {_most_lift(prediction, bands)}."
         return
+    often = f", in {_percent(shares.flies)}{several}," if shares.flies not in (None, 1.0) else ""
     night = ""
     if found.longest_night is not None and math.isfinite(found.longest_night):
         factor, unit = OUTPUTS["longest_night"].shown
         night = f"; after {found.longest_night * factor:.2g} {unit} in the dark it is below that"
-    yield f"It flies {_ranges(prediction, prediction.bands, bands, 'band')}{night}."
-    yield from film_lines(prediction, bands)
+    yield f"It flies{often} {_ranges(prediction, prediction.bands, bands, 'band')}{night}."
+    yield from film_lines(prediction, bands, shares)
     if found.best is not None:
         held = "Afloat at" if found.carries_afloat else "Held at" if found.rest else "At"
         place = _place_text(prediction, found.best.coordinate)
@@ -104,7 +121,15 @@ def _force_line(prediction: "Prediction", sources: str) -> str:
     )
 
 
-def film_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
+def _percent(share: float | None) -> str:
+    """A share that is neither none nor all."""
+    text = f"{100.0 * (share or 0.0):.0f}"
+    return f"{100.0 * (share or 0.0):.1f} %" if text in ("0", "100") else f"{text} %"
+
+
+def film_lines(
+    prediction: "Prediction", bands: Bands = _NONE, shares: Shares = _UNKNOWN
+) -> Iterator[str]:
     """What becomes of a flyer when let go, and where and in which light its film survives."""
     found = prediction.verdict
     bears, rest = f"{found.highest_temperature or 0.0:.0f} K", found.rest
@@ -114,7 +139,10 @@ def film_lines(prediction: "Prediction", bands: Bands = _NONE) -> Iterator[str]:
         band = bands.get("verdict.rest.temperature_k")
         hot = _with_band(rest.values["temperature"], band, ".0f", "K")
         survives = " and survives" if found.survives else ""
-        if found.survives and band is not None and band[1] > (found.highest_temperature or 0.0):
+        if shares.survives not in (None, float(bool(found.survives))):
+            often = f"in {_percent(shares.survives)} of the samples"
+            survives += f", {often}" if found.survives else f", and survives {often}"
+        elif found.survives and band is not None and band[1] > (found.highest_temperature or 0.0):
             survives += ", but not in all of that band"
         place = _place_text(prediction, rest.coordinate)
         yield f"Let go, it rests at {place} and {hot}; {film}{survives}."

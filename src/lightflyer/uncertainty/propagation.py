@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from lightflyer.prediction.text import Shares
+
 DEFAULT_SAMPLES = 500  # Monte Carlo samples where nothing else is asked for
 
 FEWEST_SAMPLES = 100
@@ -94,7 +96,7 @@ class PredictionUncertainty(PrintedResult):
         from lightflyer.prediction.text import prediction_parts
         from lightflyer.uncertainty.text import band_parts
 
-        yield from prediction_parts(self.prediction, bands=self.bands)
+        yield from prediction_parts(self.prediction, bands=self.bands, shares=self.shares)
         yield from band_parts(self.summary())
 
     @property
@@ -159,6 +161,13 @@ class PredictionUncertainty(PrintedResult):
         heat = self.sampled.get("verdict.rest.temperature_k")
         highest = self.prediction.verdict.highest_temperature
         return None if heat is None or highest is None else float(np.mean(heat <= highest))
+
+    @property
+    def shares(self) -> "Shares":
+        """In how many samples it flies and survives, as the verdict tells it."""
+        from lightflyer.prediction.text import Shares
+
+        return Shares(self.samples, self.share_that_levitates, self.share_that_survives)
 
     @property
     def tac_correlation(self) -> float | None:

@@ -1,7 +1,6 @@
 """The bands of a prediction in words: lines and tables."""
 
 import re
-from collections.abc import Iterator
 from typing import Any
 
 from rich.table import Table
@@ -14,7 +13,6 @@ _OF_MODEL = re.compile(r"force\.\w+_error")  # inputs that are errors of the for
 def band_parts(uncertainty: dict[str, Any], width: int = NARROW) -> Parts:
     """The 95 % bands of all results but those asked for one by one, from a summary."""
     results, width = uncertainty["results"], min(width, NARROW)
-    yield from share_lines(uncertainty)
     both = ["first order", "Monte Carlo"]
     kept = [*both, "samples"], both, ["Monte Carlo" if uncertainty["samples"] else "first order"]
     tables = [_bands_table(results, columns) for columns in kept]
@@ -22,17 +20,6 @@ def band_parts(uncertainty: dict[str, Any], width: int = NARROW) -> Parts:
     yield next(fitting, tables[-1])
     yield f"from {sources_line(uncertainty)}"
     yield from warning_lines(uncertainty["warnings"])
-
-
-def share_lines(uncertainty: dict[str, Any]) -> Iterator[str]:
-    """In how many of the samples a flyer flies and survives, where that is not all of them."""
-    flies, survives = uncertainty["share_that_levitates"], uncertainty["share_that_survives"]
-    if flies is None or (flies == 1.0 and survives in (None, 0.0, 1.0)):
-        return
-    rest = (
-        "" if survives is None else f", and its film survives at rest in {100.0 * survives:.0f} %"
-    )
-    yield f"it flies in {100.0 * flies:.0f} % of {uncertainty['samples']} samples of these{rest}"
 
 
 def sources_line(uncertainty: dict[str, Any], *, short: bool = False) -> str:

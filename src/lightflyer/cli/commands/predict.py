@@ -176,18 +176,15 @@ def _write(
 def _show(console: "Console", file: "FlyerFile", results: "_Results") -> None:
     """The verdict, a table around the bands, and what stands behind them."""
     from lightflyer.prediction.text import prediction_parts
-    from lightflyer.uncertainty.text import share_lines, sources_line
+    from lightflyer.uncertainty.text import sources_line
 
     prediction, _, uncertainty = results
-    bands = {} if uncertainty is None else uncertainty.bands
-    sources = ""
+    told, sources = _spread_of(uncertainty), ""
     if uncertainty is not None:
-        told = sources_line(uncertainty.summary(), short=True)
-        sources = f"; brackets: 95 % bands from {told}"
-    show(console, prediction_parts(prediction, console.width, bands, sources=sources))
+        told_in_short = sources_line(uncertainty.summary(), short=True)
+        sources = f"; brackets: 95 % bands from {told_in_short}"
+    show(console, prediction_parts(prediction, console.width, *told, sources=sources))
     if uncertainty is not None:
-        for line in share_lines(uncertainty.summary()):
-            console.print(wrap(line), soft_wrap=True)
         for warning in warning_lines(uncertainty.warnings):
             console.print(wrap(warning), soft_wrap=True)
     _note_kept(console, file, uncertainty)
@@ -198,13 +195,18 @@ def _show_all(console: "Console", file: "FlyerFile", results: "_Results") -> Non
     from lightflyer.uncertainty.text import band_parts
 
     prediction, summary, uncertainty = results
-    bands = {} if uncertainty is None else uncertainty.bands
-    show(console, prediction_parts(prediction, console.width, bands, verbose=True))
+    told = _spread_of(uncertainty)
+    show(console, prediction_parts(prediction, console.width, *told, verbose=True))
     for name in filter(summary.__contains__, file.films()):
         console.print(_origins_line(name, summary[name]), soft_wrap=True)
     if uncertainty is not None:
         show(console, band_parts(summary["uncertainty"], console.width))
     _note_kept(console, file, uncertainty)
+
+
+def _spread_of(uncertainty: "PredictionUncertainty | None") -> tuple[Any, ...]:
+    """Bands and shares of the samples, where there are any."""
+    return () if uncertainty is None else (uncertainty.bands, uncertainty.shares)
 
 
 def _note_kept(

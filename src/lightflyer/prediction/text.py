@@ -121,6 +121,15 @@ def _force_line(prediction: "Prediction", sources: str) -> str:
     )
 
 
+def _survival(survives: bool, band_is_above: bool, share: float | None) -> str:
+    """Whether a film survives at rest; ``band_is_above``: its limit."""
+    if share in (None, float(survives)):
+        but = ", but not in all of that band" if band_is_above else ""
+        return f" and survives{but}" if survives else ""
+    often = f"in {_percent(share)} of the samples"
+    return f" and survives, {often}" if survives else f", and survives {often}"
+
+
 def _percent(share: float | None) -> str:
     """A share that is neither none nor all."""
     text = f"{100.0 * (share or 0.0):.0f}"
@@ -138,12 +147,8 @@ def film_lines(
     if rest is not None:
         band = bands.get("verdict.rest.temperature_k")
         hot = _with_band(rest.values["temperature"], band, ".0f", "K")
-        survives = " and survives" if found.survives else ""
-        if shares.survives not in (None, float(bool(found.survives))):
-            often = f"in {_percent(shares.survives)} of the samples"
-            survives += f", {often}" if found.survives else f", and survives {often}"
-        elif found.survives and band is not None and band[1] > (found.highest_temperature or 0.0):
-            survives += ", but not in all of that band"
+        above = band is not None and band[1] > (found.highest_temperature or 0.0)
+        survives = _survival(bool(found.survives), above, shares.survives)
         place = _place_text(prediction, rest.coordinate)
         yield f"Let go, it rests at {place} and {hot}; {film}{survives}."
     ways = []

@@ -30,7 +30,9 @@ _ASCII = {
     "\N{NO-BREAK SPACE}": " ", "\N{NARROW NO-BREAK SPACE}": " ",
 }  # fmt: skip
 
+_KEPT = "with --out whole batches of flights are kept; the same command goes on from there"
 _GOES_ON = {
+    **dict.fromkeys(("fly", "spread"), _KEPT),
     "explore": "the address of the page holds its design, and opens it again",
     "sweep": "what was computed is kept; the same command goes on from there",
 }

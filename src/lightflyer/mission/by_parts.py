@@ -17,6 +17,7 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Place
 from lightflyer.environment.wind.gridded import GriddedWind, hold, parts_at, winds_in_files
 from lightflyer.mission.fleet import BATCH, FEW, Flights, fly_all, one_of, take
+from lightflyer.mission.kept import Keep, keep_nothing
 from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track
 from lightflyer.mission.path.motion import planet_of
 from lightflyer.mission.path.position import latitude_and_longitude, unit_vector
@@ -39,11 +40,12 @@ def fly_many(
     elapsed: np.ndarray,
     accuracy: Accuracy,
     first: Track | None = None,
+    keep: Keep = keep_nothing,
 ) -> Track:
     """Trajectories of flights as of :func:`~.fleet.fly_all`, whatever size their wind has."""
     winds = winds_in_files(flights.setup)
     if not winds or flights.count - (first is not None) <= FEW:
-        return fly_all(flights, limits, elapsed, accuracy, first)
+        return fly_all(flights, limits, elapsed, accuracy, first, keep=keep)
     radius = float(planet_of(flights.setup.environment).radius)
     fleet = _Fleet(flights, elapsed, first, radius)
     length, fleet.apart = _lengths(winds, radius)

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from itertools import takewhile
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -20,6 +22,7 @@ from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.environment.planet import EARTH_PLANET
+from lightflyer.mission.kept import Keep, keep_nothing
 from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track, track
 from lightflyer.mission.path.motion import Craft, planet_of
@@ -251,16 +254,21 @@ def fly_all(
     accuracy: Accuracy,
     first: Track | None = None,
     size: int | None = None,
+    keep: Keep = keep_nothing,
 ) -> Track:
     """Trajectories of flights; ``elapsed``: times to keep, shape (times,)."""
     # Fewer than there are flights where a user asks for an early end. ``first``: that of the first
     # flight, where it is known. Few are followed one by one, more are compiled and integrated
-    # together, ``size`` of them at once.
+    # together, ``size`` of them at once. ``keep``: has those of an interrupted call.
     count, known = flights.count, [] if first is None else [first]
     if count - len(known) <= FEW:
         rows = range(len(known), count)
+
+        def follow_one(row: int) -> Track:
+            return follow(*one_of(flights, row), limits, elapsed, accuracy)[0]
+
         known += [
-            follow(*one_of(flights, row), limits, elapsed, accuracy)[0]
+            keep(row, partial(follow_one, row))
             for row in rows
             if not asked_to_end()
         ]
@@ -271,11 +279,13 @@ def fly_all(
     size = size or min(BATCH, count - alone)
     starts = range(alone, count, max(size, 1))
 
-    def compute(start: int) -> Track | None:
-        if asked_to_end():
-            return None
+    def fly_some(start: int) -> Track:
         rows = np.minimum(np.arange(start, start + size), count - 1)  # filled up with the last
-        return _tracks(take(flights, rows), limits, elapsed, accuracy)
+        tracks = _tracks(take(flights, rows), limits, elapsed, accuracy)
+        return jax.tree.map(lambda leaf: leaf[: count - start], tracks)
+
+    def compute(start: int) -> Track | None:
+        return None if asked_to_end() else keep(start, partial(fly_some, start))
 
     if starts:
         report("compiling what flies many at once")
@@ -284,9 +294,9 @@ def fly_all(
         for start, some in zip(starts[1:], pool.map(compute, starts[1:]), strict=True):
             report("flying", start, count, "flights")
             tracks.append(some)
-    flown = [some for some in tracks if some is not None]
+    flown = [*takewhile(lambda some: some is not None, tracks)]
     report("flying", count, count, "flights")
-    return jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *flown)
+    return jax.tree.map(lambda *parts: np.concatenate(parts), *flown)
 
 
 def one_of(flights: Flights, row: int) -> tuple[Craft, Start]:

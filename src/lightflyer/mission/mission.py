@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import jax
@@ -22,7 +23,8 @@ from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import Circle
 from lightflyer.mission.by_parts import fly_many, left_their_part
-from lightflyer.mission.fleet import Ensemble, flights_of
+from lightflyer.mission.fleet import BATCH, Ensemble, Flights, flights_of
+from lightflyer.mission.kept import describe_work, keep_in, keep_nothing
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
 from lightflyer.mission.path.integration import (
@@ -91,6 +93,7 @@ def fly(
     station: Circle | None = None,
     inertia: Inertia | None = None,
     tolerance: float = TOLERANCE,
+    folder: str | Path | None = None,
 ) -> "xr.Dataset":
     """Fly a mission: a trajectory in time, altitude, latitude and longitude.
 
@@ -122,6 +125,9 @@ def fly(
         Integrate velocity and temperature too, as a check that both follow at once.
     tolerance : float
         Error of a step of the integration.
+    folder : path, optional
+        Keeps the flights of ensemble and launches. The same call continues where it was
+        interrupted.
 
     Returns
     -------
@@ -135,6 +141,8 @@ def fly(
         If the release is not within the environment, or the model is not for the flyer.
     ConfigurationError
         If this kind of flyer has no law of drag.
+    OutputError
+        If the folder holds flights of another mission, or something else.
 
     Examples
     --------
@@ -160,6 +168,9 @@ def fly(
     elapsed = times_of(duration, every, several=several)
     plan = _Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), tolerance))
     flights = flights_of(mission.design, mission.rule, mission.start, ensemble, launches)
+    keep = keep_nothing
+    if folder is not None and several:
+        keep = keep_in(Path(folder), _describe(mission, plan, flights, ensemble, launches))
     released = float(release.time)
     if inertia is None:
         require_steady_fall(mission.craft, mission.start)
@@ -174,7 +185,7 @@ def fly(
                 "take what it needs into memory: GriddedWind(xarray.open_dataset(file).sel(...))"
             )
         way = way_between(elapsed, first)
-    tracks = fly_many(flights, *plan.course, first)
+    tracks = fly_many(flights, *plan.course, first, keep)
     # read once, for all that is looked at below
     known = np.union1d(close_times(way), elapsed[np.isfinite(first.altitude)])
     craft = in_met_winds(mission.craft, Course(known, *way(known), released))
@@ -186,7 +197,10 @@ def fly(
     flown = len(tracks.end_altitude)
     whole = flown == flights.count  # unless a user ended it early
     if not whole:
-        told.append(f"interrupted: {flown - 1} of {flights.count - 1} further flights were flown")
+        goes_on = "" if folder is None else ", the same call goes on"
+        told.append(
+            f"interrupted: {flown - 1} of {flights.count - 1} further flights were flown{goes_on}"
+        )
     dataset.attrs["warnings"] = "; ".join(dict.fromkeys(told))
     if ensemble is not None and flown > 1:
         members = Several("ensemble_", "member", {}, _rows(tracks, slice(1, 1 + ensemble.members)))
@@ -309,6 +323,26 @@ def _seconds(name: str, value: Any) -> float:
     number = float(_DURATION.number(name, value))
     _DURATION.check(name, number)
     return number
+
+
+def _describe(
+    mission: _Mission,
+    plan: _Plan,
+    flights: Flights,
+    ensemble: Ensemble | None,
+    launches: Sequence[float],
+) -> dict[str, str]:
+    """Everything that decides the flights beside the first, in words that can be compared."""
+    parts = {
+        "release": mission.start,
+        "ensemble": ensemble,
+        "launches": np.array(launches),
+        "attitude": mission.rule,
+        "altitudes": plan.limits,
+        "times": plan.elapsed,
+        "flights": (flights.varied, flights.starts, flights.errors),
+    }
+    return describe_work(mission.design, parts) | {"accuracy, batch": f"{plan.accuracy}, {BATCH}"}
 
 
 def _launch(tracks: Track, launches: Sequence[float]) -> Several:

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
-from lightflyer.cli.output import print_json, printer, show
+from lightflyer.cli.output import print_json, printer, say, show
 from lightflyer.core.errors import ParameterError
 
 Tracks = Annotated[list[Path] | None, Parameter(consume_multiple=True, negative=())]
@@ -41,15 +41,17 @@ def fly_command(
         Measured tracks to lay beside the flight: tables (CSV) with time, latitude, longitude and
         altitude, GPX, or KML with times.
     out
-        Folder to write figures, the dataset (NetCDF), the flight as a table (CSV), the track
-        (KML) and the summary (JSON) into.
+        Folder to write figures, the dataset (NetCDF), the flight as a table (CSV), the tracks
+        (KML, GeoJSON) and the summary (JSON) into. Of an interrupted command it keeps the flights
+        of ensemble and launches: the same command goes on.
     json_output
         Print one JSON object instead of tables.
     figures
         How figures are written.
     """
-    out = figures.folder(out)
+    asked, out = out, figures.folder(out)
     from lightflyer.core.progress import asked_to_end, ends_early, report
+    from lightflyer.mission.kept import forget_flights, kept_flights
     from lightflyer.mission.mission import fly
     from lightflyer.mission.mission_file import read_mission_file
     from lightflyer.mission.report.kml import write_kml
@@ -59,8 +61,10 @@ def fly_command(
 
     mission = read_mission_file(mission_file)
     tracks = _read_tracks(compare, mission)
+    folder = None if asked is None or not mission.has_several else asked / "flights"
+    known = 0 if folder is None else kept_flights(folder)
     with ends_early():
-        dataset = fly(mission.design, **mission.arguments())
+        dataset = fly(mission.design, **mission.arguments(), folder=folder)
         compared = _compare(tracks, mission)
         interrupted = asked_to_end()
     found = summarise(dataset)
@@ -96,6 +100,8 @@ def fly_command(
     if compared:
         files["comparison.csv"] = lambda path: write_comparison_csv(compared, path)
     written = figures.write_folder(out, files, draw)
+    if folder is not None and not interrupted:
+        forget_flights(folder)
     if json_output:
         print_json(found)
     else:
@@ -103,6 +109,8 @@ def fly_command(
         show(console, mission_parts(dataset))
         for one in found.get("measured", ()):
             show(console, ["", *comparison_parts(one)])
+        if known:
+            say(console, f"goes on: {known} flights of the interrupted command were kept")
         figures.tell(console, written, "add --out FOLDER to write figures and data")
     if interrupted:
         raise KeyboardInterrupt

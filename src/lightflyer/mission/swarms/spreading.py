@@ -1,7 +1,5 @@
 """Where the members of a released swarm are after days: shares, with what chance leaves open."""
 
-import json
-import zipfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,18 +10,17 @@ import numpy as np
 
 import lightflyer
 from lightflyer.compute.scheduler import connect_client, run_on_dask
-from lightflyer.compute.store import versions
 from lightflyer.config.designs import as_design
-from lightflyer.core.atomic_files import output_directory
 from lightflyer.core.clock import dates_of
-from lightflyer.core.errors import OutputError, ParameterError
+from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import Counted, Step, report_to
-from lightflyer.design.design import AbstractDesign, digest
+from lightflyer.design.design import AbstractDesign
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import AbstractArea, describe_all
 from lightflyer.mission.by_parts import fly_many
 from lightflyer.mission.fleet import BATCH, Ensemble, flights_of
+from lightflyer.mission.kept import Kept, describe_work
 from lightflyer.mission.mission import times_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.integration import TOLERANCE, Accuracy, Limits, Start, Track
@@ -242,14 +239,18 @@ def _release(swarm: _Swarm) -> np.ndarray:
 
 def _count(swarm: _Swarm, folder: Path | None, scheduler: str | None) -> Counts:
     """Sums over all batches: those that a folder has, and those that are flown now."""
-    found = {} if folder is None else _keep(swarm, folder)
+    kept = None if folder is None else Kept(folder, _STUDY, "swarm", _describe(swarm))
+    found: dict[int, Counts] = {}
+    for batch in range(swarm.batches):
+        stored = None if kept is None else kept.read(_name(batch))
+        if stored is not None:
+            found[batch] = Counts(**stored)
     missing = [batch for batch in range(swarm.batches) if batch not in found]
     done = sum(swarm.size(batch) for batch in found)
     counted = Counted("flying", swarm.ensemble.members, "flights", done)
     for batch, counts in _fly(swarm, missing, scheduler):
-        if folder is not None:
-            with output_directory(folder, shared=True) as path:
-                np.savez(path(_name(batch)), **counts._asdict())
+        if kept is not None:
+            kept.write(_name(batch), counts._asdict())
         found[batch] = counts
         counted.add(swarm.size(batch))
     # in the order of the batches, so that the sums do not depend on who was first
@@ -266,49 +267,12 @@ def _fly(swarm: _Swarm, missing: list[int], scheduler: str | None) -> Iterator[t
 
 
 def _name(batch: int) -> str:
-    return f"batch-{batch:06d}.npz"
-
-
-def _keep(swarm: _Swarm, folder: Path) -> dict[int, Counts]:
-    """Counts that a folder has of this swarm; the folder is made if there is none."""
-    described = _describe(swarm)
-    record = folder / _STUDY
-    try:
-        if not record.exists():
-            if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-                raise OutputError(
-                    f"{folder}: already exists and is no swarm; choose another folder"
-                )
-            with output_directory(folder, shared=True) as path:
-                path(_STUDY).write_text(json.dumps(described, indent=1), encoding="utf-8")
-            return {}
-        stored = json.loads(record.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        if isinstance(error, OutputError):
-            raise
-        raise OutputError(f"{record}: cannot be read or written: {error}") from None
-    unlike = [key for key in {**stored, **described} if stored.get(key) != described.get(key)]
-    if unlike:
-        raise OutputError(
-            f"{folder}: holds another swarm, which differs in {', '.join(unlike[:3])}; choose "
-            "another folder or remove it"
-        )
-    kept = ((batch, _read(folder / _name(batch))) for batch in range(swarm.batches))
-    return {batch: counts for batch, counts in kept if counts is not None}
-
-
-def _read(path: Path) -> Counts | None:
-    """Counts of a file; None where there is none, or not a whole one."""
-    try:
-        with np.load(path) as content:
-            return Counts(*(content[name] for name in Counts._fields))
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
-        return None
+    return f"batch-{batch:06d}"
 
 
 def _describe(swarm: _Swarm) -> dict[str, str]:
     """Everything that decides the counts, in words that can be compared."""
-    arrays = {
+    parts = {
         "release": swarm.start,
         "ensemble": swarm.ensemble,
         "attitude": swarm.rule,
@@ -316,10 +280,8 @@ def _describe(swarm: _Swarm) -> dict[str, str]:
         "altitudes": swarm.limits,
         "times": swarm.elapsed,
     }
-    told = dict(swarm.design.description()) | versions()
-    for name, part in arrays.items():
-        told[name] = f"{jax.tree.structure(part)} {digest(*jax.tree.leaves(part))}"
     whole = (swarm.ensemble.members, swarm.ensemble.seed, swarm.accuracy, MEMBERS)
+    told = describe_work(swarm.design, parts)
     return told | {"members, seed, accuracy, batch": repr(whole)}
 
 

@@ -1,0 +1,117 @@
+"""What was flown, kept in a folder: the same call goes on where it was interrupted."""
+
+import json
+import zipfile
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+
+from lightflyer.compute.store import versions
+from lightflyer.core.atomic_files import output_directory
+from lightflyer.core.errors import OutputError
+from lightflyer.design.design import AbstractDesign, digest
+from lightflyer.mission.path.integration import Track
+from lightflyer.mission.path.termination import TerminationReason
+
+_FLIGHTS = "flights.json"
+
+
+def describe_work(design: AbstractDesign, parts: Mapping[str, Any]) -> dict[str, str]:
+    """Everything that decides results, in words that can be compared; ``parts``: pytrees."""
+    told = dict(design.description()) | versions()
+    for name, part in parts.items():
+        told[name] = f"{jax.tree.structure(part)} {digest(*jax.tree.leaves(part))}"
+    return told
+
+
+class Kept:
+    """Parts of one work in a folder, which is made if there is none; ``kind``: what it is."""
+
+    def __init__(self, folder: Path, record: str, kind: str, described: dict[str, str]) -> None:
+        self._folder, path = folder, folder / record
+        try:
+            if not path.exists():
+                if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+                    raise OutputError(
+                        f"{folder}: already exists and is no {kind}; choose another folder"
+                    )
+                stored = None
+            else:
+                stored = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            if isinstance(error, OutputError):
+                raise
+            raise OutputError(f"{path}: cannot be read or written: {error}") from None
+        if stored == described:
+            return
+        if stored is not None and any(folder.glob("*.npz")):
+            names = {**stored, **described}
+            unlike = [name for name in names if stored.get(name) != described.get(name)]
+            raise OutputError(
+                f"{folder}: holds another {kind}, which differs in {', '.join(unlike[:3])}; choose "
+                "another folder or remove it"
+            )
+        with output_directory(folder, shared=True) as stage:
+            stage(record).write_text(json.dumps(described, indent=1), encoding="utf-8")
+
+    def read(self, name: str) -> dict[str, np.ndarray] | None:
+        """Arrays of a part by name; None where there is none, or not a whole one."""
+        try:
+            with np.load(self._folder / f"{name}.npz") as content:
+                return dict(content)
+        except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
+            return None
+
+    def write(self, name: str, arrays: Mapping[str, Any]) -> None:
+        """Keep the arrays of a part."""
+        with output_directory(self._folder, shared=True) as stage:
+            np.savez(stage(f"{name}.npz"), **arrays)
+
+
+Keep = Callable[[int, Callable[[], Track]], Track]
+"""Tracks of flights, by the number of the first: those that are kept, or those flown now."""
+
+
+def keep_nothing(first: int, fly: Callable[[], Track]) -> Track:
+    """Tracks that are flown now."""
+    del first
+    return fly()
+
+
+def keep_in(folder: Path, described: dict[str, str]) -> Keep:
+    """What keeps the flights of a mission in a folder."""
+    kept = Kept(folder, _FLIGHTS, "mission", described)
+
+    def keep(first: int, fly: Callable[[], Track]) -> Track:
+        name = f"flights-{first:06d}"
+        stored = kept.read(name)
+        if stored is not None:
+            return Track(**stored)
+        track = fly()
+        if not np.any(np.equal(track.termination, TerminationReason.INTERRUPTED)):
+            kept.write(name, vars(track))
+        return track
+
+    return keep
+
+
+def kept_flights(folder: Path) -> int:
+    """How many flights a folder has."""
+    count = 0
+    for path in folder.glob("flights-*.npz"):
+        with suppress(OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
+            with np.load(path) as content:
+                count += content["end_elapsed"].size
+    return count
+
+
+def forget_flights(folder: Path) -> None:
+    """Remove the flights that a folder has kept, and the folder where it has nothing else."""
+    for path in (*folder.glob("flights-*.npz"), folder / _FLIGHTS):
+        path.unlink(missing_ok=True)
+    with suppress(OSError):
+        folder.rmdir()

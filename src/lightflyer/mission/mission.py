@@ -202,12 +202,14 @@ def fly(
             f"interrupted: {flown - 1} of {flights.count - 1} further flights were flown{goes_on}"
         )
     dataset.attrs["warnings"] = "; ".join(dict.fromkeys(told))
+    times = np.asarray(flights.starts.place.time)
     if ensemble is not None and flown > 1:
-        members = Several("ensemble_", "member", {}, _rows(tracks, slice(1, 1 + ensemble.members)))
+        rows = slice(1, min(flown, 1 + ensemble.members))
+        members = Several("ensemble_", "member", {}, _rows(tracks, rows), times[rows])
         add_several(dataset, members)
         add_survival(dataset, members)
     if len(launches) > 0 and whole:
-        add_several(dataset, _launch(tracks, launches))
+        add_several(dataset, _launch(tracks, launches, times))
     dataset.attrs |= _record(mission, ensemble, inertia)
     if station is not None:
         radius = float(planet_of(mission.setup.environment).radius)
@@ -345,13 +347,13 @@ def _describe(
     return describe_work(mission.design, parts) | {"accuracy, batch": f"{plan.accuracy}, {BATCH}"}
 
 
-def _launch(tracks: Track, launches: Sequence[float]) -> Several:
+def _launch(tracks: Track, launches: Sequence[float], times: np.ndarray) -> Several:
     """The release itself, and the later ones."""
     count = len(tracks.end_altitude)
     rows = [0, *range(count - len(launches), count)]
     delays = np.array([0.0, *launches])
     labels = {"launch_delay": (delays, Variable("s", "delay of the release"))}
-    return Several("launch_", "launch", labels, _rows(tracks, rows))
+    return Several("launch_", "launch", labels, _rows(tracks, rows), times[rows])
 
 
 def _rows(tracks: Track, rows: Any) -> Track:

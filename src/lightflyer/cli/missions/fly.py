@@ -54,7 +54,9 @@ def fly_command(
     from lightflyer.mission.kept import forget_flights, kept_flights
     from lightflyer.mission.mission import fly
     from lightflyer.mission.mission_file import read_mission_file
+    from lightflyer.mission.report.geojson import write_geojson
     from lightflyer.mission.report.kml import write_kml
+    from lightflyer.mission.report.netcdf import write_netcdf
     from lightflyer.mission.report.summary import summarise
     from lightflyer.mission.report.tables import has_several, write_csv, write_ends_csv
     from lightflyer.mission.report.text import mission_parts
@@ -90,9 +92,10 @@ def fly_command(
     if out is not None:
         report("writing")
     files = {
-        "mission.nc": lambda path: dataset.to_netcdf(path, engine="h5netcdf"),
+        "mission.nc": lambda path: write_netcdf(dataset, path),
         "mission.csv": lambda path: write_csv(dataset, path),
         "mission.kml": lambda path: write_kml(dataset, path),
+        "mission.geojson": lambda path: write_geojson(dataset, path),
         "mission.json": found,
     }
     if has_several(dataset):

@@ -1,5 +1,6 @@
 """A mission as a dataset with units."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +38,10 @@ ENDS = {
 """Where, when and why a flight ended."""
 
 
+SEVERAL = (("ensemble_", "member"), ("launch_", "launch"))
+"""Prefixes and dimensions of flights beside that of the flyer as it is stated."""
+
+
 @dataclass(frozen=True)
 class Several:
     """Flights along a dimension of the dataset."""
@@ -45,6 +50,7 @@ class Several:
     dimension: str
     labels: dict[str, tuple[np.ndarray, Variable]]  # Coordinates along the dimension
     track: Track  # Fields have a leading axis
+    released: np.ndarray  # Times of the releases [s since 2000-01-01 12:00 UTC]
 
 
 def degrees_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -83,7 +89,11 @@ def dataset_of(
 def add_several(dataset: "xr.Dataset", several: Several) -> None:
     """Add the tracks and ends of further flights."""
     size = len(several.track.end_altitude)
-    dataset.coords[several.dimension] = (several.dimension, np.arange(size))
+    about = {"long_name": f"number of the {several.dimension}"}
+    dataset.coords[several.dimension] = (several.dimension, np.arange(size), about)
+    date = {"long_name": "date of the release (UTC)"}
+    released = (several.dimension, dates_of(several.released), date)
+    dataset[f"{several.prefix}released"] = released
     for name, (label, variable) in several.labels.items():
         dataset.coords[name] = (several.dimension, label, _attributes(variable))
     for name, values in _places(several.track).items():
@@ -99,6 +109,18 @@ def add_survival(dataset: "xr.Dataset", several: Several) -> None:
     flying = np.isfinite(several.track.altitude).mean(axis=0)
     about = {"units": "1", "long_name": "share of the ensemble that is still flying"}
     dataset[several.prefix + "flying"] = (ELAPSED, flying, about)
+
+
+def ends_of(dataset: "xr.Dataset") -> Iterator[tuple[str, int | None, dict[str, Any]]]:
+    """Which flights there are, their numbers, and how each ended: by the names of ENDS."""
+    for prefix, dimension in (("", ""), *SEVERAL):
+        if f"{prefix}end_reason" not in dataset:
+            continue
+        columns = [np.atleast_1d(dataset[prefix + name].values) for name in ENDS]
+        for number, row in enumerate(zip(*columns, strict=True)):
+            end = {name: value.item() for name, value in zip(ENDS, row, strict=True)}
+            end["end_reason"] = TerminationReason(end["end_reason"]).name.lower()
+            yield dimension or "stated", number if dimension else None, end
 
 
 def _places(track: Track) -> dict[str, np.ndarray]:

@@ -5,14 +5,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lightflyer.mission.path.termination import TerminationReason
-from lightflyer.mission.report.dataset import ELAPSED, ENDS
+from lightflyer.mission.report.dataset import ELAPSED, ENDS, SEVERAL, ends_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _FORMAT = "%.10g"
-_SEVERAL = (("ensemble_", "member"), ("launch_", "launch"))  # prefixes, and dimensions
 
 
 def write_csv(dataset: "xr.Dataset", path: Path) -> None:
@@ -33,7 +31,7 @@ def write_csv(dataset: "xr.Dataset", path: Path) -> None:
 
 def has_several(dataset: "xr.Dataset") -> bool:
     """Whether there are flights beside that of the flyer as it is stated."""
-    return any(f"{prefix}end_reason" in dataset for prefix, _ in _SEVERAL)
+    return any(f"{prefix}end_reason" in dataset for prefix, _ in SEVERAL)
 
 
 def write_ends_csv(dataset: "xr.Dataset", path: Path) -> None:
@@ -41,14 +39,8 @@ def write_ends_csv(dataset: "xr.Dataset", path: Path) -> None:
     names = [name for name in ENDS if name != "end_reason"]
     units = [f"{name} [{dataset[name].attrs['units']}]" for name in names]
     lines = [",".join(["flight", "number", *units, "end_reason"])]
-    for prefix, dimension in (("", ""), *_SEVERAL):
-        if f"{prefix}end_reason" not in dataset:
-            continue
-        columns = [np.atleast_1d(dataset[prefix + name].values) for name in ENDS]
-        for number, row in enumerate(zip(*columns, strict=True)):
-            given = dict(zip(ENDS, row, strict=True))
-            cells = [_FORMAT % given[name] for name in names]
-            reason = TerminationReason(int(given["end_reason"])).name.lower()
-            which = [dimension, str(number)] if dimension else ["stated", ""]
-            lines.append(",".join([*which, *cells, reason]))
+    for flight, number, end in ends_of(dataset):
+        cells = [_FORMAT % end[name] for name in names]
+        which = "" if number is None else str(number)
+        lines.append(",".join([flight, which, *cells, end["end_reason"]]))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")

@@ -25,7 +25,8 @@ EXIT_FAILURE = 2
 EXIT_INTERRUPTED = 130
 
 _READS = {
-    *("predict", "fly", "spread", "film", "compare", "sweep", "optimise", "sensitivity"),
+    *("predict", "fly", "spread", "drift", "stability", "swarm", "film", "compare", "sweep"),
+    *("optimise", "sensitivity"),
     "calibrate",
     *(f"lab {kind}" for kind in
       ("tac", "levitation", "thermography", "ftir", "roughness", "optics")),
@@ -66,6 +67,21 @@ app.command(
     "lightflyer.cli.missions.spread:spread_command",
     name="spread",
     help="Spread a swarm: which shares still fly, and are near a place, after days.",
+)
+app.command(
+    "lightflyer.cli.missions.steering:drift_command",
+    name="drift",
+    help="How fast a tilted flyer drifts sideways, over altitude and tilt.",
+)
+app.command(
+    "lightflyer.cli.missions.steering:stability_command",
+    name="stability",
+    help="Whether a flyer keeps level with its payload hanging below it.",
+)
+app.command(
+    "lightflyer.cli.missions.steering:swarm_command",
+    name="swarm",
+    help="How many flyers on tethers carry one payload together.",
 )
 app.command(
     "lightflyer.cli.commands.compare:compare_command",

@@ -74,3 +74,13 @@ def coordinate(option: str, text: str, where: "Coordinate") -> float:
     if spread is not None:
         raise ConfigurationError(f'{option} "{text}": takes no ±')
     return found
+
+
+def coordinate_range(option: str, text: str, where: "Coordinate") -> tuple[float, float]:
+    """Two altitudes or pressures of an option such as "50 km to 100 km" in SI units."""
+    ends = text.split(" to ")
+    example = '"50 km to 100 km"' if where.name == "altitude" else '"1 Pa to 100 Pa"'
+    if len(ends) != 2:
+        raise ConfigurationError(f'{option} "{text}": write a range, as in {example}')
+    low, high = (coordinate(option, end.strip(), where) for end in ends)
+    return low, high

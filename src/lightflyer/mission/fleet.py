@@ -267,11 +267,7 @@ def fly_all(
         def follow_one(row: int) -> Track:
             return follow(*one_of(flights, row), limits, elapsed, accuracy)[0]
 
-        known += [
-            keep(row, partial(follow_one, row))
-            for row in rows
-            if not asked_to_end()
-        ]
+        known += [keep(row, partial(follow_one, row)) for row in rows if not asked_to_end()]
     alone = len(known)
     tracks: list[Track | None] = []
     if known:

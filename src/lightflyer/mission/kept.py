@@ -60,16 +60,20 @@ class Kept:
 
     def read(self, name: str) -> dict[str, np.ndarray] | None:
         """Arrays of a part by name; None where there is none, or not a whole one."""
-        try:
-            with np.load(self._folder / f"{name}.npz") as content:
-                return dict(content)
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
-            return None
+        return _read(self._folder / f"{name}.npz")
 
     def write(self, name: str, arrays: Mapping[str, Any]) -> None:
         """Keep the arrays of a part."""
         with output_directory(self._folder, shared=True) as stage:
             np.savez(stage(f"{name}.npz"), **arrays)
+
+
+def _read(path: Path) -> dict[str, np.ndarray] | None:
+    try:
+        with np.load(path) as content:
+            return dict(content)
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
+        return None
 
 
 Keep = Callable[[int, Callable[[], Track]], Track]
@@ -103,9 +107,7 @@ def kept_flights(folder: Path) -> int:
     """How many flights a folder has."""
     count = 0
     for path in folder.glob("flights-*.npz"):
-        with suppress(OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
-            with np.load(path) as content:
-                count += content["end_elapsed"].size
+        count += (_read(path) or {"end_elapsed": np.empty(0)})["end_elapsed"].size
     return count
 
 

@@ -49,11 +49,6 @@ class MissionFile:
     design: FileDesign  # Flyer, environment and force model
     mission: MissionSection
 
-    @property
-    def has_several(self) -> bool:
-        """Whether there are flights beside that of the flyer as it is stated."""
-        return self.mission.ensemble is not None or self.mission.launches is not None
-
     def arguments(self) -> dict[str, Any]:
         """Arguments of :func:`lightflyer.fly` beside the design."""
         return self.mission.arguments()

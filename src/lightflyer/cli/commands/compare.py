@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.options import Json, Samples, Seed, coordinate
+from lightflyer.cli.options import Json, Samples, Seed, coordinate_range
 from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.errors import ConfigurationError
 
@@ -81,9 +81,4 @@ def _range(
         where = read_flyer_file(path).design().setup.environment.coordinate
         if where.name != name:
             raise ConfigurationError(f"--{name}s: {path} is described over {where.name}")
-    ends = text.split(" to ")
-    example = '"50 km to 100 km"' if name == "altitude" else '"1 Pa to 100 Pa"'
-    if len(ends) != 2:
-        raise ConfigurationError(f'--{name}s "{text}": write a range, as in {example}')
-    low, high = (coordinate(f"--{name}s", end.strip(), where) for end in ends)
-    return low, high
+    return coordinate_range(f"--{name}s", text, where)

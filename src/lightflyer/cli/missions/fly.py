@@ -2,6 +2,7 @@
 
 import json
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -54,16 +55,12 @@ def fly_command(
     from lightflyer.mission.kept import forget_flights, kept_flights
     from lightflyer.mission.mission import fly
     from lightflyer.mission.mission_file import read_mission_file
-    from lightflyer.mission.report.geojson import write_geojson
-    from lightflyer.mission.report.kml import write_kml
-    from lightflyer.mission.report.netcdf import write_netcdf
     from lightflyer.mission.report.summary import summarise
-    from lightflyer.mission.report.tables import has_several, write_csv, write_ends_csv
     from lightflyer.mission.report.text import mission_parts
 
     mission = read_mission_file(mission_file)
     tracks = _read_tracks(compare, mission)
-    folder = None if asked is None or not mission.has_several else asked / "flights"
+    folder = None if asked is None else asked / "flights"
     known = 0 if folder is None else kept_flights(folder)
     with ends_early():
         dataset = fly(mission.design, **mission.arguments(), folder=folder)
@@ -73,7 +70,6 @@ def fly_command(
     if compared:
         from lightflyer.mission.measured.comparison import join_comparisons
         from lightflyer.mission.measured.summary import comparison_parts, summarise_comparison
-        from lightflyer.mission.measured.tables import write_comparison_csv
 
         found["measured"] = [summarise_comparison(one) for one in compared]
         dataset = dataset.merge(join_comparisons(compared), combine_attrs="override")
@@ -91,18 +87,7 @@ def fly_command(
 
     if out is not None:
         report("writing")
-    files = {
-        "mission.nc": lambda path: write_netcdf(dataset, path),
-        "mission.csv": lambda path: write_csv(dataset, path),
-        "mission.kml": lambda path: write_kml(dataset, path),
-        "mission.geojson": lambda path: write_geojson(dataset, path),
-        "mission.json": found,
-    }
-    if has_several(dataset):
-        files["mission-ends.csv"] = lambda path: write_ends_csv(dataset, path)
-    if compared:
-        files["comparison.csv"] = lambda path: write_comparison_csv(compared, path)
-    written = figures.write_folder(out, files, draw)
+    written = figures.write_folder(out, _files(dataset, found, compared), draw)
     if folder is not None and not interrupted:
         forget_flights(folder)
     if json_output:
@@ -117,6 +102,31 @@ def fly_command(
         figures.tell(console, written, "add --out FOLDER to write figures and data")
     if interrupted:
         raise KeyboardInterrupt
+
+
+def _files(
+    dataset: "xr.Dataset", found: dict[str, Any], compared: "list[xr.Dataset]"
+) -> dict[str, Any]:
+    """What is written, by name."""
+    from lightflyer.mission.report.geojson import write_geojson
+    from lightflyer.mission.report.kml import write_kml
+    from lightflyer.mission.report.netcdf import write_netcdf
+    from lightflyer.mission.report.tables import has_several, write_csv, write_ends_csv
+
+    files = {
+        "mission.nc": partial(write_netcdf, dataset),
+        "mission.csv": partial(write_csv, dataset),
+        "mission.kml": partial(write_kml, dataset),
+        "mission.geojson": partial(write_geojson, dataset),
+        "mission.json": found,
+    }
+    if has_several(dataset):
+        files["mission-ends.csv"] = partial(write_ends_csv, dataset)
+    if compared:
+        from lightflyer.mission.measured.tables import write_comparison_csv
+
+        files["comparison.csv"] = partial(write_comparison_csv, compared)
+    return files
 
 
 def _read_tracks(paths: list[Path] | None, mission: "MissionFile") -> "list[MeasuredTrack]":

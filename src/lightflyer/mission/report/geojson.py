@@ -32,9 +32,7 @@ def write_geojson(dataset: "xr.Dataset", path: Path) -> None:
             if len(known) == 1 or not np.array_equal(known[-1], place):
                 known = np.vstack([known, place])  # it ended between two moments
             tracks.append(feature(line(known), what="track", **about))
-    begin = feature(
-        point(places_of(dataset, "")[0]), what="release", time=date_after(dataset, 0.0)
-    )
+    begin = feature(point(places_of(dataset, "")[0]), what="release", time=date_after(dataset, 0.0))
     write_collection([begin, *tracks, *ends], path)
 
 

@@ -3,10 +3,13 @@
 import csv
 import json
 import xml.etree.ElementTree as ET
+from itertools import pairwise
 
 import numpy as np
 import pytest
 import xarray as xr
+
+import lightflyer as lf
 
 MISSION = """\
 [mission]
@@ -102,7 +105,7 @@ def test_a_mission_writes_what_it_says(fly, folder):
     out = folder / "out"
     code, shown, errors = fly(options=("--out", out, "--format", "png"))
     assert code == 0, errors
-    names = ["mission.nc", "mission.csv", "mission.kml", "mission.json"]
+    names = ["mission.nc", "mission.csv", "mission.kml", "mission.geojson", "mission.json"]
     names += [
         f"{name}.png" for name in ("altitude", "ground_track", "flight", "survival", "launches")
     ]
@@ -119,13 +122,21 @@ def test_a_mission_writes_what_it_says(fly, folder):
     with xr.open_dataset(out / "mission.nc", engine="h5netcdf") as dataset:
         check_dataset(dataset.load())
         check_ends((out / "mission-ends.csv").read_text(encoding="utf-8"), dataset)
+        check_trajectories(dataset)
+        check_geojson(json.loads((out / "mission.geojson").read_text(encoding="utf-8")), dataset)
     lines = (out / "mission.csv").read_text(encoding="utf-8").splitlines()
     assert lines[0].startswith("time [UTC],elapsed [s],altitude [m],latitude [degree_north]")
     assert len(lines) == 362
     assert lines[1].startswith("2026-06-21T12:00:00.000Z,0,75000,45,170,")
     spaces = {"k": "http://www.opengis.net/kml/2.2", "gx": "http://www.google.com/kml/ext/2.2"}
     document = ET.parse(out / "mission.kml").getroot()
-    assert len(document.findall(".//gx:Track/gx:coord", spaces)) == 361
+    pieces = document.findall(".//gx:MultiTrack/gx:Track", spaces)
+    coordinates = [[one.text for one in piece.findall("gx:coord", spaces)] for piece in pieces]
+    assert sum(map(len, coordinates)) == 361 + 2  # it crosses the date line once
+    assert [[len(piece.findall("k:when", spaces))] for piece in pieces] == [
+        [len(one)] for one in coordinates
+    ]
+    assert [coordinates[0][-1][:4], coordinates[1][0][:4]] == ["180.", "-180"]
     assert len(document.findall(".//k:Folder/k:Placemark/k:MultiGeometry", spaces)) == 9
     assert len(document.findall(".//k:Folder/k:Placemark//k:LineString", spaces)) >= 9
 
@@ -144,6 +155,76 @@ def check_ends(text, dataset):
     assert float(rows[-1][5]) == pytest.approx(float(dataset.launch_end_longitude[2]))
     names = dataset.launch_end_reason.attrs["flag_meanings"].split()
     assert rows[-1][6] == names[int(dataset.launch_end_reason[2])]
+
+
+def check_trajectories(dataset):
+    """The conventions' chapter 9: each flight has a time and a place of its own."""
+    assert dataset.attrs["Conventions"] == "CF-1.11"
+    assert dataset.attrs["featureType"] == "trajectory"
+    (one,) = [one for one in dataset.variables.values() if "cf_role" in one.attrs]
+    assert one.attrs["cf_role"] == "trajectory_id"
+    for name, variable in dataset.variables.items():
+        along = variable.encoding.get("coordinates", "").split()
+        assert set(along) <= set(dataset.variables), name
+        if "elapsed" in variable.dims and along:
+            axes = [dataset[other].attrs.get("axis") for other in along]
+            assert sorted(filter(None, axes))[-3:] == ["X", "Y", "Z"] or "Z" not in axes
+            assert {"T", "X", "Y"} <= set(axes), name
+    for prefix in ("", "ensemble_", "launch_"):
+        known = np.isfinite(dataset[f"{prefix}latitude"].values)
+        np.testing.assert_array_equal(~np.isnat(dataset[f"{prefix}time"].values), known)
+    since = dataset.launch_time.values[:, 0] - dataset.time.values[0]
+    np.testing.assert_array_equal(since / np.timedelta64(1, "h"), [0.0, 6.0, 12.0])
+    assert dataset.ensemble_altitude.attrs["standard_name"] == "altitude"
+    assert dataset.wind_east.attrs["standard_name"] == "eastward_wind"
+
+
+def check_geojson(document, dataset):
+    """RFC 7946: lines that end at the date line, and go on beyond it."""
+    assert document["type"] == "FeatureCollection"
+    tracks = [one for one in document["features"] if one["properties"]["what"] == "track"]
+    ends = [one for one in document["features"] if one["properties"]["what"] == "end"]
+    assert len(tracks) == len(ends) == 1 + 6 + 3
+    for track in tracks:
+        geometry = track["geometry"]
+        several = geometry["type"] == "MultiLineString"
+        lines = geometry["coordinates"] if several else [geometry["coordinates"]]
+        for line in lines:
+            assert len(line) > 1
+            assert np.abs(np.diff([place[0] for place in line])).max() < 1.0
+        for before, after in pairwise(lines):
+            assert [before[-1][0], *before[-1][1:]] == [-after[0][0], *after[0][1:]]
+            assert abs(after[0][0]) == 180.0
+    assert tracks[0]["geometry"]["type"] == "MultiLineString"
+    member = ends[2]
+    assert member["properties"] == {
+        "what": "end", "flight": "member", "number": 1, "end": "still_flying",
+        "end_elapsed_s": 30.0 * 3600.0,
+    }  # fmt: skip
+    place = [float(dataset[f"ensemble_end_{name}"][1])
+             for name in ("longitude", "latitude", "altitude")]  # fmt: skip
+    np.testing.assert_allclose(member["geometry"]["coordinates"], place, atol=0.06)
+
+
+def test_an_interrupted_mission_goes_on(fly, folder):
+    changes = [('duration = "30 h"', 'duration = "2 h"'), ("members = 6", "members = 2"),
+               ("count = 2", "count = 1")]  # fmt: skip
+    code, whole, errors = fly(*changes)
+    assert code == 0, errors
+    mission = lf.mission.read_mission_file(folder / "mission.toml")
+    kept = folder / "resumed" / "flights"
+    lf.fly(mission.design, **mission.arguments(), folder=kept)
+    (kept / "flights-000003.npz").unlink()  # as an interrupt would leave it
+    options = ("--out", folder / "resumed", "--format", "png")
+    code, shown, errors = fly(*changes, options=options)
+    assert code == 0, errors
+    assert "goes on: 2 flights of the interrupted command were kept" in shown
+    assert not kept.exists()
+    summary = (folder / "resumed" / "mission.json").read_text(encoding="utf-8")
+    assert json.loads(summary) == json.loads(whole)
+    code, shown, _ = fly(*changes, options=options)
+    assert code == 0
+    assert "goes on" not in shown
 
 
 def check_dataset(dataset):

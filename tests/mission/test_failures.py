@@ -1,4 +1,4 @@
-"""Flights end where their flyer fails: its film too hot, or torn."""
+"""Flights end where their flyer fails, its film too hot or torn, and where they are interrupted."""
 
 from itertools import chain, repeat
 
@@ -7,7 +7,8 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.core import progress
-from lightflyer.mission import fleet
+from lightflyer.mission import fleet, kept
+from lightflyer.mission.kept import forget_flights, kept_flights
 from lightflyer.mission.path import single
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.summary import summarise
@@ -100,6 +101,59 @@ def test_an_interrupted_ensemble_says_how_many_were_flown(monkeypatch):
     flown = fly(disk(limit=None), ensemble=lf.mission.Ensemble(members=3))
     assert flown.sizes["member"] == 1
     assert "interrupted: 1 of 3 further flights were flown" in flown.attrs["warnings"]
+
+
+@pytest.mark.parametrize("members", [3, 7])  # followed one by one, and compiled
+def test_an_interrupted_ensemble_goes_on_and_is_the_same(monkeypatch, tmp_path, members):
+    monkeypatch.setattr(fleet, "BATCH", 3)
+    folder, given = tmp_path / "flights", {"ensemble": lf.mission.Ensemble(members, wind=5.0)}
+    whole = fly(disk(limit=None), launches=[3600.0], **given)
+    asked = chain([False], repeat(True))
+    with monkeypatch.context() as patch:
+        patch.setattr(fleet, "asked_to_end", lambda: next(asked))
+        part = fly(disk(limit=None), launches=[3600.0], **given, folder=folder)
+    assert "the same call goes on" in part.attrs["warnings"]
+    flown = kept_flights(folder)
+    assert 0 < flown == part.sizes["member"] < members
+    (first,) = folder.glob("*.npz")
+    when = first.stat().st_mtime_ns
+    again = fly(disk(limit=None), launches=[3600.0], **given, folder=folder)
+    assert again.identical(whole)
+    assert first.stat().st_mtime_ns == when
+    assert kept_flights(folder) == members + 1
+    forget_flights(folder)
+    assert not folder.exists()
+
+
+def test_flights_of_another_mission_or_version_are_refused(monkeypatch, tmp_path):
+    ensemble, folder = lf.mission.Ensemble(members=2), tmp_path / "flights"
+    fly(disk(limit=None), ensemble=ensemble, folder=folder)
+    for what, flyer, given in (
+        ("ensemble", disk(limit=None), {"ensemble": lf.mission.Ensemble(members=3)}),
+        ("object: flyer.film", disk(limit=600.0), {"ensemble": ensemble}),
+        ("times", disk(limit=None), {"ensemble": ensemble, "every": "20 min"}),
+    ):
+        with pytest.raises(lf.OutputError, match=f"another mission, which differs in .*{what}"):
+            fly(flyer, **given, folder=folder)
+    monkeypatch.setattr(kept, "versions", lambda: {"lightflyer": "0.0"})
+    with pytest.raises(lf.OutputError, match=r"another mission, .*lightflyer"):
+        fly(disk(limit=None), ensemble=ensemble, folder=folder)
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(lf.OutputError, match="is no mission"):
+        fly(disk(limit=None), ensemble=ensemble, folder=tmp_path)
+
+
+def test_a_cut_file_is_flown_again_and_an_interrupted_flight_is_not_kept(monkeypatch, tmp_path):
+    ensemble, folder = lf.mission.Ensemble(members=2), tmp_path / "flights"
+    whole = fly(disk(limit=None), ensemble=ensemble, folder=folder)
+    (folder / "flights-000001.npz").write_bytes(b"cut")
+    assert kept_flights(folder) == 1
+    assert fly(disk(limit=None), ensemble=ensemble, folder=folder).identical(whole)
+    asked = chain([False] * 12, repeat(True))  # while the stated flyer is under way
+    monkeypatch.setattr(single, "asked_to_end", lambda: next(asked))
+    forget_flights(folder)
+    fly(disk(limit=None), ensemble=ensemble, folder=folder)
+    assert kept_flights(folder) == 0
 
 
 def test_only_work_that_listens_is_asked_to_end():

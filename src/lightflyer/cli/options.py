@@ -83,4 +83,6 @@ def coordinate_range(option: str, text: str, where: "Coordinate") -> tuple[float
     if len(ends) != 2:
         raise ConfigurationError(f'{option} "{text}": write a range, as in {example}')
     low, high = (coordinate(option, end.strip(), where) for end in ends)
+    if not low < high:
+        raise ConfigurationError(f'{option} "{text}": the first must be below the second')
     return low, high

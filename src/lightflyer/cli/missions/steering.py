@@ -91,9 +91,8 @@ def drift_command(
     """
     from lightflyer.mission.swarms.over_altitude import drift_over_altitude
 
-    options.run(
-        "drift", flyer_file, drift_over_altitude, azimuth=exact("--azimuth", azimuth, "rad")
-    )
+    angle = exact("--azimuth", azimuth, "rad")
+    options.run(flyer_file, f"drift to {azimuth}", drift_over_altitude, azimuth=angle)
 
 
 def stability_command(

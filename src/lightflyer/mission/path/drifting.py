@@ -144,8 +144,9 @@ class _Moving(NamedTuple):
 def _drift(
     setup: Setup, altitude: Numeric, attitude: Attitude, place: Place | None
 ) -> tuple[Drift, _Moving]:
-    shape = jnp.broadcast_shapes(*map(jnp.shape, (altitude, attitude.tilt, attitude.azimuth)))
-    state = replace(setup.environment.state(jnp.broadcast_to(altitude, shape), place), wind=None)
+    altitude, *angles = jnp.broadcast_arrays(altitude, attitude.tilt, attitude.azimuth)
+    attitude = Attitude(*angles)
+    state = replace(setup.environment.state(altitude, place), wind=None)
     around = Surroundings(with_attitude(setup.flyer, attitude), state, Wind(0.0, 0.0, 0.0))
     craft = Craft(setup, Own())
     heat = craft.heat(around)

@@ -42,7 +42,7 @@ _COLUMNS = {
 }
 """Units and descriptions of all results."""
 
-_POINTS, _ROWS = 25, 15  # altitudes of figures and files, and about as many of tables
+_POINTS, _ROWS = 41, 15  # altitudes of figures and files, and about as many of tables
 _STEP = 250.0  # metres between altitudes at which is tried whether a flyer lifts itself
 _TILTS = np.arange(0.0, 60.1, 2.5)  # degrees
 _SHOWN_TILTS = 5.0, 10.0, 20.0, 30.0
@@ -57,6 +57,8 @@ def drift_over_altitude(
 
     ``ends``: of the altitudes [m]; ``azimuth``: as of :func:`steady_drift` [rad].
     """
+    if setup.flyer.floats:
+        raise ParameterError(f"{setup.flyer.describe()} hangs upright, whatever is tilted")
     heights, tilts = _altitudes(setup, ends, float(setup.flyer.payload)), np.radians(_TILTS)
 
     def drift(tilt: Any) -> Any:
@@ -132,7 +134,9 @@ def _altitudes(setup: Setup, ends: tuple[float, float] | None, carried: float) -
     """Altitudes between two, by default those between which a flyer carries a mass [m]."""
     where = setup.environment.coordinate
     if where.name != ALTITUDE:
-        raise ParameterError(f"{setup.flyer.describe()}: is described over {where.name}")
+        raise ParameterError(
+            f"{setup.flyer.describe()} is described over {where.name}; this is for an atmosphere"
+        )
     if ends is None:
         low, high = setup.searched
         tried = np.linspace(low, high, 1 + round((high - low) / _STEP))

@@ -84,5 +84,5 @@ def coordinate_range(option: str, text: str, where: "Coordinate") -> tuple[float
         raise ConfigurationError(f'{option} "{text}": write a range, as in {example}')
     low, high = (coordinate(option, end.strip(), where) for end in ends)
     if not low < high:
-        raise ConfigurationError(f'{option} "{text}": the first must be below the second')
+        raise ConfigurationError(f'{option} "{text}": the first must be the lower one')
     return low, high

@@ -34,18 +34,12 @@ class Kept:
     def __init__(self, folder: Path, record: str, kind: str, described: dict[str, str]) -> None:
         self._folder, path = folder, folder / record
         try:
-            if not path.exists():
-                if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-                    raise OutputError(
-                        f"{folder}: already exists and is no {kind}; choose another folder"
-                    )
-                stored = None
-            else:
-                stored = json.loads(path.read_text(encoding="utf-8"))
+            there = folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
+            stored = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
         except (OSError, ValueError) as error:
-            if isinstance(error, OutputError):
-                raise
-            raise OutputError(f"{path}: cannot be read or written: {error}") from None
+            raise OutputError(f"{path}: cannot be read: {error}") from None
+        if stored is None and there:
+            raise OutputError(f"{folder}: already exists and is no {kind}; choose another folder")
         if stored == described:
             return
         if stored is not None and any(folder.glob("*.npz")):
@@ -58,7 +52,7 @@ class Kept:
         with output_directory(folder, shared=True) as stage:
             stage(record).write_text(json.dumps(described, indent=1), encoding="utf-8")
 
-    def read(self, name: str) -> dict[str, np.ndarray] | None:
+    def read(self, name: str) -> dict[str, Any] | None:
         """Arrays of a part by name; None where there is none, or not a whole one."""
         return _read(self._folder / f"{name}.npz")
 
@@ -68,7 +62,7 @@ class Kept:
             np.savez(stage(f"{name}.npz"), **arrays)
 
 
-def _read(path: Path) -> dict[str, np.ndarray] | None:
+def _read(path: Path) -> dict[str, Any] | None:
     try:
         with np.load(path) as content:
             return dict(content)
@@ -105,10 +99,8 @@ def keep_in(folder: Path, described: dict[str, str]) -> Keep:
 
 def kept_flights(folder: Path) -> int:
     """How many flights a folder has."""
-    count = 0
-    for path in folder.glob("flights-*.npz"):
-        count += (_read(path) or {"end_elapsed": np.empty(0)})["end_elapsed"].size
-    return count
+    found = filter(None, map(_read, folder.glob("flights-*.npz")))
+    return sum(one["end_elapsed"].size for one in found)
 
 
 def forget_flights(folder: Path) -> None:

@@ -24,7 +24,7 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import Circle
 from lightflyer.mission.by_parts import fly_many, left_their_part
 from lightflyer.mission.fleet import BATCH, Ensemble, Flights, flights_of
-from lightflyer.mission.kept import describe_work, keep_in, keep_nothing
+from lightflyer.mission.kept import Keep, describe_work, keep_in, keep_nothing
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
 from lightflyer.mission.path.integration import (
@@ -168,9 +168,9 @@ def fly(
     elapsed = times_of(duration, every, several=several)
     plan = _Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), tolerance))
     flights = flights_of(mission.design, mission.rule, mission.start, ensemble, launches)
-    keep = keep_nothing
+    keep: Keep = keep_nothing
     if folder is not None and several:
-        keep = keep_in(Path(folder), _describe(mission, plan, flights, ensemble, launches))
+        keep = keep_in(Path(folder), _describe(mission, plan, flights, ensemble))
     released = float(release.time)
     if inertia is None:
         require_steady_fall(mission.craft, mission.start)
@@ -328,17 +328,12 @@ def _seconds(name: str, value: Any) -> float:
 
 
 def _describe(
-    mission: _Mission,
-    plan: _Plan,
-    flights: Flights,
-    ensemble: Ensemble | None,
-    launches: Sequence[float],
+    mission: _Mission, plan: _Plan, flights: Flights, ensemble: Ensemble | None
 ) -> dict[str, str]:
     """Everything that decides the flights beside the first, in words that can be compared."""
     parts = {
         "release": mission.start,
         "ensemble": ensemble,
-        "launches": np.array(launches),
         "attitude": mission.rule,
         "altitudes": plan.limits,
         "times": plan.elapsed,

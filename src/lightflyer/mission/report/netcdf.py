@@ -62,15 +62,15 @@ def write_netcdf(dataset: "xr.Dataset", path: str | Path) -> None:
         "history": f"written by {version}",
         **dataset.attrs,
     }
-    since_release = f"seconds since {np.datetime_as_string(dataset.time.values[0], unit='us')}"
+    release = np.datetime_as_string(dataset.time.values[0], unit="us")
+    dated = {"units": f"seconds since {release}", "dtype": "float64"}
     for name, variable in written.variables.items():
         variable.attrs |= _attributes(str(name))
         if variable.attrs.get("units") == "K":
             variable.attrs["units_metadata"] = "temperature: on_scale"
-        variable.encoding["coordinates"] = _coordinates(str(name), variable, written)
+        variable.encoding["coordinates"] = _coordinates(str(name), variable)
         if np.issubdtype(variable.dtype, np.datetime64):
-            dated = since_release.replace("T", " ")
-            variable.encoding |= {"units": dated, "dtype": "float64"}
+            variable.encoding |= dated
     written[ELAPSED].encoding["_FillValue"] = None
     written.to_netcdf(path, engine="h5netcdf")
 
@@ -88,14 +88,10 @@ def _attributes(name: str) -> dict[str, Any]:
     return about
 
 
-def _coordinates(name: str, variable: "xr.Variable", written: "xr.Dataset") -> str | None:
+def _coordinates(name: str, variable: "xr.Variable") -> str | None:
     """Where and when the values of a variable are, by the names of other variables."""
-    if ELAPSED not in variable.dims or name in (ELAPSED, *_ALONG):
-        return None
-    if variable.dims == (ELAPSED,):
-        return None if name == "ensemble_flying" else " ".join([_FLIGHT, *_ALONG])
-    prefix = next(prefix for prefix, dimension in SEVERAL if dimension in variable.dims)
-    along = (prefix + key for key in _ALONG)
-    if name.removeprefix(prefix) in ("time", "latitude", "longitude"):
-        return None
-    return " ".join(other for other in along if other in written and other != name)
+    prefix = next((prefix for prefix, one in SEVERAL if one in variable.dims), "")
+    known = ["time", "latitude", "longitude", *([] if prefix else ["altitude", _FLIGHT])]
+    along = [prefix + key for key in known]
+    none = ELAPSED not in variable.dims or name in (ELAPSED, "ensemble_flying", *along)
+    return None if none else " ".join(along)

@@ -1,5 +1,7 @@
 """Missions in winds of files of which only parts are in memory, and where data end."""
 
+from itertools import chain, repeat
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -7,6 +9,7 @@ import xarray as xr
 import lightflyer as lf
 from lightflyer.environment import GriddedWind, UniformWind, WindBeyondData
 from lightflyer.environment.wind import store
+from lightflyer.mission import by_parts
 from lightflyer.mission.report.events import Event, at_event, read_events
 from lightflyer.mission.report.summary import summarise
 
@@ -97,6 +100,21 @@ def test_an_ensemble_by_parts_is_the_ensemble_and_ends_where_the_file_does(both)
         np.testing.assert_allclose(ours, theirs, rtol=1e-5, atol=1e-2)
     assert np.ptp(parts.ensemble_end_elapsed.values) > 1800.0
     np.testing.assert_array_equal(parts.ensemble_end_reason, whole.ensemble_end_reason)
+
+
+def test_an_interrupted_ensemble_by_parts_goes_on_and_is_the_same(path, monkeypatch, tmp_path):
+    monkeypatch.setattr(store, "KEPT", 3000)
+    folder = tmp_path / "flights"
+    given = {"ensemble": lf.mission.Ensemble(members=6, wind=10.0), "duration": "6 h"}
+    whole = fly(path, **given)
+    asked = chain([False] * 2, repeat(True))
+    with monkeypatch.context() as patch:
+        patch.setattr(by_parts, "asked_to_end", lambda: next(asked))
+        fly(path, **given, folder=folder)
+    kept = len(list(folder.glob("*.npz")))
+    again = fly(path, **given, folder=folder)
+    assert 0 < kept < len(list(folder.glob("*.npz")))  # stages
+    assert again.identical(whole)
 
 
 def test_a_mission_says_where_another_wind_took_over(path):

@@ -57,7 +57,7 @@ def fly_many(
             rows, setup = fleet.together(left, times)
             left = np.setdiff1d(left, rows)
             with report_to(lambda _: None):  # stages are reported
-                fleet.advance(rows, setup, limits, times, kept, accuracy)
+                fleet.advance(rows, setup, limits, times, kept, accuracy, keep)
     if asked_to_end():
         return jax.tree.map(lambda leaf: leaf[: int(first is not None)], fleet.track)
     return fleet.track
@@ -96,6 +96,7 @@ class _Fleet:
     """Flights on their way."""
 
     apart: float  # between releases of flights that fly together [s]
+    flown: int = 0  # groups of flights in stages, which follow from those before
 
     def __init__(self, flights: Flights, elapsed: np.ndarray, first: Track | None, radius: float):
         count, starts = flights.count, flights.starts
@@ -143,6 +144,7 @@ class _Fleet:
         times: np.ndarray,
         kept: np.ndarray,
         accuracy: Accuracy,
+        keep: Keep,
     ) -> None:
         """Fly a stage."""
         flights, track = self._flights, self.track
@@ -150,16 +152,24 @@ class _Fleet:
         place = Place(*_places(position), self._released[rows])
         starts = Start(np.asarray(track.end_altitude)[rows], place)
         some = replace(take(flights, rows), setup=setup, starts=starts)
-        found = fly_all(some, limits, times, accuracy, size=min(BATCH, flights.count))
-        if len(found.end_altitude) < rows.size:
-            return  # asked to end
-        for row in np.flatnonzero(left_their_part(setup, found, self._released[rows])):
-            alone, _ = follow(*one_of(some, int(row)), limits, times, accuracy)
-            for flown, one in zip(*map(jax.tree.leaves, (found, alone)), strict=True):
-                flown[row] = one
-        keep = kept >= 0
+
+        def fly() -> Track:
+            found = fly_all(some, limits, times, accuracy, size=min(BATCH, flights.count))
+            if len(found.end_altitude) < rows.size:  # asked to end
+                return jax.tree.map(lambda leaf: leaf[:0], found)
+            for row in np.flatnonzero(left_their_part(setup, found, self._released[rows])):
+                alone, _ = follow(*one_of(some, int(row)), limits, times, accuracy)
+                for flown, one in zip(*map(jax.tree.leaves, (found, alone)), strict=True):
+                    flown[row] = one
+            return found
+
+        found = keep(self.flown, fly)
+        self.flown += 1
+        if not found.end_altitude.size:
+            return
+        told = kept >= 0
         for name in ("altitude", "position"):
-            getattr(track, name)[np.ix_(rows, kept[keep])] = getattr(found, name)[:, keep]
+            getattr(track, name)[np.ix_(rows, kept[told])] = getattr(found, name)[:, told]
         for name in ("end_elapsed", "end_altitude", "end_position", "termination"):
             getattr(track, name)[rows] = getattr(found, name)
         track.steps[rows] += found.steps

@@ -71,12 +71,12 @@ def _read(path: Path) -> dict[str, Any] | None:
 
 
 Keep = Callable[[int, Callable[[], Track]], Track]
-"""Tracks of flights, by the number of the first: those that are kept, or those flown now."""
+"""Tracks of flights, by a number: those that are kept, or those flown now."""
 
 
-def keep_nothing(first: int, fly: Callable[[], Track]) -> Track:
+def keep_nothing(number: int, fly: Callable[[], Track]) -> Track:
     """Tracks that are flown now."""
-    del first
+    del number
     return fly()
 
 
@@ -84,23 +84,23 @@ def keep_in(folder: Path, described: dict[str, str]) -> Keep:
     """What keeps the flights of a mission in a folder."""
     kept = Kept(folder, _FLIGHTS, "mission", described)
 
-    def keep(first: int, fly: Callable[[], Track]) -> Track:
-        name = f"flights-{first:06d}"
+    def keep(number: int, fly: Callable[[], Track]) -> Track:
+        name = f"flights-{number:06d}"
         stored = kept.read(name)
         if stored is not None:
             return Track(**stored)
         track = fly()
-        if not np.any(np.equal(track.termination, TerminationReason.INTERRUPTED)):
+        interrupted = np.equal(track.termination, TerminationReason.INTERRUPTED)
+        if np.size(interrupted) and not np.any(interrupted):
             kept.write(name, vars(track))
         return track
 
     return keep
 
 
-def kept_flights(folder: Path) -> int:
-    """How many flights a folder has."""
-    found = filter(None, map(_read, folder.glob("flights-*.npz")))
-    return sum(one["end_elapsed"].size for one in found)
+def keeps_flights(folder: Path) -> bool:
+    """Whether a folder has flights of an interrupted mission."""
+    return any(folder.glob("flights-*.npz"))
 
 
 def forget_flights(folder: Path) -> None:

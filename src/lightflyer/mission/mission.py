@@ -337,7 +337,7 @@ def _describe(
         "attitude": mission.rule,
         "altitudes": plan.limits,
         "times": plan.elapsed,
-        "flights": (flights.varied, flights.starts, flights.errors),
+        "flights": jax.tree.leaves((flights.varied, flights.starts, flights.errors)),
     }
     return describe_work(mission.design, parts) | {"accuracy, batch": f"{plan.accuracy}, {BATCH}"}
 

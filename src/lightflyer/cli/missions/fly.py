@@ -52,7 +52,7 @@ def fly_command(
     """
     asked, out = out, figures.folder(out)
     from lightflyer.core.progress import asked_to_end, ends_early, report
-    from lightflyer.mission.kept import forget_flights, kept_flights
+    from lightflyer.mission.kept import forget_flights, keeps_flights
     from lightflyer.mission.mission import fly
     from lightflyer.mission.mission_file import read_mission_file
     from lightflyer.mission.report.summary import summarise
@@ -61,7 +61,7 @@ def fly_command(
     mission = read_mission_file(mission_file)
     tracks = _read_tracks(compare, mission)
     folder = None if asked is None else asked / "flights"
-    known = 0 if folder is None else kept_flights(folder)
+    known = folder is not None and keeps_flights(folder)
     with ends_early():
         dataset = fly(mission.design, **mission.arguments(), folder=folder)
         compared = _compare(tracks, mission)
@@ -98,7 +98,7 @@ def fly_command(
         for one in found.get("measured", ()):
             show(console, ["", *comparison_parts(one)])
         if known:
-            say(console, f"goes on: {known} flights of the interrupted command were kept")
+            say(console, "went on where the same command was interrupted")
         figures.tell(console, written, "add --out FOLDER to write figures and data")
     if interrupted:
         raise KeyboardInterrupt

@@ -196,10 +196,12 @@ def join_comparisons(compared: Sequence["xr.Dataset"]) -> "xr.Dataset":
     import xarray as xr
 
     rows = (FIX, PERIOD, BAND)  # numbered, so that shorter ones are filled up
+    about = {name: {"long_name": f"number of the {name}"} for name in rows}
     parts = [
-        one.assign_coords({name: np.arange(one.sizes[name]) for name in rows}) for one in compared
+        one.assign_coords({name: (name, np.arange(one.sizes[name]), about[name]) for name in rows})
+        for one in compared
     ]
-    joined = xr.concat(parts, TRACK, join="outer", data_vars="all", combine_attrs="drop")
+    joined = xr.concat(parts, TRACK, join="outer", data_vars="all", combine_attrs="override")
     for name in ("source", "notes"):
         joined.coords[f"{TRACK}_{name}"] = (TRACK, [one.attrs[name] for one in compared])
     return joined

@@ -172,7 +172,7 @@ def test_members_have_a_drag_of_their_own(closed_form_disk, lit_air):
     assert drags[0] == drags[-1] == 1.0
     assert np.log(drags[1:-1]).std() == pytest.approx(0.05, rel=0.03)
     still = lf.mission.Ensemble(3, drag=0.0, waves=0.0)
-    assert flights_of(design, lf.mission.Level(), start, still).drags is None
+    assert flights_of(design, lf.mission.Level(), start, still).errors.drag is None
 
 
 @pytest.mark.parametrize("bearing", [0.0, 1.5, 3.0, 4.5])

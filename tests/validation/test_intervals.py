@@ -17,9 +17,9 @@ CASES = {
     "tac_faces": 4, "tac_logger": 4,
 }  # fmt: skip
 MOST_CASES = 16
-# wider than they need be, as the documentation says: the scatter of few points is poorly known, and
-# the law of a narrow range is exact there, but not in a laboratory
-CAUTIOUS = ("8 points", "three repeats, scatter like accuracy", "narrow range")
+# wider than they need be, as the documentation says: the scatter of few points is poorly known, of
+# two samples doubly so, and the law of a narrow range is exact there, but not in a laboratory
+CAUTIOUS = ("reduction, 8 points", "scatter like accuracy", "slope, narrow range")
 # those that fall short, as it says too: no residual shows a drift that the parameters take up
 SHORT = {"drift not stated": 90.0}
 CONFIDENCE = 0.95

@@ -66,11 +66,11 @@ def minimum(
 ) -> Minimum:
     """Find the minimum of the curve through points, and simulate its error; ``stated`` (n,) [1]."""
     # The curve is smoothed and its residuals are smoothed and added ("twicing"). Simulated
-    # measurements have the curve found, normal scatter whose variance is drawn from the
-    # distribution of the estimate, and, with steps, light raised in the same steps from a random
-    # start. Their minima's errors are those of the result: taken off the irradiance, and added to
-    # the pressure with another error as large as what twicing moves it by. Where the uncertainty
-    # of each log-irradiance is stated, points weigh by it, and scatter so unless they scatter more.
+    # measurements have the curve found, normal scatter that would leave the residuals found, and,
+    # with steps, light raised in the same steps from a random start. Their minima's errors are
+    # those of the result: taken off the irradiance, and added to the pressure with another error as
+    # large as what twicing moves it by. Where the uncertainty of each log-irradiance is stated,
+    # points weigh by it, and scatter so unless they scatter more.
     rng = np.random.default_rng(seed)
     y = np.log(light - CENTRE * step)
     grid = np.linspace(x.min(), x.max(), _GRID)
@@ -84,15 +84,23 @@ def minimum(
     (smoothed,), *_ = _least(grid, (once @ y)[None])
     (start,), (bottom,), _ = _least(grid, (twice @ fitted)[None])
     residual = (np.eye(x.size) - at_points @ again) * error / error[:, None]
-    spread, variance, freedom = _spreads(residual, y / error, draws, rng)
+    square = residual.T @ residual
+    first = np.trace(square)
+    freedom = first**2 / np.trace(square @ square)  # by Satterthwaite's approximation
+    misfit = residual @ (y / error)  # its square, unlike y @ square @ y, is never below zero
+    variance = float(misfit @ misfit) / first
     probability = float(chdtrc(freedom, freedom * variance))
+    # Normal scatter, each draw in units of the scatter that its own residuals would suggest: a draw
+    # of the ratio of a curve's error to its estimated scatter, few points or many
+    normal = rng.normal(size=(draws, x.size))
+    spread = np.sqrt(variance * first / np.sum((normal @ residual.T) ** 2, axis=1))
     alike = alike_points(((y - fitted) / error)[np.argsort(x, kind="stable")])
     if stated is not None:
         spread = np.outer(spread if probability < LEAST_PROBABILITY else np.ones(draws), stated)
     else:
         rounded = UNIFORM_SPREAD * step * np.sqrt(np.mean(np.exp(-2.0 * fitted)))
         spread = np.sqrt(np.maximum(spread**2 - rounded**2, 0.0))[:, None]
-    simulated = fitted + np.sqrt(alike) * spread * rng.normal(size=(draws, x.size))
+    simulated = fitted + np.sqrt(alike) * spread * normal
     if step:
         simulated = _step_lines(simulated, step, rng)
     curves = simulated @ twice.T
@@ -113,18 +121,6 @@ def minimum(
         np.nan if stated is None else float(np.sqrt(variance)),
         np.nan if stated is None else probability,
     )
-
-
-def _spreads(
-    residual: np.ndarray, y: np.ndarray, draws: int, rng: np.random.Generator
-) -> tuple[np.ndarray, float, float]:
-    """Draws of the scatter about the curve, its variance and degrees of freedom; ``y`` (n,)."""
-    square = residual.T @ residual
-    first, second = np.trace(square), np.trace(square @ square)
-    freedom = first**2 / second
-    misfit = residual @ y  # its square, unlike y @ square @ y, is never negative by rounding
-    variance = float(misfit @ misfit) / first
-    return np.sqrt(variance * freedom / rng.chisquare(freedom, draws)), variance, freedom
 
 
 def _step_lines(y: np.ndarray, step: float, rng: np.random.Generator) -> np.ndarray:

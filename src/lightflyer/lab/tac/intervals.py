@@ -129,10 +129,10 @@ def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]
     # they would take up scatter.
     starts, total, alike = [[*guess] for guess in guesses], None, [1.0] * len(problems)
     last, instruments = len(PARAMETERS) * len(problems), len(problems[0].errors.names)
-    sharing, law_error = problems, LAW_ERROR
+    sharing, law_error = problems, _law_error(problems)
     if len(problems) > 1 and instruments:
         own = LAW_OWN if min(guess[0] for guess in guesses) > _ALIKE_TAC else 1.0
-        sharing, law_error = _with_shared_law(problems, own), own * LAW_ERROR
+        sharing, law_error = _with_shared_law(problems, law_error, own), own * law_error
     joint = JointProblem(tuple(sharing))
     of_law = [0.0] * (len(joint.names) - last - instruments)
     common = [0.0] * instruments
@@ -185,7 +185,7 @@ def _with_own_drifts(problems: Sequence[Problem]) -> Sequence[Problem]:
     ]  # fmt: skip
 
 
-def _with_shared_law(problems: Sequence[Problem], own: float) -> list[Problem]:
+def _with_shared_law(problems: Sequence[Problem], law_error: float, own: float) -> list[Problem]:
     """Runs with the law's error of shape, which they share, as unknowns over pressure."""
     # Several a decade, whose mean over it keeps the law's error: one a decade would leave the shape
     # within a decade exact, and by that very good rows would seem to measure the gauge's error.
@@ -194,7 +194,7 @@ def _with_shared_law(problems: Sequence[Problem], own: float) -> list[Problem]:
     levels = [each * np.log10(problem.pressure) for problem in problems]
     lowest = min(level.min() for level in levels)
     parts = np.arange(int(max(level.max() for level in levels) - lowest) + 1)
-    size = LAW_ERROR * math.sqrt(each * (1.0 - own**2))
+    size = law_error * math.sqrt(each * (1.0 - own**2))
     return [
         problem.with_errors_of_conductance(
             [f"law_{part}" for part in parts],
@@ -232,9 +232,21 @@ def _row_error(problem: Problem, scatter: float, alike: float, law_error: float)
     return max(float(both), _LEAST_SCATTER)
 
 
+def _law_error(problems: Sequence[Problem]) -> float:
+    """Relative standard error of the law's shape, whose bend needs room [1]."""
+    # A smooth error bends within less than a decade as the square of its width; what is straight
+    # of it goes into area ratio and offset.
+    return LAW_ERROR * min(max(map(_width, problems)), 1.0) ** 2
+
+
+def _width(problem: Problem) -> float:
+    """Decades of pressure of a run."""
+    return float(np.log10(problem.pressure.max() / problem.pressure.min()))
+
+
 def _decades(problem: Problem) -> float:
-    """Decades of pressure of a run, one at least."""
-    return max(float(np.log10(problem.pressure.max() / problem.pressure.min())), 1.0)
+    """The same, one at least."""
+    return max(_width(problem), 1.0)
 
 
 def _scatter(result: Any, problem: Problem) -> float:

@@ -455,3 +455,6 @@ def test_an_even_sharing_is_the_nominal_one_and_known_walls_have_none():
     assert lf.lift(disk, state, lf.Kinetic(sharing_error=0.0)) == lf.lift(disk, state, MODEL)
     with pytest.raises(lf.ParameterError, match="it is for unknown ones"):
         lf.Kinetic(wall="maxwell", sharing_error=1.0)
+    # as a file has it, whose numbers are unknown while a program is traced
+    exact = lf.Kinetic(wall="maxwell", sharing_error=0.0)
+    assert lf.lift(disk, state, exact) == lf.lift(disk, state, lf.Kinetic(wall="maxwell"))

@@ -211,10 +211,9 @@ class KineticSection(ForceSection, of=Kinetic):
         """Walls that are known have no such error, which then is not among the uncertainties."""
         if not isinstance(content, Mapping) or content.get("wall", "unknown") == "unknown":
             return content
-        if "sharing_error" in content:
+        none = {"sharing_error": 0.0} | ({"wall_error": 0.0} if content["wall"] == "maxwell" else {})
+        for name in none.keys() & content.keys():
             raise ConfigurationError(
-                f'sharing_error has no meaning with wall = "{content["wall"]}"; it is for unknown '
-                "ones"
+                f'{name} has no meaning with wall = "{content["wall"]}"; leave it out'
             )
-        none = {"wall_error": 0.0} if content["wall"] == "maxwell" else {}
-        return {**none, "sharing_error": 0.0, **content}
+        return {**none, **content}

@@ -120,9 +120,8 @@ def require_walls(walls: Walls) -> None:
             raise ParameterError(
                 f'{name} has no meaning with wall = "{walls.wall}"; it is for cercignani-lampis'
             )
-    stated_error = walls.sharing is not None and not (
-        is_concrete(walls.sharing) and np.all(np.asarray(walls.sharing) == 0.0)
-    )
+    # a file's zero is an unknown number while a program is traced
+    stated_error = is_concrete(walls.sharing) and np.any(np.asarray(walls.sharing))
     if stated_error and walls.wall != "unknown":
         raise ParameterError(
             f'sharing_error has no meaning with wall = "{walls.wall}"; it is for unknown ones'

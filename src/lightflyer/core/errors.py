@@ -1,5 +1,9 @@
 """The package's exceptions and warnings."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
 
 class LightflyerError(Exception):
     """Base of every error that lightflyer raises on purpose."""
@@ -31,6 +35,15 @@ class OutputError(LightflyerError, OSError):
 
 class ParameterWarning(UserWarning):
     """A parameter is possible but unusual, such as a measured TAC above one."""
+
+
+@contextmanager
+def named(file: Any) -> Iterator[None]:
+    """Say in which file the numbers are that are found impossible."""
+    try:
+        yield
+    except ParameterError as error:
+        raise ConfigurationError(f"{file}: {error}") from None
 
 
 class PluginWarning(UserWarning):

@@ -256,7 +256,8 @@ ArealDensity = Annotated[
 ]  # fmt: skip
 Density = Annotated[
     Numeric, Quantity("kg/m^3", 0.0, open_below=True, sizes=(0.1, 2.3e4),
-        why="aerogels and osmium are between"),
+        why="aerogels and osmium are between", likely=(100.0, 2.3e4),
+        known="aerogels are lighter, other solids are not"),
 ]  # fmt: skip
 Pressure = Annotated[
     Numeric, Quantity("Pa", 0.0, open_below=True, sizes=(1e-15, 1e7),

@@ -25,6 +25,7 @@ from lightflyer.core.progress import Counted
 from lightflyer.core.quantity import StandardErrors, quantity_of
 from lightflyer.core.units import file_unit
 from lightflyer.design.design import AbstractDesign
+from lightflyer.design.diagnostics import diagnose_design
 from lightflyer.design.outputs import check_outputs, outputs_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import Parts, PrintedResult
@@ -365,19 +366,23 @@ def _indices(study: SensitivityStudy) -> list[Indices]:
     table = _evaluate(study, designs)
     ends = np.cumsum(sizes)[:-1]
     drawn = {name: values[: sizes[0]] for name, values in designs.items()}
+    medians = study.fixed | {name: float(values[sizes[0]]) for name, values in designs.items()}
+    said = study.design.sampling_warnings
+    if study.design.coordinate_name in medians:
+        said = tuple(dict.fromkeys((*said, *diagnose_design(study.design, medians))))
     return [
-        _output_indices(study, space, name, np.split(table[name], ends), drawn)
+        _output_indices(study, space, name, np.split(table[name], ends), drawn, said)
         for name in study.outputs
     ]
 
 
 def _output_indices(
     study: SensitivityStudy, space: dict[str, Any], output: str, blocks: list[np.ndarray],
-    drawn: Mapping[str, np.ndarray],
+    drawn: Mapping[str, np.ndarray], said: tuple[str, ...],
 ) -> Indices:  # fmt: skip
     """Indices of an output from its values in each block of designs.
 
-    ``drawn``: inputs of the first block, by dotted name.
+    ``drawn``: inputs of the first block, by dotted name; ``said``: warnings.
     """
     values, middle, *alone, down, up = blocks
     if np.isnan(values).any():
@@ -412,7 +417,7 @@ def _output_indices(
         low=low,
         high=high,
         elasticity=_elasticities(study, nominal, up - down),
-        warnings=study.design.sampling_warnings,
+        warnings=said,
         differences=measured_differences(values, drawn, study.seed),
         shown=known.display_unit_for([nominal, *low, *high]),
     )

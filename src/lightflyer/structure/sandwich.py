@@ -18,10 +18,12 @@ _CLAMPED_BUCKLING = 3.831705970207512**2
 _CELL = {"hexagonal": 0.5 * math.sqrt(3.0), "square": 1.0}  # area over the square of the spacing
 
 
-def _contradiction(spacing: Numeric, radius: Numeric) -> str | None:
+def _contradiction(spacing: Numeric, radius: Numeric, wall: Numeric) -> str | None:
     """How sizes contradict each other, or None."""
     if np.any(2.0 * np.asarray(radius) >= spacing):
         return "ligaments touch each other: their spacing must exceed their diameter"
+    if np.any(np.asarray(wall) > radius):
+        return "ligaments have no room for their walls: diameter must be twice the wall or more"
     return None
 
 
@@ -43,7 +45,7 @@ class Ligaments(Checked):
     Raises
     ------
     ParameterError
-        If a concrete number is impossible, or posts touch each other.
+        If a concrete number is impossible, posts touch each other, or walls are too thick.
 
     References
     ----------

@@ -56,5 +56,5 @@ def sensitivity_command(
                 "columns are quantiles of the output",
                 soft_wrap=True,
             )
-    show(console, warning_lines(study.design.sampling_warnings))
+    show(console, warning_lines(results[0].warnings))
     figures.tell(console, written)

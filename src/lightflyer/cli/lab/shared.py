@@ -56,6 +56,14 @@ def quantity(option: str, text: str, unit: str) -> "Measured":
     return found
 
 
+def known(option: str, text: str, unit: str) -> "Measured":
+    """The same of an option whose value must exceed its ±."""
+    found = quantity(option, text, unit)
+    if (found.uncertainty or 0.0) >= found.value:
+        raise ConfigurationError(f'{option} "{text}" is not known by its ±')
+    return found
+
+
 def exact(option: str, text: str, unit: str) -> float:
     """Value of an option that has no use for a ±, in SI units."""
     value, spread = quantity(option, text, unit)

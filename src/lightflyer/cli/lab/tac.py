@@ -11,8 +11,8 @@ from lightflyer.cli.lab.shared import (
     deliver,
     difference,
     exact,
+    known,
     optional_share,
-    quantity,
     read_parts,
     read_summary,
     share,
@@ -168,7 +168,7 @@ def tac_command(
     }
     if width is not None:
         options["diameter"] = width
-    other = None if other_face is None else quantity("--other-face", other_face, "")
+    other = None if other_face is None else known("--other-face", other_face, "")
     if other is not None:
         require_range("--other-face", other.value, 0.0, POSSIBLE_TAC)
     surroundings = None if ambient is None else exact("--ambient", ambient, "K")
@@ -253,9 +253,7 @@ def _stated_value(
         found["gauge_zero"] = exact("--gauge-zero", zero, "Pa")
     if temperature is not None:
         found["temperature"] = difference("--temperature-accuracy", temperature, "K")
-    width, spread = (None, None) if diameter is None else quantity("--diameter", diameter, "m")
-    if spread is not None and width is not None and spread >= width:
-        raise ConfigurationError(f'--diameter "{diameter}" is not known by its ±')
+    width, spread = (None, None) if diameter is None else known("--diameter", diameter, "m")
     return width, found if spread is None else found | {"diameter": spread}
 
 

@@ -11,6 +11,7 @@ from lightflyer.cli.lab.shared import (
     deliver,
     difference,
     exact,
+    known,
     quantity,
     read_parts,
     read_summary,
@@ -193,9 +194,7 @@ def _scene(band: str | None, emissivity: str | None, film: str | None) -> "Scene
     from lightflyer.lab.thermography.data import BLACK, Scene
 
     camera = UNCOOLED if band is None else parse_band(band)
-    own = BLACK if emissivity is None else quantity("--hotplate-emissivity", emissivity, "")
-    if (own.uncertainty or 0.0) >= own.value:
-        raise ConfigurationError(f'--hotplate-emissivity "{emissivity}" is not known by its ±')
+    own = BLACK if emissivity is None else known("--hotplate-emissivity", emissivity, "")
     warmth = None if film is None else quantity("--film-temperature", film, "K")
     try:
         return Scene(camera, own, warmth)

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, say, show
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.errors import ParameterError, named
 
 Tracks = Annotated[list[Path] | None, Parameter(consume_multiple=True, negative=())]
 
@@ -63,7 +63,8 @@ def fly_command(
     folder = None if asked is None else asked / "flights"
     known = folder is not None and keeps_flights(folder)
     with ends_early():
-        dataset = fly(mission.design, **mission.arguments(), folder=folder)
+        with named(mission_file):
+            dataset = fly(mission.design, **mission.arguments(), folder=folder)
         compared = _compare(tracks, mission)
         interrupted = asked_to_end()
     found = summarise(dataset)

@@ -8,6 +8,7 @@ from cyclopts import Parameter
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, show
+from lightflyer.core.errors import named
 
 Members = Annotated[int | None, Parameter(negative=())]
 
@@ -51,9 +52,10 @@ def spread_command(
 
     mission = read_mission_file(mission_file)
     folder = None if asked is None else asked / "members"
-    dataset = disperse_ensemble(
-        mission.design, **mission.swarm_arguments(members), folder=folder, scheduler=scheduler
-    )
+    with named(mission_file):
+        dataset = disperse_ensemble(
+            mission.design, **mission.swarm_arguments(members), folder=folder, scheduler=scheduler
+        )
     found = summarise(dataset)
     dataset.attrs["configuration"] = mission.design.text
     files = {

@@ -44,6 +44,7 @@ PLACING = "geopotential", "height", "temperature"
 _AIR = {"temperature": "K", "geopotential": "m**2/s**2", "height": "m"}  # beside winds
 _OF_AIR = "temperature", "log_pressure"
 _FEWEST_LEVELS = 2
+_FASTEST = 1e3  # no wind below 500 km is faster [m/s]
 
 
 class WindGrid(NamedTuple):
@@ -255,6 +256,11 @@ def _field(
     if unit != _OMEGA and _is_omega(array):
         raise ConfigurationError(f"{_OF_OMEGA}; give the temperature too, or drop it")
     values = _scale(array.transpose(*present), name, unit)
+    if unit == "m/s" and np.any(np.abs(values) > _FASTEST):
+        raise ConfigurationError(
+            f"winds: {name} reaches {np.nanmax(np.abs(values)):.3g} m/s, and no wind {_FASTEST:g} "
+            "m/s: mark missing values by _FillValue, and check the units"
+        )
     if not missing:
         require_finite(values, name)
     missing_axes = tuple(axis for axis, dimension in enumerate(order) if dimension is None)

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from lightflyer.core.quantity import Density, Quantity, Thickness, quantity_of
 from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import MICROMETRE, Medium
 from lightflyer.film.optics.averages import Average, thermal_coverage
@@ -117,9 +118,17 @@ def roughness_warnings(film: Film) -> list[str]:
 
 
 def thick_warnings(film: Film) -> list[str]:
-    """Coherent layers too thick for the wavelengths of an average, one line each."""
+    """Layers of an unlikely size or density, or coherent and too thick for an average's light."""
     wavelength = float(np.clip(_REFERENCE_WAVELENGTH, *film.covered_range))
-    found = []
+    found = [
+        f"{layer.material.name}: {name} = {doubt}"
+        for layer in film.layers
+        for name, kind, value in (
+            ("thickness", Thickness, layer.thickness),
+            ("density", Density, layer.material.density),
+        )
+        if value is not None and (doubt := (quantity_of(kind) or Quantity()).unlikely(value))
+    ]
     for layer in film.layers:
         if not layer.coherent:
             continue

@@ -211,9 +211,9 @@ class KineticSection(ForceSection, of=Kinetic):
         """Walls that are known have no such error, which then is not among the uncertainties."""
         if not isinstance(content, Mapping) or content.get("wall", "unknown") == "unknown":
             return content
-        none = {"sharing_error": 0.0} | ({"wall_error": 0.0} if content["wall"] == "maxwell" else {})
-        for name in none.keys() & content.keys():
+        names = ("sharing_error", "wall_error")[: 1 + (content["wall"] == "maxwell")]
+        for name in content.keys() & names:
             raise ConfigurationError(
                 f'{name} has no meaning with wall = "{content["wall"]}"; leave it out'
             )
-        return {**none, **content}
+        return dict.fromkeys(names, 0.0) | {**content}

@@ -104,6 +104,7 @@ FLYERS = [
     ("sandwich", "open_fraction = ", "open_fraction = 1 #", "must be between 0 and 0.999"),
     ("sandwich", "gap = ", 'gap = "0 um" #', "must be positive"),
     ("sandwich", "[flyer.top]", "[flyer.topp]", 'did you mean "top"'),
+    ("ligaments", '"100 nm"', '"100 um"', "no room for their walls"),
     ("plate", "[flyer]", "[flyer]\nbanana = 3", r"banana is not a key of \[flyer\]"),
     ("balloon", "[flyer]", '[flyer]\nenvelope = "paper"', "envelope is not a key"),
 ]  # fmt: skip
@@ -216,7 +217,8 @@ COMMANDS = [
     ("compare flyer.toml nothere.toml", "cannot be read"),
     ("compare flyer.toml flyer.toml --altitudes 50km", "write a range"),
     ("film flyer.toml", "needs a section .film. with layers"),
-    ("film layers.toml --at 550", "has no unit"),
+    ("film layers.toml --at 550", 'write "550 nm"'),
+    ("film layers.toml --angles 30", 'write "30 deg"'),
     ("film layers.toml --temperatures cold", "is not a number"),
     ("calibrate nothere.csv", "cannot be read"),
     ("calibrate points.csv --free c_fn", 'did you mean "c_fm"'),

@@ -172,6 +172,13 @@ def test_materials_are_searched(run):
     assert "the search has no word" in errors
 
 
+def test_a_density_in_the_wrong_unit_is_said(run, film_file):
+    path = film_file('"20 nm"', '"20 nm", density = "5.3 kg/m^3"', FILM)
+    code, out, _ = run("film", path)
+    assert code == 0
+    assert "Ge: density = 5.3 kg/m^3 is unlikely" in " ".join(out.split())
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

@@ -195,6 +195,11 @@ def in_gap(data):
     return data
 
 
+def filled(data):
+    data["v"][1, 2, 3, 4] = 9.96921e36  # what NetCDF has for a missing value
+    return data
+
+
 def with_units(data, name, unit):
     data[name].attrs["units"] = unit
     return data
@@ -213,6 +218,7 @@ def with_units(data, name, unit):
         (lambda data: with_units(data, "w", "Pa s-1"), "w is in Pa/s, a change of pressure"),
         (lambda data: with_units(data, "longitude", "radians"), "units of longitude"),
         (in_gap, "v has 1 missing values"),
+        (filled, r"v reaches 9\.97e\+36 m/s, and no wind 1000 m/s"),
         (lambda data: data.expand_dims(member=2), "the dimension member, which is none of"),
         (lambda data: data.isel(altitude=0, drop=True), "one dimension altitude or pressure"),
         (lambda data: data.isel(latitude=0, drop=True), "no dimension latitude"),

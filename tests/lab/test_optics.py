@@ -281,6 +281,7 @@ def test_update_refuses_other_layers(command, tmp_path):
         ("layers.0.porosity", "layers.0.tac", "is no number that"),
         ("free = [", "fre = [", 'did you mean "free"'),
         ("[film]", "[flyer]\n[film]", "is a flyer file; a sample file has"),
+        ("visible-reflectance", "visible-transmittance", r"has the same data as \S*visible-t"),
         ('incidence = "8 deg"', 'longest = "200 nm"', "no points between shortest and longest"),
         (
             "visible-reflectance.csv",

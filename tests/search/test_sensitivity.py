@@ -51,6 +51,13 @@ def test_indices_of_a_product_have_a_closed_form(uncertain):
     np.testing.assert_allclose(found.high[1] / found.nominal, 1.475, rtol=1e-9)
 
 
+def test_a_place_outside_the_models_range_is_said(uncertain):
+    kinetic = uncertain.model_copy(update={"force": KineticSection(model="kinetic")})
+    for altitude, said in (("80 km", False), ("80 m", True)):
+        (found,) = lf.sensitivity(kinetic, at={"altitude": altitude}, points=8)
+        assert any("the kinetic table ends there" in text for text in found.warnings) is said
+
+
 def test_a_models_own_error_has_a_share_but_is_not_to_be_measured(uncertain):
     kinetic = uncertain.model_copy(update={"force": KineticSection(model="kinetic")})
     inputs = {

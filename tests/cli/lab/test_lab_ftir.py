@@ -118,7 +118,9 @@ def test_no_impossible_emissivity_leaves(folder, lab, flyer_file):
         (["film.jdx", "--band", "9000 ± 400 cm^-1"], "no data in the band"),
         (["film.jdx", "--accuracy", "1.2"], 'per cent are written "1.2 %"'),
         (["film.jdx", "--accuracy", "1 K"], "--accuracy"),
-        (["film.jdx", "--temperatures", "0 K"], "temperatures = 0 is not positive"),
+        (["film.jdx", "--band", "900 ± 1400 cm^-1"], "reaches below zero"),
+        (["film.jdx", "--temperatures", "0 K"], "--temperatures = 0 is not positive"),
+        (["film.jdx", "--temperatures", ""], '--temperatures "" has no quantity in it'),
         (["film-reflectance.csv"], "shows reflectance, not transmittance"),
     ],
 )

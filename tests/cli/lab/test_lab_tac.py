@@ -117,6 +117,10 @@ def test_both_faces_are_written_with_their_correlation(examples, lab, flyer_file
             "--other-face = 1.6 is not between 0 and 1",
         ),
         (
+            ["--top", "tac-top.txt", "--bottom", "tac-bottom.txt", "--other-face", "0.8 ± 0.9"],
+            '--other-face "0.8 ± 0.9" is not known by its ±',
+        ),
+        (
             ["--top", "tac-top.txt", "--bottom", "tac-top.txt"],
             "tac-top.txt: has the same data as tac-top.txt",
         ),

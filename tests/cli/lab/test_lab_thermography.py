@@ -203,11 +203,12 @@ def test_settings_of_a_flir_image_are_shown_and_may_be_replaced(folder, lab):
     assert "states its scale itself; leave --image-unit out" in err
 
 
-def test_a_matrix_with_regions_is_an_image(folder, lab):
+@pytest.mark.parametrize("encoding", ["utf-8", "cp1252", "utf-16"])
+def test_a_matrix_with_regions_is_an_image(folder, lab, encoding):
     shown = np.full((40, 40), 22.0)
     shown[:10], shown[12:20], shown[22:30] = 150.0, 44.8, 130.79
-    text = "Temperature [C]\n" + "\n".join(";".join(f"{v:.2f}" for v in row) for row in shown)
-    (folder / "m.csv").write_text(text.replace(".", ","), encoding="utf-8")
+    text = "Temperature [°C]\n" + "\n".join(";".join(f"{v:.2f}" for v in row) for row in shown)
+    (folder / "m.csv").write_text(text.replace(".", ","), encoding=encoding)
     regions = "hotplate=0:9,5:35; lower=13:19,5:35; upper=23:29,5:35; ambient=32:39,5:35"
     arguments = ["thermography", "m.csv", "--regions", regions, "--band", "7.5-14 um", "--json"]
     code, out, _ = lab(*arguments, "--accuracy", "0.5 K")

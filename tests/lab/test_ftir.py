@@ -212,6 +212,7 @@ def test_reflectance_turns_the_bound_into_an_emissivity():
     result = reduce_ftir([spectrum(GRIDS[0], 0.7)], [mirror])
     assert result.emissivity.value == pytest.approx(0.2)
     assert result.upper_bound.value == pytest.approx(0.3)
+    assert result.emissivity_spectrum()[1] == pytest.approx(0.2, abs=1e-12)
     with pytest.raises(lf.ParameterError, match="shows reflectance, not transmittance"):
         reduce_ftir([mirror])
 

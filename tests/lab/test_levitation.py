@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from skmisc.loess import loess
 
 import lightflyer as lf
@@ -12,7 +13,8 @@ from lightflyer.flyer import Disk
 from lightflyer.force import Lu2023
 from lightflyer.lab.levitation.curve import LEAST_POINTS, compare, levitation_curve, summary
 from lightflyer.lab.levitation.data import LiftOffs, read_lift_offs
-from lightflyer.lab.levitation.minimum import smoother
+from lightflyer.lab.levitation.figures import residuals
+from lightflyer.lab.levitation.minimum import minimum, smoother
 from lightflyer.lab.levitation.model import calibrate_curves, model_curve
 from lightflyer.statics.levitation import levitate
 
@@ -71,6 +73,17 @@ def test_intervals_cover_the_truth(truth, rng):
         for number, one in enumerate((curve.optimal_pressure, curve.minimum_irradiance)):
             inside[number] += one.interval[0] <= expected[number] <= one.interval[1]
     assert np.all(inside / count >= 0.91), inside / count
+
+
+def test_intervals_of_few_points_are_exact_where_the_curve_follows_them(rng):
+    """Few residuals tell little of the scatter, and err together with the curve."""
+    x, inside = np.linspace(-1.0, 2.0, LEAST_POINTS), []
+    for seed in range(400):
+        light = np.exp(0.8 * (x - 0.4) ** 2 + 7.0 + 0.02 * rng.normal(size=x.size))
+        found = minimum(x, light, span=0.75, draws=400, seed=seed)
+        low, high = np.quantile(found.values, [0.025, 0.975])
+        inside.append(low < 7.0 < high)
+    assert np.mean(inside) == pytest.approx(0.95, abs=0.025)
 
 
 def test_seeds_repeat_and_units_scale(truth, rng):
@@ -259,6 +272,9 @@ def test_stated_errors_are_drawn_as_intervals_of_95_percent():
     (vertical,) = (one for one in bars.lines[2] if np.ptp(one.get_segments()[0][:, 1]) > 0.0)
     half = [0.5 * np.ptp(segment[:, 1]) for segment in vertical.get_segments()]
     np.testing.assert_allclose(half, 1.96 * 0.05e-3 * points.irradiance, rtol=1e-3)
+    (bars,) = residuals([levitation_curve(points)], Figure().add_subplot(), "Pa").containers
+    half = [0.5 * np.ptp(segment[:, 1]) for segment in bars.lines[2][0].get_segments()]
+    np.testing.assert_allclose(half, 1.96 * 5.0, rtol=1e-3)
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.3])

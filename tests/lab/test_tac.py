@@ -474,9 +474,24 @@ def test_another_law_is_said_and_more_rows_do_not_narrow_the_interval(rng):
 def test_intervals_of_another_law_are_alike_by_profile_and_by_covariance(rng):
     fit = tac.fit_tac(sherman_run(4_000, rng, 0.002), diameter=DIAMETER, accuracy=EXACT)
     assert fit.alike > 4.0
-    for name in ("area_ratio", "offset"):
+    for row, name in enumerate(("area_ratio", "offset"), 1):
         by_covariance, whole = fit.covariance_intervals[name], fit.estimates()[name].interval
         assert np.ptp(by_covariance) == pytest.approx(np.ptp(whole), rel=0.1)
+        spread = np.sqrt(fit.covariance[row, row])
+        assert 2.0 * 1.96 * spread == pytest.approx(np.ptp(whole), rel=0.1)
+
+
+@pytest.mark.parametrize("decades", [0.35, 0.5, 0.7])
+def test_a_law_that_is_off_by_a_bend_is_as_uncertain_over_less_than_a_decade(decades, rng):
+    """Over a shorter range the bend of its error shrinks as that by which the coefficient tells."""
+    spreads = []
+    for width in (1.0, decades):
+        pressure = 2.5 * 10.0 ** np.linspace(-0.5 * width, 0.5 * width, 60)
+        same = np.full(60, 323.0), np.full(60, 295.0)
+        power = tac.heater_power(pressure, *same, *TRUTH) * (1.0 + 1e-5 * rng.normal(size=60))
+        exact = TacAccuracy(1e-4, 1e-6, 1e-5, 1e-4, 1e-8, 1e-4)
+        spreads.append(tac.fit_tac(run_of(pressure, power), accuracy=exact).tac.uncertainty)
+    assert spreads[1] == pytest.approx(spreads[0], rel=0.2)
 
 
 def test_an_instrument_that_is_off_by_more_than_stated_is_said():

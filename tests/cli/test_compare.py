@@ -57,6 +57,12 @@ def test_what_lies_beyond_the_range_asked_for_is_not_denied(run, files):
     assert "nowhere" not in text
 
 
+def test_one_file_given_twice_is_said(run, files):
+    _, text, _ = run("compare", files[0], files[0], *files[1:], "--samples", "0")
+    assert text.count("are the same design") == 1
+    assert "narrow and narrow (2) are the same design" in " ".join(text.split())
+
+
 def test_mistakes_are_one_line_each(run, files, tmp_path):
     chamber = tmp_path / "chamber.toml"
     run("init", chamber, "--kind", "chamber")

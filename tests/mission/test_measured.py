@@ -374,6 +374,14 @@ def test_disorder_is_said(tmp_path):
     assert "1 have another place (line 6 the first)" in repeated
 
 
+def test_exchanged_coordinates_are_said(compare, measured):
+    track = measured()
+    other = lf.mission.MeasuredTrack.from_arrays(
+        track.time, 0.5 * track.longitude, track.latitude, track.altitude
+    )
+    assert "latitude and longitude are exchanged" in compare(other, explained=False).attrs["notes"]
+
+
 def test_gaps_are_said_and_no_wind_is_told_across_them(compare, measured):
     track, gap = measured(), slice(100, 300)
     parts = {name: np.delete(part, gap) for name, part in list(vars(track).items())[1:5]}

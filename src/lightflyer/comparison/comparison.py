@@ -8,9 +8,11 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import equinox as eqx
 import numpy as np
 
 from lightflyer.comparison.differences import Difference, differing_models, differing_surroundings
@@ -161,7 +163,12 @@ class Comparison(PrintedResult):
             for found in self.flyers
             for text in found.prediction.other_warnings
         )
-        return unequal + self._unequal_bands() + own
+        same = tuple(
+            f"{first.name} and {second.name} are the same design"
+            for first, second in combinations(self.flyers, 2)
+            if eqx.tree_equal(first.setup, second.setup)
+        )
+        return same + unequal + self._unequal_bands() + own
 
     def _unequal_bands(self) -> tuple[str, ...]:
         without = [found.name for found in self.flyers if found.uncertainty is None]

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 
 FIX, PERIOD, BAND, TRACK = "fix", "period", "band", "measured_track"  # Dimensions
 
+_ELSEWHERE = 5e5  # from a flight, where a track of it is not [m]
 _WHOLE = 0.99  # share of the time that is as good as all of it
 _METRES, _SPEED = "m", "m s-1"
 _KILOMETRES = 100.0  # how much lower than the release a track in metres is not
@@ -176,6 +177,12 @@ def compare_track(
         notes.append(
             f"the wind is told for {told:.2f} h of {hours:.2f} h: elsewhere the track has gaps, or "
             "the flyer's velocity is not known for want of wind or air"
+        )
+    nearest = float(np.min(between.distance[beside]))
+    if nearest > _ELSEWHERE:
+        notes.append(
+            f"the track is nowhere nearer than {nearest / 1e3:.0f} km to the flight: it is of "
+            "another one, or latitude and longitude are exchanged"
         )
     if not beside.all():
         notes.append(

@@ -240,8 +240,14 @@ def test_own_models_and_rules_of_the_wrong_kind_are_one_clear_line():
         def heat_loss(self, flyer, state, unknowns):
             return unknowns[0]
 
+    class Pair(lf.Lu2023):
+        def force(self, flyer, state, unknowns):
+            return 0.0, 0.0
+
     with pytest.raises(lf.ParameterError, match=r"heat_loss\(\) must be of class tuple"):
         lf.payload(DISK, STATE, Scalar())
+    with pytest.raises(lf.ParameterError, match=r"force\(\) must give an array, not tuple"):
+        lf.payload(DISK, STATE, Pair())
     release = lf.Release("75 km", 45.0, 10.0, "2026-06-21T12:00Z")
     with pytest.raises(lf.ParameterError, match="attitude must be of class AbstractAttitudeRule"):
         lf.fly(DISK, EARTH, LU, release=release, duration="1 min", attitude="level")

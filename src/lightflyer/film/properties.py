@@ -47,7 +47,9 @@ def require_conservation(properties: Mapping[str, Any]) -> None:
             for names in (passing, absorbing)
         ]
         through, share = (properties.get(name) for name in given)  # type: Any, Any
-        if is_concrete(through, share) and np.any(np.asarray(through) + np.asarray(share) > _WHOLE):
+        if not is_concrete(through, share) or np.max(through) > 1.0 or np.max(share) > 1.0:
+            continue  # none, not known yet, or refused by its own range
+        if np.any(np.asarray(through) + np.asarray(share) > _WHOLE):
             raise ParameterError(
                 f"{given[0]} = {np.max(through):g} and {given[1]} = {np.max(share):g} exceed 1 "
                 "together"

@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import require_fit, require_record, shapes_in
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
@@ -110,6 +111,8 @@ class FlightEquations(eqx.Module):
     def upward_force(self, unknowns: tuple[Any, ...]) -> Array:
         """Vertical part of the gas's force, and the flyer's buoyancy [N]."""
         force = self.model.force(self.flyer, self.state, unknowns)
+        if not hasattr(force, "dtype") and not isinstance(force, float):
+            raise ParameterError(f"force() must give an array, not {type(force).__name__}")
         if self.flyer.attitude is not None:
             force = force * jnp.cos(self.flyer.attitude.tilt)
         return force + self.buoyancy(unknowns)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from lightflyer.core.quantity import Density, Quantity, Thickness, quantity_of
+from lightflyer.core.quantity import Density, Quantity, quantity_of
 from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import MICROMETRE, Medium
 from lightflyer.film.optics.averages import Average, thermal_coverage
@@ -19,6 +19,7 @@ WORTH_SAYING = 0.001
 
 _REFERENCE_WAVELENGTH = 0.5e-6  # [m], near the peak of sunlight
 _ROUNDING = 1e-9  # of a share
+_DENSITY = quantity_of(Density) or Quantity()
 _MOST_WAVELENGTHS = 50.0  # inside a coherent layer: four steps of the table of AM0 in a fringe
 
 TYPICAL_TEMPERATURE = 350.0
@@ -118,16 +119,13 @@ def roughness_warnings(film: Film) -> list[str]:
 
 
 def thick_warnings(film: Film) -> list[str]:
-    """Layers of an unlikely size or density, or coherent and too thick for an average's light."""
+    """Layers of an unlikely density, or coherent and too thick for an average's wavelengths."""
     wavelength = float(np.clip(_REFERENCE_WAVELENGTH, *film.covered_range))
     found = [
-        f"{layer.material.name}: {name} = {doubt}"
+        f"{layer.material.name}: density = {doubt}"
         for layer in film.layers
-        for name, kind, value in (
-            ("thickness", Thickness, layer.thickness),
-            ("density", Density, layer.material.density),
-        )
-        if value is not None and (doubt := (quantity_of(kind) or Quantity()).unlikely(value))
+        if layer.material.density is not None
+        and (doubt := _DENSITY.unlikely(layer.material.density))
     ]
     for layer in film.layers:
         if not layer.coherent:

@@ -82,6 +82,17 @@ def test_a_bound_is_called_a_bound(examples, lab):
     assert len(found["warnings"]) == 2
 
 
+def test_wavenumbers_given_twice_are_said(folder, lab):
+    rows = "".join(f"{nu},{80 + more}\n" for nu in range(400, 4002, 2) for more in (0, 2))
+    (folder / "t.csv").write_text(f"wavenumber [cm^-1],transmittance [%]\n{rows}")
+    code, out, _ = lab("ftir", "t.csv", "--json")
+    assert code == 0
+    found = json.loads(out)
+    assert found["band_transmittance"]["value"] == pytest.approx(0.81)
+    said = "t.csv: 3602 points have 1801 wavenumbers; each has their mean"
+    assert said in found["warnings"]
+
+
 def percent(folder, transmittance, reflectance):
     """Files of a flat transmittance and reflectance [%]."""
     for name, value in (("transmittance", transmittance), ("reflectance", reflectance)):

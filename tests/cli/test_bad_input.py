@@ -58,7 +58,7 @@ FLYERS = [
     ("earth", 'model = "kinetic"', 'model = "kinetic"\nforce_error = "5 %"', "not in per cent"),
     ("earth", 'model = "kinetic"', 'model = "schafer2025"', 'is not for shape = "disk"'),
     ("earth", 'model = "kinetic"', 'model = "kinetic"\nc_fm = 0.4', 'belongs to model = "lu2023"'),
-    ("earth", "[force]", '[force]\nwall = "maxwell"\nwall_error = 1', "leave it out"),
+    ("earth", "[force]", '[force]\nwall = "maxwell"\nwall_error = 1', "it is for unknown or acc"),
     ("earth", A, 'areal_density = "1.0 g/m2 ± 3 %"', '"%" is of the wrong kind'),
     ("earth", A, 'areal_density = "1.0 ± g/m^2"', "is not a number"),
     ("earth", A, 'areal_density = "1.0 g/n^2"', "is unknown; give one that converts to kg/m"),

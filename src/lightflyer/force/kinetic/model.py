@@ -37,6 +37,16 @@ _IDLE = {
 }
 """What is said of options that a flyer's model does not have."""
 
+_OF_WALLS = {
+    "sharing_error": ("unknown",),
+    "wall_error": ("unknown", "accommodated", "cercignani-lampis"),
+    "tangential_accommodation": ("cercignani-lampis",),
+    "rotational_accommodation": ("cercignani-lampis",),
+}
+"""Walls that each of these keys is for."""
+
+_ERRORS = {"sharing_error", "wall_error"}
+
 
 class Kinetic(AbstractForceModel):
     r"""Force and heat loss of a disk or a sandwich from the solved kinetic equation.
@@ -208,12 +218,13 @@ class KineticSection(ForceSection, of=Kinetic):
     @pydantic.model_validator(mode="before")
     @classmethod
     def _known_walls(cls, content: Any) -> Any:
-        """Walls that are known have no such error, which then is not among the uncertainties."""
-        if not isinstance(content, Mapping) or content.get("wall", "unknown") == "unknown":
+        """Known walls do not have every error, which then is not among the uncertainties."""
+        if not isinstance(content, Mapping):
             return content
-        names = ("sharing_error", "wall_error")[: 1 + (content["wall"] == "maxwell")]
-        for name in content.keys() & names:
+        wall = content.get("wall", "unknown")
+        idle = {name: walls for name, walls in _OF_WALLS.items() if wall not in walls}
+        for name in idle.keys() & content.keys():
             raise ConfigurationError(
-                f'{name} has no meaning with wall = "{content["wall"]}"; leave it out'
+                f'{name} has no meaning with wall = "{wall}"; it is for {" or ".join(idle[name])}'
             )
-        return dict.fromkeys(names, 0.0) | {**content}
+        return dict.fromkeys(idle.keys() & _ERRORS, 0.0) | {**content}

@@ -303,7 +303,10 @@ def test_options_are_written_with_blanks(run, folder, monkeypatch):
         (("predict", "flyer.toml", "--at", "70 km,-5 km"), "--at: altitude -5 km must be between"),
         (("predict", "flyer.toml", "--at", "75 ± 1 km"), '--at "75 ± 1 km": takes no ±'),
         (("predict", "chamber.toml", "--at", "2e9 Pa"), "must be at most 1e+07 Pa"),
-        (("compare", "flyer.toml", "flyer.toml", "--altitudes", "80 km to 50 km"), "the first must be the lower one"),
+        (
+            ("compare", "flyer.toml", "flyer.toml", "--altitudes", "80 km to 50 km"),
+            "the first must be the lower one",
+        ),
         (("compare", "flyer.toml", "flyer.toml", "--altitudes", "1 to 9 km"), 'write "1 km"'),
         (("film", "layers.toml", "--at", "550 ± 5 nm"), '--at "550 ± 5 nm": takes no ±'),
         (("calibrate", "points.csv", "--free", ""), "no parameters to fit"),

@@ -101,6 +101,39 @@ def fly(run, folder):
     return command
 
 
+def test_what_a_rocket_lets_go_lands(fly, folder):
+    out = folder / "landed"
+    changes = (
+        ('altitude = "75 ± 0.2 km"', 'altitude = "1.4 ± 0.02 km"'),
+        ('[mission.launches]\nevery = "6 h"\ncount = 2\n', ""),
+        ("members = 6", 'members = 25\nvelocity_uncertainty = "2 m/s"'),
+        ("[flyer]", '[mission.release]\neast = "50 m/s"\n\n[mission.landing]\nobjects = 1000\n'
+                    "flight_levels = [30, 40]\n\n[flyer]"),
+    )  # fmt: skip
+    code, shown, errors = fly(*changes, options=("--out", out, "--format", "png"))
+    assert code == 0, errors
+    assert "50 % land within" in shown
+    assert (out / "landing.png").stat().st_size > 3000
+    summary = json.loads((out / "mission.json").read_text(encoding="utf-8"))
+    assert summary["landing"]["landed"]["share"] == 1.0
+    assert summary["release"]["speed_m_s"] == pytest.approx(50.0)
+    table = (out / "mission-ends.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(table.splitlines()))
+    below = [float(row["below_fl40 [s]"]) - float(row["below_fl30 [s]"]) for row in rows]
+    assert len(below) == 26
+    assert min(below) > 0.0  # 914 m and 1219 m
+    content = json.loads((out / "mission.geojson").read_text(encoding="utf-8"))
+    areas = [one for one in content["features"] if one["geometry"]["type"] == "MultiPolygon"]
+    assert [one["properties"]["holds"] for one in areas] == [0.5, 0.95]
+
+
+def test_a_landing_above_any_ground_is_refused(fly):
+    changes = (('"1 km"', '"50 km"'), ("[flyer]", "[mission.landing]\nobjects = 9\n\n[flyer]"))
+    code, _, errors = fly(*changes)
+    assert code == 2
+    assert "landing has no effect: the mission ends at 50 km" in errors
+
+
 def test_a_mission_writes_what_it_says(fly, folder):
     out = folder / "out"
     code, shown, errors = fly(options=("--out", out, "--format", "png"))

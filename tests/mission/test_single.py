@@ -68,10 +68,3 @@ def test_the_end_is_where_a_limit_is_reached(disk):
     few, _ = follow(craft, Start(75e3, start.place), Limits(2e4, 1.2e5), elapsed, Accuracy(3))
     assert few.termination == TerminationReason.STEP_LIMIT
     assert few.steps == 3
-
-
-@pytest.mark.parametrize("altitude", ["115 km", "300 km"])
-def test_a_fall_that_is_no_balance_is_refused(disk, altitude):
-    release = lf.Release(altitude, latitude=45.0, longitude=10.0, time="2026-06-21T12:00Z")
-    with pytest.raises(lf.ParameterError, match="in balance of its forces"):
-        lf.fly(disk, lf.Earth(), lf.FreeMolecular(), release=release, duration="1 h")

@@ -11,8 +11,8 @@ from scipy.stats import binomtest
 import lightflyer as lf
 from lightflyer.mission import Circle, Polygon, Tether
 from lightflyer.mission.report.figures import plot_spread
+from lightflyer.mission.report.shares import binomial_interval
 from lightflyer.mission.swarms import spreading
-from lightflyer.mission.swarms.spreading import binomial_interval
 from lightflyer.mission.swarms.tethers import _Hung
 
 RADIUS = 6.371e6

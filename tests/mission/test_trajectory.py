@@ -12,7 +12,7 @@ import lightflyer as lf
 from lightflyer.environment import Place
 from lightflyer.mission.mission import trajectory
 from lightflyer.mission.path.attitude import FollowSun, Level
-from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
+from lightflyer.mission.path.dynamics import Inertia, state_at_release, track_with_inertia
 from lightflyer.mission.path.integration import (
     Accuracy,
     Limits,
@@ -215,14 +215,16 @@ def test_velocity_and_temperature_follow_at_once(afternoon):
     times = np.array([0.0, afternoon.duration])
     with lf.float64():
         steady, _ = afternoon.value_and_slope(np.array([0.08, afternoon.begin]))
+        craft = Craft(setup, Level())
         found = jax.jit(track_with_inertia)(
-            Craft(setup, Level()),
+            craft,
             start,
+            state_at_release(craft, start, Inertia()),
             Limits(0.0, 200e3),
             times,
             Accuracy.for_duration(afternoon.duration),
             Inertia(),
-        )
+        ).track
     assert int(found.termination) == TerminationReason.STILL_FLYING
     assert abs(float(steady) - altitude) > 200.0
     assert 1e-3 < abs(float(found.end_altitude - steady)) < 1.0

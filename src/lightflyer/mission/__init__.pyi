@@ -28,6 +28,7 @@ from .path.shading import Shaded as Shaded
 from .path.stability import Hanging as Hanging
 from .path.stability import hanging_stability as hanging_stability
 from .path.termination import TerminationReason as TerminationReason
+from .report.landing import Landing as Landing
 from .report.netcdf import write_netcdf as write_netcdf
 from .report.summary import summarise as summarise
 from .report.text import describe as describe

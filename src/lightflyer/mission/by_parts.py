@@ -76,7 +76,7 @@ def _lengths(winds: list[GriddedWind], radius: float) -> tuple[float, float]:
 
 def _stages(elapsed: np.ndarray, length: float) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Times of each stage, and which of those to keep each of them is; -1 for none."""
-    count, spacing = len(elapsed) - 1, float(elapsed[1] - elapsed[0])
+    count, spacing = len(elapsed) - 1, float(np.diff(elapsed).max())
     if spacing > length:
         pieces = math.ceil(spacing / length)
         for row in range(count):
@@ -92,6 +92,21 @@ def _stages(elapsed: np.ndarray, length: float) -> Iterator[tuple[np.ndarray, np
         yield elapsed[marks], marks
 
 
+def unflown(flights: Flights, elapsed: np.ndarray) -> Track:
+    """Tracks of flights that have not begun."""
+    count, starts = flights.count, flights.starts
+    known: dict[str, Any] = {
+        "altitude": np.full((count, elapsed.size), np.inf),
+        "position": np.full((count, elapsed.size, 3), np.inf),
+        "end_elapsed": np.zeros(count),
+        "end_altitude": np.array(starts.altitude),
+        "end_position": np.array(_unit_vector(starts.place.latitude, starts.place.longitude)),
+        "termination": np.full(count, int(TerminationReason.STILL_FLYING)),
+        "steps": np.zeros(count, int),
+    }
+    return Track(**known)
+
+
 class _Fleet:
     """Flights on their way."""
 
@@ -99,20 +114,10 @@ class _Fleet:
     flown: int = 0  # groups of flights in stages, which follow from those before
 
     def __init__(self, flights: Flights, elapsed: np.ndarray, first: Track | None, radius: float):
-        count, starts = flights.count, flights.starts
         self._flights, self._radius = flights, radius
-        self._released = np.asarray(starts.place.time)
-        known: dict[str, Any] = {
-            "altitude": np.full((count, elapsed.size), np.inf),
-            "position": np.full((count, elapsed.size, 3), np.inf),
-            "end_elapsed": np.zeros(count),
-            "end_altitude": np.array(starts.altitude),
-            "end_position": np.array(_unit_vector(starts.place.latitude, starts.place.longitude)),
-            "termination": np.full(count, int(TerminationReason.STILL_FLYING)),
-            "steps": np.zeros(count, int),
-        }
-        self.track = Track(**known)
-        self.flying = np.ones(count, bool)
+        self._released = np.asarray(flights.starts.place.time)
+        self.track = unflown(flights, elapsed)
+        self.flying = np.ones(flights.count, bool)
         if first is not None:
             self.flying[0] = False
             for all_flights, one in zip(*map(jax.tree.leaves, (self.track, first)), strict=True):

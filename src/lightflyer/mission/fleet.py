@@ -1,6 +1,6 @@
 """Many flights at once: flyers within their uncertainties, other winds, other releases."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from itertools import takewhile
@@ -66,9 +66,9 @@ class Ensemble(Checked):
     drag : array
         Relative standard uncertainty of the drag [1]; by default a sixth of what warmth adds to
         that of a disk of 1.6 times the air's temperature.
-    altitude, distance, time : array
+    altitude, distance, time, velocity : array
         Standard uncertainty of the release: of its altitude [m], of its place northward and
-        eastward [m], and of its time [s].
+        eastward [m], of its time [s], and of each component of its velocity [m/s].
     """
 
     members: int = eqx.field(static=True, default=MEMBERS)
@@ -81,6 +81,7 @@ class Ensemble(Checked):
     altitude: Distance = 0.0
     distance: Distance = 0.0
     time: Numeric = 0.0
+    velocity: Speed = 0.0
 
     def __check_init__(self) -> None:
         members: Any = self.members
@@ -209,8 +210,12 @@ def _starts(
     start: Start, ensemble: Ensemble | None, delays: Sequence[float], radius: float
 ) -> Start:
     """Releases within their uncertainties, on a planet of some radius [m], and the later ones."""
-    normal = np.empty((0, 4))
+    normal, kicks, moving = np.empty((0, 4)), np.empty((0, 3)), start.velocity
     if ensemble is not None:
+        if moving is None and np.any(ensemble.velocity):
+            raise ParameterError(
+                "a velocity that is uncertain needs one of the release; add [mission.release]"
+            )
         generator = np.random.default_rng(ensemble.seed + _RELEASE)
         spread = np.array(
             [
@@ -221,11 +226,14 @@ def _starts(
             ]
         )
         normal = spread * generator.standard_normal((ensemble.members, 4))
+        kicks = float(ensemble.velocity) * generator.standard_normal((ensemble.members, 3))
     north, east, higher, later = _among_others(normal, len(delays)).T
     later[later.size - len(delays) :] = delays
     place = _move(start.place, north, east)
     altitude, time = float(start.altitude), float(start.place.time)
-    return Start(altitude + higher, Place(*place, time + later))
+    if moving is not None:
+        moving = np.asarray(moving) + _among_others(kicks, len(delays))
+    return Start(altitude + higher, Place(*place, time + later), moving)
 
 
 @entry_point
@@ -236,12 +244,21 @@ def _move(place: Place, north: Any, east: Any) -> tuple[Array, Array]:
     return latitude_and_longitude(here + north[:, None] * to_north + east[:, None] * to_east)
 
 
-def _integrate(flights: Flights, limits: Limits, elapsed: Any, accuracy: Accuracy) -> Track:
-    def one(varied: Setup, start: Start, errors: Errors) -> Track:
-        craft = Craft(eqx.combine(varied, flights.setup), flights.rule, *errors)
-        return track(craft, start, limits, elapsed, accuracy)
+def each(flights: Flights, function: Callable[..., Any], *more: Any) -> Any:
+    """A function of craft, start and ``more`` of each flight; results have a leading axis."""
 
-    return jax.vmap(one)(flights.varied, flights.starts, flights.errors)
+    def one(varied: Setup, start: Start, errors: Errors, *rest: Any) -> Any:
+        craft = Craft(eqx.combine(varied, flights.setup), flights.rule, *errors)
+        return function(craft, start, *rest)
+
+    return jax.vmap(one)(flights.varied, flights.starts, flights.errors, *more)
+
+
+def _integrate(flights: Flights, limits: Limits, elapsed: Any, accuracy: Accuracy) -> Track:
+    found: Track = each(
+        flights, lambda craft, start: track(craft, start, limits, elapsed, accuracy)
+    )
+    return found
 
 
 _tracks = entry_point(_integrate, way="xla")  # thousands of steps one after the other

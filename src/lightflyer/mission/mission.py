@@ -18,15 +18,15 @@ from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.environment.wind.beyond import with_end_of_data
-from lightflyer.environment.wind.gridded import parts_at
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import Circle
-from lightflyer.mission.by_parts import fly_many, left_their_part
-from lightflyer.mission.fleet import BATCH, Ensemble, Flights, flights_of
+from lightflyer.mission.by_parts import fly_many
+from lightflyer.mission.first_seconds import begin
+from lightflyer.mission.fleet import BATCH, Ensemble, Flights, flights_of, one_of
 from lightflyer.mission.kept import Keep, describe_work, keep_in, keep_nothing
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
-from lightflyer.mission.path.dynamics import Inertia, track_with_inertia
+from lightflyer.mission.path.dynamics import Inertia
 from lightflyer.mission.path.integration import (
     LONGEST_STEP,
     TOLERANCE,
@@ -49,16 +49,18 @@ from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.release import (
     Release,
     limits_of,
+    require_at_rest,
     require_release_inside,
     require_rule,
-    require_steady_fall,
 )
-from lightflyer.mission.path.single import follow, way_between
+from lightflyer.mission.path.single import follow
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of, describe_object
 from lightflyer.mission.report.dataset import Several, add_several, add_survival, dataset_of
+from lightflyer.mission.report.departure import add_departure, since
 from lightflyer.mission.report.diagnostics import diagnose_flight, termination_text
 from lightflyer.mission.report.events import add_events, close_look, close_times, events_of
+from lightflyer.mission.report.landing import HIGHEST_GROUND, Landing, add_landing
 from lightflyer.mission.report.station import add_station, stay_of
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
@@ -91,6 +93,7 @@ def fly(
     lowest: Any = None,
     highest: Any = None,
     station: Circle | None = None,
+    landing: Landing | None = None,
     inertia: Inertia | None = None,
     tolerance: float = TOLERANCE,
     folder: str | Path | None = None,
@@ -98,7 +101,8 @@ def fly(
     """Fly a mission: a trajectory in time, altitude, latitude and longitude.
 
     The flyer is in thermal equilibrium at each moment, and moves through the air at the velocity
-    at which drag balances lift and weight. It goes with the wind.
+    at which drag balances lift and weight. It goes with the wind. Released with a velocity, or in
+    air too thin for that balance, it has inertia until it comes to it.
 
     Parameters
     ----------
@@ -121,8 +125,11 @@ def fly(
         Altitudes at which the mission ends [m]; by default the ends of the environment.
     station : Circle, optional
         A place near which the flyer is to stay; the result says for how long it does.
+    landing : Landing, optional
+        Of how many flyers, and below which flight levels, where flights may reach the ground.
     inertia : Inertia, optional
-        Integrate velocity and temperature too, as a check that both follow at once.
+        Integrate velocity and temperature of all flights to the end, as a check that both follow
+        at once.
     tolerance : float
         Error of a step of the integration.
     folder : path, optional
@@ -161,6 +168,7 @@ def fly(
         require_record("station", (Circle,), station)
     limits = limits_of(mission.setup.environment, lowest, highest)
     require_release_inside(release, limits)
+    ends_at_ground = _ends_at_ground(limits, landing)
     with float64():  # raises where the data of winds or ground do not reach
         remarks = require_rule(mission.craft, mission.start)
     launches = [float(_DELAY.number("launches", delay)) for delay in launches]
@@ -172,20 +180,15 @@ def fly(
     if folder is not None and several:
         keep = keep_in(Path(folder), _describe(mission, plan, flights, ensemble))
     released = float(release.time)
-    if inertia is None:
-        require_steady_fall(mission.craft, mission.start)
-        first, way = follow(mission.craft, mission.start, *plan.course)
+    begun = begin(flights, *plan.course, inertia)
+    if begun.tracks is not None and begun.elapsed.size == 1:
+        tracks, way = begun.tracks, begun.whole()
     else:
-        near = parts_at(mission.craft, mission.start.place)
-        first = _track_with_inertia(near, mission.start, plan.course, inertia)
-        if left_their_part(near, first, released):
-            raise ParameterError(
-                f"with inertia a flight stays in the part of the wind's file around its release, "
-                f"which it leaves after {float(first.end_elapsed) / 3600.0:.1f} h; shorten it, or "
-                "take what it needs into memory: GriddedWind(xarray.open_dataset(file).sel(...))"
-            )
-        way = way_between(elapsed, first)
-    tracks = fly_many(flights, *plan.course, first, keep)
+        rest = limits, begun.elapsed, plan.accuracy
+        start = mission.start if begun.tracks is None else one_of(begun.flights, 0)[1]
+        balanced, later = follow(mission.craft, start, *rest)
+        tracks, way = begun.join(fly_many(begun.flights, *rest, balanced, keep)), begun.whole(later)
+    first = _rows(tracks, 0)
     # read once, for all that is looked at below
     known = np.union1d(close_times(way), elapsed[np.isfinite(first.altitude)])
     craft = in_met_winds(mission.craft, Course(known, *way(known), released))
@@ -193,7 +196,10 @@ def fly(
     dataset = _fly(mission, craft, plan, first)
     ending = with_end_of_data(mission.setup.environment)
     add_events(dataset, events_of(craft, way, *closely, ending))
-    told = [*mission.design.warnings, *remarks, *diagnose_flight(craft, *closely)]
+    settled = closely if inertia is not None else since(begun.until, *closely)
+    told = [*mission.design.warnings, *remarks, *diagnose_flight(craft, *settled)]
+    if begun.felt is not None:
+        told += add_departure(dataset, craft, begun, released)
     flown = len(tracks.end_altitude)
     whole = flown == flights.count  # unless a user ended it early
     if not whole:
@@ -211,6 +217,8 @@ def fly(
     if len(launches) > 0 and whole:
         add_several(dataset, _launch(tracks, launches, times))
     dataset.attrs |= _record(mission, ensemble, inertia)
+    if ends_at_ground:
+        add_landing(dataset, craft, *closely, landing or Landing())
     if station is not None:
         radius = float(planet_of(mission.setup.environment).radius)
         add_station(dataset, station, stay_of(way, station, radius))
@@ -262,6 +270,7 @@ def trajectory(
     >>> print(f"{way.end_altitude / 1e3:.1f} km")
     84.3 km
     """
+    require_at_rest(release, "a trajectory")
     limits = limits_of(environment, None, None)
     times = np.asarray(elapsed, float)
     accuracy = Accuracy.for_duration(float(times[-1]), tolerance, longest_step)
@@ -321,6 +330,16 @@ def times_of(duration: Any, every: Any = None, *, several: bool = False) -> np.n
     return np.linspace(0.0, length, 1 + max(1, math.ceil(length / spacing - _ROUNDING)))
 
 
+def _ends_at_ground(limits: Limits, landing: Landing | None) -> bool:
+    lowest = float(limits.lowest)
+    if landing is not None and lowest > HIGHEST_GROUND:
+        raise ParameterError(
+            f"landing has no effect: the mission ends at {lowest / 1e3:g} km, above any ground; "
+            "lower its lowest altitude"
+        )
+    return lowest <= HIGHEST_GROUND
+
+
 def _seconds(name: str, value: Any) -> float:
     number = float(_DURATION.number(name, value))
     _DURATION.check(name, number)
@@ -353,13 +372,6 @@ def _launch(tracks: Track, launches: Sequence[float], times: np.ndarray) -> Seve
 
 def _rows(tracks: Track, rows: Any) -> Track:
     return jax.tree.map(lambda leaf: leaf[rows], tracks)
-
-
-@entry_point
-def _track_with_inertia(
-    craft: Craft, start: Start, plan: tuple[Limits, Any, Accuracy], inertia: Inertia
-) -> Track:
-    return track_with_inertia(craft, start, *plan, inertia)
 
 
 def _fly(mission: _Mission, craft: Craft, plan: _Plan, track: Track) -> "xr.Dataset":

@@ -72,6 +72,7 @@ class MissionFile:
             raise ConfigurationError("a swarm is released at once; take out [mission.launches]")
         if members is not None:
             given["ensemble"] = replace(ensemble, members=members)
+        given.pop("landing")
         given["areas"] = [given.pop("station") or self.mission.circle]
         return {name: value for name, value in given.items() if value is not None}
 

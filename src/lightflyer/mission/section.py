@@ -18,6 +18,7 @@ from lightflyer.core.quantity import (
     Latitude,
     Longitude,
     Steepness,
+    Velocity,
 )
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Alternative, Section, Spelling, any_of
@@ -32,6 +33,7 @@ from lightflyer.mission.path.attitude import (
 )
 from lightflyer.mission.path.release import Release
 from lightflyer.mission.path.shading import AbstractShading, ChooseWind, HoldAltitude, Shaded
+from lightflyer.mission.report.landing import FLIGHT_LEVELS, Landing
 
 MOST_MEMBERS = 100_000  # Largest ensemble of one command: its tracks are kept in memory
 
@@ -40,6 +42,9 @@ MOST_LAUNCHES = 10_000
 _Members = Annotated[int, pydantic.Field(strict=True, ge=2, le=MOST_MEMBERS)]
 _Seed = Annotated[int, pydantic.Field(strict=True, ge=0)]
 _Launches = Annotated[int, pydantic.Field(strict=True, ge=1, le=MOST_LAUNCHES)]
+
+_Objects = Annotated[int, pydantic.Field(strict=True, ge=1)]
+_Level = Annotated[int, pydantic.Field(strict=True, ge=1, le=1000)]
 
 _RULES = ("own", "level", "follow-sun", "towards-station")
 _TILTED = {"largest_tilt": ("follow-sun", "towards-station"), "tilt_share": ("follow-sun",)}
@@ -71,6 +76,7 @@ class EnsembleSection(_Exact, of=Ensemble):
         "vertical_wind": Spelling("vertical_wind_uncertainty"),
         "distance": Spelling("position_uncertainty"),
         "drag": Spelling("drag_uncertainty"),
+        "velocity": Spelling("velocity_uncertainty"),
     }
     left_out: ClassVar[tuple[str, ...]] = ("altitude", "time")
 
@@ -89,6 +95,29 @@ class LaunchesSection(_Exact):
     def delays(self) -> list[float]:
         """Times of the further releases after the first [s]."""
         return [self.every.value * (1 + number) for number in range(self.count)]
+
+
+class ReleaseSection(_Exact):
+    """``[mission.release]``: velocity over ground, such as that of a rocket or an aircraft."""
+
+    instead: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("east", "north", "up"), "; that is velocity_uncertainty in [mission.ensemble]"
+    )
+
+    east: Velocity = Measured(0.0)
+    north: Velocity = Measured(0.0)
+    up: Velocity = Measured(0.0)
+
+
+class LandingSection(_Exact, of=Landing):
+    """``[mission.landing]``: what landings are counted in."""
+
+    objects: _Objects = 1
+    flight_levels: Annotated[tuple[_Level, ...], pydantic.Field(min_length=1)] = FLIGHT_LEVELS
+
+    def build(self) -> Landing:
+        """What they are counted in."""
+        return Landing(self.objects, self.flight_levels)
 
 
 class StationSection(_Exact, of=Circle):
@@ -134,6 +163,7 @@ class MissionSection(_Exact, of=Release):
 
     uncertain: ClassVar[tuple[str, ...]] = ("altitude",)
     instead: ClassVar[Mapping[str, str]] = dict.fromkeys(("latitude", "longitude"), _OF_PLACE)
+    left_out: ClassVar[tuple[str, ...]] = ("velocity",)
 
     date: datetime.datetime
     latitude: Latitude
@@ -145,7 +175,9 @@ class MissionSection(_Exact, of=Release):
     tilt_share: Fraction | None = None
     largest_tilt: Steepness | None = None
     shading: any_of(ShadingSection) | None = None  # type: ignore[valid-type]
+    release: ReleaseSection | None = None
     station: StationSection | None = None
+    landing: LandingSection | None = None
     lowest_altitude: Altitude | None = None
     highest_altitude: Altitude | None = None
     launches: LaunchesSection | None = None
@@ -173,10 +205,12 @@ class MissionSection(_Exact, of=Release):
             )
         return self
 
-    @property
-    def release(self) -> Release:
-        """Where and when."""
-        found: Release = self.make(time=self.date)
+    def build_release(self) -> Release:
+        """Where and when, and how fast."""
+        given, moving = self.release, None
+        if given is not None:
+            moving = [part.value for part in (given.east, given.north, given.up)]
+        found: Release = self.make(time=self.date, velocity=moving)
         return found
 
     def rule(self) -> AbstractAttitudeRule:
@@ -221,13 +255,14 @@ class MissionSection(_Exact, of=Release):
     def arguments(self) -> dict[str, Any]:
         """Arguments of :func:`lightflyer.fly` beside the design."""
         return {
-            "release": self.release,
+            "release": self.build_release(),
             "duration": self.duration.value,
             "attitude": self.rule(),
             "every": None if self.every is None else self.every.value,
             "ensemble": self.build_ensemble(),
             "launches": [] if self.launches is None else self.launches.delays,
             "station": self.circle if self._has_station else None,
+            "landing": None if self.landing is None else self.landing.build(),
             "lowest": None if self.lowest_altitude is None else self.lowest_altitude.value,
             "highest": None if self.highest_altitude is None else self.highest_altitude.value,
         }

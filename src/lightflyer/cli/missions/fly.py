@@ -143,7 +143,7 @@ def _read_tracks(paths: list[Path] | None, mission: "MissionFile") -> "list[Meas
     tracks = [read_track(path) for path in paths]
     require_distinct([(one.source, (one.time, one.latitude, one.altitude)) for one in tracks])
     for track in tracks:
-        require_comparable(track, mission.mission.release, mission.mission.duration.value)
+        require_comparable(track, mission.mission.build_release(), mission.mission.duration.value)
     return tracks
 
 

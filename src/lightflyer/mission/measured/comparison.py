@@ -32,6 +32,7 @@ from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.release import (
     Release,
     limits_of,
+    require_at_rest,
     require_release_inside,
     require_rule,
 )
@@ -140,6 +141,7 @@ def compare_track(
     measured = track if isinstance(track, MeasuredTrack) else read_track(track)
     limits = limits_of(setup.environment, lowest, highest)
     require_release_inside(release, limits)
+    require_at_rest(release, "a flight beside a measured track")
     with float64():
         start = release.start()
         require_rule(Craft(setup, rule), start)

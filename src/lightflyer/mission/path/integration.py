@@ -44,6 +44,8 @@ class Start(eqx.Module):
 
     altitude: Numeric  # [m]
     place: Place
+    # Over ground, to the east, north and up [m/s], shape (3,); None for at rest in the air
+    velocity: Numeric | None = None
 
 
 class Track(eqx.Module):

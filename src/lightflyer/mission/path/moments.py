@@ -1,5 +1,6 @@
 """What a flyer is like at each moment of its way: temperatures, forces, light and wind."""
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -81,8 +82,15 @@ def node_variables(nodes: tuple[str, ...]) -> dict[str, Variable]:
 
 def moments(craft: Craft, course: Course) -> dict[str, Any]:
     """Results over time of a flyer in balance at each moment [1], shape (times,)."""
-    found: dict[str, Any] = _moments(in_met_winds(craft, course), course)
+    found: dict[str, Any] = _moments(in_met_winds(craft, course), within(craft, course))
     return found
+
+
+def within(craft: Craft, course: Course) -> Course:
+    """A course whose end lies within the environment, which it may miss by rounding."""
+    where = craft.setup.environment.coordinate
+    altitude = np.clip(np.asarray(course.altitude), where.lowest, where.highest)
+    return replace(course, altitude=altitude)
 
 
 def in_met_winds(craft: Craft, course: Course) -> Craft:

@@ -46,6 +46,10 @@ SETTLING = 20.0
 """Time in which a balloon comes to a balance that is near [s]. With inertia it swings about it,
 with a period of minutes, which is left out."""
 
+INERTIA = 0.1
+"""Square of the speed over R T, up to which a flyer is in balance: the time that it takes to come
+there over that in which it falls through a scale height of the gas."""
+
 _BLEND = 4  # how sharply the way to a balance that is near takes over from a steady speed
 
 
@@ -148,6 +152,14 @@ def steady_speeds(
     if flyer.attitude is None:
         return axial, jnp.zeros_like(axial)
     return axial, speed_of(forces.slope, "edgewise")
+
+
+def in_balance(craft: Craft, around: Surroundings) -> tuple[Array, Array, Array]:
+    """Steady speeds [m/s], and what :data:`INERTIA` is the most of [1]."""
+    unknowns = craft.heat(around).unknowns
+    axial, slope = steady_speeds(around, craft.forces(around, unknowns), unknowns)
+    thermal = around.state.gas.specific_gas_constant * around.state.temperature
+    return axial, slope, axial**2 / thermal
 
 
 def settle(speed: Array, force: Array, stiffness: Array) -> Array:

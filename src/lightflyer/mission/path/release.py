@@ -1,6 +1,5 @@
 """Where and when a flyer is released."""
 
-import math
 from types import NoneType
 from typing import Any
 
@@ -11,30 +10,22 @@ import numpy as np
 
 from lightflyer.core.clock import seconds_of
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.precision import float64
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Altitude,
     Checked,
     Latitude,
     Longitude,
+    Velocity,
     require_record,
 )
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.environment.radiation import Attitude
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Moment
 from lightflyer.mission.path.integration import Limits, Start
-from lightflyer.mission.path.moments import Course, moments
 from lightflyer.mission.path.motion import Craft
-from lightflyer.mission.path.position import unit_vector
-from lightflyer.program.entry_point import entry_point
-
-_INERTIA = 0.1
-"""Square of the speed over R T, up to which a flyer is in balance: the time that it takes to come
-there over that in which it falls through a scale height of the gas."""
 
 _PACKAGE = __name__.partition(".")[0]
-_unit_vector = entry_point(unit_vector)
 _YEARS = 1950, 2050  # in which the algorithm of the sun's place is good to 0.002°
 
 
@@ -59,6 +50,15 @@ class Release(Checked):
     #: :class:`datetime.datetime`, or a text such as ``"2026-06-21T12:00:00Z"``; without a time zone
     #: it is UTC
     time: Any = eqx.field(converter=seconds_of)
+    #: Over ground, to the east, north and up [m/s], shape (3,), such as that of a rocket or an
+    #: aircraft; None for at rest in the air
+    velocity: Velocity | None = None
+
+    def __post_init__(self) -> None:
+        if self.velocity is not None and np.shape(self.velocity) != (3,):
+            raise ParameterError(
+                "velocity of a release needs three components: to the east, north and up [m/s]"
+            )
 
     def start(self) -> Start:
         """The same in the units of the integration."""
@@ -67,7 +67,8 @@ class Release(Checked):
             jnp.asarray(self.longitude * RADIANS_PER_DEGREE, float),
             jnp.asarray(self.time, float),
         )
-        return Start(jnp.asarray(self.altitude, float), place)
+        moving = None if self.velocity is None else jnp.asarray(self.velocity, float)
+        return Start(jnp.asarray(self.altitude, float), place, moving)
 
 
 def limits_of(environment: AbstractEnvironment, lowest: Any, highest: Any) -> Limits:
@@ -92,22 +93,12 @@ def limits_of(environment: AbstractEnvironment, lowest: Any, highest: Any) -> Li
     return found
 
 
-def require_steady_fall(craft: Craft, start: Start) -> None:
-    """Raise where a flyer would fall so fast that it is not in balance for long enough."""
-    place = start.place
-    position = np.atleast_2d(_unit_vector(place.latitude, place.longitude))
-    course = Course(np.zeros(1), np.atleast_1d(start.altitude), position, place.time)
-    there = {name: float(values[0]) for name, values in moments(craft, course).items()}
-    with float64():
-        state = craft.setup.environment.state(float(start.altitude), place)
-    thermal = float(state.gas.specific_gas_constant) * there["gas_temperature"]
-    fastest = math.sqrt(_INERTIA * thermal)
-    if abs(there["axial_speed"]) > fastest:
+def require_at_rest(release: Release, what: str) -> None:
+    """Raise where a release has a velocity, for what is in balance from the first moment on."""
+    if release.velocity is not None:
         raise ParameterError(
-            f"released at {float(start.altitude) / 1e3:g} km the flyer would move at "
-            f"{abs(there['axial_speed']):.3g} m/s in balance of its forces, but it comes into "
-            f"balance only below about {fastest:.0f} m/s; release it where the air is denser, or "
-            "integrate its velocity with lf.fly(..., inertia=lf.mission.Inertia(...))"
+            f"{what} is in balance from the release on, and takes no velocity; leave it out, or "
+            "take lf.fly"
         )
 
 

@@ -57,19 +57,6 @@ class Way(NamedTuple):
         return states[:, 3] * ALTITUDE_SCALE, states[:, :3] / length
 
 
-def way_between(elapsed: np.ndarray, track: Track) -> Way:
-    """The way along a track that is known at some moments: straight lines between them."""
-    known = np.isfinite(track.altitude)
-    times = np.append(np.asarray(elapsed)[known], track.end_elapsed)
-    heights = np.append(track.altitude[known], track.end_altitude) / ALTITUDE_SCALE
-    states = np.column_stack([np.vstack([track.position[known], track.end_position]), heights])
-
-    def between(at: np.ndarray) -> np.ndarray:
-        return np.stack([np.interp(at, times, column) for column in states.T])
-
-    return Way(times[[0, -1]], [between])
-
-
 def follow(
     craft: Craft, start: Start, limits: Limits, elapsed: Any, accuracy: Accuracy
 ) -> tuple[Track, Way]:

@@ -51,7 +51,10 @@ def assumptions_of(
     told += ["wind: none"] if wind is None else list(wind.describe())
     told.append(f"attitude: {rule.describe()}")
     if inertia is None:
-        told.append("motion: in balance of heat and forces at each moment")
+        told.append(
+            "motion: in balance of heat and forces at each moment, after a release with a velocity "
+            "or in thin air with inertia until it is"
+        )
     else:
         told.append(
             f"motion: with inertia, specific heat {float(inertia.specific_heat):g} J/(kg K)"
@@ -89,9 +92,9 @@ def _ensemble_assumptions(
     if float(ensemble.drag):
         told.append(f"drag: ± {100.0 * float(ensemble.drag):g} %, the same throughout a flight")
     spread = [float(part) for part in (ensemble.altitude, ensemble.distance, ensemble.time)]
-    if any(spread):
+    if any(spread) or float(ensemble.velocity):
         told.append(
             f"release: ± {spread[0]:g} m in altitude, ± {spread[1]:g} m north and east, "
-            f"± {spread[2]:g} s"
+            f"± {spread[2]:g} s, ± {float(ensemble.velocity):g} m/s in each direction"
         )
     return tuple(told)

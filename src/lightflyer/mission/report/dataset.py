@@ -112,13 +112,14 @@ def add_survival(dataset: "xr.Dataset", several: Several) -> None:
 
 
 def ends_of(dataset: "xr.Dataset") -> Iterator[tuple[str, int | None, dict[str, Any]]]:
-    """Which flights there are, their numbers, and how each ended: by the names of ENDS."""
+    """Which flights there are, their numbers, and how each ended: by names of ends."""
+    names = [*ENDS, *(str(name) for name in dataset if str(name).startswith("below_"))]
     for prefix, dimension in (("", ""), *SEVERAL):
         if f"{prefix}end_reason" not in dataset:
             continue
-        columns = [np.atleast_1d(dataset[prefix + name].values) for name in ENDS]
+        columns = [np.atleast_1d(dataset[prefix + name].values) for name in names]
         for number, row in enumerate(zip(*columns, strict=True)):
-            end = {name: value.item() for name, value in zip(ENDS, row, strict=True)}
+            end = {name: value.item() for name, value in zip(names, row, strict=True)}
             end["end_reason"] = TerminationReason(end["end_reason"]).name.lower()
             yield dimension or "stated", number if dimension else None, end
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from lightflyer.design.diagnostics import diagnose
 from lightflyer.environment.base import AbstractEnvironment, Place
-from lightflyer.mission.path.moments import Course
+from lightflyer.mission.path.moments import Course, within
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.termination import TerminationReason
@@ -21,7 +21,7 @@ def diagnose_flight(craft: Craft, course: Course, values: dict[str, Any]) -> tup
     """Diagnostics of a flyer along its way; ``values``: of its moments; one line each."""
     setup = craft.setup
     place = Place(*_places(course.position), course.released + course.elapsed)
-    state = setup.environment.state(course.altitude, place)
+    state = setup.environment.state(within(craft, course).altitude, place)
     flyer, temperature, slope = setup.flyer, values["temperature"], values["slope_speed"]
     broadside = flyer.drag_diagnostics(state, values["axial_speed"], "broadside", temperature)
     edgewise = (

@@ -13,7 +13,9 @@ from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.files.drawing import INTERVAL, LINES, legend_below, new_figure, wrap_label
 from lightflyer.files.palette import BLUE, GREY, ORANGE, PALETTE, SKY, VERMILION
 from lightflyer.files.table import shipped_table
+from lightflyer.mission.areas import describe_place
 from lightflyer.mission.report.dataset import ELAPSED
+from lightflyer.mission.report.landing import Landings, landings_of, outline_in_map
 from lightflyer.mission.report.summary import day_and_night
 
 if TYPE_CHECKING:
@@ -48,6 +50,9 @@ def mission_figures(dataset: "xr.Dataset") -> dict[str, Figure]:
         figures["station"] = _station(dataset)
     if "launch_altitude" in dataset:
         figures["launches"] = _launches(dataset)
+    landings = landings_of(dataset)
+    if landings is not None and landings.landed.any():
+        figures["landing"] = _landing(dataset, landings)
     return figures
 
 
@@ -197,6 +202,35 @@ def _launches(dataset: "xr.Dataset") -> Figure:
     axes.set_ylabel("altitude [km]")
     if len(delays) <= _MOST_NAMED:
         figure.legend(title="released", fontsize="small", loc="outside right upper")
+    return figure
+
+
+def _landing(dataset: "xr.Dataset", landings: Landings) -> Figure:
+    """Landings and the areas that hold shares of them, in an equal-area map."""
+    figure = new_figure(width=8.0, height=6.0)
+    (axes,) = figure.axes
+    release = landings.map.plane(dataset.latitude.values[:1], dataset.longitude.values[:1])
+    drawn = [landings.points, release]
+    axes.plot(*landings.points.T / _KILOMETRE, ".", color=ORANGE, ms=4.0, label="landings")
+    for area, line in zip(landings.areas, LINES, strict=False):
+        drawn.append(outline_in_map(area))
+        low, size, high = (one / 1e6 for one in (area.low, area.size, area.high))
+        label = f"{100.0 * area.share:.0f} % land here: {size:.3g} km² ({low:.3g} to {high:.3g})"
+        axes.plot(*drawn[-1].T / _KILOMETRE, color=BLUE, ls=line, label=label)
+    axes.plot(*release.T / _KILOMETRE, "^", color=VERMILION, label="release")
+    low, high = (edge(np.concatenate(drawn), axis=0) / _KILOMETRE for edge in (np.min, np.max))
+    room = 0.5 * _MARGIN * max(*(high - low), 1.0)
+    edges = np.array([-room, room]) + 0.5 * (low + high)[:, None]
+    axes.set(xlim=edges[0], ylim=edges[1])
+    axes.set_aspect("equal", adjustable="box")
+    for longitude, latitude in shores(dataset)[:1]:
+        shore = landings.map.plane(latitude, longitude) / _KILOMETRE
+        axes.plot(*shore.T, color=GREY, lw=0.6, zorder=0)
+    (latitude,), (longitude,) = landings.map.places(np.zeros((1, 2)))
+    middle = describe_place(round(float(latitude), 2), round(float(longitude), 2))
+    axes.set_xlabel(f"east of {middle} [km]")
+    axes.set_ylabel("north of it [km]")
+    legend_below(axes, most=2)
     return figure
 
 

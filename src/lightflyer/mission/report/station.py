@@ -67,7 +67,7 @@ def add_station(dataset: "xr.Dataset", station: Circle, stay: Stay) -> None:
         dims = track[0].dims
         dataset[f"{prefix}{_PREFIX}distance"] = (dims, distance, _ABOUT["distance"])
         if prefix:
-            time = _time_within(dataset[ELAPSED].values, distance, float(station.radius))
+            time = time_within(dataset[ELAPSED].values, distance, float(station.radius))
             dataset[f"{prefix}{_PREFIX}within"] = (dims[:1], time, _ABOUT["within"])
     for name, value in stay._asdict().items():
         dataset[_PREFIX + name] = ((), value, _ABOUT[name])
@@ -75,7 +75,7 @@ def add_station(dataset: "xr.Dataset", station: Circle, stay: Stay) -> None:
     dataset.attrs["station_radius_km"] = float(station.radius) / 1e3
 
 
-def _time_within(elapsed: np.ndarray, distance: np.ndarray, radius: float) -> np.ndarray:
+def time_within(elapsed: np.ndarray, distance: np.ndarray, radius: float) -> np.ndarray:
     """Time within a radius of what is known at some times, with straight lines between; (n,)."""
     begin, end = distance[:, :-1], distance[:, 1:]
     near, far = np.minimum(begin, end), np.maximum(begin, end)

@@ -10,13 +10,14 @@ from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.mission.areas import distances_between, units_of
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.dataset import ELAPSED
+from lightflyer.mission.report.departure import summarise_departure
 from lightflyer.mission.report.events import Event, at_event, read_events, spans_between
+from lightflyer.mission.report.landing import summarise_landing
+from lightflyer.mission.report.shares import interval_of
 from lightflyer.mission.report.station import summarise_station
 
 if TYPE_CHECKING:
     import xarray as xr
-
-_INTERVAL = (2.5, 50.0, 97.5)  # Percentiles of a 95 % interval and its median
 
 SECONDS_AN_HOUR = 3600.0
 _ENDS = "low", "high"  # of the interval of a share
@@ -58,10 +59,16 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         "film": heat_of_film(dataset),
         "other_wind": _other_wind(dataset),
     }
+    departure = summarise_departure(dataset)
+    if departure is not None:
+        found["release"] = departure
     if "station" in dataset.attrs:
         found["station"] = summarise_station(dataset)
     if "ensemble_flying" in dataset:
         found["ensemble"] = _summarise_ensemble(dataset)
+    landing = summarise_landing(dataset)
+    if landing is not None:
+        found["landing"] = landing
     if "launch_end_reason" in dataset:
         found["launches"] = _summarise_launches(dataset)
     return found | {name: texts_of(dataset, name) for name in ("assumptions", "warnings")}
@@ -180,19 +187,14 @@ def _summarise_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
             for end in TerminationReason
             if np.any(reasons == end)
         },
-        "duration_h": _interval(dataset.ensemble_end_elapsed.values / SECONDS_AN_HOUR),
-        "end_altitude_km": _interval(dataset.ensemble_end_altitude.values / 1e3),
-        "distance_from_nominal_end_km": _interval(_distances(dataset)),
+        "duration_h": interval_of(dataset.ensemble_end_elapsed.values / SECONDS_AN_HOUR),
+        "end_altitude_km": interval_of(dataset.ensemble_end_altitude.values / 1e3),
+        "distance_from_nominal_end_km": interval_of(_distances(dataset)),
     }
     if "ensemble_station_within" in dataset:
         within = dataset.ensemble_station_within.values
-        found["within_station_h"] = _interval(within / SECONDS_AN_HOUR)
+        found["within_station_h"] = interval_of(within / SECONDS_AN_HOUR)
     return found
-
-
-def _interval(values: np.ndarray) -> dict[str, float]:
-    low, median, high = np.percentile(values, _INTERVAL)
-    return {"low": float(low), "median": float(median), "high": float(high)}
 
 
 def _distances(dataset: "xr.Dataset") -> np.ndarray:

@@ -36,7 +36,8 @@ def has_several(dataset: "xr.Dataset") -> bool:
 
 def write_ends_csv(dataset: "xr.Dataset", path: Path) -> None:
     """Write how each flight ended: of the flyer as it is stated, each member and each launch."""
-    names = [name for name in ENDS if name != "end_reason"]
+    below = [str(name) for name in dataset if str(name).startswith("below_")]
+    names = [*(name for name in ENDS if name != "end_reason"), *below]
     units = [f"{name} [{dataset[name].attrs['units']}]" for name in names]
     lines = [",".join(["flight", "number", *units, "end_reason"])]
     for flight, number, end in ends_of(dataset):

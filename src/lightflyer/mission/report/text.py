@@ -6,6 +6,7 @@ from rich.table import Table
 
 from lightflyer.design.diagnostics import TOO_HOT
 from lightflyer.files.result_text import Parts, as_text, rows_of, table_of, warning_lines
+from lightflyer.mission.report.departure import departure_text
 from lightflyer.mission.report.summary import summarise
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
     end = (dataset[f"end_{name}"] for name in names)
     rows["flyer"] = dataset.attrs["flyer"]
     rows["released"] = f"{found['released']}, {place_text(*begin)}"
+    if "release" in found:
+        rows["at first"] = departure_text(found["release"])
     rows["ended"] = f"{found['ended']}, {place_text(*end)}"
     film, warnings = found["film"], found["warnings"]
     rows["because"] = f"it {found['end']}"
@@ -32,7 +35,7 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
     rows["aloft"] = f"{found['duration_h']:.2f} h, {found['light_h']:.2f} h in light"
     for name in ("lowest", "highest"):
         altitude, when = found[f"{name}_altitude_km"], found[f"{name}_at_h"]
-        rows[name] = f"{altitude:.2f} km, {when:.2f} h after the release"
+        rows[name] = f"{_decimals(altitude)} km, {when:.2f} h after the release"
     if "station" in found:
         rows["station"] = _stay_text(found["station"])
     if found["other_wind"] is not None:
@@ -42,6 +45,8 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
         yield _nights(found["nights"])
     if "ensemble" in found:
         yield _ensemble(found["ensemble"])
+    if "landing" in found:
+        yield from _landing(found["landing"])
     if "launches" in found:
         yield _launches(found["launches"])
     yield from found["assumptions"]
@@ -118,11 +123,16 @@ def describe(dataset: "xr.Dataset") -> str:
     return as_text(spread_parts(dataset) if "flying" in dataset else mission_parts(dataset))
 
 
-def place_text(latitude: Any, longitude: Any, altitude: Any) -> str:
-    """A place and an altitude in words; angles in degrees."""
+def place_text(latitude: Any, longitude: Any, altitude: Any = None) -> str:
+    """A place and an altitude, if there is one, in words; angles in degrees."""
     north, east = "N" if latitude >= 0.0 else "S", "E" if longitude >= 0.0 else "W"
     degrees = f"{abs(float(latitude)):.2f}° {north}, {abs(float(longitude)):.2f}° {east}"
-    return f"{degrees}, {float(altitude) / 1e3:.2f} km"
+    return degrees if altitude is None else f"{degrees}, {_decimals(float(altitude) / 1e3)} km"
+
+
+def _decimals(value: float) -> str:
+    """Two decimals, without the sign of the zero that rounding leaves at the ground."""
+    return f"{round(value, 2) + 0.0:.2f}"
 
 
 def _table(title: str, *headings: str) -> Table:
@@ -132,7 +142,7 @@ def _table(title: str, *headings: str) -> Table:
 def _nights(nights: list[dict[str, Any]]) -> Table:
     table = _table("nights", "begins", "ends", "hours", "at its begin\n[km]", "at its end\n[km]")
     for night in nights[:_MOST_ROWS]:
-        altitudes = (f"{night[f'altitude_at_{name}_km']:.2f}" for name in ("begin", "end"))
+        altitudes = (_decimals(night[f"altitude_at_{name}_km"]) for name in ("begin", "end"))
         ends = night["ends"] if night["whole"] else f"{night['ends']} *"
         table.add_row(night["begins"], ends, f"{night['duration_h']:.2f}", *altitudes)
     if not all(night["whole"] for night in nights[:_MOST_ROWS]):
@@ -163,8 +173,45 @@ def _ensemble(found: dict[str, Any]) -> Table:
         if key not in found:
             continue
         interval = found[key]
-        table.add_row(name, *(f"{interval[end]:.2f}" for end in ("low", "median", "high")))
+        table.add_row(name, *(_decimals(interval[end]) for end in ("low", "median", "high")))
     return table
+
+
+def _landing(found: dict[str, Any]) -> Parts:
+    """Where and when flights land, and how long they are below flight levels."""
+    share, low, high = (100.0 * found["landed"][end] for end in ("share", "low", "high"))
+    title = f"landings: {share:.3g} % of {found['flights']} flights"
+    if found["flights"] > 1:
+        title += f" ({low:.3g} % to {high:.3g} %)"
+    if "centre_latitude_deg" in found:
+        middle = found["centre_latitude_deg"], found["centre_longitude_deg"]
+        title += f", about {place_text(*middle)}"
+    table = _table(title, "95 % interval", "from", "median", "to")
+    rows = {"time until the landing [h]": "after_h"}
+    rows["distance from the release [km]"] = "distance_from_release_km"
+    intervals = {name: found[key] for name, key in rows.items() if key in found}
+    intervals |= {f"time below {name} [h]": one for name, one in found["below_h"].items()}
+    for name, one in intervals.items():
+        table.add_row(name, *(_decimals(one[end]) for end in ("low", "median", "high")))
+    yield table
+    objects = f"{found['objects']:,} object" + "s" * (found["objects"] > 1)
+    for area in found["areas"]:
+        long, wide = area["half_axes_km"]
+        yield (
+            f"{100.0 * area['holds']:.0f} % land within {area['area_km2']:.4g} km² "
+            f"({area['low_km2']:.4g} to {area['high_km2']:.4g}), an ellipse of {2.0 * long:.4g} by "
+            f"{2.0 * wide:.4g} km: {area['objects_per_km2']:.3g} per km² of {objects}"
+        )
+    yield (
+        f"the Reynolds number at the end is {found['stated_end_reynolds']:.3g}; the drag is that "
+        "of a body that keeps its attitude"
+    )
+    if "airspace" in found:
+        densest = found["airspace"]
+        yield (
+            f"at most {densest['objects_per_km3']:.3g} per km³ of {objects} below the highest "
+            f"flight level, {densest['at_h']:.2f} h after the release"
+        )
 
 
 def _launches(found: list[dict[str, Any]]) -> Table:

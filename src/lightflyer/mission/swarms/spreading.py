@@ -19,6 +19,7 @@ from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import AbstractArea, describe_all
 from lightflyer.mission.by_parts import fly_many
+from lightflyer.mission.first_seconds import begin
 from lightflyer.mission.fleet import BATCH, Ensemble, flights_of
 from lightflyer.mission.kept import Kept, describe_work
 from lightflyer.mission.mission import times_of
@@ -35,6 +36,7 @@ from lightflyer.mission.path.release import (
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of
 from lightflyer.mission.report.dataset import ELAPSED, degrees_of
+from lightflyer.mission.report.shares import binomial_interval
 from lightflyer.program.entry_point import entry_point
 
 if TYPE_CHECKING:
@@ -42,8 +44,6 @@ if TYPE_CHECKING:
 
 MEMBERS = 8 * BATCH - 1
 """Members that are flown and counted together; with them goes the flyer as it is stated."""
-
-CONFIDENCE = 0.95  # Of the intervals of shares
 
 _unit_vector = entry_point(unit_vector)
 _EVERY = 3600.0  # seconds between counts where nobody asks for a spacing
@@ -95,7 +95,8 @@ class _Swarm:
         ensemble = replace(self.ensemble, members=self.size(batch), seed=self.seed(batch))
         flights = flights_of(self.design, self.rule, self.start, ensemble)
         with report_to(_silent):  # whole batches are reported
-            tracks = fly_many(flights, self.limits, self.elapsed, self.accuracy)
+            begun = begin(flights, self.limits, self.elapsed, self.accuracy)
+            tracks = begun.join(fly_many(begun.flights, self.limits, begun.elapsed, self.accuracy))
         # without the flyer as it is stated
         return batch, _counts_of(jax.tree.map(lambda leaf: leaf[1:], tracks), self)
 
@@ -323,18 +324,6 @@ def _add_shares(
     ends = {"": "", "_low": ", lower end of the 95 % interval", "_high": ", upper end"}
     for end, values in parts.items():
         dataset[name + end] = (dimensions, values, {"units": "1", "long_name": text + ends[end]})
-
-
-def binomial_interval(counts: np.ndarray, trials: int) -> tuple[np.ndarray, np.ndarray]:
-    """Interval of a share that was counted, by Clopper and Pearson; [ClopperPearson1934]_."""
-    from scipy.special import betaincinv
-
-    tail = 0.5 * (1.0 - CONFIDENCE)
-    counts = np.asarray(counts)
-    some, missed = np.maximum(counts, 1), np.maximum(trials - counts, 1)
-    low = betaincinv(some, trials - some + 1, tail)
-    high = betaincinv(trials - missed + 1, missed, 1.0 - tail)
-    return np.where(counts > 0, low, 0.0), np.where(counts < trials, high, 1.0)
 
 
 def _moments(swarm: _Swarm, counts: Counts) -> dict[str, tuple[np.ndarray, str, str]]:

@@ -1,0 +1,161 @@
+"""Releases with a velocity beside closed forms and Newton's law by SciPy."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import lightflyer as lf
+from lightflyer.cli.commands.init import templates
+from lightflyer.config.designs import as_design
+from lightflyer.environment import EARTH_PLANET
+
+PLACE = {"latitude": 45.0, "longitude": 10.0, "time": "2026-06-21T12:00Z"}
+DARK = lf.environment.Radiation(0.0)
+TURN = EARTH_PLANET.rotation_rate
+
+
+@pytest.fixture(scope="module")
+def disk():
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    return lf.Disk(film, radius=0.01)
+
+
+@pytest.fixture
+def still_air(isothermal_air):
+    """Air of 220 K whose pressure falls by e in 6.5 km, in the dark."""
+    return dataclasses.replace(isothermal_air, radiation=DARK, sky=None)
+
+
+def test_where_there_is_no_air_it_flies_a_parabola_that_the_turning_earth_bends(disk):
+    speed, seconds, altitude = 300.0, 60.0, 700e3
+    flown = lf.fly(
+        disk, lf.Earth(radiation=DARK), lf.FreeMolecular(), duration=seconds,
+        release=lf.Release(altitude, **PLACE, velocity=(0.0, 0.0, speed)),
+    )  # fmt: skip
+
+    def fall(_, state):
+        return [state[1], -9.80665 * (6_356_766.0 / (6_356_766.0 + state[0])) ** 2]
+
+    exact = solve_ivp(fall, (0.0, seconds), [altitude, speed], rtol=1e-10).y[:, -1]
+    assert float(flown.end_altitude) == pytest.approx(exact[0], abs=0.5)
+    gravity = (speed - exact[1]) / seconds
+    west = TURN * np.cos(np.pi / 4.0) * (speed * seconds**2 - gravity * seconds**3 / 3.0)
+    metres = np.radians(10.0 - float(flown.end_longitude)) * np.cos(np.pi / 4.0)
+    radius = float(EARTH_PLANET.curvature_radius(np.pi / 4.0, 0.5 * np.pi)) + altitude
+    assert metres * radius == pytest.approx(west, rel=0.02)
+    np.testing.assert_allclose(flown.vertical_speed[0], speed)
+    assert float(flown.release_speed) == speed
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.6, 0.8, 0.0)])
+def test_linear_drag_stops_it_after_mass_times_speed_over_drag(
+    direction, closed_form_disk, still_air
+):
+    """Edgewise: free molecules and slow flow of dense gas in series."""
+    speed, altitude = 90.0, 60e3
+    flyer = closed_form_disk(1e-2)
+    flown = lf.fly(
+        flyer, still_air, lf.FreeMolecular(), duration="2 min", every="1 min",
+        release=lf.Release(altitude, **PLACE, velocity=speed * np.array(direction)),
+    )  # fmt: skip
+    pressure, gas = 5.0 * np.exp(10e3 / 6500.0), lf.gas.US1976_AIR
+    thermal = np.sqrt(2.0 * float(gas.specific_gas_constant) * 220.0)
+    faces = 4.0 / np.sqrt(np.pi) + np.sqrt(np.pi)
+    free = np.pi * 5e-3**2 * pressure / thermal * faces
+    slow = 32.0 / 3.0 * float(gas.viscosity(220.0)) * 5e-3
+    way = 1e-3 * np.pi * 5e-3**2 * speed * (free + slow) / (free * slow)
+    assert way > 5.0
+    radius = float(EARTH_PLANET.curvature_radius(np.pi / 4.0, np.arctan2(*direction[:2])))
+    over_ground = way * EARTH_PLANET.radius / (radius + altitude)
+    assert float(flown.release_distance) == pytest.approx(over_ground, rel=1e-3)
+    assert float(flown.release_acceleration) == pytest.approx(
+        np.hypot(speed**2 / way, 9.6), rel=5e-3
+    )
+    gone = np.array([flown.end_longitude - 10.0, flown.end_latitude - 45.0])
+    gone *= [np.cos(np.pi / 4.0), 1.0]
+    np.testing.assert_allclose(gone / np.linalg.norm(gone), direction[:2], atol=5e-3)
+
+
+@pytest.mark.parametrize("up", [None, 400.0])
+def test_a_fall_from_thin_air_is_that_of_newtons_law(up, closed_form_disk, still_air):
+    altitude, flyer, air = 135e3, closed_form_disk(1e-2, inertia=0.0), still_air
+    velocity = None if up is None else (0.0, 0.0, up)
+    times = np.arange(0.0, 1801.0, 60.0)
+    flown = lf.fly(
+        flyer, air, lf.FreeMolecular(), duration="30 min", every="1 min",
+        release=lf.Release(altitude, **PLACE, velocity=velocity),
+        ensemble=lf.mission.Ensemble(5, drag=0.2, waves=0.0),
+    )  # fmt: skip
+    gas, mass = lf.gas.US1976_AIR, 1e-3 * np.pi * 5e-3**2
+    thermal = np.sqrt(2.0 * float(gas.specific_gas_constant) * 220.0)
+    slow = 16.0 * float(gas.viscosity(220.0)) * 5e-3
+
+    def rate(_, state):
+        pressure = 5.0 * np.exp((70e3 - state[0]) / 6500.0)
+        free = np.pi * 5e-3**2 * pressure / thermal * (4.0 / np.sqrt(np.pi) + np.sqrt(np.pi))
+        return [state[1], -9.6 - state[1] * free * slow / (free + slow) / mass]
+
+    begin = [altitude, up or 0.0]
+    exact = solve_ivp(rate, (0.0, 1800.0), begin, "Radau", times, rtol=1e-9, atol=1e-6).y
+    assert exact[1].min() < -200.0  # far from balance
+    np.testing.assert_allclose(flown.altitude, exact[0], atol=10.0)
+    late = float(flown.release_balance)
+    assert 100.0 < late < 1800.0
+    early = times <= late
+    np.testing.assert_allclose(flown.vertical_speed[early], exact[1][early], atol=0.3)
+    after = flown.ensemble_altitude.values
+    assert np.all(np.isfinite(after))
+    assert np.ptp(after[:, -1]) > 1e3
+
+
+def test_a_velocity_that_is_uncertain_scatters_the_ensemble(closed_form_disk, still_air):
+    """After one time constant of free flight members are where their velocities carried them."""
+    spread, seconds = 20.0, 60.0
+    flown = lf.fly(
+        closed_form_disk(1e-2), still_air, lf.FreeMolecular(), duration=seconds,
+        release=lf.Release("190 km", **PLACE, velocity=(0.0, 0.0, 500.0)),
+        ensemble=lf.mission.Ensemble(400, velocity=spread, drag=0.0, waves=0.0, seed=3),
+    )  # fmt: skip
+    metres = np.radians(flown.ensemble_end_latitude.values - 45.0) * 6.55e6
+    assert metres.std() == pytest.approx(spread * seconds, rel=0.12)  # 3.5 standard errors
+    assert flown.ensemble_end_altitude.values.std() == pytest.approx(spread * seconds, rel=0.12)
+
+
+def test_a_release_from_an_aircraft_is_soon_one_at_rest(disk):
+    ends = [
+        lf.fly(
+            disk, lf.Earth(radiation=DARK), lf.FreeMolecular(), duration="1 h",
+            release=lf.Release("12 km", **PLACE, velocity=velocity),
+        )
+        for velocity in (None, (60.0, 0.0, 2.0))
+    ]  # fmt: skip
+    assert float(ends[1].end_altitude) == pytest.approx(float(ends[0].end_altitude), abs=0.3)
+    assert float(ends[1].release_balance) <= 10.0
+    density = 0.3119  # kg/m³, of the standard atmosphere at 12 km
+    pressure = float(ends[1].release_pressure)
+    assert pressure == pytest.approx(0.5 * density * (60.0**2 + 2.0**2), rel=1e-3)
+
+
+def test_what_a_velocity_means_nothing_for_is_refused(disk, tmp_path):
+    release = lf.Release("75 km", **PLACE, velocity=(1.0, 0.0, 0.0))
+    with pytest.raises(lf.ParameterError, match="three components"):
+        lf.Release("75 km", **PLACE, velocity=5.0)
+    with pytest.raises(lf.ParameterError, match="leaves the Earth"):
+        lf.Release("75 km", **PLACE, velocity=(0.0, 0.0, "12 km/s"))
+    with pytest.raises(lf.ParameterError, match="takes no velocity"):
+        lf.mission.trajectory(disk, lf.Earth(), lf.FreeMolecular(), release, [0.0, 60.0])
+    path = tmp_path / "flyer.toml"
+    path.write_text(templates()["balloon"].read(), encoding="utf-8")
+    balloon = as_design(path)
+    with pytest.raises(lf.ParameterError, match="moves with a balloon"):
+        lf.fly(balloon, release=lf.Release("10 km", **PLACE, velocity=(1.0, 0.0, 0.0)),
+               duration="1 h")  # fmt: skip
+    at_rest = lf.Release("75 km", **PLACE)
+    with pytest.raises(lf.ParameterError, match=r"add \[mission.release\]"):
+        lf.fly(disk, lf.Earth(), lf.FreeMolecular(), release=at_rest, duration="1 h",
+               ensemble=lf.mission.Ensemble(3, velocity=1.0))  # fmt: skip
+    fast = lf.Release("95 km", **PLACE, velocity=(3000.0, 0.0, 0.0))
+    with pytest.raises(lf.ParameterError, match="lost in this model"):
+        lf.fly(disk, lf.Earth(), lf.FreeMolecular(), release=fast, duration="1 h")

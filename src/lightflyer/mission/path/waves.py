@@ -36,11 +36,11 @@ _TIDES = 2.0 * np.pi / 86_400.0 * np.array([1.0, 2.0])  # rad/s
 _TIDAL_SHARE = 0.4  # Of the sum of both temperatures
 _SPREAD = 0.4  # Of the logarithm of a member's amplitude: seasons and places
 
-_LONGEST_PERIOD, SHORTEST_PERIOD = 86_400.0, 1800.0
+_LONGEST_PERIOD, _SHORTEST_PERIOD = 86_400.0, 1800.0
 """Periods of the waves that a flight meets [s]. Shorter ones move air by 100 m at 80 km (root of
 the mean square), and would need short steps."""
 
-BUOYANCY_FREQUENCY = 0.02
+_BUOYANCY_FREQUENCY = 0.02
 """[rad/s]; between 0.017 and 0.022 from 20 km to 90 km of the US Standard Atmosphere."""
 
 _SCALE_HEIGHT = 7e3  # m
@@ -68,9 +68,9 @@ class Waves(eqx.Module):
         size = temperature_by_gravity_waves(altitude) / state.temperature
         warmer = size * jnp.sum(self.cosines * cosine + self.sines * sine)
         quarter = self.sines * cosine - self.cosines * sine  # a quarter of a wave ahead
-        lift = -size * state.gravity / BUOYANCY_FREQUENCY**2
+        lift = -size * state.gravity / _BUOYANCY_FREQUENCY**2
         up = lift * jnp.sum(self.frequencies * quarter)
-        along = lift * BUOYANCY_FREQUENCY * jnp.sum(self.headings * quarter, axis=-1)
+        along = lift * _BUOYANCY_FREQUENCY * jnp.sum(self.headings * quarter, axis=-1)
         to_east, to_north = directions(place.latitude, place.longitude)
         wind = Wind(0.0, 0.0, 0.0) if state.wind is None else state.wind
         moved = Wind(
@@ -94,10 +94,10 @@ def temperature_by_gravity_waves(altitude: Numeric) -> Array:
 def draw_waves(count: int, scale: float, seed: int) -> Waves:
     """Waves of many flights, each with its own; ``scale``: their size over the climatology's."""
     generator = np.random.default_rng(seed)
-    longest, shortest = 2.0 * np.pi / _LONGEST_PERIOD, 2.0 * np.pi / SHORTEST_PERIOD
+    longest, shortest = 2.0 * np.pi / _LONGEST_PERIOD, 2.0 * np.pi / _SHORTEST_PERIOD
     edges = np.geomspace(longest, shortest, _COUNT + 1)
     parts = np.diff(-(edges ** (-2.0 / 3.0)))  # of the energy, by the integral of its spectrum
-    parts /= longest ** (-2.0 / 3.0) - BUOYANCY_FREQUENCY ** (-2.0 / 3.0)
+    parts /= longest ** (-2.0 / 3.0) - _BUOYANCY_FREQUENCY ** (-2.0 / 3.0)
     places = generator.random((count, _COUNT))
     frequencies = edges[:-1] * (edges[1:] / edges[:-1]) ** places
     tides = np.tile(_TIDES, (count, 1))
@@ -127,6 +127,6 @@ def describe_waves(scale: float) -> str:
     return (
         f"waves: gravity waves of ± {sizes[0]:.2g} K at 60 km and ± {sizes[1]:.2g} K at 80 km, "
         f"tides of {100.0 * _TIDAL_SHARE:.0f} % of both, with the rise and fall, wind and pressure "
-        f"that belong to them; periods of {SHORTEST_PERIOD / 60.0:.0f} min to "
+        f"that belong to them; periods of {_SHORTEST_PERIOD / 60.0:.0f} min to "
         f"{_LONGEST_PERIOD / 3600.0:.0f} h"
     )

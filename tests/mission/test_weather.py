@@ -1,5 +1,6 @@
 """Missions in winds of files of which only parts are in memory, and where data end."""
 
+import os
 from itertools import chain, repeat
 
 import numpy as np
@@ -7,9 +8,11 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
+from lightflyer.config.designs import as_design
 from lightflyer.environment import GriddedWind, UniformWind, WindBeyondData
 from lightflyer.environment.wind import store
 from lightflyer.mission import by_parts
+from lightflyer.mission.kept import describe_work
 from lightflyer.mission.report.events import Event, at_event, read_events
 from lightflyer.mission.report.summary import summarise
 
@@ -132,3 +135,18 @@ def test_a_mission_says_where_another_wind_took_over(path):
     inside = flown.isel(event=flown.event_kind.values < Event.OTHER_WIND_BEGINS)
     assert summarise(inside)["other_wind"]["share"] == 0.0
     assert "never met on the way" in lf.mission.describe(inside)
+
+
+def test_flights_in_a_file_that_was_written_anew_are_others(path, monkeypatch):
+    """What is kept of an interrupted mission or swarm does not go on in other weather."""
+    monkeypatch.setattr(store, "KEPT", 3000)
+
+    def described():
+        environment = lf.Earth(wind=GriddedWind.from_file(path))
+        return describe_work(as_design(lf.Disk(FILM, 0.001), environment, lf.FreeMolecular()), {})
+
+    first = described()
+    assert described() == first
+    os.utime(path, ns=(0, 0))
+    unlike = {name for name, text in described().items() if first[name] != text}
+    assert unlike == {"files of the wind"}

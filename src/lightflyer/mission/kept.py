@@ -14,6 +14,7 @@ from lightflyer.compute.store import versions
 from lightflyer.core.atomic_files import output_directory
 from lightflyer.core.errors import OutputError
 from lightflyer.design.design import AbstractDesign, digest
+from lightflyer.environment.wind.gridded import winds_in_files
 from lightflyer.mission.path.integration import Track
 from lightflyer.mission.path.termination import TerminationReason
 
@@ -23,6 +24,9 @@ _FLIGHTS = "flights.json"
 def describe_work(design: AbstractDesign, parts: Mapping[str, Any]) -> dict[str, str]:
     """Everything that decides results, in words that can be compared; ``parts``: pytrees."""
     told = dict(design.description()) | versions()
+    winds = winds_in_files(design.setup)  # whose data are no numbers of the design
+    if winds:
+        told["files of the wind"] = ", ".join(str(wind.store.key) for wind in winds if wind.store)
     for name, part in parts.items():
         told[name] = f"{jax.tree.structure(part)} {digest(*jax.tree.leaves(part))}"
     return told

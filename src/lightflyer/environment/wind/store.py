@@ -86,7 +86,7 @@ class Store:
 
     def __init__(self, path: str | Path, files: list[Any]):
         self.path, self._files = str(path), files
-        self._key = self.path, changes_of(path)
+        self.key = self.path, changes_of(path)
         self._kept: OrderedDict[Part, Any] = OrderedDict()
         names = dimensions_of(one_version(files[0]), str(next(iter(files[0].data_vars))))
         by_pressure = "pressure" in names
@@ -120,10 +120,10 @@ class Store:
         self._count, self._count_at_pole = self._sizes()
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Store) and self._key == other._key
+        return isinstance(other, Store) and self.key == other.key
 
     def __hash__(self) -> int:
-        return hash(self._key)
+        return hash(self.key)
 
     def __reduce__(self) -> Any:
         return open_wind, (self.path,)

@@ -74,6 +74,7 @@ Run = tuple[Point, int, dict[str, tuple[float, float]]]
 """A point, the seed, and mean and standard error of each measured quantity."""
 
 _TENTH, _THIRD = (round(number / HARD_SPHERE_PATH, 6) for number in (0.1, 0.3))
+_ONE = 10.0 * _TENTH
 CL = "cercignani-lampis"
 _HIGH, _LOW = 2.25, 1.0  # disk of 4 cm, and one of 9 cm, 4.5 cm above a floor
 POINTS_TO_RUN = [
@@ -101,6 +102,15 @@ POINTS_TO_RUN = [
         Point(gas, _THIRD, FLIGHT, 0.4, 1.0, CL, boundary=2.0, tangential=tangential)
         for gas in ("nitrogen", "argon", "hard spheres")
         for tangential in ((0.9, 0.9), (1.0, 0.4))
+    ),
+    *(
+        Point(gas, knudsen, ratio, 0.4, 1.0, CL, boundary=2.0, tangential=tangential)
+        for gas, knudsen, ratio, tangential in (
+            ("carbon dioxide", _ONE, FLIGHT, (1.0, 0.4)),
+            ("argon", _ONE, FLIGHT, (0.9, 0.9)),
+            ("helium", _THIRD, FLIGHT, (1.0, 0.4)),
+            ("helium", _THIRD, 1.5, (0.9, 0.9)),
+        )
     ),
     # and a warm one, beside a reservoir and beside a cold side wall
     *(

@@ -325,3 +325,23 @@ def test_samples_without_a_solution_are_counted(both, monkeypatch):
     monkeypatch.undo()
     found = lf.propagate(design, prediction=both.prediction, samples=100)
     assert not any("missed their tolerance" in text for text in found.warnings)
+
+
+def test_a_layers_change_on_a_coarse_grid_is_that_of_films_on_the_fine_one():
+    layers = [
+        {"material": "Ge", "thickness": "20 ± 2 nm"},
+        {"material": "PET", "thickness": "500 nm"},
+    ]
+    file = lf.FlyerFile(
+        flyer={"diameter": "2 cm"}, film={"layers": layers, "tac_top": 0.8, "tac_bottom": 0.9}
+    )
+    name = "film.layers.0.thickness"
+    change = uncertain_inputs(file.design()).changes[name]
+    thin, middle, thick = (
+        np.array(file.design().precompute({name: thickness})["film"].emittance_top.at_nodes)
+        for thickness in (18e-9, 20e-9, 22e-9)
+    )
+    nodes = change.slope["film"].emittance_top.at_nodes, change.bend["film"].emittance_top.at_nodes
+    # of the derivatives, where the film radiates
+    np.testing.assert_allclose(nodes[0] * 4e-9, thick - thin, rtol=0.01)
+    np.testing.assert_allclose(nodes[1] * 8e-18, thick + thin - 2.0 * middle, rtol=0.05)

@@ -312,12 +312,12 @@ class FileDesign(AbstractDesign):
             )
         ]
 
-    def precompute(self, values: Mapping[str, float]) -> Any:
+    def precompute(self, values: Mapping[str, float], *, coarse: bool = False) -> Any:
         """Properties of the films of layers, by name."""
         parts = self._parts_with(values)
         incidence = parts["environment"].light_incidence
         return {
-            name: part_at(parts, name).build(incidence, passing=self._passing)
+            name: part_at(parts, name).build(incidence, passing=self._passing, coarse=coarse)
             for name, film in self.file.films().items()
             if film.layered
         }

@@ -136,9 +136,9 @@ class AbstractDesign(abc.ABC):
         del names
         return []
 
-    def precompute(self, values: Mapping[str, float]) -> Any:
+    def precompute(self, values: Mapping[str, float], *, coarse: bool = False) -> Any:
         """Whatever :meth:`build` needs for other values of costly numbers: arrays in a pytree."""
-        del values
+        del values, coarse  # which is for differences of two of them: 1 % off, and quicker
 
     def surrogate(self, names: Sequence[str]) -> "Surrogate":
         """A quick stand-in of :meth:`precompute` over costly numbers; raises if there is none."""

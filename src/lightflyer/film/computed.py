@@ -25,6 +25,7 @@ from lightflyer.film.optics.diagnostics import (
     roughness_warnings,
     thick_warnings,
 )
+from lightflyer.film.optics.integration import POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import Spectrum
 from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.film.properties import PROPERTIES, FilmProperties
@@ -142,13 +143,15 @@ class ComputedFilm:
         incidence: float = 0.0,
         highest_temperature: float | None = None,
         passing: bool = True,
+        points_per_e_fold: int = POINTS_PER_E_FOLD,
     ) -> "ComputedFilm":
         """Compute what has not been measured."""
         require_free(film)
         given: dict[str, Any] = dict(measured)
         if not passing:
             given |= dict.fromkeys((*_IN_LIGHT, _IN_INFRARED))
-        computed = _light_averages(film, spectrum, incidence, given) | _heat_averages(film, given)
+        computed = _light_averages(film, spectrum, incidence, given)
+        computed |= _heat_averages(film, given, points_per_e_fold)
         averages = {name: mean for name, mean in computed.items() if name not in given}
         values: dict[str, Numeric] = {name: value.value for name, value in measured.items()}
         values |= {name: _property(average.value) for name, average in averages.items()}
@@ -331,13 +334,18 @@ def _scale(mean: Average, factor: Any) -> Average:
     return dataclasses.replace(mean, value=mean.value * factor, within=within)
 
 
-def _heat_averages(film: Film, measured: dict[str, Measured]) -> dict[str, Average]:
+def _heat_averages(
+    film: Film, measured: dict[str, Measured], points_per_e_fold: int
+) -> dict[str, Average]:
     """Emittance of both faces, and infrared transmittance, at the nodes of a curve."""
     given = [measured.get(f"emittance_{side}") for side in _FACES]
     if None not in given and _IN_INFRARED in measured:
         return {}
     try:
-        shares = [heat_shares(film, node_temperatures(), side=side) for side in _FACES]
+        shares = [
+            heat_shares(film, node_temperatures(), side=side, points_per_e_fold=points_per_e_fold)
+            for side in _FACES
+        ]
     except ParameterError:  # no data at any wavelength of the radiation
         if None in given:
             raise

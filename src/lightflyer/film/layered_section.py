@@ -25,6 +25,7 @@ from lightflyer.files.toml_file import file_beside
 from lightflyer.film.computed import ComputedFilm, with_measurements
 from lightflyer.film.layer_section import OF_NO_MEDIUM, LayerSection, Policy, is_varied
 from lightflyer.film.media.mechanics import NUMBERS as MECHANICS
+from lightflyer.film.optics.integration import COARSE_POINTS_PER_E_FOLD, POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.properties import FilmProperties
@@ -268,14 +269,16 @@ class LayeredFilmSection(FilmSection):
         limits = [entry.highest_temperature for entry in known if entry.highest_temperature]
         return min(limits, default=None)
 
-    def compute_properties(self, incidence: float = 0.0, *, passing: bool = True) -> ComputedFilm:
+    def compute_properties(
+        self, incidence: float = 0.0, *, passing: bool = True, coarse: bool = False
+    ) -> ComputedFilm:
         """The film's properties with the origin of each, for light at an incidence [rad]."""
-        # ``passing`` says whether transmittances matter.
+        # ``passing`` says whether transmittances matter, ``coarse`` that a change is asked
         lacking = self.lacking()
         if lacking:
             raise ConfigurationError(f"the film needs {lacking}")
         compute = _compute if is_traced(incidence) or is_varied(self) else _computed
-        return compute(self, incidence, passing)
+        return compute(self, incidence, passing, coarse)
 
     def bounds(
         self, incidence: float = 0.0, *, passing: bool = True
@@ -320,12 +323,14 @@ class LayeredFilmSection(FilmSection):
             Laminate(tuple(layer.lamina() for layer in self.layers)) if self.is_structure else None
         )
 
-    def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:
+    def build(
+        self, incidence: float = 0.0, *, passing: bool = True, coarse: bool = False
+    ) -> FilmProperties:
         if isinstance(self._optics, WholeFilm):
             return self._optics.properties
         if self._optics is None:
-            found = self.compute_properties(incidence, passing=passing).properties
-            return dataclasses.replace(found, laminate=self._laminate())
+            computed = self.compute_properties(incidence, passing=passing, coarse=coarse)
+            return dataclasses.replace(computed.properties, laminate=self._laminate())
         given = {name: value.value for name, value in self.measured_values().items()}
         own = {_LIMIT: self.limit(), "laminate": self._laminate()}
         return FilmProperties(**with_measurements(self._optics, given) | own)
@@ -341,7 +346,9 @@ class LayeredFilmSection(FilmSection):
         return self.compute_properties(incidence, passing=passing).report()
 
 
-def _compute(section: LayeredFilmSection, incidence: float, passing: bool) -> ComputedFilm:
+def _compute(
+    section: LayeredFilmSection, incidence: float, passing: bool, coarse: bool
+) -> ComputedFilm:
     return ComputedFilm.of(
         section.film(),
         section.measured_values(),
@@ -349,6 +356,7 @@ def _compute(section: LayeredFilmSection, incidence: float, passing: bool) -> Co
         incidence=incidence,
         highest_temperature=section.limit(),
         passing=passing,
+        points_per_e_fold=COARSE_POINTS_PER_E_FOLD if coarse else POINTS_PER_E_FOLD,
     )
 
 

@@ -137,8 +137,11 @@ class FilmSection(Alternative, abc.ABC):
         return {}
 
     @abc.abstractmethod
-    def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:
+    def build(
+        self, incidence: float = 0.0, *, passing: bool = True, coarse: bool = False
+    ) -> FilmProperties:
         """The film's properties, without their uncertainties."""
+        # ``coarse`` is for their changes
 
     def lacking(self) -> str | None:
         """What the section must give beside its layers, in words; None where nothing lacks."""
@@ -177,7 +180,10 @@ class MeasuredFilmSection(FilmSection):
             raise ConfigurationError(str(error)) from error
         return self
 
-    def build(self, incidence: float = 0.0, *, passing: bool = True) -> FilmProperties:  # noqa: ARG002
+    def build(
+        self, incidence: float = 0.0, *, passing: bool = True, coarse: bool = False
+    ) -> FilmProperties:
         """The film's properties, without their uncertainties; the same at any incidence."""
+        del incidence, passing, coarse
         stated: dict[str, Any] = self.stated_values()
         return FilmProperties(**{name: value.value for name, value in stated.items()})

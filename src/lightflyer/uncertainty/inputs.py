@@ -159,8 +159,9 @@ def uncertain_inputs(design: AbstractDesign) -> Inputs | None:
     ranges += [(-0.5, 0.5)] * len(data_bounds)
     costly = design.needs_recompute(list(stated))
     prepared = design.precompute({}) if costly or data_bounds else None
+    middle = design.precompute({}, coarse=True) if costly else None
     changes = {
-        name: _change(design, prepared, name, stated[name], ranges[names.index(name)])
+        name: _change(design, middle, name, stated[name], ranges[names.index(name)])
         for name in costly
     }
     changes |= {name: _between(prepared, *ends) for name, ends in data_bounds.items()}
@@ -191,20 +192,21 @@ def _between(nominal: Any, lower: Any, upper: Any) -> Change:
 
 
 def _change(
-    design: AbstractDesign, prepared: Any, name: str, spread: float, ends: tuple[float, float]
+    design: AbstractDesign, middle: Any, name: str, spread: float, ends: tuple[float, float]
 ) -> Change:
     """Change with one input: a parabola over ± one standard uncertainty, where that is possible."""
     value = design.number(name) or 0.0
     both = ends[0] < value - spread and value + spread < ends[1]
     # else a line towards zero, which no upper limit forbids; from zero upwards
     step = spread if both else (-_STEP * value if value else _STEP * spread)
-    there = design.precompute({name: value + step})
+    there = design.precompute({name: value + step}, coarse=True)
     if not both:
         slope = jax.tree.map(
-            lambda moved, here: (np.asarray(moved) - np.asarray(here)) / step, there, prepared
+            lambda moved, here: (np.asarray(moved) - np.asarray(here)) / step, there, middle
         )
         return Change(slope, jax.tree.map(np.zeros_like, slope), bounded=False)
-    parabola = _between(prepared, design.precompute({name: value - step}), there)
+    back = design.precompute({name: value - step}, coarse=True)
+    parabola = _between(middle, back, there)
     slope = jax.tree.map(lambda change: change / (2.0 * step), parabola.slope)
     bend = jax.tree.map(lambda change: change / (2.0 * step**2), parabola.bend)
     return Change(slope, bend, bounded=False)

@@ -21,6 +21,9 @@ DIRECTIONS = 16  # Directions in a hemispherical average, Gauss-Legendre in the 
 POINTS_PER_E_FOLD = 4000
 """Wavelengths per factor e in a thermal average: converged to 1e-5 with the sharp bands of PET."""
 
+COARSE_POINTS_PER_E_FOLD = POINTS_PER_E_FOLD // 10
+"""The same where a film's change is asked: an emittance to 1e-3, its ± to 1 % of itself."""
+
 _CHUNK = 2048  # wavelengths computed at a time where nothing is traced
 _WIDEST = (0.1e-6, 3e-3)  # [m]; outside lies less than 1e-5 of what any body from 100 K radiates
 
@@ -104,9 +107,8 @@ def spectral_shares(film: Film, side: Side, grid: Grid) -> SpectralShares:
     """What becomes of unpolarised light at each wavelength, averaged over directions."""
     pieces = spectral_pieces(film, side, grid.wavelength)
     cosines, shares = grid.cosine, grid.share
-    if not is_traced(pieces, cosines):  # always of one length: one compilation serves all
-        cosines, shares = np.ones(DIRECTIONS), np.zeros(DIRECTIONS)
-        cosines[: np.size(grid.cosine)], shares[: np.size(grid.share)] = grid.cosine, grid.share
+    if not is_traced(pieces, cosines) and np.ndim(cosines) == 0:
+        cosines, shares = np.array([cosines, 1.0]), np.array([shares, 0.0])  # of the same trace
     parts = [_spectral(*arguments) for arguments in ((*one, cosines, shares) for one in pieces)]
     if len(parts) == 1:
         found = parts[0]

@@ -9,13 +9,9 @@ import numpy as np
 
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
-from lightflyer.film.optics.integration import POINTS_PER_E_FOLD
 from lightflyer.film.optics.stack import Film
 
 T = TypeVar("T")
-
-COARSE_POINTS_PER_E_FOLD = POINTS_PER_E_FOLD // 10
-"""Wavelengths per factor e in an emittance whose uncertainty is asked: ± to 1 % of itself."""
 
 _SECOND_ORDER = 0.75  # fourth moment of a standard normal variable, 3, over 2²
 _METRES_TO_NANOMETRES = 1e9

@@ -12,10 +12,10 @@ from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import MICROMETRE
 from lightflyer.film.optics.averages import Average, Shares, heat_shares, light_shares
 from lightflyer.film.optics.diagnostics import film_warnings
-from lightflyer.film.optics.integration import POINTS_PER_E_FOLD
+from lightflyer.film.optics.integration import COARSE_POINTS_PER_E_FOLD, POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0
 from lightflyer.film.optics.stack import Film
-from lightflyer.film.optics.thickness import COARSE_POINTS_PER_E_FOLD, thickness_uncertainty
+from lightflyer.film.optics.thickness import thickness_uncertainty
 from lightflyer.film.optics.transfer_matrix import StackOptics
 
 if TYPE_CHECKING:

@@ -1,6 +1,10 @@
 from .collection import collect_records as collect_records
 from .estimate import Estimate as Estimate
 from .estimate import weighted_mean as weighted_mean
+from .force.vane import Vane as Vane
+from .force.vane import VaneForces as VaneForces
+from .force.vane import compare_forces as compare_forces
+from .force.vane import read_forces as read_forces
 from .ftir.reduction import Averages as Averages
 from .ftir.reduction import Ftir as Ftir
 from .ftir.reduction import reduce_ftir as reduce_ftir

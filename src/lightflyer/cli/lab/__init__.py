@@ -36,6 +36,11 @@ app.command(
     help="Accommodation coefficient from a heater's power against pressure.",
 )
 app.command(
+    "lightflyer.cli.lab.force:force_command",
+    name="force",
+    help="Force on a heated vane over pressure, beside the kinetic equation.",
+)
+app.command(
     "lightflyer.cli.lab.summary:summary_command",
     name="summary",
     help="The numbers of many records in one table.",

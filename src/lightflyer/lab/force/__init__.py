@@ -1,0 +1,1 @@
+"""Force on a heated vane over pressure, beside the kinetic equation."""

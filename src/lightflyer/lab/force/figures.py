@@ -1,0 +1,43 @@
+"""Figure of a heated vane: predicted and measured force over pressure."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from lightflyer.files.drawing import BAND, legend_below, new_figure, plain_decades
+from lightflyer.files.palette import BLUE, GREY
+from lightflyer.lab.estimate import NORMAL_FACTOR
+from lightflyer.lab.force.text import MICRONEWTON
+
+if TYPE_CHECKING:
+    from lightflyer.lab.force.vane import VaneForces
+
+_DECADES = 2.5  # below the largest force that the axis shows, at most
+
+
+def force_figures(found: "VaneForces") -> dict[str, Figure]:
+    """Curve with its band and points, by file name without suffix."""
+    figure = new_figure(height=4.6)
+    ax = figure.axes[0]
+    low, high = found.band / MICRONEWTON
+    ax.fill_between(found.pressure, low, high, color=BLUE, alpha=0.2, lw=0, label=BAND)
+    ax.plot(found.pressure, found.force / MICRONEWTON, color=BLUE, lw=1.5, label="predicted")
+    shown = found.force
+    if found.points is not None:
+        numbers = found.points.numbers
+        up, right = (
+            NORMAL_FACTOR * numbers.get(f"{name}_uncertainty", np.zeros(found.predicted.size))
+            for name in ("force", "pressure")
+        )
+        ax.errorbar(numbers["pressure"], numbers["force"] / MICRONEWTON, up / MICRONEWTON, right,
+                    fmt="o", color="black", mfc="none", ms=5, lw=0.7, label="measured")  # fmt: skip
+        shown = np.concatenate([shown, numbers["force"]])
+    ax.set(xscale="log", yscale="log", xlabel="pressure [Pa]", ylabel="force [µN]")
+    most = shown.max() / MICRONEWTON
+    ax.set_ylim(max(0.5 * shown.min() / MICRONEWTON, most / 10**_DECADES), 2.0 * most)
+    for axis in (ax.xaxis, ax.yaxis):
+        plain_decades(axis)
+    ax.grid(alpha=0.25, which="both", color=GREY)
+    legend_below(ax)
+    return {"force": figure}

@@ -1,0 +1,317 @@
+"""A heated vane: the force that the kinetic equation predicts, and measured forces beside it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from lightflyer.calibration.gauge import Gauge
+from lightflyer.core.checks import require_range
+from lightflyer.core.constants import STANDARD_GRAVITY
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.precision import float64
+from lightflyer.core.quantity import Quantity
+from lightflyer.core.units import Measured
+from lightflyer.core.validity import describe
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.environment.radiation import Radiation
+from lightflyer.files.table import Table, read_table
+from lightflyer.files.table_layout import Column
+from lightflyer.film.properties import FilmProperties
+from lightflyer.flyer.sandwich import Sandwich
+from lightflyer.force.kinetic.model import Kinetic
+from lightflyer.gas.base import AbstractGas, knudsen_number
+from lightflyer.gas.pure import ARGON
+from lightflyer.lab.estimate import Estimate, central_interval
+from lightflyer.program.arguments import reads_units
+
+ASSUMED_TAC, ROOM = Measured(0.9, 0.05), Measured(295.0)
+SAMPLES = 1000  # of the uncertain numbers of a vane
+BEYOND = 1.5  # factor by which a curve extends beyond the measured pressures
+
+_SEED = 1
+_LEAST_TAC = 0.01
+_STEP = 1e-3  # of a pressure, relative, for a slope
+_OF_A_DISK = 5  # ranges of a sandwich that are not about holes and gap
+_SMALL = 1e-6  # [m]; gap of the sandwich that stands for a vane, whose faces are its outer ones
+
+_PRESSURE = Column("pressure", Quantity("Pa", 0.0, open_below=True), ("p",), required=True)
+_FORCE = Column(
+    "force", Quantity("N", 0.0, open_below=True, likely=(1e-10, 1e-2),
+                      known="vanes of centimetres feel micronewtons"), ("f",), required=True,
+    suggested_unit="uN",
+)  # fmt: skip
+COLUMNS = (_PRESSURE, _FORCE, _PRESSURE.uncertainty(), _FORCE.uncertainty())
+"""Columns of a file of forces towards the cold face, with standard uncertainties."""
+
+
+@dataclass(frozen=True)
+class Vane:
+    """A thin circular vane in open gas, its faces at two temperatures.
+
+    Parameters
+    ----------
+    diameter : Measured
+        [m].
+    hot, cold : Measured
+        Temperature of each face [K].
+    gas : AbstractGas
+        Monatomic or diatomic.
+    ambient : Measured
+        Temperature of the gas far away [K].
+    tac_hot, tac_cold : Measured
+        Accommodation coefficient of each face.
+    alike : bool
+        Whether one error concerns both coefficients, as of faces of one surface.
+
+    Raises
+    ------
+    ParameterError
+        If a number is impossible, or the gas is polyatomic.
+    """
+
+    diameter: Measured
+    hot: Measured
+    cold: Measured
+    gas: AbstractGas = ARGON
+    ambient: Measured = ROOM
+    tac_hot: Measured = ASSUMED_TAC
+    tac_cold: Measured = ASSUMED_TAC
+    alike: bool = True
+
+    def __post_init__(self) -> None:
+        if self.hot.value <= self.cold.value:
+            raise ParameterError(
+                f"the hot face has {self.hot.value:g} K, and the cold one {self.cold.value:g} K"
+            )
+        for name in ("tac_hot", "tac_cold"):
+            require_range(name, getattr(self, name).value, _LEAST_TAC, 1.0)
+        Kinetic().model_of(self._body(_NOMINAL)).require_gas(self.gas)
+
+    def knudsen(self, pressure: np.ndarray) -> np.ndarray:
+        """Mean free path of the gas far away over the diameter [1], shape (n,)."""
+        radius = 0.5 * self.diameter.value
+        return np.asarray(knudsen_number(pressure, self.ambient.value, radius, self.gas))
+
+    def force(self, pressure: np.ndarray) -> np.ndarray:
+        """Force towards the cold face [N], shape (n,)."""
+        return self._forces(pressure, _NOMINAL)[0]
+
+    def forces(self, pressure: np.ndarray, samples: int = SAMPLES) -> np.ndarray:
+        """The same with uncertain numbers drawn, shape (samples, n); draws are always the same."""
+        draws = np.random.default_rng(_SEED).standard_normal((samples, len(_NOMINAL[0])))
+        return self._forces(pressure, draws)
+
+    def warnings(self, pressure: np.ndarray) -> tuple[str, ...]:
+        """Where pressures are outside the model's range, one line each."""
+        with float64():
+            state = self._state(pressure, np.array([self.ambient.value]))
+            looks = list(Kinetic().ranges(self._body(_NOMINAL), state, self.hot.value))
+            return describe(looks[:_OF_A_DISK], pressure)
+
+    def _forces(self, pressure: np.ndarray, draws: np.ndarray) -> np.ndarray:
+        ambient, hot, cold = (
+            _drawn(number, draws[:, column])
+            for column, number in enumerate((self.ambient, self.hot, self.cold))
+        )
+        with float64():
+            excess = tuple(jnp.asarray((face / ambient - 1.0)[:, None]) for face in (cold, hot))
+            found = Kinetic(force_error=draws[:, 3, None]).force(
+                self._body(draws), self._state(pressure, ambient), excess
+            )
+        return np.broadcast_to(np.asarray(found), (len(draws), len(pressure)))
+
+    def _state(self, pressure: np.ndarray, ambient: np.ndarray) -> EnvironmentState:
+        light = Radiation(0.0)
+        return EnvironmentState(pressure, ambient[:, None], STANDARD_GRAVITY, self.gas, light)
+
+    def _body(self, draws: np.ndarray) -> Sandwich:
+        """A sandwich without holes, the cold face above."""
+        radius, cold, hot = (
+            np.clip(_drawn(number, draws[:, column]), low, high)[:, None]
+            for column, number, low, high in (
+                (4, self.diameter, _SMALL, np.inf),
+                (5, self.tac_cold, _LEAST_TAC, 1.0),
+                (5 if self.alike else 6, self.tac_hot, _LEAST_TAC, 1.0),
+            )
+        )
+        top, bottom = (FilmProperties(1.0, 0.5, 0.5, 0.5, tac, tac) for tac in (cold, hot))
+        return Sandwich(top, bottom, 0.5 * radius, _SMALL, 0.0, _SMALL, 0.0, 1.0)
+
+
+_NOMINAL = np.zeros((1, 7))  # ambient, hot, cold, model, diameter, TACs of the cold and hot face
+
+
+def _drawn(number: Measured, draws: np.ndarray) -> np.ndarray:
+    return np.asarray(number.value + (number.uncertainty or 0.0) * draws)
+
+
+@dataclass(frozen=True)
+class VaneForces:
+    """Forces on a vane beside those predicted."""
+
+    vane: Vane
+    pressure: np.ndarray  #: shape (m,); of the predicted curve [Pa]
+    force: np.ndarray  #: shape (m,); [N]
+    band: np.ndarray  #: shape (2, m); ends of its 95 % interval [N]
+    points: Table | None  #: Measured points; None where there are none
+    predicted: np.ndarray  #: shape (n,); at the points [N]
+    ratio: Estimate | None  #: Measured over predicted force, mean over the points
+    warnings: tuple[str, ...]
+
+    @property
+    def largest(self) -> tuple[float, float]:
+        """Pressure [Pa] and size [N] of the largest force of the curve."""
+        place = int(np.argmax(self.force))
+        return float(self.pressure[place]), float(self.force[place])
+
+    @property
+    def variables(self) -> dict[str, Any]:
+        """Curve and points as variables of a dataset, in SI units."""
+        found: dict[str, Any] = {
+            "pressure": ("place", self.pressure, {"units": "Pa"}),
+            "force": ("place", self.force, {"units": "N"}),
+            "force_interval": (("end", "place"), self.band, {"units": "N"}),
+        }
+        if self.points is not None:
+            numbers = self.points.numbers
+            found["measured_pressure"] = ("point", numbers["pressure"], {"units": "Pa"})
+            found["measured_force"] = ("point", numbers["force"], {"units": "N"})
+            found["predicted_force"] = ("point", self.predicted, {"units": "N"})
+        return found
+
+    def to_json(self) -> dict[str, Any]:
+        """Curve, points and ratio as a JSON object, in SI units."""
+        at, most = self.largest
+        found: dict[str, Any] = {
+            "largest": {"pressure_pa": at, "force_n": most,
+                        "knudsen": float(self.vane.knudsen(np.array([at]))[0])},
+            "curve": {"pressure_pa": self.pressure.tolist(), "force_n": self.force.tolist(),
+                      "force_n_interval_95": self.band.tolist()},
+            "warnings": list(self.warnings),
+        }  # fmt: skip
+        if self.points is not None and self.ratio is not None:
+            found["points"] = {
+                "pressure_pa": self.points.numbers["pressure"].tolist(),
+                "measured_n": self.points.numbers["force"].tolist(),
+                "predicted_n": self.predicted.tolist(),
+            }
+            found["measured_over_predicted"] = self.ratio.to_json()
+        return found
+
+
+@reads_units
+def read_forces(path: str | Path, gauge: Gauge | None = None) -> Table:
+    """Read forces over pressure; see :data:`COLUMNS`.
+
+    Parameters
+    ----------
+    path : str or path
+        Table with ``pressure`` and ``force``, units in the header.
+    gauge : Gauge, optional
+        What the gauge shows of a pressure; by default the pressure itself.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names file and line.
+    """
+    table = read_table(path, COLUMNS)
+    if gauge is None:
+        return table
+    pressure, notes = gauge.correct(table.numbers["pressure"])
+    return replace(
+        table, numbers={**table.numbers, "pressure": pressure}, notes=[*table.notes, *notes]
+    )
+
+
+@reads_units
+def compare_forces(
+    vane: Vane,
+    points: Table | str | Path | None = None,
+    *,
+    pressures: tuple[float, float] | None = None,
+    pressure_accuracy: float = 0.05,
+    force_accuracy: float = 0.05,
+) -> VaneForces:
+    """Predict the force on a vane over pressure, and lay measured forces over it.
+
+    Parameters
+    ----------
+    vane : Vane
+    points : Table or path, optional
+        Columns of :data:`COLUMNS`, with units in the header of a file.
+    pressures : (float, float), optional
+        Ends of the curve [Pa]; by default a little beyond the points.
+    pressure_accuracy, force_accuracy : float
+        Relative standard uncertainty of gauge and balance, common to all points.
+
+    Returns
+    -------
+    VaneForces
+
+    Raises
+    ------
+    ConfigurationError
+        If the file cannot be read; one line with file and line.
+    ParameterError
+        If there are neither points nor pressures.
+
+    Notes
+    -----
+    The force is that of a sandwich without holes by :class:`~lightflyer.Kinetic`: Maxwell's walls,
+    a thin vane, open space. Samples vary diameter, temperatures, TACs and the model's own error.
+    """
+    table = read_forces(points) if isinstance(points, str | Path) else points
+    if pressures is None:
+        if table is None:
+            raise ParameterError("give points, or the pressures of a curve")
+        here = table.numbers["pressure"]
+        pressures = float(here.min()) / BEYOND, float(here.max()) * BEYOND
+    grid = np.geomspace(*pressures, 200)
+    predicted = np.zeros(0) if table is None else vane.force(table.numbers["pressure"])
+    return VaneForces(
+        vane=vane,
+        pressure=grid,
+        force=vane.force(grid),
+        band=central_interval(vane.forces(grid), axis=0),
+        points=table,
+        predicted=predicted,
+        ratio=None if table is None else _ratio(vane, table, pressure_accuracy, force_accuracy),
+        warnings=tuple(_warnings(vane, grid, table)),
+    )
+
+
+def _ratio(vane: Vane, points: Table, gauge: float, balance: float) -> Estimate:
+    """Mean of measured over predicted force, with all that points, instruments and vane allow."""
+    at, measured = points.numbers["pressure"], points.numbers["force"]
+    predicted = vane.force(at)
+    slope = np.log(vane.force(at * (1.0 + _STEP)) / predicted) / np.log1p(_STEP)
+    up, right = (
+        points.numbers.get(f"{name}_uncertainty", np.zeros(at.size)) / points.numbers[name]
+        for name in ("force", "pressure")
+    )
+    own = np.hypot(up, slope * right)
+    weight = 1.0 / own**2 if np.all(own > 0.0) else np.ones(at.size)
+    weight /= weight.sum()
+    logs = np.log(measured / predicted)
+    mean, kept = weight @ logs, weight @ weight
+    scatter = weight @ (logs - mean) ** 2 * kept / (1.0 - kept) if at.size > 1 else 0.0
+    noise = np.random.default_rng(_SEED + 1).standard_normal((3, SAMPLES))
+    draws = mean - np.log(vane.forces(at) / predicted) @ weight
+    draws += np.sqrt(max(scatter, weight**2 @ own**2)) * noise[0]
+    draws += balance * noise[1] - (weight @ slope) * gauge * noise[2]
+    return Estimate.of_draws(float(np.exp(mean)), np.exp(draws))
+
+
+def _warnings(vane: Vane, grid: np.ndarray, points: Table | None) -> Iterator[str]:
+    yield from vane.warnings(grid)
+    if points is not None and "force_uncertainty" not in points.numbers:
+        yield "no ± of the forces is stated: their scatter stands for it"

@@ -48,7 +48,7 @@ ALIKE = 3.0  # root-mean-square difference of two pictures, of 255; a curve else
 NOT_OURS = ("pip", "make", "source", "dask", "kubectl", "python", "#")
 STUDY_SECTIONS = {"sweep", "outputs", "sampling", "reduce", "optimise", "sensitivity"}
 SAMPLE_KEYS = {"substrate", "ambient"}
-MEASUREMENTS = ("tac", "ftir", "levitation", "thermography", "roughness", "optics")
+MEASUREMENTS = ("tac", "ftir", "levitation", "thermography", "roughness", "optics", "force")
 
 
 @pytest.fixture(scope="session")

@@ -132,7 +132,7 @@ def test_a_calibration(disk):
 def raw(tmp_path_factory):
     """Folder with synthetic raw files of every measurement."""
     folder = tmp_path_factory.mktemp("raw")
-    for name in ("levitation", "tac", "thermography", "ftir", "roughness", "optics"):
+    for name in ("levitation", "tac", "thermography", "ftir", "roughness", "optics", "force"):
         for file, content in lf.lab.example_files(name, 0).files.items():
             text = content.encode() if isinstance(content, str) else content
             (folder / file).write_bytes(text)

@@ -8,7 +8,7 @@ from lightflyer.cli.output import printer
 
 
 def example_command(
-    name: Literal["levitation", "tac", "thermography", "ftir", "roughness", "optics"],
+    name: Literal["levitation", "tac", "thermography", "ftir", "roughness", "optics", "force"],
     /,
     *,
     out: Path = Path("."),

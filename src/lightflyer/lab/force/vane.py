@@ -34,6 +34,7 @@ BEYOND = 1.5  # factor by which a curve extends beyond the measured pressures
 
 _SEED = 1
 _LEAST_TAC = 0.01
+_APART = 10.0  # measured over predicted force that looks like a wrong unit
 _STEP = 1e-3  # of a pressure, relative, for a slope
 _OF_A_DISK = 5  # ranges of a sandwich that are not about holes and gap
 _SMALL = 1e-6  # [m]; gap of the sandwich that stands for a vane, whose faces are its outer ones
@@ -285,7 +286,7 @@ def compare_forces(
         points=table,
         predicted=predicted,
         ratio=None if table is None else _ratio(vane, table, pressure_accuracy, force_accuracy),
-        warnings=tuple(_warnings(vane, grid, table)),
+        warnings=tuple(_warnings(vane, grid, table, predicted)),
     )
 
 
@@ -311,7 +312,17 @@ def _ratio(vane: Vane, points: Table, gauge: float, balance: float) -> Estimate:
     return Estimate.of_draws(float(np.exp(mean)), np.exp(draws))
 
 
-def _warnings(vane: Vane, grid: np.ndarray, points: Table | None) -> Iterator[str]:
+def _warnings(
+    vane: Vane, grid: np.ndarray, points: Table | None, predicted: np.ndarray
+) -> Iterator[str]:
     yield from vane.warnings(grid)
-    if points is not None and "force_uncertainty" not in points.numbers:
+    if points is None:
+        return
+    if "force_uncertainty" not in points.numbers:
         yield "no ± of the forces is stated: their scatter stands for it"
+    apart = float(np.median(points.numbers["force"] / predicted))
+    if not 1.0 / _APART < apart < _APART:
+        yield (
+            f"the forces are {apart:.2g} times those predicted: check their unit, that of the "
+            "pressures, and the vane"
+        )

@@ -31,6 +31,11 @@ def example_files(name: str, seed: int = 0) -> Example:
     ParameterError
         If the name is unknown.
     """
+    if name == "force":
+        from lightflyer.lab.synthetic.force import force_files
+
+        vane = 'vane.csv --diameter "12 cm" --hot "419 K" --cold "394 K"'
+        return Example({**force_files(seed)}, [f"force {vane} --out force"])
     if name == "ftir":
         from lightflyer.lab.synthetic.ftir import ftir_files
 

@@ -1,6 +1,7 @@
 """Floor, lid and side wall around the kinetic disk, and a film that is not isothermal."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -266,3 +267,21 @@ def test_walls_do_nothing_to_free_molecules():
     forces = [float(lf.Kinetic().force(tiny, each, (0.5,))) for each in (state, opened)]
     assert forces[0] == pytest.approx(forces[1], rel=1e-9)
     assert forces[0] > 0.0
+
+
+def test_the_page_of_experiments_has_what_a_floor_adds():
+    """The largest lift over that far from any floor."""
+    page = (Path(__file__).parents[2] / "docs" / "experiments.md").read_text(encoding="utf-8")
+    film = lf.FilmProperties(1.15e-3, 0.75, 0.08, 0.08, tac_top=0.79, tac_bottom=0.90)
+    pressure = np.geomspace(0.2, 15.0, 60)
+    for size in (0.02, 0.04, 0.08):
+
+        def most(disk, far, **floor):
+            around = lf.Chamber(radiation=lf.environment.Radiation(3e3), radius=far, **floor)
+            return np.max(lf.lift(disk, around.state(pressure), lf.Kinetic()))
+
+        disk, far = lf.Disk(film, radius=0.5 * size), 5.0 * size
+        shares = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0)
+        lifts = [most(disk, far, floor=share * size, lid=far) for share in shares]
+        row = " | ".join(f"{lift / most(disk, far):.1f}" for lift in lifts)
+        assert f"| {100 * size:g} cm | {row} |" in page

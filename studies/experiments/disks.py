@@ -46,6 +46,8 @@ class Terms:
         Factor on all TACs.
     tac_together : bool
         All TACs err by the same, so that their differences are as published.
+    nanotubes_apart : float or None
+        Difference of the TACs of the nanotubes' faces, in place of the one taken.
     reflected : float
         Light that returns onto the other face, over that of the lamps.
     warmer_below : float
@@ -66,6 +68,7 @@ class Terms:
     tac_uncertainty: float | None = None
     tac_scale: float = 1.0
     tac_together: bool = False
+    nanotubes_apart: float | None = None
     reflected: float = 0.0
     warmer_below: float = 0.0
     warmer_around: float = 0.0
@@ -82,6 +85,8 @@ def film(paper, name, shares, terms):
     }
     found["tac_bottom"] = _tac(paper[name]["tac_bottom"], shares, f"{name} tac_bottom", terms)
     found["tac_top"] = _tac(paper["faces"]["tac_top"], shares, "tac_top", terms)
+    if name == "nanotubes" and terms.nanotubes_apart is not None:
+        found["tac_top"] = found["tac_bottom"] - terms.nanotubes_apart
     if terms.areal_density is not None:
         found["areal_density"] = np.full_like(found["areal_density"], terms.areal_density)
     factors = terms.germanium if name == "germanium" else {}

@@ -184,3 +184,9 @@ def test_page_has_the_results(results):
     for when in ("before", "given_2_cm"):
         for verdicts in (results["inside"][name][when] for name in SHOWN):
             assert f"{sum(verdicts.values())} of {len(verdicts)}" in page
+    bands = results["bands"][SHOWN[1]]["before"]["reductions"]["2"]
+    assert f"from −{-100 * bands['low']:.0f} to {100 * bands['high']:.0f} %" in page
+    for apart in ("as it is", "nanotubes' faces 0.25 apart", "nanotubes' faces 0.29 apart"):
+        plain = results["terms"][apart][SHOWN[1]]["plain"]["reductions"].values()
+        saved = ", ".join(f"{100 * one:.0f}".replace("-", "−") for one in plain)
+        assert saved in " ".join(page.split())

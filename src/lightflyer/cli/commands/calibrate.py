@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import exact, optional_share
 from lightflyer.cli.options import Json, Samples, Seed, only_with
 from lightflyer.cli.output import print_json, printer, show
+from lightflyer.cli.quantities import exact, optional_share
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import warning_lines
 

@@ -9,9 +9,9 @@ from rich.console import Console
 from rich.table import Table
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import quantities
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, show
+from lightflyer.cli.quantities import quantities
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import table_of, warning_lines
 

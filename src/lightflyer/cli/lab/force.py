@@ -4,16 +4,9 @@ from pathlib import Path
 from typing import Literal
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import (
-    deliver,
-    exact,
-    known,
-    quantity,
-    read_parts,
-    read_summary,
-    share,
-)
+from lightflyer.cli.lab.shared import deliver, read_parts, read_summary
 from lightflyer.cli.options import Json
+from lightflyer.cli.quantities import exact, known, quantity, share
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import warning_lines
 

@@ -7,17 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import (
-    Files,
-    Insist,
-    deliver,
-    optional_share,
-    quantities,
-    quantity,
-    rejected_parts,
-    updater,
-)
+from lightflyer.cli.lab.shared import Files, Insist, deliver, rejected_parts, updater
 from lightflyer.cli.options import Json, only_with
+from lightflyer.cli.quantities import optional_share, quantities, quantity
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import Parts, warning_lines
 

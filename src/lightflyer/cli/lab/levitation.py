@@ -7,17 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import (
-    Files,
-    Insist,
-    deliver,
-    exact,
-    optional_share,
-    read_parts,
-    read_summary,
-    updater,
-)
+from lightflyer.cli.lab.shared import Files, Insist, deliver, read_parts, read_summary, updater
 from lightflyer.cli.options import Json, Seed, Whole, only_with
+from lightflyer.cli.quantities import exact, optional_share
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import warning_lines
 

@@ -7,14 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import (
-    Files,
-    deliver,
-    exact,
-    optional_share,
-)
+from lightflyer.cli.lab.shared import Files, deliver
 from lightflyer.cli.options import Json, Seed, Whole, only_with
 from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.quantities import exact, optional_share
 from lightflyer.core.errors import ParameterError
 from lightflyer.files.result_text import warning_lines
 

@@ -6,20 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import (
-    Insist,
-    deliver,
-    difference,
-    exact,
-    known,
-    optional_share,
-    read_parts,
-    read_summary,
-    share,
-    updater,
-)
+from lightflyer.cli.lab.shared import Insist, deliver, read_parts, read_summary, updater
 from lightflyer.cli.lab.tac_results import OneFace, TwoFaces
 from lightflyer.cli.options import Json, only_with
+from lightflyer.cli.quantities import difference, exact, known, optional_share, share
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import warning_lines
 

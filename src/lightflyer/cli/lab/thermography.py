@@ -6,19 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import (
-    Insist,
-    deliver,
-    difference,
-    exact,
-    known,
-    quantity,
-    read_parts,
-    read_summary,
-    share,
-    updater,
-)
+from lightflyer.cli.lab.shared import Insist, deliver, read_parts, read_summary, updater
 from lightflyer.cli.options import Json, Seed, Whole, only_with
+from lightflyer.cli.quantities import difference, exact, known, quantity, share
 from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:

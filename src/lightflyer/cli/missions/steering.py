@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import ResultOptions
-from lightflyer.cli.lab.shared import exact
 from lightflyer.cli.options import Json, coordinate_range
 from lightflyer.cli.output import print_json, printer, show
+from lightflyer.cli.quantities import exact
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -106,6 +106,13 @@ def test_what_looks_wrong_is_said(tmp_path):
     path.write_text("pressure [Pa], force [uN]\n1, 20\n2, -20\n", encoding="utf-8")
     with pytest.raises(lf.ConfigurationError, match=r"vane.csv:3: force = -20 uN is not pos"):
         lf.lab.read_forces(path)
+    text = lf.lab.Vane("12 cm", "419 ± 2 K", 394.0, tac_hot="0.9", tac_cold=0.9, ambient=300.0)
+    assert (text.diameter, text.hot) == (Measured(0.12), Measured(419.0, 2.0))
+    np.testing.assert_array_equal(text.force(PRESSURES), vane().force(PRESSURES))
+    with pytest.raises(lf.ConfigurationError, match="12 kg"):
+        lf.lab.Vane("12 kg", 419.0, 394.0)
+    with pytest.raises(lf.ParameterError, match="diameter"):
+        lf.lab.Vane(-0.12, 419.0, 394.0)
     for wrong, match in (
         ({"hot": 390.0}, "the hot face has 390 K"),
         ({"tac": 1.2}, "tac_hot = 1.2 is not between"),

@@ -9,12 +9,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.calibration.gauge import Gauge
-from lightflyer.core.checks import require_range
+from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.constants import STANDARD_GRAVITY
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.precision import float64
 from lightflyer.core.quantity import Quantity
-from lightflyer.core.units import Measured
+from lightflyer.core.units import Measured, parse
 from lightflyer.core.validity import describe
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Radiation
@@ -32,6 +32,7 @@ ASSUMED_TAC, ROOM = Measured(0.9, 0.05), Measured(295.0)
 SAMPLES = 1000  # of the uncertain numbers of a vane
 BEYOND = 1.5  # factor by which a curve extends beyond the measured pressures
 
+_UNITS = {"diameter": "m", "hot": "K", "cold": "K", "ambient": "K", "tac_hot": "", "tac_cold": ""}
 _SEED = 1
 _LEAST_TAC = 0.01
 _APART = 10.0  # measured over predicted force that looks like a wrong unit
@@ -55,21 +56,23 @@ class Vane:
 
     Parameters
     ----------
-    diameter : Measured
-        [m].
-    hot, cold : Measured
+    diameter : Measured, float or str
+        [m], or with its unit and ±, such as ``"12.0 ± 0.1 cm"``; likewise the next.
+    hot, cold : Measured, float or str
         Temperature of each face [K].
     gas : AbstractGas
         Monatomic or diatomic.
-    ambient : Measured
+    ambient : Measured, float or str
         Temperature of the gas far away [K].
-    tac_hot, tac_cold : Measured
+    tac_hot, tac_cold : Measured, float or str
         Accommodation coefficient of each face.
     alike : bool
         Whether one error concerns both coefficients, as of faces of one surface.
 
     Raises
     ------
+    ConfigurationError
+        If a text is no quantity of its kind.
     ParameterError
         If a number is impossible, or the gas is polyatomic.
     """
@@ -84,6 +87,12 @@ class Vane:
     alike: bool = True
 
     def __post_init__(self) -> None:
+        for name, unit in _UNITS.items():
+            given = getattr(self, name)
+            if not isinstance(given, Measured):
+                given = parse(str(given), unit) if isinstance(given, str) else Measured(given)
+                object.__setattr__(self, name, given)
+        require_positive(diameter=self.diameter.value, cold=self.cold.value)
         if self.hot.value <= self.cold.value:
             raise ParameterError(
                 f"the hot face has {self.hot.value:g} K, and the cold one {self.cold.value:g} K"

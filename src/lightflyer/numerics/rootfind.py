@@ -38,7 +38,9 @@ STEPS_ON_GPU = 4
 """Steps before a GPU first asks whether all elements have ended.
 
 Between questions XLA can join all arithmetic into one kernel. Four steps end every one of the heat
-balances of random disks in ``benchmarks/solver.py``. On processors this loses.
+balances of random disks in ``benchmarks/solver.py``. On an H100 none, three, four and five reach
+2.9, 3.9, 4.9 and 1.7·10⁸ a second: the kernel of five has more numbers than registers. A kernel for
+each step reaches 4.7. On processors this loses.
 """
 
 

@@ -114,8 +114,11 @@ const names = about.numbers.filter((number) => number.computed).map((number) => 
 const named = (row) =>
   ({ ...defaults(), ...Object.fromEntries(names.map((name, at) => [name, row[at]])) });
 const altitudes = Array.from({ length: 161 }, (_, at) => 20e3 + 625 * at);
+const whole = (name, row) =>
+  [...row, ...about.models[name].uncertain.map(({ value }) => value)];
 const calls = {
-  table: (name, rows) => rows.map((row) => lightflyerModel.functions[name].evaluate(...row)),
+  table: (name, rows) =>
+    rows.map((row) => lightflyerModel.functions[name].evaluate(...whole(name, row))),
   slopes: (name, rows) => rows.map((row) => lightflyerModel.functions[name].slopes(...row)),
   warnings: (name, rows) => rows.map((row) => evaluate(name, named(row)).warnings),
   files: (name, rows) => rows.map((row) => flyerFile(name, named(row))),
@@ -288,7 +291,7 @@ def test_the_page_is_safe_and_labelled(calculator_files):
     assert not re.search(r"<script|<style|\son\w+=|\sstyle=|javascript:", page)
     labels = set(re.findall(r'<label for="([^"]+)"', page))
     inputs = re.findall(r"<(?:input|select)[^>]*>", page)
-    assert len(inputs) == 2 * len(model.NUMBERS) + 2  # and the presets, the force models
+    assert len(inputs) == 2 * len(model.NUMBERS) + 3  # presets, force models, bands
     for text in inputs:
         assert "aria-label" in text or re.search(r'\bid="([^"]+)"', text)[1] in labels
     scripts = "".join(file.read_text(encoding="utf-8") for file in calculator_files.glob("*.js"))

@@ -24,7 +24,9 @@ const { about, defaults, flyerFile } = lightflyerCore;
 const names = about.numbers.filter((number) => number.computed).map((number) => number.name);
 const named = (row) =>
   ({ ...defaults(), ...Object.fromEntries(names.map((name, at) => [name, row[at]])) });
-const table = (name, rows) => rows.map((row) => lightflyerModel.functions[name].evaluate(...row));
+const others = (name) => about.models[name].uncertain.map(({ value }) => value);
+const table = (name, rows) =>
+  rows.map((row) => lightflyerModel.functions[name].evaluate(...row, ...others(name)));
 const file = (name, row) => flyerFile(name, named(row));
 """
 

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.snippets
 
 SITE = "http://calculator.test/"
 POLICY = "default-src 'none'; script-src 'self'; style-src 'self'"
-SCRIPTS = [f"calculator-{name}.js" for name in ("model-disk", "core", "figures", "view")]
+SCRIPTS = [f"calculator-{name}.js" for name in ("model-disk", "core", "bands", "figures", "view")]
 PAGE = (
     '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>t</title>'
     '<meta name="viewport" content="width=device-width">'
@@ -109,6 +109,8 @@ def test_it_starts_with_the_disk_of_init_and_fits_a_phone(page, at_first):
     expect(page.locator("#lf-verdict")).to_contain_text("Levitates at 76 km, and carries up to")
     expect(page.locator("#lf-verdict")).to_have_attribute("data-flies", "true")
     assert page.locator("html").evaluate("(html) => html.scrollWidth") <= 360
+    page.uncheck("#lf-bands")
+    expect(page.locator("#lf-bands-from")).to_be_empty()
     words = page.get_attribute("#lf-curve", "aria-label")
     assert at_first[1] in words
     assert "Let go, it rests at 79.5 km and 502 K; its film bears 520 K and survives." in words
@@ -136,6 +138,8 @@ BAD = {
     "1.5": "must be at most 1;",
     "-0.1": "must be at least 0;",
     "1e999": "must be a number",
+    "0.7 ± ": "must have a positive number after its ±",
+    "0.7 ± 0.1 ± 0.1": "must have a positive number after its ±",
 }
 
 
@@ -148,6 +152,8 @@ def test_bad_input_is_told_beside_its_box(page, at_first):
         expect(_value(page, "levitation_irradiance")).to_have_text(at_first[0])
     box.fill("0.75")
     expect(told).to_be_empty()
+    page.locator("#lf-altitude-box").fill("76 ± 1")
+    expect(page.locator("#lf-altitude-error")).to_contain_text("takes no ±")
 
 
 def test_the_address_holds_the_design(page):
@@ -211,6 +217,47 @@ def test_a_published_flyer_is_a_start(page):
     expect(page.locator("#lf-flyer-diameter-box")).to_have_value("3")
     expect(page.locator("#lf-film-areal_density-box")).to_have_value("0.99")
     expect(page.locator("#lf-link-error")).to_be_empty()
+
+
+def test_bands_follow_and_a_reader_switches_them_off(page):
+    band, verdict = page.locator("#lf-band-payload"), page.locator("#lf-verdict")
+    expect(band).to_have_text(re.compile(r"^0\.\d+ to 0\.\d+$"))
+    expect(verdict).to_contain_text(re.compile(r"\(95.%: .*in \d\d % of 200 samples"))
+    expect(page.locator("#lf-bands-from")).to_have_text(
+        "200 samples of the force model's own errors"
+    )
+    assert page.get_attribute(".lf-spread", "d").endswith("Z")
+    page.uncheck("#lf-bands")
+    expect(band).to_be_empty()
+    expect(verdict).not_to_contain_text("95")
+    assert page.get_attribute(".lf-spread", "d") == ""
+    expect(page).to_have_url(re.compile("#design:bands=off$"))
+    page.select_option("#lf-model", "free-molecular")
+    page.check("#lf-bands")
+    expect(page.locator("#lf-bands-from")).to_contain_text("nothing has a ±")
+
+
+def test_a_number_takes_a_plus_minus_and_keeps_it(page):
+    box, band = page.locator("#lf-film-tac_bottom-box"), page.locator("#lf-band-payload")
+    page.select_option("#lf-model", "free-molecular")
+    expect(page.locator("#lf-bands-from")).to_contain_text("nothing has a ±")
+    expect(band).to_be_empty()
+    box.fill("0.9 +/- 0.03")
+    expect(band).not_to_be_empty()
+    shown = band.text_content()
+    expect(page.locator("#lf-bands-from")).to_contain_text("(TAC), bottom")
+    expect(page).to_have_url(re.compile(r"film.tac_bottom=0.9\+-0.03$"))
+    page.reload()
+    expect(box).to_have_value("0.9 ± 0.03")
+    expect(band).to_have_text(shown)
+    with page.expect_download() as waiting:
+        page.click("#lf-download")
+    text = waiting.value.path().read_text(encoding="utf-8")
+    assert tomllib.loads(text)["film"]["tac_bottom"] == "0.9 ± 0.03"
+    page.locator(".lf-controls summary").nth(1).click()
+    page.click("#lf-film-tac_bottom-reset")
+    expect(band).to_be_empty()
+    expect(box).to_have_value("0.9")
 
 
 def test_what_is_beyond_a_range_is_said(page):

@@ -19,7 +19,7 @@ from sphinx.application import Sphinx
 
 _HERE = Path(__file__).parent
 _MODEL = "calculator-model-{}.js"
-_COPIED = {f"{name}.js": f"calculator-{name}.js" for name in ("core", "figures", "view")}
+_COPIED = {f"{name}.js": f"calculator-{name}.js" for name in ("core", "bands", "figures", "view")}
 _STYLE = "calculator.css"
 
 

@@ -10,7 +10,9 @@
   const MOST_DIGITS = 16;
   const SMALLEST = 1e-9; // elasticity that is more than rounding
   const CLOSER = 60; // places looked at around the least light
-  const HALVINGS = 40; // of a bracket of a kilometre: to rounding
+  const CLOSE = 1e-12; // of lift over weight at an edge, and of its bracket over its place
+  const MOST_STEPS = 100;
+  const TWO_DIGITS = 4; // first digit of half a band below which two of its digits are told
 
   const place = Object.fromEntries(about.outputs.map((output, index) => [output.name, index]));
   const CONVERGED = about.outputs.length;
@@ -20,14 +22,20 @@
     return Object.fromEntries(about.numbers.map((number) => [number.name, number.default]));
   }
 
-  /** Arguments of the compiled functions, in the package's units. */
-  function argumentsOf(values) {
-    return computed.map((number) => values[number.name] * number.factor);
+  /** Their standard uncertainties. */
+  function spreads() {
+    return Object.fromEntries(about.numbers.map((number) => [number.name, number.spread]));
+  }
+
+  /** Arguments of a force model's compiled function, in the package's units. */
+  function argumentsOf(model, values) {
+    const others = about.models[model].uncertain.map(({ value }) => value);
+    return [...computed.map((number) => values[number.name] * number.factor), ...others];
   }
 
   /** Results of one place by name, in the package's units, with warnings. */
   function evaluate(model, values) {
-    const found = functions[model].evaluate(...argumentsOf(values));
+    const found = functions[model].evaluate(...argumentsOf(model, values));
     const results = Object.fromEntries(
       about.outputs.map((output, index) => [output.name, found[index]]),
     );
@@ -105,19 +113,58 @@
     return `${plain(mantissa)}e${exponent < 0 ? "-" : "+"}${size}`;
   }
 
+  /** A value with its ±, where it has one. */
+  const inWords = (value, spread) => (spread ? `${value} ± ${spread}` : String(value));
+
+  /** A value with its 95 % band, with as many digits as that allows, as in the package. */
+  function withBand(value, band, unit, text = general(value, 4)) {
+    const half = band ? (band[1] - band[0]) / 2 : 0;
+    const shownUnit = unit ? ` ${unit}` : "";
+    if (!(half > SMALLEST * Math.abs(value) && half < Infinity)) return text + shownUnit;
+    return `${value.toFixed(digitsOf(half))}${shownUnit} (95\u00a0%: ${bandText(band)})`;
+  }
+
+  /** The ends of a band, with as many digits as it allows. */
+  function bandText([low, high]) {
+    const digits = digitsOf((high - low) / 2);
+    return [low, high].map((end) => end.toFixed(digits).replace(/^-(0\.?0*)$/, "$1")).join(" to ");
+  }
+
+  /** A share that is neither none nor all, as in the package. */
+  function percent(share) {
+    const text = (100 * share).toFixed(0);
+    return `${["0", "100"].includes(text) ? (100 * share).toFixed(1) : text} %`;
+  }
+
+  /** Digits after the point that half a band allows. */
+  function digitsOf(half) {
+    const power = Math.floor(Math.log10(half));
+    return Math.max(0, -power + (half < TWO_DIGITS * 10 ** power ? 1 : 0));
+  }
+
   const pretty = (unit) => unit.replace("^2", "²");
 
-  /** An output in words, with its unit. */
-  function amount(name, value) {
-    const output = about.outputs[place[name]];
+  /** An output in words, with its unit, and its 95 % band if there is one. */
+  function amount(name, value, band = null) {
+    const { factor, unit } = about.outputs[place[name]];
     if (value === Infinity) return "no light suffices";
     if (Number.isNaN(value)) return "–";
-    return `${general(value * output.factor, 4)} ${pretty(output.unit)}`.trim();
+    return withBand(value * factor, band?.map((end) => end * factor), pretty(unit));
+  }
+
+  /** The 95 % band of an output in words; empty where it does not move. */
+  function bandOf(name, band) {
+    const { factor } = about.outputs[place[name]];
+    if (band === null || !Number.isFinite(band[0])) return "";
+    const [low, high] = band.map((end) => end * factor);
+    if (!(high - low > SMALLEST * Math.abs(high))) return "";
+    if (high === Infinity) return `above ${general(low, 3)}`;
+    return bandText([low, high]);
   }
 
   /** Rows of outputs over altitudes [m]. */
   function profile(model, values, altitudes) {
-    const given = argumentsOf(values);
+    const given = argumentsOf(model, values);
     return altitudes.map((altitude) => {
       given[COORDINATE] = altitude;
       return functions[model].evaluate(...given);
@@ -126,26 +173,26 @@
 
   /** Ranges of altitude [m] in which it levitates, lowest first. */
   function bands(model, values, altitudes, rows) {
-    const given = argumentsOf(values);
-    const spare = (row) => row[place.lift_over_weight] - 1;
+    return ranges(model, argumentsOf(model, values), altitudes, rows);
+  }
+
+  /** The same of a compiled function's arguments. */
+  function ranges(model, given, altitudes, rows) {
+    const own = [...given];
     const at = (altitude) => {
-      given[COORDINATE] = altitude;
-      return spare(functions[model].evaluate(...given));
+      own[COORDINATE] = altitude;
+      return spare(functions[model].evaluate(...own));
     };
     const found = [];
     let start = spare(rows[0]) >= 0 ? altitudes[0] : null;
     for (let index = 1; index < rows.length; index += 1) {
       const flies = spare(rows[index]) >= 0;
       if (flies === (start !== null)) continue;
-      let [low, high] = [altitudes[index - 1], altitudes[index]];
-      for (let step = 0; step < HALVINGS; step += 1) {
-        const middle = 0.5 * (low + high);
-        if (at(middle) >= 0 === flies) high = middle;
-        else low = middle;
-      }
-      if (flies) start = high;
+      const ends = [index - 1, index].map((end) => [altitudes[end], spare(rows[end])]);
+      const edge = crossing(at, flies ? ends.reverse() : ends);
+      if (flies) start = edge;
       else {
-        found.push([start, low]);
+        found.push([start, edge]);
         start = null;
       }
     }
@@ -153,11 +200,39 @@
     return found;
   }
 
+  const spare = (row) => row[place.lift_over_weight] - 1;
+
+  /** Where what is positive at the first of two ends is last so, by the Illinois method. */
+  function crossing(at, [[inside, above], [outside, below]]) {
+    let [kept, last] = [0, 0];
+    for (let step = 0; step < MOST_STEPS; step += 1) {
+      const share = above / (above - below);
+      const isUseful = share > 0 && share < 1; // else halve: an end is on it, or not a number
+      const middle = inside + (isUseful ? share : 0.5) * (outside - inside);
+      if (Math.abs(outside - inside) <= CLOSE * Math.abs(middle)) break;
+      const value = at(middle);
+      if (Math.abs(value) <= CLOSE) return middle;
+      if (value >= 0) [inside, above] = [middle, value];
+      else [outside, below] = [middle, value];
+      last = value >= 0 ? 1 : -1;
+      if (last === kept && last > 0) below /= 2;
+      if (last === kept && last < 0) above /= 2;
+      kept = last;
+    }
+    return inside;
+  }
+
+  /** The widest of some ranges on its axis; undefined of none. */
+  function widestOf(found) {
+    const isRatio = computed[COORDINATE].logarithmic;
+    const widths = found.map(([low, high]) => (isRatio ? high / low : high - low));
+    return found[widths.indexOf(Math.max(...widths))];
+  }
+
   /** Where it comes to rest when let go: altitude [m] and temperature [K]; null if not in sight. */
   function rest(model, values, altitudes, found) {
     if (about.coordinate !== "altitude") return null; // nothing drifts in a chamber
-    const widths = found.map(([low, high]) => high - low);
-    const widest = found[widths.indexOf(Math.max(...widths))];
+    const widest = widestOf(found);
     if (!widest || widest[1] === altitudes[altitudes.length - 1]) return null;
     const [row] = profile(model, values, [widest[1]]);
     return { altitude: widest[1], temperature: row[place.temperature] };
@@ -181,7 +256,7 @@
    * a payload, over diameters [m] and altitudes [m], row by row.
    */
   function map(model, values, diameters, altitudes) {
-    const given = argumentsOf(values);
+    const given = argumentsOf(model, values);
     const payload = new Float64Array(diameters.length * altitudes.length);
     const temperature = new Float64Array(payload.length);
     const inRange = new Uint8Array(payload.length);
@@ -201,15 +276,15 @@
 
   /** Change in percent of the irradiance to levitate if a number grows by 1 %. */
   function elasticities(model, values, irradiance) {
-    const given = argumentsOf(values);
+    const given = argumentsOf(model, values);
     const slopes = functions[model].slopes(...given);
     return computed
       .map((number, index) => ({ number, value: (slopes[index] * given[index]) / irradiance }))
       .filter(({ number, value }) => number.name !== about.coordinate && Math.abs(value) > SMALLEST);
   }
 
-  /** The flyer file of some values; the package gives the same numbers for it. */
-  function flyerFile(model, values) {
+  /** The flyer file of some values and their ±; the package gives the same numbers for it. */
+  function flyerFile(model, values, spreads = {}) {
     const { version, template } = about;
     const where = computed[COORDINATE];
     const lines = [
@@ -223,7 +298,8 @@
         const end = name.lastIndexOf(".");
         const key = name.slice(end + 1);
         if (name.slice(0, Math.max(end, 0)) !== section) continue;
-        lines.push(`${key} = ${unit ? `"${values[name]} ${unit}"` : values[name]}`);
+        const text = inWords(values[name], spreads[name]);
+        lines.push(`${key} = ${unit || spreads[name] ? `"${`${text} ${unit}`.trim()}"` : text}`);
       }
       if (section === "force") lines.push(`model = "${model}"`);
     }
@@ -234,10 +310,14 @@
     about,
     place,
     defaults,
+    spreads,
     evaluate,
+    argumentsOf,
     isInRange,
     profile,
     bands,
+    ranges,
+    widestOf,
     rest,
     isTooHot,
     limitOf,
@@ -248,5 +328,9 @@
     general,
     pretty,
     amount,
+    inWords,
+    withBand,
+    percent,
+    bandOf,
   };
 })();

@@ -13,6 +13,7 @@
   const UNIT = core.pretty(WHERE.unit);
   const KILO = WHERE.factor; // of the coordinate
   const ALTITUDES = along(WHERE, 161);
+  const BANDS = along(WHERE, 41); // places at which bands are known
   const DIAMETER = numbers[about.size];
   const CENTI = DIAMETER.factor; // of the size
   const MAP_DIAMETERS = along(DIAMETER, 64, true);
@@ -136,6 +137,7 @@
       yTicks: ticks(...LIGHTS, true),
     });
     curve.bands = draw(curve.under, "g", { class: "lf-bands" });
+    curve.spread = draw(curve.under, "path", { class: "lf-spread" });
     curve.lines = Object.fromEntries(
       Object.keys(about.models).map((name) => [name, draw(curve.over, "path", {})]),
     );
@@ -148,6 +150,8 @@
     );
     legendKey("available light").setAttribute("class", "lf-light");
     legendKey("levitates in this light").setAttribute("class", "lf-band-key");
+    curve.spreadKey = legendKey("95 % band");
+    curve.spreadKey.setAttribute("class", "lf-spread-key");
   }
 
   function legendKey(title) {
@@ -209,14 +213,37 @@
     }
     const isBeyond = own.some((row) => !core.isInRange(model, row));
     const isLow = own.some((row) => row[place.levitation_irradiance] < LIGHTS[0]);
-    const words = [
-      curveWords(found, least, light),
-      restWords(values, core.rest(model, values, ALTITUDES, found)),
+    const notes = [
       isBeyond ? "The line is faint where the force model is beyond its range." : "",
       isLow ? `It runs along the axis where less than ${LIGHTS[0]} W/m² suffice.` : "",
-    ].join(" ").trim();
+    ];
+    const rest = core.rest(model, values, ALTITUDES, found);
+    curve.words = (bands) =>
+      [curveWords(found, least, light, bands), restWords(values, rest, bands), ...notes]
+        .join(" ").trim();
+    sayCurve(null);
+  }
+
+  /** Say what the curve shows, with bands if there are any yet. */
+  function sayCurve(bands) {
+    const words = curve.words(bands);
     element("lf-curve-text").textContent = words;
     element("lf-curve").setAttribute("aria-label", `Irradiance to levitate over altitude. ${words}`);
+    curve.spread.setAttribute("d", bands ? areaOf(bands) : "");
+    mark(curve.spreadKey, bands !== null);
+  }
+
+  /** Outline of the band of the irradiance, within the axes. */
+  function areaOf({ light, places }) {
+    const isShown = (ends) => ends !== null && ends[0] <= LIGHTS[1];
+    const pieces = [];
+    light.forEach((ends, index) => {
+      if (!isShown(ends)) return;
+      if (index === 0 || !isShown(light[index - 1])) pieces.push([[], []]);
+      const x = curve.x(places[index] / KILO).toFixed(1);
+      ends.forEach((end, side) => pieces[pieces.length - 1][side].push(`${x} ${lightAt(end).toFixed(1)}`));
+    });
+    return pieces.map(([low, high]) => `M${[...low, ...high.reverse()].join("L")}Z`).join("");
   }
 
   function lightAt(light) {
@@ -234,28 +261,43 @@
     Object.entries({ x1, x2, y1, y2 }).forEach(([at, value]) => made.setAttribute(at, value));
   }
 
-  function curveWords(found, least, light) {
-    const ranges = found.map(([low, high]) => `${shown(low)} to ${shown(high)} ${UNIT}`);
-    const bands = ranges.length
-      ? `In ${light} W/m² it levitates from ${ranges.join(" and from ")}.`
-      : `In ${light} W/m² it levitates nowhere between ${BOTTOM} and ${TOP} ${UNIT}.`;
-    if (least === null) return `${bands} No light lifts it there.`;
+  function curveWords(found, least, light, bands) {
+    const widest = core.widestOf(found);
+    const ends = [ALTITUDES[0], ALTITUDES[ALTITUDES.length - 1]];
+    const ranges = found.map((range) => {
+      const words = range.map((edge, end) =>
+        shown(edge, bands && range === widest && !ends.includes(edge) ? bands.edges[end] : null));
+      return `${words.join(" to ")} ${UNIT}`;
+    });
+    const share = bands ? bands.flies : Number(found.length > 0);
+    const often = share === Number(found.length > 0) ? "" : ` in ${core.percent(share)} of the samples`;
+    const said = ranges.length
+      ? `In ${light} W/m² it levitates${often && `,${often},`} from ${ranges.join(" and from ")}.`
+      : `In ${light} W/m² it levitates nowhere between ${BOTTOM} and ${TOP} ${UNIT}` +
+        `${often && `, but does${often}`}.`;
+    if (least === null) return `${said} No light lifts it there.`;
     const needed = amount("levitation_irradiance", least.irradiance);
-    return `${bands} It needs least at ${shown(least.altitude)} ${UNIT}: ${needed}.`;
+    return `${said} It needs least at ${shown(least.altitude)} ${UNIT}: ${needed}.`;
   }
 
-  /** A coordinate as words have it. */
-  function shown(coordinate) {
+  /** A coordinate as words have it, with its band if there is one. */
+  function shown(coordinate, band = null) {
     const value = coordinate / KILO;
-    return WHERE.logarithmic ? general(value, 3) : value.toFixed(1);
+    const text = WHERE.logarithmic ? general(value, 3) : value.toFixed(1);
+    return core.withBand(value, band?.map((end) => end / KILO), "", text);
   }
 
-  function restWords(values, rest) {
+  function restWords(values, rest, bands) {
     if (rest === null) return "";
     const limit = core.limitOf(values);
-    const film = `its film bears ${limit} K${rest.temperature > limit ? "" : " and survives"}`;
-    const place = `${shown(rest.altitude)} ${UNIT} and ${rest.temperature.toFixed(0)} K`;
-    return `Let go, it rests at ${place}; ${film}.`;
+    const survives = rest.temperature <= limit;
+    const often = bands && bands.survives !== Number(survives)
+      ? `in ${core.percent(bands.survives)} of the samples` : "";
+    let film = `its film bears ${limit} K${survives ? " and survives" : ""}`;
+    if (often) film += survives ? `, ${often}` : `, and survives ${often}`;
+    const text = rest.temperature.toFixed(0);
+    const hot = core.withBand(rest.temperature, bands?.rest, "K", text);
+    return `Let go, it rests at ${shown(rest.altitude)} ${UNIT} and ${hot}; ${film}.`;
   }
 
   let chart = null;
@@ -441,5 +483,5 @@
     showSlopes(model, values, results);
   }
 
-  globalThis.lightflyerFigures = { create, prepare, show };
+  globalThis.lightflyerFigures = { create, prepare, show, showBands: sayCurve, places: BANDS };
 })();

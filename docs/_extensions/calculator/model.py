@@ -102,6 +102,29 @@ def start(base: FileDesign, kind: Kind) -> OperatingPoint:
 
 
 @cache
+def uncertain(model: str, kind: Kind = DISK) -> dict[str, dict[str, float | None]]:
+    """Uncertain numbers of a design that have no slider, such as errors of its force model.
+
+    Returns
+    -------
+    dict
+        Each with its value, standard uncertainty and the ends of its range, in the package's units;
+        None for no end. They are the last arguments of the compiled function.
+    """
+    base, shown = design(model, kind), {number.name for number in kind.numbers}
+    found: dict[str, dict[str, float | None]] = {}
+    for name, spread in base.uncertainties.items():
+        if name in base.fields and name not in shown:
+            quantity = base.fields[name].quantity
+            ends = (
+                end if np.isfinite(end) else None for end in (quantity.lowest, quantity.highest)
+            )
+            values = (base.number(name) or 0.0, spread, *ends)
+            found[name] = dict(zip(("value", "spread", "least", "most"), values, strict=True))
+    return found
+
+
+@cache
 def factor(number: Number, kind: Kind = DISK) -> float:
     """From the shown unit to the one that the package computes with."""
     first = template(kind)["force"]["model"]
@@ -109,9 +132,12 @@ def factor(number: Number, kind: Kind = DISK) -> float:
     return scale_and_offset(number.unit, unit)[0] if number.unit else 1.0
 
 
-def case(base: FileDesign, values: Any, kind: Kind = DISK) -> OperatingPoint:
-    """The flyer of some numbers, in the order of the kind's computed ones."""
-    named = {number.name: value for number, value in zip(kind.computed, values, strict=True)}
+def case(
+    base: FileDesign, values: Any, kind: Kind = DISK, others: tuple[str, ...] = ()
+) -> OperatingPoint:
+    """The flyer of some numbers, in the order of the kind's computed ones and then of others."""
+    names = (*(number.name for number in kind.computed), *others)
+    named = dict(zip(names, values, strict=True))
     return OperatingPoint(base.build(named), named[kind.coordinate.name])
 
 
@@ -166,11 +192,12 @@ class Compiled:
 def compile_model(name: str, tables: Tables, kind: Kind = DISK) -> Compiled:
     """Trace a force model and write it in JavaScript."""
     base, identifier = design(name, kind), f"model_{name.replace('-', '_')}"
+    others = tuple(uncertain(name, kind))
     looked_at: list[Validity] = []
     notes: list[str] = []
 
     def point(*values: Any) -> tuple[Any, ...]:
-        one = case(base, values, kind)
+        one = case(base, values, kind, others)
         results = [OUTPUTS[output].value(one) for output in SHOWN]
         ranges, told = ranges_of(one)
         looked_at.extend(range_ for range_, _ in ranges)
@@ -178,8 +205,9 @@ def compile_model(name: str, tables: Tables, kind: Kind = DISK) -> Compiled:
         return *results, one.converged, *(value for _, value in ranges)
 
     with float64():
-        text = write_function(identifier, trace_numbers(point, len(kind.computed)), tables)
-        slopes = trace_numbers(slopes_of(base, kind), len(kind.computed))
+        count = len(kind.computed)
+        text = write_function(identifier, trace_numbers(point, count + len(others)), tables)
+        slopes = trace_numbers(slopes_of(base, kind), count)
         text += write_function(f"{identifier}_slopes", slopes, tables)
     return Compiled(name, text, identifier, tuple(looked_at), tuple(notes))
 
@@ -233,6 +261,9 @@ def _about(compiled: list[Compiled], kind: Kind) -> str:
                 "title": TITLES.get(one.name, one.name),
                 "notes": one.notes,
                 "ranges": [_range(range_) for range_ in one.ranges],
+                "uncertain": [
+                    {"name": key} | value for key, value in uncertain(one.name, kind).items()
+                ],
             }
             for one in compiled
         },
@@ -269,25 +300,32 @@ def described(number: Number, kind: Kind = DISK) -> dict[str, Any]:
     scale = factor(number, kind) if number.computed else 1.0
     if number == kind.coordinate:
         low, high = (end / scale for end in base.setup.searched)
-        return shown | {"factor": scale, "default": kind.start, "least": low, "most": high,
-                            "positive": number.logarithmic}  # fmt: skip
+        return shown | {"factor": scale, "default": kind.start, "spread": 0.0, "least": low,
+                        "most": high, "positive": number.logarithmic}  # fmt: skip
     *outer, key = number.name.split(".")
     content: Any = template(kind)
     for part in outer:
         content = content[part]
-    value, _, unit = str(content[key]).partition(" ")
+    value, _, unit = _nominal(str(content[key])).partition(" ")
     shift = scale_and_offset(unit, number.unit)[0] if unit and unit != number.unit else 1.0
     quantity = quantities_of(FilmProperties).get(key) or base.fields[number.name].quantity
     smallest, largest = quantity.sizes
     least, most = max(quantity.lowest, smallest), min(quantity.highest, largest)
     return shown | {
         "default": float(f"{float(value) * shift:.12g}"),
+        "spread": float(f"{base.uncertainties.get(number.name, 0.0) / scale:.12g}"),
         "factor": scale,
         # sizes are those of values other than zero
         "least": (least if quantity.open_below else quantity.lowest) / scale,
         "most": min(most, 1.0) if not number.unit else most / scale,
         "positive": quantity.open_below,
     }
+
+
+def _nominal(text: str) -> str:
+    """A quantity without its ±, as ``"2 cm"`` of ``"2 ± 0.1 cm"``."""
+    value, _, rest = text.partition("±")
+    return f"{value.strip()} {rest.strip().partition(' ')[2]}".strip() if rest else text
 
 
 def _output(name: str, kind: Kind) -> dict[str, Any]:

@@ -130,7 +130,9 @@ _PAGE = """\
 <div class="lf-legend" id="lf-curve-legend" aria-hidden="true"></div>
 <figcaption id="lf-curve-text"></figcaption></figure>
 <ul id="lf-warnings" aria-label="Warnings"></ul>
-<dl id="lf-values"></dl></div>
+<dl id="lf-values"></dl>
+<p><input type="checkbox" id="lf-bands" checked> <label for="lf-bands">95 % bands:</label>
+<span id="lf-bands-from"></span></p></div>
 <div><figure><div class="lf-map"><canvas id="lf-map" aria-hidden="true"></canvas>
 <svg id="lf-map-axes" role="img"></svg></div>
 <figcaption id="lf-map-text"></figcaption></figure>

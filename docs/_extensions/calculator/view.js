@@ -5,24 +5,32 @@
   const core = globalThis.lightflyerCore;
   const { about, amount, general, pretty } = core;
   const { create, ...figures } = globalThis.lightflyerFigures;
+  const bands = globalThis.lightflyerBands;
   const STEPS = 1000; // of a logarithmic slider
   const SLIDER_DIGITS = 3;
   const SETTLED_AFTER = 600; // ms without a move
   const SAVED_AFTER = 10e3; // ms
   const WHERE = about.numbers.find(({ name }) => name === about.coordinate);
   const LINK = "#design:";
+  const PLUS_MINUS = /\s*(?:±|\+\/-|\+-)\s*/;
+  const RESTED = 150; // ms without a move, from which on bands are computed
+  const AT_ONCE = 8; // ms of it between two redraws
   const MOST_UNDONE = 200;
   const SWEEP = 6e3; // ms from one end of a slider to the other, and back
   const NARROW = "(max-width: 46rem)"; // as in calculator.css
   const EMBEDDED = { width: 1100, height: 900 }; // [px]
 
   const values = core.defaults();
+  const spreads = core.spreads(); // standard uncertainties
   let model = Object.keys(about.models)[0];
   let settling = 0;
   let waiting = false;
   let playing = null; // number whose slider moves by itself
   const history = []; // what was shown before, the latest last
   let shown = "";
+  let hasBands = true; // wanted by the reader
+  let banding = 0; // timer of the bands to come
+  let results = null; // what the page shows
 
   const element = (id) => document.getElementById(id);
   const key = (name) => `lf-${name.replaceAll(".", "-")}`;
@@ -40,15 +48,29 @@
     return Number(value.toPrecision(SLIDER_DIGITS));
   }
 
-  function problemWith(number, text) {
-    const value = text.trim() === "" ? NaN : Number(text.trim().replace(",", "."));
+  /** Value and ± of a text, and what is wrong with it. */
+  function read(number, text) {
+    const [first, second, ...more] = text.trim().replaceAll(",", ".").split(PLUS_MINUS);
+    const value = first === "" ? NaN : Number(first);
+    const spread = second === undefined ? 0 : Number(second || NaN);
+    return { value, spread, problem: problemWith(number, value, more.length ? NaN : spread) };
+  }
+
+  function problemWith(number, value, spread) {
     const { least, most, positive } = number;
     const unit = number.unit ? ` ${pretty(number.unit)}` : "";
     if (!Number.isFinite(value)) return "must be a number";
     if (value > most) return `must be at most ${general(most, 6)}${unit}`;
     if (positive && value <= 0) return "must be positive";
     if (value < least) return `must be at least ${general(least, 6)}${unit}`;
+    if (!(spread >= 0 && spread < Infinity)) return "must have a positive number after its ±";
+    if (spread > 0 && (!number.computed || number === WHERE)) return "takes no ±";
     return "";
+  }
+
+  function set(number, { value, spread }) {
+    values[number.name] = value;
+    spreads[number.name] = spread;
   }
 
   function show(number, but = null) {
@@ -56,9 +78,11 @@
     const box = element(`${key(number.name)}-box`);
     const value = values[number.name];
     if (but !== slider) slider.value = toSlider(number, value);
-    if (but !== box) box.value = String(value);
-    slider.setAttribute("aria-valuetext", `${value} ${number.unit}`.trim());
-    element(`${key(number.name)}-reset`).hidden = value === number.default;
+    const text = core.inWords(value, spreads[number.name]);
+    if (but !== box) box.value = text;
+    slider.setAttribute("aria-valuetext", `${text} ${number.unit}`.trim());
+    const isFirst = value === number.default && spreads[number.name] === number.spread;
+    element(`${key(number.name)}-reset`).hidden = isFirst;
     complain(number, "");
   }
 
@@ -77,9 +101,9 @@
       request();
     });
     box.addEventListener("input", () => {
-      const problem = problemWith(number, box.value);
+      const { problem, ...found } = read(number, box.value);
       if (problem === "") {
-        values[number.name] = Number(box.value.trim().replace(",", "."));
+        set(number, found);
         show(number, box);
         request();
       } else complain(number, `${problem}; results are for ${values[number.name]}`);
@@ -89,7 +113,7 @@
   function connectTools(number) {
     const reset = element(`${key(number.name)}-reset`);
     reset.addEventListener("click", () => {
-      values[number.name] = number.default;
+      set(number, { value: number.default, spread: number.spread });
       show(number);
       element(key(number.name)).focus();
       request();
@@ -123,7 +147,7 @@
 
   /** Keep what was shown, once a row of moves has ended. */
   function remember() {
-    const here = JSON.stringify({ model, values });
+    const here = JSON.stringify({ model, values, spreads });
     if (shown && shown !== here) history.push(shown);
     if (history.length > MOST_UNDONE) history.shift();
     shown = here;
@@ -135,6 +159,7 @@
     const before = JSON.parse(history.pop());
     ({ model } = before);
     Object.assign(values, before.values);
+    Object.assign(spreads, before.spreads);
     shown = JSON.stringify(before);
     element("lf-undo").disabled = history.length === 0;
     showAll();
@@ -184,22 +209,28 @@
 
   /** Show what an address says. */
   function take(hash) {
-    Object.assign(values, core.defaults());
-    [model] = Object.keys(about.models);
+    begin();
     element("lf-link-error").textContent = readAddress(hash);
     showAll();
   }
 
+  function begin() {
+    Object.assign(values, core.defaults());
+    Object.assign(spreads, core.spreads());
+    [model] = Object.keys(about.models);
+    hasBands = true;
+  }
+
   function showAll() {
     element("lf-model").value = model;
+    element("lf-bands").checked = hasBands;
     about.numbers.forEach((number) => show(number));
     request();
   }
 
   function reset() {
     play(null);
-    Object.assign(values, core.defaults());
-    [model] = Object.keys(about.models);
+    begin();
     element("lf-link-error").textContent = "";
     showAll();
   }
@@ -220,9 +251,13 @@
   // --- a link to what is shown ---
 
   function keepInAddress() {
-    const start = core.defaults();
-    const changed = about.numbers.filter(({ name }) => values[name] !== start[name]);
-    const entries = changed.map(({ name }) => `${name}=${values[name]}`);
+    const changed = about.numbers.filter(
+      ({ name, default: first, spread }) => values[name] !== first || spreads[name] !== spread,
+    );
+    const entries = changed.map(
+      ({ name }) => `${name}=${values[name]}${spreads[name] ? `+-${spreads[name]}` : ""}`,
+    );
+    if (!hasBands) entries.unshift("bands=off");
     if (model !== Object.keys(about.models)[0]) entries.unshift(`model=${model}`);
     const isOurs = location.hash.startsWith(LINK);
     if (entries.length) window.history.replaceState(null, "", LINK + entries.join("&"));
@@ -237,15 +272,17 @@
     entries.forEach((entry) => {
       const [name, text = ""] = entry.split("=");
       const number = about.numbers.find((one) => one.name === name);
+      const { problem, ...found } = number ? read(number, text) : {};
       if (name === "model" && Object.hasOwn(about.models, text)) model = text;
-      else if (number && problemWith(number, text) === "") values[name] = Number(text);
-      else wrong.push(number ? `${number.label} ${problemWith(number, text)}` : `"${entry}"`);
+      else if (entry === "bands=off") hasBands = false;
+      else if (problem === "") set(number, found);
+      else wrong.push(number ? `${number.label} ${problem}` : `"${entry}"`);
     });
     return wrong.length ? `Not understood in the link, and left out: ${wrong.join("; ")}.` : "";
   }
 
   function download() {
-    const file = new Blob([core.flyerFile(model, values)], { type: "application/toml" });
+    const file = new Blob([core.flyerFile(model, values, spreads)], { type: "application/toml" });
     const link = document.createElement("a");
     link.href = URL.createObjectURL(file);
     link.download = "flyer.toml";
@@ -255,7 +292,7 @@
 
   // --- words ---
 
-  function verdictOf(results) {
+  function verdictOf(found) {
     const where = `at ${values[WHERE.name]} ${WHERE.unit}`;
     const needed = results.levitation_irradiance;
     const lamp = about.numbers.find(({ name }) => name === "environment.irradiance");
@@ -270,12 +307,19 @@
     }
     if (results.lift_over_weight >= 1) {
       const share = general(results.relative_payload, 3);
-      const most = amount("payload", results.payload);
+      const most = amount("payload", results.payload, found?.here.payload);
       return `Levitates ${where}, and carries up to ${most}: ${share} of its own mass.`;
     }
     if (needed === Infinity) return `Does not levitate ${where}: no light lifts it.`;
     const more = light > 0 ? `, ${general(needed / light, 3)} times the available light` : "";
     return `Does not levitate ${where}: it needs ${amount("levitation_irradiance", needed)}${more}.`;
+  }
+
+  /** In how many samples it flies there and its film survives, unless in all or in none as told. */
+  function sharesOf(found, flies) {
+    if (!found || found.carries === Number(flies)) return "";
+    const often = `in ${core.percent(found.carries)} of ${found.samples} samples`;
+    return ` ${flies ? "It" : "But it"} levitates there and survives ${often}.`;
   }
 
   /** What is to be done once, after a row of moves. */
@@ -288,16 +332,16 @@
     }, SETTLED_AFTER);
   }
 
-  function showResults(results) {
-    const verdict = verdictOf(results);
+  /** Show the numbers, with bands if there are any yet. */
+  function showResults(found = null) {
     const survives = !core.isTooHot(values, results.temperature);
     const flies = results.converged && results.lift_over_weight >= 1 && survives;
+    const verdict = verdictOf(found) + sharesOf(found, flies);
     element("lf-verdict").textContent = verdict;
     element("lf-verdict").dataset.flies = String(flies);
-    about.outputs.forEach((output) => {
-      element(`lf-value-${output.name}`).textContent = results.converged
-        ? amount(output.name, results[output.name])
-        : "–";
+    about.outputs.forEach(({ name }) => {
+      element(`lf-value-${name}`).textContent = results.converged ? amount(name, results[name]) : "–";
+      element(`lf-band-${name}`).textContent = found ? core.bandOf(name, found.here[name]) : "";
     });
     const list = element("lf-warnings");
     list.replaceChildren(...results.warnings.map((text) => create("li", {}, text)));
@@ -305,13 +349,55 @@
     settle([verdict, ...results.warnings].join(" "));
   }
 
+  /** What bands are from, or why there are none. */
+  function sayBands(text) {
+    element("lf-bands-from").textContent = text;
+  }
+
+  function sourcesOf(found) {
+    const own = about.models[model].uncertain.map(({ name }) => name);
+    const errors = own.filter((name) => name.startsWith("force."));
+    const stated = about.numbers.filter(({ name }) => spreads[name] > 0).map(({ label }) => label);
+    const around = own.filter((name) => !name.startsWith("force."));
+    const words = [...stated, ...around.map((name) => name.split(".")[1].replaceAll("_", " "))];
+    const parts = words.length ? [`the ± of ${words.join(", ")}`] : [];
+    if (errors.length) parts.push("the force model's own errors");
+    return `${found.samples} samples of ${parts.join(" and ")}`;
+  }
+
+  /** Compute bands while nothing moves, a little at a time. */
+  function band() {
+    const work = bands.compute(model, values, spreads, figures.places);
+    const go = () => {
+      const until = performance.now() + AT_ONCE;
+      let { done, value } = work.next();
+      while (!done && performance.now() < until) ({ done, value } = work.next());
+      if (!done) {
+        banding = setTimeout(go);
+        if (value !== undefined) sayBands(`${(100 * value).toFixed(0)} % computed`);
+        return;
+      }
+      if (value === null) {
+        sayBands("none: nothing has a ±. Write one into a box, such as 0.9 ± 0.03");
+        return;
+      }
+      showResults(value);
+      figures.showBands(value);
+      sayBands(sourcesOf(value));
+    };
+    go();
+  }
+
   // --- all together ---
 
   function update() {
     waiting = false;
-    const results = core.evaluate(model, values);
-    showResults(results);
+    results = core.evaluate(model, values);
+    showResults();
     figures.show(model, values, results);
+    clearTimeout(banding);
+    sayBands(hasBands ? "…" : "");
+    if (hasBands) banding = setTimeout(band, RESTED);
   }
 
   function request() {
@@ -325,6 +411,7 @@
       element("lf-values").append(
         create("dt", {}, title),
         create("dd", { id: `lf-value-${name}` }),
+        create("dd", { id: `lf-band-${name}`, class: "lf-band" }),
       );
     });
     // on a phone the figures come soon after the first numbers
@@ -336,6 +423,10 @@
     share();
     element("lf-model").addEventListener("change", (event) => {
       model = event.target.value;
+      request();
+    });
+    element("lf-bands").addEventListener("change", ({ target }) => {
+      hasBands = target.checked;
       request();
     });
     element("lf-reset").addEventListener("click", reset);

@@ -1,0 +1,139 @@
+/* 95 % bands by samples of what is uncertain, as the package's Monte Carlo. No page in here. */
+(function () {
+  "use strict";
+
+  const core = globalThis.lightflyerCore;
+  const { about, place } = core;
+  const { functions } = globalThis.lightflyerModel;
+  const computed = about.numbers.filter((number) => number.computed);
+  const COORDINATE = computed.findIndex((number) => number.name === about.coordinate);
+  const SAMPLES = 200;
+  const MOST_DRAWS = 20 * SAMPLES; // of which some are impossible
+  const CLOSER = 20; // steps around the most lift of a sample that seems not to fly
+  const COVERAGE = [0.025, 0.975];
+  const ENDLESS = "levitation_irradiance"; // where there is none, it is above any other
+
+  /** What is uncertain: its index among a function's arguments, and its distribution. */
+  function uncertain(model, values, spreads) {
+    const sliders = computed.map((number, index) => ({
+      index,
+      name: number.label,
+      value: values[number.name] * number.factor,
+      spread: (spreads[number.name] || 0) * number.factor,
+      least: number.least * number.factor,
+      most: number.most * number.factor,
+    }));
+    const others = about.models[model].uncertain.map((one, index) => ({
+      ...one,
+      index: computed.length + index,
+      least: one.least ?? -Infinity,
+      most: one.most ?? Infinity,
+    }));
+    return [...sliders, ...others].filter(({ spread }) => spread > 0);
+  }
+
+  /** Numbers of a low-discrepancy sequence (Roberts 2018), normally distributed. */
+  function* normals(count) {
+    const pairs = Math.ceil(count / 2);
+    let ratio = 1; // the root of x^(d + 1) = x + 1
+    for (let step = 0; step < 60; step += 1) ratio = (1 + ratio) ** (1 / (2 * pairs + 1));
+    const steps = Array.from({ length: 2 * pairs }, (_, at) => ratio ** -(at + 1));
+    for (let draw = 1; draw <= MOST_DRAWS; draw += 1) {
+      const even = steps.map((step) => (0.5 + draw * step) % 1);
+      const found = [];
+      for (let at = 0; at < even.length; at += 2) {
+        const [length, turn] = [Math.sqrt(-2 * Math.log(1 - even[at])), 2 * Math.PI * even[at + 1]];
+        found.push(length * Math.cos(turn), length * Math.sin(turn)); // Box and Muller
+      }
+      yield found;
+    }
+  }
+
+  /** Arguments of possible samples, at the coordinate of the values. */
+  function* draws(model, values, spreads) {
+    const nominal = core.argumentsOf(model, values);
+    const inputs = uncertain(model, values, spreads);
+    let kept = 0;
+    for (const row of normals(inputs.length)) {
+      const given = [...nominal];
+      inputs.forEach(({ index, value, spread }, at) => (given[index] = value + spread * row[at]));
+      const isPossible = inputs.every(({ index, least, most }) => given[index] >= least && given[index] <= most);
+      if (isPossible) yield given;
+      kept += isPossible ? 1 : 0;
+      if (kept === SAMPLES) return;
+    }
+  }
+
+  /** Ends of the 95 % band of some values, outwards to the next sample; null of none. */
+  function ends(values, isEndless = false) {
+    const counted = isEndless
+      ? values.map((value) => (Number.isFinite(value) ? value : Infinity))
+      : values.filter(Number.isFinite);
+    if (counted.length === 0) return null;
+    counted.sort((one, other) => one - other);
+    const last = counted.length - 1;
+    return [counted[Math.floor(COVERAGE[0] * last)], counted[Math.ceil(COVERAGE[1] * last)]];
+  }
+
+  /** Ranges in which a sample levitates between two places, around that of most lift. */
+  function narrow(model, given, places, rows) {
+    const lift = rows.map((row) => row[place.lift_over_weight]);
+    const most = lift.indexOf(Math.max(...lift.filter((one) => !Number.isNaN(one))));
+    if (most < 0) return [];
+    const [low, high] = [Math.max(most - 1, 0), Math.min(most + 1, places.length - 1)];
+    const near = Array.from({ length: CLOSER + 1 }, (_, at) =>
+      places[low] + ((places[high] - places[low]) * at) / CLOSER);
+    const own = [...given];
+    const closer = near.map((coordinate) => {
+      own[COORDINATE] = coordinate;
+      return functions[model].evaluate(...own);
+    });
+    return core.ranges(model, given, near, closer);
+  }
+
+  /**
+   * Bands of a design over some places, in the package's units; null if nothing is uncertain. It
+   * yields often, for others to go on, the share that is done.
+   */
+  function* compute(model, values, spreads, places) {
+    if (uncertain(model, values, spreads).length === 0) return null;
+    const { evaluate } = functions[model];
+    const [here, light, edges, rests] = [[], places.map(() => []), [], []];
+    for (const given of draws(model, values, spreads)) {
+      const row = evaluate(...given);
+      if (Number.isNaN(row[place.lift_over_weight])) continue; // it cannot be built
+      here.push(row);
+      const own = [...given];
+      const rows = [];
+      for (const coordinate of places) {
+        own[COORDINATE] = coordinate;
+        rows.push(evaluate(...own));
+        yield here.length / SAMPLES;
+      }
+      rows.forEach((one, at) => light[at].push(one[place.levitation_irradiance]));
+      let found = core.ranges(model, given, places, rows);
+      if (found.length === 0) found = narrow(model, given, places, rows);
+      const widest = core.widestOf(found) ?? [NaN, NaN];
+      edges.push(widest);
+      own[COORDINATE] = widest[1];
+      rests.push(found.length ? evaluate(...own)[place.temperature] : NaN);
+    }
+    const hot = (temperature) => core.isTooHot(values, temperature);
+    const share = (rows, isSo) => rows.filter(isSo).length / rows.length;
+    return {
+      samples: here.length,
+      places,
+      light: light.map((each) => ends(each, true)),
+      here: Object.fromEntries(
+        about.outputs.map(({ name }) => [name, ends(here.map((row) => row[place[name]]), name === ENDLESS)]),
+      ),
+      edges: [0, 1].map((end) => ends(edges.map((widest) => widest[end]))),
+      rest: ends(rests),
+      flies: share(edges, ([low]) => !Number.isNaN(low)),
+      survives: share(rests, (temperature) => !Number.isNaN(temperature) && !hot(temperature)),
+      carries: share(here, (row) => row[place.lift_over_weight] >= 1 && !hot(row[place.temperature])),
+    };
+  }
+
+  globalThis.lightflyerBands = { compute, draws, uncertain };
+})();

@@ -1,0 +1,191 @@
+"""The calculator's 95 % bands: those that the package gives for the same samples."""
+
+import tomllib
+
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.design.tables import tabulate
+from lightflyer.program.entry_point import entry_point
+from lightflyer.uncertainty.inputs import uncertain_inputs
+from lightflyer.uncertainty.monte_carlo import LOWER, UPPER, search_samples, tabulate_samples
+
+model = pytest.importorskip("calculator.model")
+from calculator.kinds import KINDS  # noqa: E402
+
+AGREEMENT = 1e-9
+PLACES = 21
+CASES = [(kind, name) for kind in KINDS for name in model.force_models(kind)]
+_CALLS = """
+const { about } = lightflyerCore;
+const { compute, draws } = lightflyerBands;
+const given = (spreads) => [lightflyerCore.defaults(), { ...lightflyerCore.spreads(), ...spreads }];
+const samples = (name, spreads) => [...draws(name, ...given(spreads))];
+const bands = (name, spreads, places) => {
+  const work = compute(name, ...given(spreads), places);
+  for (;;) {
+    const { done, value } = work.next();
+    if (done) return value;
+  }
+};
+const file = (name, spreads) => lightflyerCore.flyerFile(name, ...given(spreads));
+"""
+
+
+@pytest.fixture(scope="module")
+def run(calculator_files, run_javascript):
+    """A function that makes calls for a kind."""
+
+    def calls(kind, made):
+        names = (f"model-{kind.name}", "core", "bands")
+        texts = [(calculator_files / f"calculator-{one}.js").read_text("utf-8") for one in names]
+        return run_javascript("".join(texts) + _CALLS, made)
+
+    return calls
+
+
+def stated(kind):
+    """A ± of a fiftieth for TACs, payload and areal densities, in the shown units."""
+    numbers = [model.described(one, kind) for one in kind.computed]
+    return {
+        one["name"]: 0.02 * one["default"]
+        for one in numbers
+        if one["name"].rpartition(".")[2] in ("tac_top", "tac_bottom", "payload", "areal_density")
+    }
+
+
+def places_of(kind):
+    low, high = kind.coordinate.low, kind.coordinate.high
+    spaced = np.geomspace if kind.coordinate.logarithmic else np.linspace
+    return spaced(low, high, PLACES) * model.factor(kind.coordinate, kind)
+
+
+def ends(values, *, endless):
+    values = np.where(np.isfinite(values), values, np.inf) if endless else values
+    values = values[~np.isnan(values) & (np.isfinite(values) | endless)]
+    return [
+        np.percentile(values, share, method=method)
+        for share, method in ((2.5, "lower"), (97.5, "higher"))
+    ]
+
+
+_tabulate = entry_point(
+    lambda setup, place: tabulate(setup, place, setup.environment.radiation.irradiance)
+)
+
+
+def columns_of(kind, name, samples):
+    names = (*(one.name for one in kind.computed), *model.uncertain(name, kind))
+    return dict(zip(names, np.array(samples, float).T, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"), CASES, ids=[f"{kind.name}-{name}" for kind, name in CASES]
+)
+def test_bands_are_those_of_the_package_for_the_same_samples(kind, name, run):
+    spreads, places = stated(kind), places_of(kind)[PLACES // 2 : PLACES // 2 + 2]
+    samples, found = run(
+        kind, [("samples", (name, spreads)), ("bands", (name, spreads, places.tolist()))]
+    )
+    columns = columns_of(kind, name, samples)
+    setup = model.design(name, kind).build(columns)
+    table = _tabulate(setup, columns[kind.coordinate.name])
+    assert found["samples"] == len(samples) == 200
+    mass, moved = float(np.max(setup.flyer.own_mass)), 0
+    for output, band in found["here"].items():
+        if output not in table:
+            continue
+        values = np.broadcast_to(np.asarray(table[output]), 200)
+        if band is None:
+            assert not np.isfinite(values).any()
+            continue
+        expected = ends(values, endless=output == "levitation_irradiance")
+        size = {"payload": mass, "relative_payload": 1.0}.get(output, 0.0)  # a difference
+        band = [float("inf" if end is None else end) for end in band]
+        np.testing.assert_allclose(band, expected, rtol=AGREEMENT, atol=AGREEMENT * size)
+        moved += band[0] < band[1]
+    assert moved >= 3
+    for place, band in zip(places, found["light"], strict=True):
+        light = np.asarray(_tabulate(setup, np.full(200, place))["levitation_irradiance"])
+        band = [float("inf" if end is None else end) for end in band]
+        np.testing.assert_allclose(band, ends(light, endless=True), rtol=AGREEMENT)
+
+
+@pytest.mark.parametrize("kind", [KINDS[0], KINDS[2]], ids=["disk", "chamber"])
+def test_edges_and_shares_are_those_of_the_package_for_the_same_samples(kind, run):
+    name, places = "kinetic", places_of(kind)
+    samples, found = run(kind, [("samples", (name, {})), ("bands", (name, {}, places.tolist()))])
+    inputs = uncertain_inputs(model.design(name, kind))
+    columns = columns_of(kind, name, samples)
+    drawn = np.stack([columns[one] for one in inputs.names], 1)
+    wanted = (
+        ("lift_over_weight", "payload", "temperature"),
+        (
+            "levitation_irradiance",
+            "levitation_temperature",
+        ),
+    )
+    tables = [(places, tabulate_samples(inputs, drawn, places, names)) for names in wanted]
+    searched = search_samples(inputs, drawn, tables)
+    for mover, band in zip((LOWER, UPPER), found["edges"], strict=True):
+        # the package takes an edge where lift over weight is within 1e-7 of one
+        np.testing.assert_allclose(band, ends(searched[mover][0], endless=False), rtol=1e-5)
+    assert found["flies"] == pytest.approx(np.isfinite(searched[LOWER][0]).mean(), abs=0.011)
+    assert 0.2 < found["flies"] < 0.9
+    if kind.coordinate.name == "altitude":
+        rest = searched[UPPER][1]["temperature"]
+        np.testing.assert_allclose(found["rest"], ends(rest, endless=False), rtol=1e-5)
+        highest = float(inputs.design.setup.flyer.highest_temperature)
+        assert found["survives"] == pytest.approx(np.mean(rest <= highest), abs=0.011)
+
+
+def test_samples_are_normal_and_independent(run):
+    kind, name = KINDS[0], "kinetic"
+    (samples,) = run(kind, [("samples", (name, {"flyer.payload": 0.001}))])
+    columns = columns_of(kind, name, samples)
+    errors = [columns[one] for one in model.uncertain(name, kind)]
+    payload = (columns["flyer.payload"] / 1e-6 - 0.03) / 0.001
+    drawn = np.array([*errors, payload])
+    np.testing.assert_allclose(drawn.mean(1), 0.0, atol=0.1)
+    np.testing.assert_allclose(np.cov(drawn), np.eye(len(drawn)), atol=0.15)
+    for row in drawn:
+        np.testing.assert_allclose(ends(row, endless=False), [-1.96, 1.96], atol=0.35)
+
+
+def test_impossible_samples_are_left_out(run):
+    kind, name = KINDS[0], "kinetic"
+    (samples,) = run(kind, [("samples", (name, {"film.tac_bottom": 0.2, "film.absorptance": 0.5}))])
+    columns = columns_of(kind, name, samples)
+    for number in ("film.tac_bottom", "film.absorptance"):
+        assert 0.0 <= columns[number].min() < 0.5
+        assert 0.9 < columns[number].max() <= 1.0
+
+
+@pytest.mark.snippets  # seconds
+def test_bands_are_close_to_those_that_predict_draws(run):
+    kind, name = KINDS[0], "kinetic"
+    (found,) = run(kind, [("bands", (name, {}, places_of(kind).tolist()))])
+    drawn = lf.propagate(model.design(name), samples=500, seed=0)
+    assert found["flies"] == pytest.approx(drawn.share_that_levitates, abs=0.05)
+    assert found["survives"] == pytest.approx(drawn.share_that_survives, abs=0.06)
+    for edge, band in zip(("lower", "upper"), found["edges"], strict=True):
+        expected = drawn.bands[f"altitude_band_km.{edge}"]
+        width = expected[1] - expected[0]
+        np.testing.assert_allclose(np.array(band) / 1e3, expected, atol=0.1 * width)
+
+
+def test_nothing_uncertain_has_no_bands(run):
+    (found,) = run(KINDS[0], [("bands", ("free-molecular", {}, [75e3]))])
+    assert found is None
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=[kind.name for kind in KINDS])
+def test_a_downloaded_file_has_the_uncertainties_shown(kind, run):
+    name, spreads = model.force_models(kind)[0], stated(kind)
+    (text,) = run(kind, [("file", (name, spreads))])
+    design = flyer_file_type()(**tomllib.loads(text)).design()
+    for number in kind.computed:
+        expected = spreads.get(number.name, 0.0) * model.factor(number, kind)
+        assert design.uncertainties.get(number.name, 0.0) == pytest.approx(expected, rel=1e-12)

@@ -67,10 +67,13 @@ def test_the_calculator_shows_the_numbers_of_its_file(flyer, tmp_path):
     assert kind.size.name in shown
     for number in kind.computed:
         if number.name in shown:
-            value = float(shown[number.name]) * factor(number, kind)
+            value, _, spread = shown[number.name].partition("+-")
             given = design.number(number.name)
-            given = design.number("film.emittance") if given is None else given
-            assert value == pytest.approx(given, rel=1e-5, abs=1e-12), number.name
+            name = "film.emittance" if given is None else number.name
+            given, stated = design.number(name), design.uncertainties.get(name, 0.0)
+            scale = factor(number, kind)
+            assert float(value) * scale == pytest.approx(given, rel=1e-5, abs=1e-12), name
+            assert float(spread or 0) * scale == pytest.approx(stated, rel=1e-5, abs=1e-12), name
 
 
 @pytest.mark.snippets

@@ -157,8 +157,8 @@
     const { factor } = about.outputs[place[name]];
     if (band === null || !Number.isFinite(band[0])) return "";
     const [low, high] = band.map((end) => end * factor);
-    if (!(high - low > SMALLEST * Math.abs(high))) return "";
     if (high === Infinity) return `above ${general(low, 3)}`;
+    if (!(high - low > SMALLEST * Math.abs(high))) return "";
     return bandText([low, high]);
   }
 

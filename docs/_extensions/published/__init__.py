@@ -84,27 +84,30 @@ def calculator_state(flyer: Published) -> tuple[str, str]:
     name = {"earth": "disk"}.get(flyer.file["environment"]["kind"][0], "chamber")
     name = name if flyer.kind == "disk" else flyer.kind
     kind = next(one for one in KINDS if one.name == name)
-    given = {"flyer.payload": (0.0, kind.payload.unit)} | _numbers_of(flyer)
+    given = {"flyer.payload": (0.0, 0.0, kind.payload.unit)} | _numbers_of(flyer)
     parts = [f"model={flyer.file['force']['model'][0]}"]
     for number in kind.numbers:
         if number.name in given:
-            value, unit = given[number.name]
+            *measured, unit = given[number.name]
             scale = scale_and_offset(unit, number.unit)[0] if number.unit else 1.0
-            parts.append(f"{number.name}={float(f'{value * scale:.6g}'):g}")
+            value, spread = (f"{float(f'{one * scale:.6g}'):g}" for one in measured)
+            parts.append(f"{number.name}={value}" + (f"+-{spread}" if measured[1] else ""))
     return name, f"#design:{'&'.join(parts)}"
 
 
-def _numbers_of(flyer: Published) -> dict[str, tuple[float, str]]:
-    """Numbers of its file with their units, an emittance of both faces as two."""
+def _numbers_of(flyer: Published) -> dict[str, tuple[float, float, str]]:
+    """Numbers of its file with ± and unit, an emittance of both faces as two."""
     found = {}
     for section, keys in flyer.file.items():
         for key, (text, _) in keys.items():
             value, _, unit = text.partition("±")[0].strip().partition(" ")
+            spread = text.partition("±")[2].split()[:1] or ["0"]
             unit = unit or text.split()[-1]
             if not is_number(value):
                 continue
             ends = ("_top", "_bottom") if key == "emittance" else ("",)
-            found |= {f"{section}.{key}{end}": (float(value), unit) for end in ends}
+            measured = float(value), float(spread[0]), unit
+            found |= {f"{section}.{key}{end}": measured for end in ends}
     return found
 
 

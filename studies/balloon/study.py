@@ -97,26 +97,25 @@ def draw(solar, pumping):
     (axes,) = figure.axes
     height = ALTITUDES * KILOMETRE
     buoyancy, pushed = pumping
-    axes.plot(solar[0], height, color=palette.ORANGE, label="solar balloon, 5.8 m, 3.0 kg")
-    axes.plot(
-        [1.0],
-        [FLOWN_ALTITUDE * KILOMETRE],
-        "o",
-        color=palette.ORANGE,
-        label="where such a balloon floated",
-    )
-    axes.plot(
-        buoyancy + pushed, height, color=palette.PURPLE, label="sphere of 10 m that pumps, 0.16 kg"
-    )
-    axes.plot(buoyancy, height, color=palette.PURPLE, ls="--", label="its warm air alone")
-    axes.plot(pushed, height, color=palette.PURPLE, ls=":", label="its jet and channels alone")
+    axes.plot(solar[0], height, color=palette.ORANGE)
+    axes.plot([1.0], [FLOWN_ALTITUDE * KILOMETRE], "o", color=palette.MEASURED)
+    axes.plot(buoyancy + pushed, height, color=palette.PURPLE)
+    axes.plot(buoyancy, height, color=palette.PURPLE, ls="--")
+    axes.plot(pushed, height, color=palette.PURPLE, ls=":")
+    for label, where, colour in (
+        ("solar balloon\n5.8 m, 3.0 kg", (0.012, 25.0), palette.ORANGE),
+        ("such a one\nfloated here", (1.25, 19.0), palette.MEASURED),
+        ("sphere of 10 m that pumps, 0.16 kg", (2.2, 47.0), palette.PURPLE),
+        ("its warm air alone", (0.011, 62.0), palette.PURPLE),
+        ("its jet and\nchannels alone", (0.125, 34.3), palette.PURPLE),
+    ):
+        axes.text(*where, label, color=colour)
     axes.axvline(1.0, color="0.6", lw=0.8)
     axes.set(
         xscale="log", xlim=(1e-2, 1e3), ylim=(10.0, 90.0),
         xlabel="lift over weight", ylabel="altitude [km]",
     )  # fmt: skip
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8, loc="upper right")
     plot.save(figure, [IMAGES / "balloon.png"])
 
 

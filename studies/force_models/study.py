@@ -121,23 +121,22 @@ def simple_forms():
 
 def draw_ratios():
     """Force and heat ratios of every model against the Knudsen number."""
-    figure = plot.new_figure(columns=2, width=6.2, height=5.0)
+    figure = plot.new_figure(columns=2, height=4.6)
     force_axes, heat_axes = figure.axes
-    for ratio, shade in zip(RATIOS, ("#9ecae1", "#6baed6", "#3182bd", "#08519c"), strict=True):
+    for ratio, shade in ((RATIOS[0], palette.SKY), (RATIOS[-1], palette.BLUE)):
         excess = max(ratio - 1.0, LINEAR_EXCESS)
         force, heat = ratios(lf.Kinetic(), KNUDSEN, excess)
-        label = f"kinetic, $T_h/T_c$ = {ratio:g}"
-        for axes, values in ((force_axes, force), (heat_axes, heat)):
-            axes.plot(KNUDSEN, values, color=shade, lw=2, label=label)
+        force_axes.plot(KNUDSEN, force, color=shade)
+        heat_axes.plot(KNUDSEN, heat, color=shade)
     for name, colour, style in (
         ("Lu et al. (0.4, 3)", palette.VERMILION, "-"),
         ("Lu et al. (1, 1)", palette.ORANGE, "--"),
         ("free-molecular", palette.GREY, ":"),
     ):
         force, heat = ratios(MODELS[name], KNUDSEN, 1.0)
-        force_axes.plot(KNUDSEN, force, color=colour, ls=style, label=f"{name}, $T_h/T_c$ = 2")
+        force_axes.plot(KNUDSEN, force, color=colour, ls=style)
         if name != "Lu et al. (1, 1)":  # same heat loss
-            heat_axes.plot(KNUDSEN, heat, color=colour, ls=style, label=f"{name}, $T_h/T_c$ = 2")
+            heat_axes.plot(KNUDSEN, heat, color=colour, ls=style)
     knudsen, hot, cold, force, deviation, heat = np.transpose(SIMULATIONS)
     where = knudsen / HARD_SPHERES
     same = [
@@ -145,12 +144,9 @@ def draw_ratios():
         for kn, ratio in zip(where, hot / cold, strict=True)
     ]
     points = {"ms": 6, "color": "black", "ls": "none"}
-    simulated = "direct simulation, α 0.5/1, walls at 4 r, ±2σ"
-    force_axes.errorbar(
-        where, force, yerr=2 * deviation, marker="o", capsize=3, label=simulated, **points
-    )
-    heat_axes.plot(where, heat, marker="o", label=simulated, **points)
-    points |= {"marker": "s", "mfc": "none", "label": "kinetic, the same"}
+    force_axes.errorbar(where, force, yerr=2 * deviation, marker="o", capsize=3, **points)
+    heat_axes.plot(where, heat, marker="o", **points)
+    points |= {"marker": "s", "mfc": "none"}
     force_axes.plot(where, [solution.force_ratio for solution in same], **points)
     heat_axes.plot(where, [solution.heat_ratio for solution in same], **points)
     for axes, label in (
@@ -160,8 +156,21 @@ def draw_ratios():
         axes.set(xscale="log", yscale="log", xlabel="Kn = λ($T_c$) / 2r", ylabel=label)
         axes.grid(alpha=0.3)
         axes.set_ylim(0.01 if axes is force_axes else 0.05, 1.5)
-    force_axes.legend(fontsize=8, loc="lower right")
-    heat_axes.legend(fontsize=8, loc="lower right")
+    for axes, where, label, colour in (
+        (force_axes, (0.02, 1.02), "Lu et al. (1, 1)", palette.ORANGE),
+        (force_axes, (3.0, 0.25), "Lu et al. (0.4, 3)", palette.VERMILION),
+        (force_axes, (0.05, 0.013), "kinetic, $T_h/T_c$ = 1", palette.SKY),
+        (force_axes, (0.05, 0.02), "kinetic, $T_h/T_c$ = 2.5", palette.BLUE),
+        (
+            force_axes,
+            (0.22, 0.1),
+            "circles: direct simulation,\nwalls at 4 r, ±2σ\nsquares: kinetic, the same",
+            "black",
+        ),
+        (heat_axes, (0.012, 0.72), "Lu et al.", palette.VERMILION),
+        (heat_axes, (0.012, 1.05), "free molecules", palette.GREY),
+    ):
+        axes.text(*where, label, color=colour, va="top" if colour == "black" else "baseline")
     plot.save(figure, [IMAGES / "force-ratio.png"])
 
 

@@ -168,7 +168,7 @@ def draw(found, path):
     ax.set_xticks(range(len(names)), labels, rotation=35, ha="right")
     ax.set_yscale("log")
     ax.set_ylabel(f"force over published, {ALTITUDES[-1]:g} km")
-    ax.margins(x=0.12)
+    ax.set_xlim(-0.7, len(names) + 0.5)
     plot.save(figure, [path])
 
 

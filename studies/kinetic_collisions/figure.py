@@ -12,6 +12,7 @@ from lightflyer.force.kinetic.collisions import FORCE_HEATED, HEAT_HEATED, colli
 
 IMAGE = Path(__file__).parents[2] / "docs" / "images" / "kinetic-collisions.png"
 GASES = ("hard spheres", "helium", "argon", "nitrogen")
+LABELS = (1.25, 1.15), (2.6, 0.885), (0.035, 0.62), (0.035, 0.68)
 HOT = 480.0 / 205.0
 
 
@@ -20,7 +21,12 @@ def main() -> None:
     figure = plot.new_figure(columns=2)
     for ax, quantity in zip(figure.axes, ("force", "heat"), strict=True):
         draw(ax, quantity)
-    plot.shared_legend(figure, figure.axes[0].get_legend_handles_labels()[0])
+    left, right = figure.axes
+    for number, (gas, where) in enumerate(zip(GASES, LABELS, strict=True)):
+        left.text(*where, f"{gas}, ω = {EXPONENTS[gas]:g}", color=palette.PALETTE[number])
+    right.set_ylim(0.8, None)
+    right.text(0.03, 0.81, "solid: as hot as in flight\ndashed: hardly warmer than the gas",
+               color="0.3")  # fmt: skip
     figure.savefig(IMAGE, dpi=150)
 
 
@@ -35,7 +41,7 @@ def draw(ax, quantity: str) -> None:
             factor = np.asarray(collision_fit(kind).factors(knudsen, exponent, 0.5)[index])
             change = float(heated(kind, HOT, exponent))
         ax.semilogx(knudsen, factor, "--", color=colour, lw=1.0)
-        ax.semilogx(knudsen, change * factor, color=colour, label=f"{gas}, ω = {exponent:g}")
+        ax.semilogx(knudsen, change * factor, color=colour)
         shown = [p for p in points if p.place.gas == gas and p.error < 0.1 and is_hot(p.place)]
         ax.errorbar(
             [p.place.knudsen for p in shown],

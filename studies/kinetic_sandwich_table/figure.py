@@ -55,7 +55,8 @@ def main():
         row = simulated[beta]
         ours = open_space(rarefaction, beta)
         print(f"β {beta:g}: open space over published", np.round(ours / row, 3))
-        ax.loglog(delta, open_space(delta, beta), color=colour, label=f"β = {beta:g}")
+        ax.loglog(delta, open_space(delta, beta), color=colour)
+        ax.text(215.0, open_space(delta[-1:], beta)[0], f"β = {beta:g}", color=colour, va="center")
         ax.loglog(rarefaction, row, "o", color=colour, markersize=4.0)
         for key, result in solved:
             _, there, _, share = key.split()
@@ -67,13 +68,11 @@ def main():
         published = simulated[float(share)][rarefaction == float(there)][0]
         ratio = result["published"][0] / ((1.0 - float(share)) * FREE_FORCE) / published
         print(f"δ {there}, D {boundary}, β {share}: ours over published {ratio:.3f}")
-    ax.plot([], [], "o", color="grey", markersize=4.0, label="simulations")
-    ax.plot([], [], "-", color="grey", label="kinetic equation, open space")
-    ax.plot([], [], "x", color="grey", label="kinetic equation, reservoirs at 3 to 10 radii")
+    ax.text(0.03, 4e-3, "dots: simulations\nlines: kinetic equation, open space\n"
+            "crosses: the same, reservoirs at 3 to 10 radii", color="0.3")  # fmt: skip
     ax.set_xlabel("rarefaction δ [1]")
     ax.set_ylabel("force over that of free molecules [1]")
-    ax.set_ylim(3e-3, 1.2)
-    ax.legend(fontsize="small")
+    ax.set(xlim=(0.025, 700.0), ylim=(3e-3, 1.2))
     plot.save(figure, [IMAGES / "kinetic-sandwich.png"])
 
 

@@ -106,15 +106,15 @@ def main():
 def draw(curves, band):
     """The figure of the page."""
     figure, ax = plot.figure_for(None)
+    places = (0.9, 39.0), (2.75, 59.0), (1.03, 77.0), (1.72, 66.0)
     for index, (name, ratio) in enumerate(curves.items()):
-        ax.plot(
-            ratio, ALTITUDES / 1e3, color=palette.PALETTE[index], ls=plot.LINES[index], label=name
-        )
-    ax.fill_betweenx(ALTITUDES / 1e3, *band, color=palette.PALETTE[0], alpha=0.2, lw=0.0,
-                     label="95 % band of lu2023 from the ± of the air")  # fmt: skip
+        colour = palette.PALETTE[index]
+        ax.plot(ratio, ALTITUDES / 1e3, color=colour, ls=plot.LINES[index])
+        band_too = "\n95 % band from the ± of the air" if index == 0 else ""
+        ax.text(*places[index], name.replace("same, ", "same,\n") + band_too, color=colour)
+    ax.fill_betweenx(ALTITUDES / 1e3, *band, color=palette.PALETTE[0], alpha=0.2, lw=0.0)
     ax.axvline(1.0, color=palette.GREY, lw=0.8)
-    ax.set(xlabel="lift over weight", ylabel="altitude above the areoid [km]", xlim=(0.0, None))
-    plot.legend_below(ax)
+    ax.set(xlabel="lift over weight", ylabel="altitude above the areoid [km]", xlim=(0.0, 3.8))
     plot.save(figure, [IMAGES / "mars.png"])
 
 

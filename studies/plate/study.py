@@ -73,27 +73,28 @@ def draw():
     pressure = np.geomspace(1.0, 1e5, 101)
     figure = plot.new_figure(width=6.4, height=4.4)
     (axes,) = figure.axes
-    axes.axvspan(*OBSERVED, color="0.9", label="levitation observed")
-    for label, colour, flyer in (
-        ("absorptance 0.9, height 50 µm", palette.BLUE, plate()),
-        ("absorptance 0.9, height 100 µm", palette.GREEN, plate(height=100e-6)),
-        ("absorptance 0.3, height 50 µm", palette.VERMILION, plate(0.3)),
+    axes.axvspan(*OBSERVED, color="0.9")
+    axes.text(45.0, 2e-3, "levitation\nobserved", ha="center")
+    for label, where, colour, flyer in (
+        ("absorptance 0.9, height 100 µm", (1.2, 45.0), palette.GREEN, plate(height=100e-6)),
+        ("0.9, 50 µm", (4.5, 9.5), palette.BLUE, plate()),
+        ("0.3, 50 µm", (450.0, 0.06), palette.VERMILION, plate(0.3)),
     ):
         found = over_pressure(flyer, pressure)
-        axes.plot(pressure, found["lift_over_weight"], color=colour, label=label)
+        axes.plot(pressure, found["lift_over_weight"], color=colour)
         axes.plot(pressure, found["pump_over_weight"], "--", color=colour)
-    axes.plot([], [], "--", color="0.3", label="of it the channels' pump")
+        axes.text(*where, label, color=colour)
+    axes.text(1.2, 0.02, "dashed: the\nchannels' pump\nalone", color="0.3")
     axes.axhline(1.0, color="0.3", lw=0.8)
     axes.set(
         xscale="log",
         yscale="log",
         xlim=(1.0, 1e5),
-        ylim=(1e-3, 50.0),
+        ylim=(1e-3, 100.0),
         xlabel="pressure [Pa]",
         ylabel="lift over weight",
     )
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8, loc="lower left")
     plot.save(figure, [IMAGES / "plate.png"])
 
 

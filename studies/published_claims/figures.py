@@ -28,11 +28,10 @@ def draw(results):
         axes.errorbar(
             middle, place, xerr=[[middle - found["low"]], [found["high"] - middle]],
             fmt="o" if seen else "s", color=palette.BLUE if seen else palette.VERMILION, capsize=4,
-            label={"plate": "observed", "ten milligrams": "predicted"}.get(name),
         )  # fmt: skip
         axes.annotate(
             f"{middle:.2g} ({found['low']:.2g} to {found['high']:.2g})", (middle, place),
-            textcoords="offset points", xytext=(0, 8), ha="center", fontsize=8,
+            textcoords="offset points", xytext=(0, 8), ha="center", fontsize=9,
             bbox={"color": "white", "pad": 0.5},
         )  # fmt: skip
     axes.axvline(1.0, color="black", lw=1)
@@ -42,6 +41,7 @@ def draw(results):
         xlabel="our force over the force that the claim needs (95 %)",
     )  # fmt: skip
     axes.grid(alpha=0.3, axis="x")
-    axes.legend(fontsize=8, loc="lower left")
+    axes.text(25.0, 0.5, "observed", color=palette.BLUE, ha="right", va="center")
+    axes.text(25.0, 3.0, "predicted", color=palette.VERMILION, ha="right", va="center")
     IMAGES.mkdir(parents=True, exist_ok=True)
     plot.save(figure, [IMAGES / "other-claims.png"])

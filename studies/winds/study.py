@@ -9,6 +9,7 @@ import numpy as np
 
 from lightflyer.environment import HWM14, GlobalNRLMSIS, GradientWind, Place
 from lightflyer.environment.wind.gradient import CLOSE_TO_EQUATOR, NEAREST_EQUATOR
+from lightflyer.files import palette
 
 HERE = Path(__file__).parent
 FIGURE = HERE.parents[1] / "docs" / "images" / "winds.png"
@@ -59,10 +60,12 @@ def draw(winds):
             filled = None
             for side in (LATITUDES < 0.0, LATITUDES > 0.0):
                 where = np.degrees(LATITUDES[side]), ALTITUDES / 1e3, months[index][side].T
-                filled = ax.contourf(*where, LEVELS, cmap="RdBu_r", extend="both")
+                filled = ax.contourf(*where, LEVELS, cmap=palette.SIGN_MAP, extend="both")
                 ax.contour(*where, [0.0], colors="black", linewidths=0.8)
             ax.set_title(f"{name}, {month}", fontsize=10)
             ax.set_xticks([-60, -30, 0, 30, 60])
+            ax.text(0.0, 55.0, "no gradient wind here", rotation=90, ha="center", va="center",
+                    fontsize=9, color=palette.GREY)  # fmt: skip
     for ax in axes[:, 0]:
         ax.set_ylabel("altitude [km]")
     for ax in axes[1]:

@@ -41,7 +41,7 @@ def test_bands_for_a_file_with_uncertainties(run, folder):
     assert code == 0, errors
     told = text[: text.index("wrote ")]
     bands = told[told.index("95 % band of") : told.index("from the ±")].splitlines()
-    assert any(line.split()[:1] == ["payload_mg"] and "%" in line for line in bands)
+    assert any(line.split()[:2] == ["payload", "[mg]"] and "%" in line for line in bands)
     assert max(len(line) for line in bands) <= 80
     assert "correlated by 0.5" in told.replace("\n", " ")
     summary = json.loads((folder / "out" / "prediction.json").read_text(encoding="utf-8"))

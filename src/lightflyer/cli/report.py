@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 _ENDING = ".html"
 _WARNING = "warning: "
 _LABELLED = re.compile(r"(\S.*?)\s{2,}(\S.*)")  # such as "best payload      0.3155 mg"
+_TITLES = {
+    "predict": "Prediction", "compare": "Comparison", "fly": "Mission", "optimise": "Optimum",
+    "calibrate": "Calibration",
+}  # fmt: skip
 _LARGEST_FIGURE = 1_000_000  # bytes of an SVG, beyond which a PNG is taken
 _LARGEST_INPUT = 100_000  # bytes of a file that is shown; of a larger one the hash only
 _MADE_WITH = ("jax", "numpy", "scipy")
@@ -45,7 +49,9 @@ class Report:
 
         self.path = path
         self._arguments = list(arguments)
-        self._named = [Path(part) for part in arguments if _is_file(part)]
+        self._named = [
+            found for part in arguments if _is_file(part) and (found := Path(part)) != path
+        ]
         self._results: list[Table | str] = []
         self._figures: list[str] = []
         self._folder: Path | None = None
@@ -72,10 +78,9 @@ class Report:
             save(figure, [vector, pixels])
             small = vector.stat().st_size <= _LARGEST_FIGURE
             content, kind = (vector, "svg+xml") if small else (pixels, "png")
-            caption = name.replace("-", " ").replace("_", " ")
-            self._figures.append(
-                page.image(content.read_bytes(), kind, _alternative(figure), caption)
-            )
+            shown = _alternative(figure)
+            caption = f"{name.replace('-', ' ').replace('_', ' ').capitalize()}: {shown}"
+            self._figures.append(page.image(content.read_bytes(), kind, shown, caption))
 
     def write(self) -> None:
         """Write the page, whole or not at all."""
@@ -91,14 +96,17 @@ class Report:
     def _page(self) -> str:
         inputs = list(dict.fromkeys([*self._named, *self._files_read]))
         command = takewhile(lambda part: part.isalpha() and not _is_file(part), self._arguments)
-        title = " ".join(["lightflyer", *command, *(path.name for path in inputs[:1])])
+        done = " ".join(command)
+        names = _listed([path.stem for path in self._named or inputs[:1]])
+        title = _TITLES.get(done, done.capitalize()) + (f": {names}" if names else "")
         words = list(takewhile(lambda thing: isinstance(thing, str), self._results))
-        parts = [page.heading(title, 1), *_results(words), *self._figures]
+        parts = [page.heading(title, 1), page.verdict(_results(words)), *self._figures]
+        parts += [page.heading("Numbers")] if self._results[len(words) :] else []
         parts += _results(self._results[len(words) :])
         if inputs:
             parts += [page.heading("Files"), *(part for path in inputs for part in _file(path))]
         parts += [
-            page.heading("Made with"),
+            page.heading("How it was made"),
             page.code("lightflyer " + shlex.join(self._arguments)),
             page.paragraph(f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"),
             page.table(_versions()),
@@ -153,6 +161,12 @@ def begin(path: Path) -> Report:
     current = Report(path, _arguments)
     output.AFTER_PRINT.append(current.note)
     return current
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Names as a sentence lists them."""
+    *others, last = names or [""]
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _is_file(argument: str) -> bool:

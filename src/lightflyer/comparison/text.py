@@ -1,7 +1,7 @@
 """A comparison in words: lines and tables."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,17 +23,31 @@ def comparison_parts(comparison: "Comparison") -> Parts:
     """The flyers, what each carries at best and over the coordinate, and in what they differ."""
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         yield f"{letter}  {found.name}: {found.description}"
+    yield from _best_line(comparison)
     yield _best_table(comparison)
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         if found.prediction.verdict.highest_temperature is not None:
             yield from (wrap(f"{letter}: {line}") for line in film_lines(found.prediction))
     yield _payloads_table(comparison)
+    if any(found.prediction.bands for found in comparison.flyers):
+        yield "* carries most"
     if any(np.any(_too_hot(found)) for found in comparison.flyers):
         yield "! hotter than the film bears"
     if any(found.setup.budget is not None for found in comparison.flyers):
         yield needs_table(comparison)
     yield from map(str, comparison.differing_models)
     yield from warning_lines(comparison.warnings)
+
+
+def _best_line(comparison: "Comparison") -> Iterator[str]:
+    """Which of the flyers that fly carries most."""
+    best = comparison.best
+    if best.prediction.bands:
+        where = comparison.coordinate
+        scale, mass = comparison.display_unit("payload")
+        payload, band, place, *_ = _best_cells(best, scale)
+        within = "" if band == "–" else f" ({band})"
+        yield f"{best.name} carries most: {payload} {mass}{within} at {place} {where.shown_unit}"
 
 
 def _best_table(comparison: "Comparison") -> Table:

@@ -24,6 +24,9 @@ th, td { border: 1px solid var(--line); padding: .25rem .6rem; text-align: left;
   vertical-align: top; white-space: pre-line; }
 th { background: var(--shade); }
 .right { text-align: right; font-variant-numeric: tabular-nums; }
+.verdict { border-left: .3rem solid #009E73; padding-left: .8rem; font-size: 1.1rem; }
+.verdict p { margin: .3rem 0; }
+figcaption { margin-top: .3rem; }
 .warning { color: var(--warn); font-weight: bold; }
 pre { background: var(--shade); padding: .75rem; overflow-x: auto; font-size: .875rem; }
 p, li { overflow-wrap: anywhere; }
@@ -57,6 +60,12 @@ def paragraph(text: str, kind: str | None = None) -> str:
     """A paragraph; of kind ``"warning"`` it is set off."""
     style = f' class="{html.escape(kind)}"' if kind else ""
     return f"<p{style}>{html.escape(text)}</p>"
+
+
+def verdict(parts: Iterable[str]) -> str:
+    """What follows from all, at the head of a page."""
+    inside = "\n".join(parts)
+    return f'<div class="verdict">\n{inside}\n</div>' if inside else ""
 
 
 def code(text: str) -> str:

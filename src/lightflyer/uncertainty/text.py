@@ -7,6 +7,16 @@ from rich.table import Table
 
 from lightflyer.files.result_text import NARROW, Parts, warning_lines, width_of
 
+_UNITS = {
+    "km": "km", "mg": "mg", "k": "K", "w_m2": "W/m²", "g_m2": "g/m²", "pa": "Pa", "h": "h",
+    "un": "µN", "m_s": "m/s",
+}  # fmt: skip
+_GROUPS = {
+    "verdict": "let go",
+    "verdict.rest": "at rest",
+    "verdict.best": "best, the film surviving",
+    "best": "peak of lift",
+}
 _OF_MODEL = re.compile(r"force\.\w+_error")  # inputs that are errors of the force model itself
 
 
@@ -51,7 +61,7 @@ def _bands_table(results: dict[str, Any], columns: list[str]) -> Table:
         if name.startswith("at["):
             continue
         if group != shown:
-            table.add_row(group)
+            table.add_row(_in_words(group))
             shown = group
         sampled = result.get("monte_carlo")
         share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
@@ -61,8 +71,17 @@ def _bands_table(results: dict[str, Any], columns: list[str]) -> Table:
             "samples": share,
         }
         cells = [f"{result['value']:.4g}", *(spans[column] for column in columns)]
-        table.add_row(f"  {entry}" if group else entry, *cells)
+        table.add_row(f"  {_in_words(entry)}", *cells)
     return table
+
+
+def _in_words(name: str) -> str:
+    """Name of a result without what JSON needs, as ``payload [mg]`` of ``payload_mg``."""
+    name = _GROUPS.get(name, name.replace("verdict.", ""))
+    for ending, unit in _UNITS.items():
+        if name.endswith(f"_{ending}"):
+            name = f"{name.removesuffix(f'_{ending}')} [{unit}]"
+    return name.replace("_", " ")
 
 
 def _span(band: dict[str, Any] | None) -> str:

@@ -17,6 +17,7 @@ from lightflyer.mission.areas import describe_place
 from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.mission.report.landing import Landings, landings_of, outline_in_map
 from lightflyer.mission.report.summary import day_and_night
+from lightflyer.mission.report.text import square_kilometres
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -214,8 +215,8 @@ def _landing(dataset: "xr.Dataset", landings: Landings) -> Figure:
     axes.plot(*landings.points.T / _KILOMETRE, ".", color=ORANGE, ms=4.0, label="landings")
     for area, line in zip(landings.areas, LINES, strict=False):
         drawn.append(outline_in_map(area))
-        low, size, high = (one / 1e6 for one in (area.low, area.size, area.high))
-        label = f"{100.0 * area.share:.0f} % land here: {size:.3g} km² ({low:.3g} to {high:.3g})"
+        low, size, high = (square_kilometres(one / 1e6) for one in (area.low, area.size, area.high))
+        label = f"{100.0 * area.share:.0f} % land here: {size} km²\n({low} to {high})"
         axes.plot(*drawn[-1].T / _KILOMETRE, color=BLUE, ls=line, label=label)
     axes.plot(*release.T / _KILOMETRE, "^", color=VERMILION, label="release")
     low, high = (edge(np.concatenate(drawn), axis=0) / _KILOMETRE for edge in (np.min, np.max))

@@ -135,6 +135,12 @@ def _decimals(value: float) -> str:
     return f"{round(value, 2) + 0.0:.2f}"
 
 
+def square_kilometres(area: float) -> str:
+    """An area [km²] to three digits, without a power of ten."""
+    rounded = float(f"{area:.3g}")
+    return f"{rounded / 1e6:g} million" if rounded >= 1e6 else f"{rounded:,.6g}"
+
+
 def _table(title: str, *headings: str) -> Table:
     return table_of(headings, title=title, pad_edge=False)
 
@@ -197,10 +203,12 @@ def _landing(found: dict[str, Any]) -> Parts:
     objects = f"{found['objects']:,} object" + "s" * (found["objects"] > 1)
     for area in found["areas"]:
         long, wide = area["half_axes_km"]
+        sizes = (area[f"{key}_km2"] for key in ("area", "low", "high"))
+        size, low, high = map(square_kilometres, sizes)
         yield (
-            f"{100.0 * area['holds']:.0f} % land within {area['area_km2']:.4g} km² "
-            f"({area['low_km2']:.4g} to {area['high_km2']:.4g}), an ellipse of {2.0 * long:.4g} by "
-            f"{2.0 * wide:.4g} km: {area['objects_per_km2']:.3g} per km² of {objects}"
+            f"{100.0 * area['holds']:.0f} % land within {size} km² ({low} to {high}), "
+            f"an ellipse of {2.0 * long:.4g} by {2.0 * wide:.4g} km: "
+            f"{area['objects_per_km2']:.3g} per km² of {objects}"
         )
     yield (
         f"the Reynolds number at the end is {found['stated_end_reynolds']:.3g}; the drag is that "

@@ -70,10 +70,20 @@ def test_the_page_says_what_the_terminal_says(run, points, tmp_path):
     for line in printed.splitlines()[:-1]:
         assert all(word in text for word in line.split())
     assert hashlib.sha256(path.read_bytes()).hexdigest() in text
-    assert "lightflyer lab levitation points.csv" in found.texts
+    assert found.texts.count("Lab levitation: points") == 2  # in the window and on the page
     assert path.read_text(encoding="utf-8").strip() in "".join(found.texts)
     assert set(found.tags) <= ALLOWED
     assert {path.name for path in tmp_path.iterdir()} == {"points.csv", "report.html"}
+
+
+def test_a_page_made_again_names_its_inputs_and_not_itself(run, points, tmp_path):
+    path, target = points().rename(tmp_path / "germanium.csv"), tmp_path / "report.html"
+    for _ in range(2):
+        assert run("lab", "levitation", path, "--report", target)[0] == 0
+    texts = Elements(target.read_text(encoding="utf-8")).texts
+    assert "Lab levitation: germanium" in texts
+    assert "germanium.csv" in texts
+    assert "report.html" not in texts
 
 
 def test_the_figure_is_within_the_page_and_says_what_it_shows(run, points, tmp_path):

@@ -99,7 +99,11 @@ class Report:
         done = " ".join(command)
         names = _listed([path.stem for path in self._named or inputs[:1]])
         title = _TITLES.get(done, done.capitalize()) + (f": {names}" if names else "")
-        words = list(takewhile(lambda thing: isinstance(thing, str), self._results))
+        words: list[Table | str] = list(
+            takewhile(lambda thing: isinstance(thing, str), self._results)
+        )
+        if not words and self._results and _is_labelled(self._results[0]):
+            words = self._results[:1]
         parts = [page.heading(title, 1), page.verdict(_results(words)), *self._figures]
         parts += [page.heading("Numbers")] if self._results[len(words) :] else []
         parts += _results(self._results[len(words) :])
@@ -196,6 +200,11 @@ def _results(things: Sequence[Table | str]) -> Iterator[str]:
     yield from _flush(labelled)
 
 
+def _is_labelled(thing: Table | str) -> bool:
+    """Whether it is a table of numbers with their names, and no heading."""
+    return isinstance(thing, Table) and not thing.show_header
+
+
 def _flush(labelled: list[tuple[str, str]]) -> Iterator[str]:
     if labelled:
         yield page.table(labelled)
@@ -218,9 +227,9 @@ def _alternative(figure: "Figure") -> str:
     shown = []
     for axes in figure.axes:
         across, up = axes.get_xlabel(), axes.get_ylabel()
-        if up:
-            shown.append(f"{up} over {across}" if across else up)
-    return "; ".join(dict.fromkeys(shown)) or "figure"
+        if up or across:
+            shown.append(f"{up} over {across}" if up and across else up or across)
+    return "; ".join(dict.fromkeys(shown)).replace("$", "") or "figure"
 
 
 def _file(path: Path) -> Iterator[str]:

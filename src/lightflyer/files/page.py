@@ -21,7 +21,7 @@ h2 { margin-top: 2rem; border-bottom: 1px solid var(--line); }
 table { border-collapse: collapse; }
 caption { text-align: left; font-weight: bold; padding: .25rem 0; }
 th, td { border: 1px solid var(--line); padding: .25rem .6rem; text-align: left;
-  vertical-align: top; white-space: pre-line; }
+  vertical-align: top; white-space: pre-wrap; }
 th { background: var(--shade); }
 .right { text-align: right; font-variant-numeric: tabular-nums; }
 .verdict { border-left: .3rem solid #009E73; padding-left: .8rem; font-size: 1.1rem; }

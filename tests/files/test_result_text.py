@@ -36,7 +36,7 @@ def test_a_prediction_and_its_bands(setup):
     bands = lf.propagate(design, prediction=found, samples=0)
     payload = bands.summary()["results"]["best.payload_mg"]
     ends = payload["first_order"]
-    row = f"payload_mg {payload['value']:.4g} {ends['low']:.4g} to {ends['high']:.4g}"
+    row = f"payload [mg] {payload['value']:.4g} {ends['low']:.4g} to {ends['high']:.4g}"
     assert row in words(bands)
 
 

@@ -50,7 +50,7 @@ def calculator(browser: Browser, built: Path) -> None:
     for scheme, ending in (("light", ""), ("dark", "-dark")):
         page = browser.new_page(color_scheme=scheme, viewport={"width": 1100, "height": 900})
         page.goto(f"{(built / 'calculator.html').as_uri()}{design}")
-        page.wait_for_selector("#lf-verdict:not(:empty)")
+        page.wait_for_selector("#lf-band-payload:not(:empty)", timeout=COMPUTED)
         page.add_style_tag(content="#lf-calculator{max-height:860px;overflow:hidden}")
         keep(page, f"tutorial-calculator{ending}", "#lf-calculator")
         page.close()

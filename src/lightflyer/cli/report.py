@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _ENDING = ".html"
+_STORE = ".zarr"  # ending of a sweep's folder
 _WARNING = "warning: "
 _LABELLED = re.compile(r"(\S.*?)\s{2,}(\S.*)")  # such as "best payload      0.3155 mg"
 _TITLES = {
@@ -97,7 +98,7 @@ class Report:
         inputs = list(dict.fromkeys([*self._named, *self._files_read]))
         command = takewhile(lambda part: part.isalpha() and not _is_file(part), self._arguments)
         done = " ".join(command)
-        names = _listed([path.stem for path in self._named or inputs[:1]])
+        names = _listed(self._named or inputs[:1])
         title = _TITLES.get(done, done.capitalize()) + (f": {names}" if names else "")
         words: list[Table | str] = list(
             takewhile(lambda thing: isinstance(thing, str), self._results)
@@ -167,15 +168,18 @@ def begin(path: Path) -> Report:
     return current
 
 
-def _listed(names: Sequence[str]) -> str:
-    """Names as a sentence lists them."""
-    *others, last = names or [""]
-    return f"{', '.join(others)} and {last}" if others else last
+def _listed(paths: Sequence[Path]) -> str:
+    """Names of files as a sentence lists them; with an ending where it alone tells two apart."""
+    stems = [path.stem for path in paths]
+    names = [path.name if stems.count(path.stem) > 1 else path.stem for path in paths]
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
 def _is_file(argument: str) -> bool:
+    """Whether it names a file that exists, or the store of a sweep."""
     try:
-        return Path(argument).is_file()
+        path = Path(argument)
+        return path.is_file() or (path.suffix == _STORE and path.is_dir())
     except OSError:  # too long for a name, for one
         return False
 
@@ -233,6 +237,9 @@ def _alternative(figure: "Figure") -> str:
 
 
 def _file(path: Path) -> Iterator[str]:
+    if path.is_dir():
+        yield page.paragraph(f"{path.name}, the store of a sweep")
+        return
     try:
         content = path.read_bytes()
     except OSError:

@@ -141,6 +141,13 @@ def test_edges_and_shares_are_those_of_the_package_for_the_same_samples(kind, ru
         assert found["survives"] == pytest.approx(np.mean(rest <= highest), abs=0.011)
 
 
+def test_a_band_between_two_places_is_found(run):
+    kind = KINDS[0]
+    calls = [("bands", ("kinetic", {}, places_of(kind)[::step].tolist())) for step in (1, 2)]
+    fine, coarse = (found["flies"] for found in run(kind, calls))
+    assert coarse == pytest.approx(fine, abs=0.01)
+
+
 def test_samples_are_normal_and_independent(run):
     kind, name = KINDS[0], "kinetic"
     (samples,) = run(kind, [("samples", (name, {"flyer.payload": 0.001}))])

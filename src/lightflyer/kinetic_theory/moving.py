@@ -145,7 +145,7 @@ def solve_moving(
     model = gas_model(gas)
     tacs = float(tac_top), float(tac_bottom)
     stated = tangential_accommodation, rotational_accommodation
-    known, scattering = walls_of(wall, tacs, *stated, rotates=model.has_rotation, linear=True)
+    known, scattering = walls_of(wall, tacs, *stated, rotates=model.has_rotation)
     extra("numba", "the kinetic solver", "kinetic")
     from lightflyer.kinetic_theory.disk.cases import Outcome, meshes
 

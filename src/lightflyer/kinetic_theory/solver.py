@@ -297,9 +297,7 @@ def _case(
         _require_resolved(knudsen, boundary)
     model = gas_model(gas)
     linear = temperature_ratio is None
-    known, scattering = walls_of(
-        wall, tac, tangential, rotational, rotates=model.has_rotation, linear=linear
-    )
+    known, scattering = walls_of(wall, tac, tangential, rotational, rotates=model.has_rotation)
     if temperature_ratio is None:
         require_range("top_temperature", perturbation[0])
         require_range("bottom_temperature", perturbation[1])

@@ -40,6 +40,11 @@ class Accommodation(NamedTuple):
     tangential: float  # That of tangential momentum [1]
     rotational: float  # That of rotational energy [1]
 
+    @property
+    def of_energy(self) -> tuple[float, float, float]:
+        """Those of the energies of normal motion, tangential motion and rotation [1]."""
+        return self.normal, self.tangential * (2.0 - self.tangential), self.rotational
+
 
 def normal_accommodation(tac: Any, tangential: Any, rotational: Any = None) -> Any:
     r"""Accommodation of the energy of normal motion at a wall of Cercignani and Lampis [1]."""
@@ -63,10 +68,9 @@ def walls_of(
     rotational: float | tuple[float, float] | None,
     *,
     rotates: bool,
-    linear: bool,
 ) -> tuple[Wall, tuple[Accommodation, Accommodation] | None]:
     """Walls, and both faces where they are of Cercignani and Lampis."""
-    if wall == CERCIGNANI_LAMPIS and linear:
+    if wall == CERCIGNANI_LAMPIS:
         return "accommodated", _accommodations(tacs, tangential, rotational, rotates)
     known = require_wall(wall)
     if tangential is not None or rotational is not None:

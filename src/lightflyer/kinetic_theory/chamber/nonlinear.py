@@ -20,7 +20,8 @@ from lightflyer.kinetic_theory.chamber.half_mesh_operator import (
 from lightflyer.kinetic_theory.chamber.linear import NUMBER, ChamberSystem, Totals
 from lightflyer.kinetic_theory.disk import nonlinear_kernel
 from lightflyer.kinetic_theory.disk.fixed_point import Problem, iterate
-from lightflyer.kinetic_theory.disk.nonlinear import diffuse_emission
+from lightflyer.kinetic_theory.disk.linear import FaceResult
+from lightflyer.kinetic_theory.disk.nonlinear import diffuse_emission, result_of
 from lightflyer.kinetic_theory.disk.operators import (
     Quadrature,
     face_points,
@@ -37,10 +38,10 @@ _ROTATIONAL, _AXIAL = 3, 4  # places of fluxes of the compiled kernel
 class Arrivals:
     """Fluxes less those of the gas at rest at the disk and at walls, of both halves."""
 
-    # ``emitted`` are density and temperature of what leaves the faces of the disk.
+    # ``emitted`` is what leaves the faces of the disk.
 
     faces: list[np.ndarray]
-    emitted: list[tuple[np.ndarray, np.ndarray]]
+    emitted: list[np.ndarray]
     walls: list[np.ndarray]
 
 
@@ -72,20 +73,19 @@ class HotChamber:
         density = (1.0 + x[layout.wall_sigma(half)]) / np.sqrt(temperature)
         return np.stack([density, temperature])
 
-    def _half(self, x: np.ndarray, half: int, emitted: tuple[np.ndarray, np.ndarray]) -> tuple:
+    def _half(self, x: np.ndarray, half: int, emitted: np.ndarray) -> tuple:
         diffuse = self.system.film.diffuse_share(half)
         return (
             self._fields(x, half),
             self._fields(x, 1 - half),
-            emitted[0],
+            emitted,
             np.array([diffuse, 1.0 - diffuse, 0.0]),
-            emitted[1],
             self._rim(x, half),
             self._rim(x, 1 - half),
         )
 
     def _run(self, points: np.ndarray, on_wall: bool, half: int, sent: tuple) -> np.ndarray:
-        out = np.empty((points.shape[0], 5 if on_wall else self.system.fields))
+        out = np.empty((points.shape[0], 6 if on_wall else self.system.fields))
         nonlinear_kernel.evaluate(
             np.ascontiguousarray(points),
             on_wall,
@@ -111,8 +111,8 @@ class HotChamber:
         rotates, film = system.gas.has_rotation, system.film
         faces, emitted, walls = [], [], []
         for half in (0, 1):
-            unused = np.ones(layout.e)
-            arriving = self._run(self.faces[half], True, half, self._half(x, half, (unused,) * 2))
+            unused = np.ones((4, layout.e))
+            arriving = self._run(self.faces[half], True, half, self._half(x, half, unused))
             temperature = 1.0 + x[layout.film(half)]
             leaves = diffuse_emission(arriving, film.tac[half], temperature, film.wall, rotates)
             sent = self._half(x, half, leaves)
@@ -169,7 +169,7 @@ class HotChamber:
     def film_loss(self, x: np.ndarray, arrivals: Arrivals) -> np.ndarray:
         """Heat that each spot of the film loses by gas on both sides and radiation, shape (e,)."""
         layout, film = self.system.layout, self.system.film
-        gas = sum(self._face(arrivals, half)[1] for half in (0, 1))
+        gas = sum(self._face(arrivals, half).heat for half in (0, 1))
         temperature = 1.0 + x[layout.film(0)]
         return gas + film.radiation * (temperature**4 - 1.0) / 4.0
 
@@ -244,23 +244,18 @@ class HotChamber:
 
     # ------------------------------------------------------------------ results
 
-    def _face(self, arrivals: Arrivals, half: int) -> tuple[np.ndarray, np.ndarray]:
+    def _face(self, arrivals: Arrivals, half: int) -> FaceResult:
         """Normal pressure on a face and heat out of it, less those of the gas at rest."""
-        diffuse = self.system.film.diffuse_share(half)
-        arriving, (density, temperature) = arrivals.faces[half], arrivals.emitted[half]
-        pressure = diffuse * (density * temperature - 1.0) / 4.0 + (2.0 - diffuse) * arriving[:, 1]
-        emitted = (density * temperature**1.5 - 1.0) / _SQRT_PI
-        heat = diffuse * (emitted - arriving[:, 2])
-        if self.system.gas.has_rotation:
-            heat = heat + diffuse * (0.5 * emitted - arriving[:, _ROTATIONAL])
-        return 2.0 * pressure, heat
+        system, diffuse = self.system, self.system.film.diffuse_share(half)
+        found = arrivals.faces[half], arrivals.emitted[half]
+        return result_of(*found, diffuse, system.gas.has_rotation)
 
     def totals(self, x: np.ndarray, arrivals: Arrivals) -> Totals:
         """Forces and heats of all surfaces."""
         weights = self.system.weights
-        (top, heat_top), (bottom, heat_bottom) = (self._face(arrivals, half) for half in (0, 1))
-        heat = float(weights @ heat_top), float(weights @ heat_bottom)
-        totals = Totals(float(weights @ (bottom - top)), heat)
+        top, bottom = (self._face(arrivals, half) for half in (0, 1))
+        heat = float(weights @ top.heat), float(weights @ bottom.heat)
+        totals = Totals(float(weights @ (bottom.pressure - top.pressure)), heat)
         for half in (0, 1):
             arriving, (density, temperature) = arrivals.walls[half], self._rim(x, half)
             recoil = 0.5 * (density * temperature - 1.0)

@@ -119,7 +119,7 @@ def solve_case(
     """Solve a case on one mesh."""
     mesh = resolution.mesh(case.rarefaction, case.boundary)
     operators = assemble(mesh, case.rarefaction, resolution.quadrature)
-    if case.scattering is not None:
+    if case.scattering is not None and case.linear:
         rows = assemble_modes(operators, case.rarefaction, resolution.quadrature)
         scatterer = ScatteringSystem(operators, rows, case.gas, case.open_fraction)
         top, bottom = (
@@ -136,7 +136,9 @@ def solve_case(
         faces = [face_result(system, walls, fields[face], face) for face in (0, 1)]
     else:
         problem = NonlinearProblem(system, case.rarefaction, resolution.quadrature)
-        disk = HotDisk(case.tac, case.temperature, case.open_fraction, case.wall)
+        disk = HotDisk(
+            case.tac, case.temperature, case.open_fraction, case.wall, case.scattering
+        )
         if start is None:
             start = system.solve(walls)[0]
         fields, iterations = problem.solve(disk, start, _TOLERANCE)

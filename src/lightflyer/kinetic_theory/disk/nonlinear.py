@@ -21,7 +21,7 @@ from lightflyer.kinetic_theory.disk.operators import (
     kernel_arguments,
     node_points,
 )
-from lightflyer.kinetic_theory.walls import Wall
+from lightflyer.kinetic_theory.walls import Accommodation, Wall
 
 _SQRT_PI = np.sqrt(np.pi)
 
@@ -36,6 +36,8 @@ class HotDisk:
     temperature: tuple[float, float]
     open_fraction: float = 0.0
     wall: Wall = "maxwell"
+    # Faces of Cercignani and Lampis, in place of ``tac``
+    scattering: tuple[Accommodation, Accommodation] | None = None
 
     def diffuse_share(self, face: int) -> float:
         """Share of the molecules meeting a face that leaves it diffusely [1]."""
@@ -54,18 +56,43 @@ class HotDisk:
 
 
 def diffuse_emission(
-    arriving: np.ndarray, tac: float, temperature: np.ndarray | float, wall: Wall, rotates: bool
-) -> tuple[np.ndarray, np.ndarray]:
-    """Density and temperature of the molecules that leave a wall diffusely, as many as arrive."""
+    arriving: np.ndarray,
+    face: float | Accommodation,
+    temperature: np.ndarray | float,
+    wall: Wall,
+    rotates: bool,
+) -> np.ndarray:
+    """What leaves a wall diffusely, as many molecules as arrive, shape (4, e)."""
+    # Density, and temperatures of normal motion, tangential motion and rotation. ``face`` is a TAC,
+    # or what accommodates the three each on its own. Their distributions are taken to be
+    # Maxwell's, as they are where those of the molecules that arrive are.
     flux = 1.0 + 2.0 * _SQRT_PI * arriving[:, 0]
-    emitted = np.broadcast_to(np.asarray(temperature, float), flux.shape)
-    if wall == "accommodated":
-        energy = arriving[:, 2] - 2.0 * arriving[:, 0]
-        if rotates:
-            energy = energy + arriving[:, 3] - arriving[:, 0]
-        excess = 2.0 * _SQRT_PI / (3.0 if rotates else 2.0) * energy / flux
-        emitted = 1.0 + tac * (emitted - 1.0) + (1.0 - tac) * excess
-    return flux / np.sqrt(emitted), np.ascontiguousarray(emitted)
+    emitted = np.empty((4, flux.size))
+    emitted[1:] = temperature
+    if wall != "maxwell":
+        number, _, energy, turning, _, normal = arriving.T
+        kinds = np.stack([normal, energy - normal, turning if rotates else number])
+        arrived = 1.0 + 2.0 * _SQRT_PI * (kinds - number) / flux
+        if isinstance(face, Accommodation):
+            shares = np.array(face.of_energy)[:, None]
+        else:
+            shares, arrived = np.array(face), arrived[: 3 if rotates else 2].mean(axis=0)
+        emitted[1:] = shares * emitted[1:] + (1.0 - shares) * arrived
+    emitted[0] = flux / np.sqrt(emitted[1])
+    return emitted
+
+
+def result_of(
+    arriving: np.ndarray, emitted: np.ndarray, diffuse: float, rotates: bool
+) -> FaceResult:
+    """Normal pressure on a face and heat flux out of it, less those of the gas at rest."""
+    density, normal, tangential, turning = emitted
+    flux = density * np.sqrt(normal)
+    pressure = diffuse * (density * normal - 1.0) / 4.0 + (2.0 - diffuse) * arriving[:, 1]
+    heat = diffuse * ((0.5 * flux * (normal + tangential) - 1.0) / _SQRT_PI - arriving[:, 2])
+    if rotates:
+        heat += diffuse * (0.5 * (flux * turning - 1.0) / _SQRT_PI - arriving[:, 3])
+    return FaceResult(2.0 * pressure, heat)
 
 
 class NonlinearProblem:
@@ -81,32 +108,24 @@ class NonlinearProblem:
         self.nodes, self.faces = node_points(mesh), face_points(mesh)
         self.factors = system.factors
 
-    def _half(
-        self,
-        fields: np.ndarray,
-        face: int,
-        disk: HotDisk,
-        emitted: tuple[np.ndarray, np.ndarray],
-    ) -> tuple:
+    def _half(self, fields: np.ndarray, face: int, disk: HotDisk, emitted: np.ndarray) -> tuple:
         solid, diffuse = 1.0 - disk.open_fraction, disk.diffuse_share(face)
         shares = np.array([solid * diffuse, solid * (1.0 - diffuse), disk.open_fraction])
-        density, temperature = emitted
         nothing = np.zeros((2, 0))
-        return fields[face], fields[1 - face], density, shares, temperature, nothing, nothing
+        return fields[face], fields[1 - face], emitted, shares, nothing, nothing
 
     def arriving_fluxes(self, fields: np.ndarray, face: int, disk: HotDisk) -> np.ndarray:
-        """Fluxes that arrive at a face, less those of the gas at rest, shape (e, 5)."""
-        fluxes, unused = np.empty((self.faces.shape[0], 5)), np.ones(self.faces.shape[0])
-        half = self._half(fields, face, disk, (unused, unused))
+        """Fluxes that arrive at a face, less those of the gas at rest, shape (e, 6)."""
+        fluxes, unused = np.empty((self.faces.shape[0], 6)), np.ones((4, self.faces.shape[0]))
+        half = self._half(fields, face, disk, unused)
         nonlinear_kernel.evaluate(self.faces, True, *self.arguments, self.gas, half, fluxes)
         return fluxes
 
-    def emission(
-        self, arriving: np.ndarray, face: int, disk: HotDisk
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Density and temperature of the diffuse molecules: as many leave as arrive, shape (e,)."""
+    def emission(self, arriving: np.ndarray, face: int, disk: HotDisk) -> np.ndarray:
+        """What leaves a face diffusely, shape (4, e), as :func:`diffuse_emission`."""
         temperature, rotates = disk.temperature[face], self.system.gas.has_rotation
-        return diffuse_emission(arriving, disk.tac[face], temperature, disk.wall, rotates)
+        accommodated = (disk.scattering or disk.tac)[face]
+        return diffuse_emission(arriving, accommodated, temperature, disk.wall, rotates)
 
     def evaluate(self, fields: np.ndarray, disk: HotDisk) -> np.ndarray:
         """Fields that follow from given fields, shape (2, n, fields)."""
@@ -161,16 +180,13 @@ class NonlinearProblem:
 
     def face_result(self, fields: np.ndarray, face: int, disk: HotDisk) -> FaceResult:
         """Normal pressure on a face and heat flux out of it, less those of the gas at rest."""
-        diffuse = disk.diffuse_share(face)
         arriving = self.arriving_fluxes(fields, face, disk)
-        density, temperature = self.emission(arriving, face, disk)
-        pressure = diffuse * (density * temperature - 1.0) / 4.0 + (2.0 - diffuse) * arriving[:, 1]
-        emitted = (density * temperature**1.5 - 1.0) / _SQRT_PI
-        heat = diffuse * (emitted - arriving[:, 2])
-        if self.system.gas.has_rotation:
-            heat = heat + diffuse * (0.5 * emitted - arriving[:, 3])
+        emitted = self.emission(arriving, face, disk)
+        found = result_of(
+            arriving, emitted, disk.diffuse_share(face), self.system.gas.has_rotation
+        )
         solid = 1.0 - disk.open_fraction
-        return FaceResult(2.0 * solid * pressure, solid * heat)
+        return FaceResult(solid * found.pressure, solid * found.heat)
 
 
 def damp(old: np.ndarray, new: np.ndarray) -> np.ndarray:

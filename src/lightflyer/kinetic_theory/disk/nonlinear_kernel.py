@@ -100,6 +100,7 @@ def _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought)
     )
     disk = crossing < 1.0
     reflected, transmitted = half[3][1], half[3][2]
+    normal = direction[2] * direction[2]
     brought[:] = 0.0
     first, depth, share = 0, 0.0, 1.0
     at_disk, depth_at_disk = -1, 0.0
@@ -113,7 +114,8 @@ def _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought)
             if below and disk and at_disk < 0:
                 x, y = point[0] + hit * direction[0], hit * direction[1]
                 eta = np.sqrt(max(0.0, 1.0 - x * x - y * y))
-                _add_wall(brought, eta, half, depth, setup, meshes[0], eta_basis, hot[0], cold[0])
+                emission = _emission(eta, normal, half, meshes[0], eta_basis)
+                _add_emission(brought, emission, depth, setup, hot[0], cold[0])
                 at_disk, depth_at_disk, share = piece, depth, reflected
             if share == 0.0:
                 break
@@ -140,7 +142,7 @@ def _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought)
             if depth > LARGEST_DEPTH:
                 break
         end = cuts[number - 1]
-        rim = half[6] if hit < end and (through == 1 or not disk) else half[5]
+        rim = half[5] if hit < end and (through == 1 or not disk) else half[4]
         seen, place = share * leaves, (point, direction, end)
         _add_rim(brought, place, rim, seen, depth, setup, meshes[0], hot[0], cold[0])
         if at_disk < 0 or transmitted == 0.0:
@@ -149,11 +151,16 @@ def _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought)
 
 
 @kernel
-def _add_wall(brought, eta, half, depth, setup, mesh, eta_basis, hot, cold):
-    """Add the diffuse emission of a face at a point, less that of the gas at rest."""
-    density = interpolate_on_face(half[2], eta, mesh, eta_basis)
-    temperature = max(LOWEST, interpolate_on_face(half[4], eta, mesh, eta_basis))
-    _add_emission(brought, (density, temperature, half[3][0]), depth, setup, hot, cold)
+def _emission(eta, normal, half, mesh, eta_basis):
+    """Maxwellian that a face emits at a point along a ray; ``normal``: its cosine, squared."""
+    density = interpolate_on_face(half[2][0], eta, mesh, eta_basis)
+    across = max(LOWEST, interpolate_on_face(half[2][1], eta, mesh, eta_basis))
+    along = max(LOWEST, interpolate_on_face(half[2][2], eta, mesh, eta_basis))
+    turning = interpolate_on_face(half[2][3], eta, mesh, eta_basis)
+    # one of two temperatures is one of a single temperature along each ray
+    temperature = across * along / (normal * along + (1.0 - normal) * across)
+    density *= temperature * np.sqrt(temperature / across) / along
+    return density, temperature, turning, half[3][0]
 
 
 @kernel
@@ -170,31 +177,33 @@ def _add_rim(brought, place, rim, share, depth, setup, mesh, hot, cold):
     for a in range(basis.size):
         density += basis[a] * rim[0, first + a]
         temperature += basis[a] * rim[1, first + a]
-    emission = (density, max(LOWEST, temperature), share)
+    emission = (density, max(LOWEST, temperature), temperature, share)
     _add_emission(brought, emission, depth, setup, hot, cold)
 
 
 @kernel
 def _add_emission(brought, emission, depth, setup, hot, cold):
-    """Add a Maxwellian of given density, temperature and share, less that of the gas at rest."""
-    density, temperature, share = emission
+    """Add a Maxwellian by density, temperatures and share, less that of the gas at rest."""
+    density, temperature, turning, share = emission
     table, scale = setup[5:]
     maxwellian_integrals(depth, temperature, table, scale, hot)
     maxwellian_integrals(depth, 1.0, table, scale, cold)
     for k in range(_POWERS):
         brought[k] += share * (density * hot[k + 1] - cold[k + 1])
     for k in range(2):
-        brought[_POWERS + k] += share * (density * temperature * hot[k + 1] - cold[k + 1])
+        brought[_POWERS + k] += share * (density * turning * hot[k + 1] - cold[k + 1])
 
 
 @kernel
 def _add_fluxes(w, normal, z, brought, out):
-    """Add number, normal momentum, energies and axial momentum that one ray brings to a wall."""
+    """Add what one ray brings to a wall."""
+    # number, normal momentum, energy, rotational energy, axial momentum, energy of normal motion
     out[0] += w * normal * brought[1]
     out[1] += w * normal * normal * brought[2]
     out[2] += w * normal * brought[3]
     out[3] += w * normal * brought[5]
     out[4] += w * normal * z * brought[2]
+    out[5] += w * normal**3 * brought[3]
 
 
 @kernel

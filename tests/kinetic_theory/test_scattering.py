@@ -6,10 +6,23 @@ from scipy.integrate import quad
 from scipy.special import i0e
 
 from lightflyer.core.errors import ParameterError
-from lightflyer.kinetic_theory import solve
-from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, Resolution, totals
+from lightflyer.kinetic_theory import solve, solve_in_chamber
+from lightflyer.kinetic_theory.disk.cases import (
+    COARSE,
+    MEDIUM,
+    Case,
+    Resolution,
+    solve_case,
+    totals,
+)
 from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
-from lightflyer.kinetic_theory.disk.modes import Mode, modes_up_to
+from lightflyer.kinetic_theory.disk.modes import (
+    NORMAL_ENERGY,
+    NUMBER,
+    TANGENTIAL_ENERGY,
+    Mode,
+    modes_up_to,
+)
 from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
 from lightflyer.kinetic_theory.disk.scattering import Scattering, ScatteringSystem, assemble_modes
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC
@@ -172,7 +185,6 @@ BAD = {
     },
     "tangential_accommodation = 1.3 is not between 0 and 1": {"tangential_accommodation": 1.3},
     'rotational_accommodation belongs to gas = "diatomic"': {"rotational_accommodation": 0.3},
-    "is for the linear problem in open space": {"temperature_ratio": 2.0},
     'belongs to collisions = "shakhov"': {"collisions": "vhs"},
     "tangential_accommodation and rotational_accommodation belong to": {
         "wall": "maxwell",
@@ -185,3 +197,95 @@ BAD = {
 def test_what_no_wall_can_do_is_named(says):
     with pytest.raises(ParameterError, match=says):
         solve(1.0, 0.8, 0.9, **{"wall": "cercignani-lampis", **BAD[says]})
+
+
+def hot(rarefaction, gas, temperature, faces=FACES, holes=0.0, level=ROUGH):
+    faces = tuple(Accommodation(*face) for face in faces)
+    tac = tuple(float(np.mean(face.of_energy[: 2 + gas.has_rotation])) for face in faces)
+    case = Case(rarefaction, tac, temperature, False, gas, np.inf, holes, "accommodated", faces)
+    return solve_case(case, level), case.free_molecular()
+
+
+@pytest.mark.parametrize(("gas", "holes"), [(MONATOMIC, 0.3), (DIATOMIC, 0.0)])
+def test_hot_free_molecular_limit(gas, holes):
+    """What arrives is cold: normal motion pushes, and each kind carries heat of its own."""
+    found, limit = hot(1e-7, gas, (2.5, 2.0), holes=holes)
+    force = 0.5 * (1.0 - holes) * (np.sqrt(1.0 + 0.8 * 1.0) - np.sqrt(1.0 + 0.3 * 1.5))
+    heat = [
+        0.5 * (1.0 - holes) / np.sqrt(np.pi) * excess * (n + t * (2.0 - t) + r * gas.has_rotation)
+        for excess, (n, t, r) in zip((1.5, 1.0), FACES, strict=True)
+    ]
+    assert found.force == pytest.approx(force, rel=1e-6)
+    assert found.heat == pytest.approx(heat, rel=1e-6)
+    assert (limit.force, *limit.heat) == pytest.approx((force, *heat), rel=1e-12)
+
+
+def test_free_molecules_leave_with_two_temperatures():
+    """Density in the gas by quadrature over the directions in which a disk is seen."""
+    found, _ = hot(1e-7, MONATOMIC, (2.5, 2.5), level=COARSE)
+    across, along = 1.0 + 0.3 * 1.5, 1.0 + 0.9 * 1.1 * 1.5
+    mesh = found.mesh
+    for node in np.flatnonzero((mesh.radius < 0.05) & (mesh.height > 0.1) & (mesh.height < 2.0)):
+        seen = mesh.height[node] / np.hypot(mesh.height[node], 1.0)
+
+        def density(cosine):
+            one = cosine**2 / across + (1.0 - cosine**2) / along
+            return 0.5 * (one**-1.5 / (across * along) - 1.0)
+
+        excess = quad(density, seen, 1.0)[0]
+        pressure, _, _, temperature = found.fields[0, node, :4]
+        assert (1.0 + pressure) / (1.0 + temperature) - 1.0 == pytest.approx(excess, rel=0.01)
+
+
+@pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
+def test_hot_goes_to_linear(gas):
+    """Three temperatures are three modes; all modes change the force by less than it is said."""
+    excess = 1e-3
+    found, _ = hot(1.5, gas, (1.0 + 0.5 * excess, 1.0 + excess))
+    few = NUMBER, NORMAL_ENERGY, TANGENTIAL_ENERGY
+    force, heat = result(systems(1.5, ROUGH, gas, modes=few)[1], (0.5, 1.0))
+    assert found.force / excess == pytest.approx(force, rel=excess)
+    assert np.divide(found.heat, excess) == pytest.approx(heat, rel=excess)
+    faces = (0.4, 0.9, 0.4), (1.0, 0.4, 1.0)
+    (force, heat), (of_few, heat_of_few) = (
+        result(systems(1.5, COARSE, gas, modes=modes)[1], faces=faces) for modes in (None, few)
+    )
+    assert of_few == pytest.approx(force, rel=6e-3)
+    assert of_few != pytest.approx(force, rel=1e-4)
+    assert heat_of_few == pytest.approx(heat, rel=2e-3)
+
+
+def test_hot_full_accommodation_is_diffuse_reflection():
+    found, _ = hot(1.5, DIATOMIC, (1.2, 2.2), ((1.0, 1.0, 1.0),) * 2)
+    diffuse = solve_case(
+        Case(1.5, (1.0, 1.0), (1.2, 2.2), False, DIATOMIC, np.inf, wall="maxwell"), ROUGH
+    )
+    assert found.force == pytest.approx(diffuse.force, rel=1e-7)
+    assert found.heat == pytest.approx(diffuse.heat, rel=1e-7)
+
+
+@pytest.mark.parametrize("kind", [0, 1, 2])
+def test_a_hot_face_draws_heat_of_the_kinds_that_it_accommodates(kind):
+    """Energy of each kind is conserved: heat of one kind is all where the others bounce."""
+    faces = [tuple(0.7 * (k == kind) for k in range(3)), (0.0, 0.0, 0.0)]
+    found, _ = hot(1.5, DIATOMIC, (2.0, 2.0), faces)
+    assert found.heat[0] > 0.1
+    assert abs(found.heat[1]) < 1e-12
+
+
+def test_a_chamber_takes_these_walls_where_the_disk_is_hot():
+    from lightflyer.kinetic_theory import Chamber
+
+    near = {"chamber": Chamber(floor=2.0, lid=2.0, side=2.0), "gas": "diatomic"}
+    wall = {"wall": "cercignani-lampis", "tangential_accommodation": 0.9}
+    found = solve_in_chamber(3.0, 0.8, 0.9, temperature_ratio=2.0, **near, **wall)
+    # α_n = 2α − σ(2 − σ), as the TACs differ twice
+    normal = 0.61, 0.81
+    force = 0.5 * (np.sqrt(1.0 + normal[1]) - np.sqrt(1.0 + normal[0]))
+    assert found.forces["disk"] / found.force_ratio == pytest.approx(force)
+    assert 0.85 < found.force_ratio < 1.1
+    assert abs(found.closure["heat"]) < 5e-3
+    assert "Cercignani-Lampis walls" in found.title
+    assert found.inputs["tangential_accommodation"] == [0.9, 0.9]
+    with pytest.raises(ParameterError, match="needs temperature_ratio"):
+        solve_in_chamber(3.0, 0.8, 0.9, **near, **wall)

@@ -95,7 +95,7 @@ class Solution:
             "open_fraction": case.open_fraction,
             "gas": case.gas.name,
             "wall": case.wall_name,
-            **_describe_faces(case.scattering),
+            **describe_faces(case.scattering),
             "boundary": self.boundary if np.isfinite(self.boundary) else None,
             **_describe(case.molecule),
         }
@@ -189,8 +189,10 @@ def solve(
         the rest is reflected specularly. Accommodated, all leave diffusely at one temperature, so
         that the TAC is the share of the energy that face and arriving molecules could exchange.
         At those of Cercignani and Lampis normal motion, tangential motion and rotation accommodate
-        each on its own, and the TAC is that of their energy together; in the linear problem with
-        a model equation.
+        each on its own, and the TAC is that of their energy together; with a model equation. In
+        the linear problem they are exact. In the non-linear one what leaves is a Maxwellian of
+        three temperatures, by which the force is within 0.6 % where normal energy accommodates to
+        0.4 or more.
     tangential_accommodation, rotational_accommodation : float or (float, float), optional
         Accommodation coefficients of tangential momentum and of rotational energy of both faces,
         or of the top and bottom face, at such walls, from 0 to 1. By default tangential and
@@ -374,7 +376,8 @@ def _require_resolved(knudsen: float, boundary: float) -> None:
         )
 
 
-def _describe_faces(faces: "tuple[Accommodation, ...] | None") -> dict[str, Any]:
+def describe_faces(faces: "tuple[Accommodation, ...] | None") -> dict[str, Any]:
+    """Arguments that state faces of Cercignani and Lampis."""
     if faces is None:
         return {}
     _, tangential, rotational = (list(values) for values in zip(*faces, strict=True))

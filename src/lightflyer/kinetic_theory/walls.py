@@ -22,14 +22,10 @@ WALLS: dict[str, str] = {
 
 
 def require_wall(wall: str) -> Wall:
-    """Raise unless a wall is known to every part of the solver."""
+    """Raise unless a wall is known to every part of the solver, chambers' linear one included."""
     for known in get_args(Wall):
         if wall == known:
             return known
-    if wall == CERCIGNANI_LAMPIS:
-        raise ParameterError(
-            f'wall = "{wall}" is for the linear problem in open space and reservoirs'
-        )
     raise ParameterError(f'wall = "{wall}" is not {", ".join(WALLS)}')
 
 

@@ -90,8 +90,8 @@ def kinetic_command(
     wall
         Maxwell walls re-emit the share TAC of the molecules at their temperature and reflect the
         rest; at accommodated ones all leave diffusely at one temperature between those of wall and
-        arriving gas; those of Cercignani and Lampis, in the linear problem, accommodate normal
-        motion, tangential motion and rotation each on its own.
+        arriving gas; those of Cercignani and Lampis accommodate normal motion, tangential
+        motion and rotation each on its own; in chambers with --temperature-ratio.
     tangential_accommodation
         Accommodation coefficient of tangential momentum of both faces at walls of Cercignani and
         Lampis, 0 to 1; if not given, tangential energy accommodates as the TAC says.
@@ -155,6 +155,8 @@ def kinetic_command(
             "temperature_ratio": _for_both_faces(temperature_ratio, top_temperature_ratio),
             "gas": gas,
             "wall": wall,
+            "tangential_accommodation": tangential_accommodation,
+            "rotational_accommodation": rotational_accommodation,
         }
         chamber = _chamber(
             {"floor": floor, "lid": lid, "side": side},
@@ -164,8 +166,6 @@ def kinetic_command(
         )
         others = {
             "open_fraction": open_fraction,
-            "tangential_accommodation": tangential_accommodation,
-            "rotational_accommodation": rotational_accommodation,
             "boundary": boundary,
             "collisions": collisions,
             "viscosity_exponent": viscosity_exponent,

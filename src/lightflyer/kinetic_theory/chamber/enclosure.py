@@ -4,7 +4,7 @@ from dataclasses import dataclass, fields
 
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
-from lightflyer.kinetic_theory.walls import Wall
+from lightflyer.kinetic_theory.walls import CERCIGNANI_LAMPIS, Accommodation, Wall
 
 SURFACES = ("floor", "lid", "side")  # Surfaces of a chamber; ``side`` is the side wall
 NEAREST = 0.1  # Smallest height of a disk above a floor, or below a lid [disk radii]
@@ -120,6 +120,13 @@ class Film:
     velocity: float = 0.0  # Upwards [√(2RT_c)]
     # Heat that each spot of a ``local`` film absorbs [p √(2RT_c)]; its mean temperature follows
     absorbed: float | None = None
+    # Faces of Cercignani and Lampis, in place of ``wall``
+    scattering: tuple[Accommodation, Accommodation] | None = None
+
+    @property
+    def wall_name(self) -> str:
+        """Walls, by the name that they are given."""
+        return CERCIGNANI_LAMPIS if self.scattering else self.wall
 
     def diffuse_share(self, face: int) -> float:
         """Share of the molecules meeting a face that leave it diffusely [1]."""

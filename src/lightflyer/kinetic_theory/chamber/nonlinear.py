@@ -114,7 +114,8 @@ class HotChamber:
             unused = np.ones((4, layout.e))
             arriving = self._run(self.faces[half], True, half, self._half(x, half, unused))
             temperature = 1.0 + x[layout.film(half)]
-            leaves = diffuse_emission(arriving, film.tac[half], temperature, film.wall, rotates)
+            face = (film.scattering or film.tac)[half]
+            leaves = diffuse_emission(arriving, face, temperature, film.wall, rotates)
             sent = self._half(x, half, leaves)
             found = self._run(self.nodes[half], False, half, sent)
             found += system.uniform_correction(sent[0], half)

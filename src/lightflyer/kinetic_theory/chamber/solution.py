@@ -17,11 +17,12 @@ from lightflyer.kinetic_theory.model_gases import gas_model
 from lightflyer.kinetic_theory.solver import (
     KNUDSEN_RANGE,
     TEMPERATURE_RATIOS,
+    describe_faces,
     difference,
     furthest_boundary,
     ratios,
 )
-from lightflyer.kinetic_theory.walls import WALLS, require_wall
+from lightflyer.kinetic_theory.walls import WALLS, walls_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -137,7 +138,8 @@ class ChamberSolution:
                 else {"temperature_ratio": [1.0 + top, 1.0 + bottom]}
             ),
             "gas": case.gas.name,
-            "wall": film.wall,
+            "wall": film.wall_name,
+            **describe_faces(film.scattering),
             "film": "local" if film.local else "isothermal",
             "radiation": film.radiation,
             "absorbed": film.absorbed,
@@ -157,7 +159,7 @@ class ChamberSolution:
         where = "open space" if self.chamber is None else self.chamber.title
         return (
             f"Kn {self.knudsen:g}, TAC {film.tac[0]:g} top, {film.tac[1]:g} bottom, "
-            f"{WALLS[film.wall]}, {gas}, {heated}, {balance}{where}"
+            f"{WALLS[film.wall_name]}, {gas}, {heated}, {balance}{where}"
         )
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
@@ -210,6 +212,8 @@ def solve_in_chamber(
     absorbed: float | None = None,
     gas: str = "monatomic",
     wall: str = "maxwell",
+    tangential_accommodation: float | tuple[float, float] | None = None,
+    rotational_accommodation: float | tuple[float, float] | None = None,
 ) -> ChamberSolution:
     r"""Solve the kinetic equation around a thin disk between floor, lid and side wall.
 
@@ -240,8 +244,11 @@ def solve_in_chamber(
     absorbed : float, optional
         Heat that each spot of a local film absorbs [p √(2RT_c)], in place of the temperature.
     gas : {"monatomic", "diatomic"}
-    wall : {"maxwell", "accommodated"}
-        Of the disk. At a chamber's surfaces all molecules leave diffusely.
+    wall : {"maxwell", "accommodated", "cercignani-lampis"}
+        Of the disk; the last in the non-linear problem. At a chamber's surfaces all molecules leave
+        diffusely.
+    tangential_accommodation, rotational_accommodation : float or (float, float), optional
+        As for :func:`solve`.
 
     Returns
     -------
@@ -260,20 +267,30 @@ def solve_in_chamber(
     ----------
     As for :func:`solve`.
     """
-    local = require_balance(film, radiation, absorbed)
+    local, linear = require_balance(film, radiation, absorbed), temperature_ratio is None
+    tacs, rotates = (float(tac_top), float(tac_bottom)), gas_model(gas).has_rotation
+    for name, value in zip(("tac_top", "tac_bottom"), tacs, strict=True):
+        require_range(name, value, 0.0, 1.0, open_below=True)
+    stated = tangential_accommodation, rotational_accommodation
+    known, scattering = walls_of(wall, tacs, *stated, rotates=rotates)
+    if scattering and linear:
+        raise ParameterError(
+            f'wall = "{wall}" in a chamber, or with a local heat balance, needs temperature_ratio'
+        )
     case = _chamber_case(
         knudsen,
         Film(
-            (float(tac_top), float(tac_bottom)),
+            tacs,
             _perturbations(top_temperature, bottom_temperature, temperature_ratio, local=local),
-            require_wall(wall),
+            known,
             local,
             float(radiation),
             absorbed=absorbed,
+            scattering=scattering,
         ),
         gas,
         chamber,
-        linear=temperature_ratio is None,
+        linear=linear,
     )
     return _solve(case, knudsen)
 
@@ -298,8 +315,6 @@ def _chamber_case(
     knudsen: float, film: Film, gas: str, chamber: Chamber | None, *, linear: bool
 ) -> "ChamberCase":
     require_range("knudsen", knudsen, *KNUDSEN_RANGE)
-    for name, value in zip(("tac_top", "tac_bottom"), film.tac, strict=True):
-        require_range(name, value, 0.0, 1.0, open_below=True)
     walls = () if chamber is None else tuple(chamber.surfaces.values())
     if not any((*film.temperature, *(surface.temperature for surface in walls))):
         raise ParameterError("all surfaces are at the gas temperature: forces and heats are zero")
@@ -359,7 +374,12 @@ def _results(case: "ChamberCase", outcome: "ChamberOutcome") -> dict[str, float 
     top, bottom = (float(weights @ values) for values in outcome.film)
     temperatures = (top, bottom) if case.linear else (1.0 + top, 1.0 + bottom)
     limit = FreeMolecularDisk(
-        film.tac, temperatures, case.linear, case.gas.has_rotation, wall=film.wall
+        film.tac,
+        temperatures,
+        case.linear,
+        case.gas.has_rotation,
+        wall=film.wall,
+        normal=film.scattering and (film.scattering[0].normal, film.scattering[1].normal),
     )
     return {
         **ratios(totals.force, totals.heat, limit),

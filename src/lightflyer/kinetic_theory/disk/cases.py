@@ -136,9 +136,7 @@ def solve_case(
         faces = [face_result(system, walls, fields[face], face) for face in (0, 1)]
     else:
         problem = NonlinearProblem(system, case.rarefaction, resolution.quadrature)
-        disk = HotDisk(
-            case.tac, case.temperature, case.open_fraction, case.wall, case.scattering
-        )
+        disk = HotDisk(case.tac, case.temperature, case.open_fraction, case.wall, case.scattering)
         if start is None:
             start = system.solve(walls)[0]
         fields, iterations = problem.solve(disk, start, _TOLERANCE)

@@ -182,9 +182,7 @@ class NonlinearProblem:
         """Normal pressure on a face and heat flux out of it, less those of the gas at rest."""
         arriving = self.arriving_fluxes(fields, face, disk)
         emitted = self.emission(arriving, face, disk)
-        found = result_of(
-            arriving, emitted, disk.diffuse_share(face), self.system.gas.has_rotation
-        )
+        found = result_of(arriving, emitted, disk.diffuse_share(face), self.system.gas.has_rotation)
         solid = 1.0 - disk.open_fraction
         return FaceResult(solid * found.pressure, solid * found.heat)
 

@@ -232,7 +232,7 @@ def test_gradient_is_that_of_differences(by_numpy, film):
 
 
 def test_walls_far_away_do_nothing_and_near_ones_raise_the_force(disk):
-    model, unknowns = lf.Kinetic(), (0.8,)
+    model, unknowns = lf.Kinetic(), (1e-4,)
     states = [state_at(0.3, wall_distance=wall) for wall in (None, 100.0, 0.03)]
     force = [float(model.force(disk, state, unknowns)) for state in states]
     heat = [float(model.heat_loss(disk, state, unknowns)[0]) for state in states]
@@ -244,6 +244,30 @@ def test_walls_far_away_do_nothing_and_near_ones_raise_the_force(disk):
     assert walls.boundary[row] == pytest.approx(3.0, rel=0.1)
     assert force[2] / force[0] == pytest.approx(walls.force_factor[row], rel=0.05)
     assert heat[2] / heat[0] == pytest.approx(walls.heat_factor[row], rel=0.01)
+
+
+# Knudsen number, half-width [radii], T_h/T_c, factors of force and heat of the non-linear problem
+# by the coarse mesh: Maxwell's walls, TACs 0.8 and 0.9, diatomic
+HOT_RESERVOIR = [
+    (0.3, 2.0, 2.34, 1.3509, 1.0739),
+    (0.3, 4.0, 3.3, 1.2282, 1.0489),
+    (0.1, 4.0, 2.34, 1.4476, 1.0746),
+    (1.0, 2.0, 2.34, 1.0849, 1.0200),
+]
+
+
+@pytest.mark.parametrize(("knudsen", "distance", "ratio", "force", "heat"), HOT_RESERVOIR)
+def test_a_reservoir_around_a_hot_disk(disk, knudsen, distance, ratio, force, heat):
+    """The gas near it is hot, and the share of its resistance that is left is less."""
+    model = lf.Kinetic(wall="maxwell", collisions="shakhov")
+    walled, opened = (
+        state_at(knudsen, wall_distance=wall) for wall in (float(disk.radius) * distance, None)
+    )
+    excess = (ratio - 1.0,)
+    found = model.force(disk, walled, excess) / model.force(disk, opened, excess)
+    assert found == pytest.approx(force, rel=0.015)
+    (warm,), (in_the_open,) = (model.heat_loss(disk, where, excess) for where in (walled, opened))
+    assert warm / in_the_open == pytest.approx(heat, rel=3e-3)
 
 
 # mean TAC, factors of force and heat of the linear problem by the coarse mesh: diatomic, Kn 0.3, a

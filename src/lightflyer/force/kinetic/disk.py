@@ -20,10 +20,10 @@ from lightflyer.force.kinetic import walls as kinetic_walls
 from lightflyer.force.kinetic.chamber import (
     OF_DIATOMIC,
     PUSH_ERROR,
-    Reservoir,
-    SolidWalls,
+    Surroundings,
     chamber_fit,
     chamber_of,
+    reservoir,
 )
 from lightflyer.force.kinetic.collisions import (
     MODEL_CONDUCTION,
@@ -129,7 +129,7 @@ class KineticDisk(AbstractForceModel):
         fit, knudsen = _fit_and_knudsen_number(flyer, state)
         place = _place(flyer, state, excess)
         _, of_heat = _factors(state, place, knudsen, self.collisions)
-        around = _around(fit, knudsen, flyer, state)
+        around = _around(fit, knudsen, flyer, state, excess)
         ratio = with_collisions(around.heat_ratio(fit.heat_ratio(knudsen, *place)), of_heat)
         if state.gas.molecules not in GASES:
             ratio = scaled_heat_ratio(ratio, _resistance(state, excess))
@@ -138,6 +138,8 @@ class KineticDisk(AbstractForceModel):
         ratio *= _keep(flyer, state, excess, knudsen, ratio, self.film_balance).heat
         if self.heat_error is not None:
             own = heat_error(fit.table_errors(knudsen)[1], ratio, self.collisions)
+            if around.heat_error:
+                own = jnp.hypot(own, around.heat_error)
             ratio *= 1.0 + self.heat_error * _with_scaling(own, _SCALED_HEAT_ERROR, state.gas)
         return (ratio * disk_conductance(flyer, state, excess) * excess,)
 
@@ -146,7 +148,7 @@ class KineticDisk(AbstractForceModel):
         fit, knudsen = _fit_and_knudsen_number(flyer, state)
         place = _place(flyer, state, excess)
         of_force, of_heat = _factors(state, place, knudsen, self.collisions)
-        around = _around(fit, knudsen, flyer, state)
+        around = _around(fit, knudsen, flyer, state, excess)
         ratio = with_collisions(around.force_ratio(fit.force_ratio(knudsen, *place)), of_force)
         heat = with_collisions(around.heat_ratio(fit.heat_ratio(knudsen, *place)), of_heat)
         if state.gas.molecules not in GASES:
@@ -248,17 +250,18 @@ def _factors(
 
 
 def _around(
-    fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState
-) -> Reservoir | SolidWalls:
+    fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState, excess: Numeric
+) -> Surroundings:
     """What a chamber does to force and heat."""
     film, chamber = disk.film, chamber_of(state, disk.radius)
+    if chamber is None and state.wall_distance is None:
+        return Surroundings()
     faces = film.tac_mean, film.tac_difference
+    opened = fit.force_ratio(knudsen, 1.0, *faces), fit.heat_ratio(knudsen, 1.0, *faces)
     if chamber is not None:
-        opened = fit.force_ratio(knudsen, 1.0, *faces), fit.heat_ratio(knudsen, 1.0, *faces)
-        return chamber_fit().walls(knudsen, chamber, opened, film.tac_mean)
-    if state.wall_distance is None:
-        return Reservoir()
-    return Reservoir(*fit.wall_factors(knudsen, state.wall_distance / disk.radius, *faces))
+        return chamber_fit().walls(knudsen, chamber, opened, film.tac_mean, 1.0 + excess)
+    factors = fit.wall_factors(knudsen, state.wall_distance / disk.radius, *faces)
+    return reservoir(factors, opened, knudsen, 1.0 + excess)
 
 
 def _keep(

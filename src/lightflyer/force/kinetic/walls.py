@@ -87,6 +87,10 @@ _HEAT_POWERS = [
 ]
 _SHARED_POWERS = [(knudsen, tac) for tac in range(4) for knudsen in range(5)]
 _KNUDSEN_0 = 0.25  # where thin gas gives way to dense, for what is fitted only
+_SHARED_HEATED = 0.1
+"""By how much weights of small differences make the force of hot faces too large that share their
+accommodation unevenly [1 per ln(T_h/T_c), in dense gas]: the largest of 40 non-linear solutions."""
+
 _HELD = "the table of walls other than Maxwell's ends there, and what they change is held"
 
 
@@ -320,7 +324,11 @@ def force(
         if walls.sharing is None:
             return found
         return found * sharing_factor(kind, knudsen, film.tac_mean, excess, walls.sharing)
-    return _uncertain(other * free, same - other * free, walls.error)
+    bound = same - other * free
+    if walls.tangential is not None or walls.rotational is not None:
+        heated = _SHARED_HEATED * _denseness(knudsen) * heating_of(1.0 + excess)
+        bound = _larger(bound, -heated * other * free)
+    return _uncertain(other * free, bound, walls.error)
 
 
 def heat_ratio(

@@ -337,3 +337,21 @@ def test_cells_fill_the_reservoir(dsmc):
     assert np.all(np.abs(cells.radius[finest] - 1.0) < 0.2)
     with pytest.raises(ValueError, match="multiple"):
         build(vessel(4.0, 2.26), 0.1, 20.0)
+
+
+def test_hot_solver_beside_simulations_of_walls_of_cercignani_and_lampis(study):
+    """Heat with the model's factors of collisions is right; force lacks what the README says."""
+    scattering = importlib.import_module("scattering")
+    with scattering.float64():
+        compared = scattering.compared()
+    assert len(compared) == 11
+    assert {p for p in study.POINTS_TO_RUN if p.wall == study.CL} == set(compared)
+    for point, row in compared.items():
+        force, heat = np.divide(row.corrected, row.simulated) - 1.0
+        assert abs(heat) < 0.0045, point
+        assert -0.045 < force < 0.0 or point.gas == "hard spheres", point
+        assert row.solver[0] < row.simulated[0]
+    # the code as it is gives a line of scattering.jsonl again
+    point = next(p for p in compared if p.gas == "argon" and p.knudsen > 0.5)
+    assert scattering.solve_point(point) == pytest.approx(compared[point].solver, rel=2e-6)
+    del sys.modules["scattering"]

@@ -1,6 +1,8 @@
 """The kinetic force model: its table as smooth functions, and what flyers make of it."""
 
+import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -28,11 +30,11 @@ GASES = kinetic_table.GASES
 COLD = 205.0
 
 
-def state_at(knudsen, radius=0.01, **more):
+def state_at(knudsen, radius=0.01, gas=lf.gas.AIR, **more):
     """The surroundings in which a disk has this Knudsen number."""
-    pressure = lf.gas.mean_free_path(1.0, COLD, lf.gas.AIR) / (2.0 * radius * knudsen)
+    pressure = lf.gas.mean_free_path(1.0, COLD, gas) / (2.0 * radius * knudsen)
     return lf.environment.EnvironmentState(
-        pressure, COLD, 9.6, lf.gas.AIR, lf.environment.Radiation(), **more
+        pressure, COLD, 9.6, gas, lf.environment.Radiation(), **more
     )
 
 
@@ -40,8 +42,10 @@ def maxwell_limits(disk, state, excess):
     """Force and heat loss of free molecules at Maxwell walls, from their fluxes."""
     difference = disk.film.tac_bottom - disk.film.tac_top
     force = 0.5 * state.pressure * disk.area * difference * (np.sqrt(1.0 + excess) - 1.0)
-    arriving = state.pressure / np.sqrt(2.0 * np.pi * 287.0531 * COLD)  # mass per area and time
-    energy = 3.0 * 287.0531 * COLD * excess  # per mass: two modes of flux, two of rotation
+    thermal = state.gas.specific_gas_constant * COLD
+    arriving = state.pressure / np.sqrt(2.0 * np.pi * thermal)  # mass per area and time
+    modes = 3.0 if state.gas.molecules == "diatomic" else 2.0  # two of flux, two of rotation
+    energy = modes * thermal * excess  # per mass
     both = disk.film.tac_bottom + disk.film.tac_top
     return force, arriving * energy * both * disk.area
 
@@ -368,6 +372,41 @@ def test_direct_simulations_lie_within_the_stated_error(quantity, heated, error)
         assert len(chosen) >= 6
         assert np.mean(np.square(chosen)) < 2.0
     assert max(abs(d) for _, d in found) < 3.0
+
+
+def test_simulations_in_reservoirs_lie_within_the_whole_models_error(disk):
+    """Maxwell's walls, three gases; force and heat by all tables: 95 % bounds."""
+    table = (STUDY.parent / "direct_simulation" / "peer.csv").read_text().splitlines()
+    deviations = []
+    for row in csv.DictReader(line for line in table if not line.startswith("#")):
+        if row["gas"] not in ("nitrogen", "argon", "helium"):
+            continue
+        film = replace(
+            disk.film, tac_top=float(row["tac_top"]), tac_bottom=float(row["tac_bottom"])
+        )
+        body, gas = replace(disk, film=film), getattr(lf.gas, row["gas"].upper())
+        where = float(row["boundary"]) * float(disk.radius)
+        state = state_at(float(row["knudsen"]), gas=gas, wall_distance=where)
+        excess = float(row["temperature_ratio"]) - 1.0
+        force, heat = maxwell_limits(body, state, excess)
+
+        def ratios(*errors, body=body, state=state, excess=(excess,), limits=(force, heat)):
+            model = lf.Kinetic(*errors, wall="maxwell")
+            found = model.force(body, state, excess), *model.heat_loss(body, state, excess)
+            return np.array(
+                [float(one) / float(limit) for one, limit in zip(found, limits, strict=True)]
+            )
+
+        stated = ratios(1.0, 1.0) - ratios()
+        simulated, noise = (
+            np.array([float(row[f"{name}{end}"]) for name in ("force", "heat")])
+            for end in ("", "_error")
+        )
+        # the simulation's bias is known
+        deviations.append((ratios() - simulated - [0.002, -0.0005]) / np.hypot(stated, noise))
+    assert len(deviations) >= 12
+    inside = np.abs(deviations) < 1.96
+    assert (inside.mean(axis=0) >= 0.95).all(), np.round(deviations, 1)
 
 
 class Argon(lf.gas.AbstractGas):

@@ -97,10 +97,10 @@ def test_thin_gas_gives_the_free_molecules_of_each_wall(disk):
     assert maxwell / accommodated == pytest.approx(1.156, abs=1e-3)
 
 
-def ends_of(model, function, disk, state):
+def ends_of(model, function, disk, state, **stated):
     """Force or heat loss at the bounds of the 95 % error of the walls, Maxwell's side last."""
     bound = 1.959963984540054
-    models = (lf.Kinetic(wall=model.wall, wall_error=sign * bound) for sign in (-1.0, 1.0))
+    models = (lf.Kinetic(wall=model.wall, wall_error=e * bound, **stated) for e in (-1.0, 1.0))
     return [np.ravel(function(m, disk, state, (EXCESS,)))[0] for m in models]
 
 
@@ -298,6 +298,19 @@ def simulated(study):
     """Simulations of walls of Cercignani and Lampis, in an open reservoir."""
     runs = study.combined(study.read_runs())
     return {point: found for point, found in runs.items() if point.wall == CL}
+
+
+def test_hot_faces_that_share_unevenly_are_within_the_walls_error():
+    """Solved, non-linear (coarse mesh): α_n 0.3 and 0.4, tangential energy 0.9, rotation 0.5."""
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=1.7 / 3.0, tac_bottom=0.6)
+    disk, state = lf.Disk(film, radius=0.01), state_at(0.1, lf.gas.NITROGEN)
+    stated = {"tangential_accommodation": 1.0 - np.sqrt(0.1), "rotational_accommodation": 0.5}
+    accommodated = lf.Kinetic(wall="accommodated").force(disk, state, (EXCESS,))
+    model = lf.Kinetic(wall=CL, **stated)
+    solved = 2.398 * accommodated
+    (low,) = (e for e in ends_of(model, lf.Kinetic.force, disk, state, **stated) if e < solved)
+    force = float(model.force(disk, state, (EXCESS,)))
+    assert low < solved < force < 1.1 * solved
 
 
 def force_and_heat(disk, state, excess, **errors):

@@ -192,7 +192,7 @@ def solve(
         each on its own, and the TAC is that of their energy together; with a model equation. In
         the linear problem they are exact. In the non-linear one what leaves is a Maxwellian of
         three temperatures, by which the force is within 0.6 % where normal energy accommodates to
-        0.4 or more.
+        0.4 or more and the Knudsen number is at least 0.1.
     tangential_accommodation, rotational_accommodation : float or (float, float), optional
         Accommodation coefficients of tangential momentum and of rotational energy of both faces,
         or of the top and bottom face, at such walls, from 0 to 1. By default tangential and

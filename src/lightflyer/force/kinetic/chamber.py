@@ -76,7 +76,7 @@ to these powers of :math:`T_h/T_c`, and not in dense gas, whose conduction leave
 Fitted to 30 non-linear solutions in reservoirs, at Kn 0.1 to 3, 2 to 8 radii and 1.5 to 3.3; seven
 in chambers have the same power of heat, and none of force."""
 
-RESERVOIR_ERRORS = 0.015, 0.006
+RESERVOIR_ERRORS = 0.015, 0.007
 """Relative standard errors of force and heat in a reservoir: by them all direct simulations in
 reservoirs of 2 and 4 radii are within the 95 % bounds. Most of it is that collisions of molecules
 take another share there than in open space."""

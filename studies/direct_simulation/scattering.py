@@ -54,11 +54,13 @@ def kind_of(point: Point) -> str:
 def case_of(point: Point) -> Case:
     """The same disk in the solver."""
     kind, tacs = kind_of(point), (point.tac_top, point.tac_bottom)
-    faces = tuple(
+    top, bottom = (
         Accommodation(tac, float(1.0 - np.sqrt(1.0 - along)), tac)
         for tac, along in zip(tacs, point.tangential or tacs, strict=True)
     )
-    mean = [float(np.mean(face.of_energy[: 3 if kind == "diatomic" else 2])) for face in faces]
+    mean = [
+        float(np.mean(face.of_energy[: 3 if kind == "diatomic" else 2])) for face in (top, bottom)
+    ]
     return Case(
         rarefaction=float(np.sqrt(np.pi) / (4.0 * point.knudsen)),
         tac=(mean[0], mean[1]),
@@ -67,7 +69,7 @@ def case_of(point: Point) -> Case:
         gas=replace(gas_model(kind), viscosity_exponent=GASES[point.gas].viscosity_exponent),
         boundary=point.boundary,
         wall="accommodated",
-        scattering=faces,
+        scattering=(top, bottom),
     )
 
 
@@ -124,10 +126,10 @@ def by_model(point: Point) -> Pair:
     )
     assert case.scattering is not None
     top, bottom = (Accommodations(*face.of_energy) for face in case.scattering)
-    top, bottom = scattering_fit(kind).effective(knudsen, (top, bottom))
+    tacs = scattering_fit(kind).effective(knudsen, (top, bottom))
     walls = wall_fit(kind)
     force *= walls.force_factor(knudsen, 1.0 + excess, mean)
-    force *= accommodated_force(1.0, top, bottom, 1.0, excess) / case.free_molecular().force
+    force *= accommodated_force(1.0, *tacs, 1.0, excess) / case.free_molecular().force
     drawn = [tac * walls.heat_factor(knudsen, 1.0 + excess, tac) for tac in case.tac]
     return float(force), float(heat * sum(drawn) / sum(case.tac))
 

@@ -77,9 +77,9 @@ Fitted to 30 non-linear solutions in reservoirs, at Kn 0.1 to 3, 2 to 8 radii an
 in chambers have the same power of heat, and none of force."""
 
 RESERVOIR_ERRORS = 0.015, 0.007
-"""Relative standard errors of force and heat in a reservoir, sized so that all direct simulations in
-reservoirs of 2 and 4 radii are within the 95 % bounds. Most of it is that collisions of molecules
-take another share there than in open space."""
+"""Relative standard errors of force and heat in a reservoir, sized so that all direct simulations
+in reservoirs of 2 and 4 radii are within the 95 % bounds. Most of it is that collisions of
+molecules take another share there than in open space."""
 
 _LEAST_RESISTANCE = 1e-12  # of free molecules; a share of nothing is any number
 

@@ -89,7 +89,8 @@ _SHARED_POWERS = [(knudsen, tac) for tac in range(4) for knudsen in range(5)]
 _KNUDSEN_0 = 0.25  # where thin gas gives way to dense, for what is fitted only
 _SHARED_HEATED = 0.1
 """By how much weights of small differences make the force of hot faces too large that share their
-accommodation unevenly [1 per ln(T_h/T_c), in dense gas]: the largest of some non-linear solutions at Kn 0.1."""
+accommodation unevenly [1 per ln(T_h/T_c), in dense gas]: the largest of non-linear solutions at Kn
+0.1."""
 
 _HELD = "the table of walls other than Maxwell's ends there, and what they change is held"
 

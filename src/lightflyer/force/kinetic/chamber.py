@@ -140,15 +140,15 @@ def resistance_ratio(opened: Numeric, kept: Numeric) -> Array:
 
 def _keep(factor: Numeric, opened: Numeric) -> Array:
     """Share of the resistance that is left where a factor is on force or heat [1]."""
-    kept = (1.0 / factor - opened) / jnp.maximum(1.0 - opened, _LEAST_RESISTANCE)
-    return jnp.maximum(kept, _LEAST_RESISTANCE)
+    return (1.0 / factor - opened) / jnp.maximum(1.0 - opened, _LEAST_RESISTANCE)
 
 
 def _keep_hot(kept: Numeric, power: float, knudsen: Numeric, ratio: Numeric) -> Array:
     """Share of the resistance that is left around a hot disk; ``kept``: at small differences."""
     heating = hold_within(heating_of(ratio), *np.log(HEATED_RANGE))
     thin = 1.0 / (1.0 + (_HEATED_KNUDSEN / knudsen) ** 3)
-    return jnp.exp(jnp.log(kept) * jnp.exp(power * thin * heating))
+    logarithm = jnp.log(jnp.maximum(kept, _LEAST_RESISTANCE))
+    return jnp.exp(logarithm * jnp.exp(power * thin * heating))
 
 
 @dataclass(frozen=True)

@@ -82,6 +82,7 @@ class HotChamber:
             np.array([diffuse, 1.0 - diffuse, 0.0]),
             self._rim(x, half),
             self._rim(x, 1 - half),
+            np.zeros(2),
         )
 
     def _run(self, points: np.ndarray, on_wall: bool, half: int, sent: tuple) -> np.ndarray:

@@ -25,6 +25,10 @@ from lightflyer.kinetic_theory.walls import Accommodation, Wall
 
 _SQRT_PI = np.sqrt(np.pi)
 
+# Number, normal momentum, energy, rotational energy and energy of normal motion that a slow stream
+# takes from those that arrive at a face which it leaves, per its speed
+_STREAM_FLUXES = np.array([0.5, 1.0 / _SQRT_PI, 1.25, 0.5, 0.0, 0.75])
+
 
 @dataclass(frozen=True)
 class HotDisk:
@@ -38,6 +42,13 @@ class HotDisk:
     wall: Wall = "maxwell"
     # Faces of Cercignani and Lampis, in place of ``tac``
     scattering: tuple[Accommodation, Accommodation] | None = None
+    # Of the gas far away: slow velocity upwards [√(2RT_c)], and excess of temperature there over
+    # the cosine to the axis
+    stream: tuple[float, float] = (0.0, 0.0)
+
+    def away(self, face: int) -> np.ndarray:
+        """The stream as seen from a face: its speed away from it, and its warmth."""
+        return np.array(self.stream) * (1.0 if face == 0 else -1.0)
 
     def diffuse_share(self, face: int) -> float:
         """Share of the molecules meeting a face that leaves it diffusely [1]."""
@@ -112,13 +123,14 @@ class NonlinearProblem:
         solid, diffuse = 1.0 - disk.open_fraction, disk.diffuse_share(face)
         shares = np.array([solid * diffuse, solid * (1.0 - diffuse), disk.open_fraction])
         nothing = np.zeros((2, 0))
-        return fields[face], fields[1 - face], emitted, shares, nothing, nothing
+        return fields[face], fields[1 - face], emitted, shares, nothing, nothing, disk.away(face)
 
     def arriving_fluxes(self, fields: np.ndarray, face: int, disk: HotDisk) -> np.ndarray:
         """Fluxes that arrive at a face, less those of the gas at rest, shape (e, 6)."""
         fluxes, unused = np.empty((self.faces.shape[0], 6)), np.ones((4, self.faces.shape[0]))
         half = self._half(fields, face, disk, unused)
         nonlinear_kernel.evaluate(self.faces, True, *self.arguments, self.gas, half, fluxes)
+        fluxes -= disk.away(face)[0] * _STREAM_FLUXES
         return fluxes
 
     def emission(self, arriving: np.ndarray, face: int, disk: HotDisk) -> np.ndarray:
@@ -132,12 +144,21 @@ class NonlinearProblem:
         result = np.empty_like(fields)
         for face in (0, 1):
             emitted = self.emission(self.arriving_fluxes(fields, face, disk), face, disk)
-            half = self._half(fields, face, disk, emitted)
-            nonlinear_kernel.evaluate(
-                self.nodes, False, *self.arguments, self.gas, half, result[face]
-            )
-            result[face] += self.system.uniform_correction(fields[face])
+            result[face] = self.half_fields(fields, face, disk, emitted)
         return result
+
+    def half_fields(
+        self,
+        fields: np.ndarray,
+        face: int,
+        disk: HotDisk,
+        emitted: tuple[np.ndarray, np.ndarray],
+    ) -> np.ndarray:
+        """Fields of one half that follow from given fields and what its face emits."""
+        result = np.empty_like(fields[face])
+        half = self._half(fields, face, disk, emitted)
+        nonlinear_kernel.evaluate(self.nodes, False, *self.arguments, self.gas, half, result)
+        return result + self.system.uniform_correction(fields[face])
 
     def precondition_about(self, fields: np.ndarray, disk: HotDisk) -> None:
         """Precondition by the equation linearised about the temperatures of given fields."""

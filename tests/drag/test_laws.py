@@ -193,7 +193,8 @@ def test_out_of_range_is_said():
     assert said(200.0, 1e-3) == ""  # to free molecules every speed is exact
     assert "flutters" in said(2.0, 1e5)
     assert "estimate" in said(1.0, 5.0, direction="edgewise")
-    assert "warmth" in said(1.0, 5.0, body_temperature=500.0)
+    assert "warm disk" in said(1.0, 5.0, body_temperature=500.0)
+    assert "warmth" in said(1.0, 5.0, body_temperature=500.0, direction="edgewise")
     assert said(1.0, 0.1, body_temperature=500.0) == ""
     assert "mean TAC" in said(1.0, 5.0, tac=(0.1, 0.1))
 

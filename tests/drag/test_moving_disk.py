@@ -14,6 +14,7 @@ from lightflyer.drag import free_molecular
 from lightflyer.drag.disk_table import dense_share
 from lightflyer.kinetic_theory.disk import cases
 from lightflyer.kinetic_theory.disk.cases import COARSE, Case, Resolution, solve_case
+from lightflyer.kinetic_theory.disk.hot_moving import hot_disk_drag
 from lightflyer.kinetic_theory.disk.operators import Quadrature
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC, GasModel
 from lightflyer.kinetic_theory.moving import MovedDisk, moving_outcomes
@@ -96,3 +97,30 @@ def test_table_is_made_of_the_points():
         if tac in study.CHECKED_TAC or delta > study.HIGHEST
     )
     assert worst < 1.5e-3  # between the TACs of the table, and in denser gas
+
+
+@pytest.mark.parametrize(("gas", "tac"), [(MONATOMIC, 0.5), (DIATOMIC, 1.0)])
+def test_a_disk_as_warm_as_the_gas_has_the_drag_of_the_linear_problem(gas, tac):
+    (found,) = hot_disk_drag(1.0, gas, tac, [1.0], COARSE)
+    (linear,) = moving_outcomes(1.0, COARSE, [(gas, MovedDisk((tac, tac)))])
+    assert found == pytest.approx(linear.drag, rel=1e-4)
+
+
+def test_a_hot_disk_in_thin_gas_has_the_drag_of_free_molecules():
+    """A share of the molecules leaves with the root of the disk's temperature [Bird1994]."""
+    cold, hot = hot_disk_drag(0.004, DIATOMIC, 0.5, [1.0, 1.6], COARSE)
+    arriving, leaving = 1.5 * 4.0 / math.sqrt(math.pi), 0.5 * math.sqrt(math.pi)
+    growth = (arriving + leaving * math.sqrt(1.6)) / (arriving + leaving)
+    assert hot / cold == pytest.approx(growth, rel=1e-3)
+
+
+def test_the_law_has_the_drag_of_a_hot_disk():
+    """At Kn = 0.3, where warm gas of the film's viscosity would have 4 % more."""
+    cold, hot = hot_disk_drag(math.sqrt(math.pi) / 1.2, DIATOMIC, 1.0, [1.0, 1.6], COARSE)
+    around = (5.0, 220.0, lf.gas.AIR)
+    path = float(lf.gas.mean_free_path(*around))
+    by_law = [
+        float(lf.drag.disk_drag(1e-3, path / 0.6, *around, excess=(excess, excess)))
+        for excess in (0.0, 0.6)
+    ]
+    assert by_law[1] / by_law[0] == pytest.approx(hot / cold, rel=0.01)

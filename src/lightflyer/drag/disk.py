@@ -6,13 +6,16 @@ Drag is written as that of thin gas, :math:`F = G\,p\,A\,s` with the speed ratio
 .. math::
     \frac1G = \frac{1}{(1-t)\,G_\mathrm{fm}(s)}
         + \frac{b(\delta)}{G_\mathrm{d}}, \qquad
-    G_\mathrm{d} = \frac{16}{\pi\,\delta}\,\Phi(\mathrm{Re})\,\frac{\mu_f}{\mu}
+    G_\mathrm{d} = \frac{16}{\pi\,\delta}\,\Phi(\mathrm{Re})
 
 :math:`b` is what the kinetic equation says of a slow disk (:mod:`lightflyer.drag.disk_table`), one
-in dense gas. :math:`\Phi` is the inertia of dense gas (:mod:`lightflyer.drag.inertia`),
-:math:`\mu_f/\mu` the effect of a warm disk
-(:func:`~lightflyer.drag.similarity.viscosity_growth`), and :math:`t` the share of the arriving
-molecules that pass holes of the disk. Both limits are exact.
+in dense gas. :math:`\Phi` is the inertia of dense gas (:mod:`lightflyer.drag.inertia`), and
+:math:`t` the share of the arriving molecules that pass holes of the disk. Both limits are exact.
+
+The warmth of a disk makes the resistance of free molecules smaller and leaves that of dense gas as
+it is: so says the kinetic equation (studies/drag/hot_disk.py). Edgewise, where it was not solved,
+the resistance of dense gas is that of gas of a temperature between
+(:func:`~lightflyer.drag.similarity.viscosity_growth`).
 """
 
 import math
@@ -54,6 +57,14 @@ _HOLES = Validity(
     0.0,
     0.01,
     "the drag leaves it out and is too large",
+)
+_WARM = 0.1  # Relative excess above which a disk counts as warm
+_HOT_DENSE = Validity(
+    "the rarefaction at a warm disk",
+    0.0,
+    4.5,
+    "the drag takes the resistance of cold gas, which was compared with the kinetic equation up "
+    "to there only",
 )
 _EDGEWISE_SHARE = 2.5, 19.6
 """Share of the resistance of dense gas that is met edgewise, 1 − 2.5/(δ + 19.6): at δ = 0 what the
@@ -114,7 +125,7 @@ def disk_drag(
     mean_tac, root_ratio = face_means(tac, excess)
     thin = (1.0 - transmission) * free_molecular.broadside_disk(speed_ratio, mean_tac, root_ratio)
     inertia = disk_inertia(reynolds_number(speed_ratio, delta))
-    dense = BROADSIDE * inertia * _growth(excess, mean_tac, delta, temperature, gas)
+    dense = BROADSIDE * inertia
     share = dense_share(delta, mean_tac, gas.molecules)
     return pressure * speed_ratio * _join(thin, dense, share * delta, radius)
 
@@ -160,7 +171,7 @@ def _growth(
     temperature: Numeric,
     gas: AbstractGas,
 ) -> Array:
-    """Growth of the drag of dense gas by the warmth of the disk."""
+    """Growth of the drag of dense gas by the warmth of a disk that moves edgewise."""
     warmed = tac * delta / (tac * delta + _HALF_WARMED)
     return viscosity_growth(0.5 * (excess[0] + excess[1]), warmed, temperature, gas)
 
@@ -183,20 +194,17 @@ def disk_diagnostics(
     """Where the drag of a disk is outside its range or an estimate, in words."""
     mean_tac = 0.5 * (np.asarray(tac[0]) + tac[1])
     around = pressure, temperature, gas
-    speed_ratio, reynolds, dense, growth = _looked_at(
-        speed,
-        radius,
-        *around,
-        mean_tac,
-        temperature if body_temperature is None else body_temperature,
-    )
-    yield from SLOW.diagnostics(np.where(dense, speed_ratio, 0.0), pressure)
+    body = temperature if body_temperature is None else body_temperature
+    speed_ratio, reynolds, delta, growth = _looked_at(speed, radius, *around, mean_tac, body)
+    yield from SLOW.diagnostics(np.where(delta > THIN, speed_ratio, 0.0), pressure)
     if direction == "edgewise":
         yield _EDGEWISE
+        yield from WARMTH.diagnostics(growth, pressure)
     else:
         yield from DISK_REYNOLDS.diagnostics(reynolds, pressure)
+        warm = np.abs(np.asarray(body) / temperature - 1.0) > _WARM
+        yield from _HOT_DENSE.diagnostics(np.where(warm, delta, 0.0), pressure)
     yield from TAC_RANGE.diagnostics(mean_tac, pressure)
-    yield from WARMTH.diagnostics(growth, pressure)
 
 
 @entry_point
@@ -209,12 +217,12 @@ def _looked_at(
     tac: Numeric,
     body_temperature: Numeric,
 ) -> tuple[Array, ...]:
-    """Speed ratio, Reynolds number, whether gas is dense, growth of drag by warmth."""
+    """Speed ratio, Reynolds number, rarefaction, growth of drag edgewise by warmth."""
     delta = rarefaction_parameter(pressure, temperature, radius, gas)
     speed_ratio = jnp.abs(jnp.asarray(speed)) / molecular_speed(temperature, gas)
     excess = jnp.asarray(body_temperature) / temperature - 1.0
     growth = _growth((excess, excess), tac, delta, temperature, gas)
-    return speed_ratio, reynolds_number(speed_ratio, delta), delta > THIN, growth
+    return speed_ratio, reynolds_number(speed_ratio, delta), delta, growth
 
 
 def wide_hole_diagnostics(

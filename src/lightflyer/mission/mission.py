@@ -62,6 +62,7 @@ from lightflyer.mission.report.diagnostics import diagnose_flight, termination_t
 from lightflyer.mission.report.events import add_events, close_look, close_times, events_of
 from lightflyer.mission.report.landing import HIGHEST_GROUND, Landing, add_landing
 from lightflyer.mission.report.station import add_station, stay_of
+from lightflyer.mission.report.telemetry import Receiver, add_telemetry
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
 from lightflyer.statics.balance import ENERGY_TOLERANCE, require_converged
@@ -94,6 +95,7 @@ def fly(
     highest: Any = None,
     station: Circle | None = None,
     landing: Landing | None = None,
+    receivers: Sequence[Receiver] = (),
     inertia: Inertia | None = None,
     tolerance: float = TOLERANCE,
     folder: str | Path | None = None,
@@ -127,6 +129,9 @@ def fly(
         A place near which the flyer is to stay; the result says for how long it does.
     landing : Landing, optional
         Of how many flyers, and below which flight levels, where flights may reach the ground.
+    receivers : sequence of Receiver, optional
+        On the ground; the result says when each sees the flyer, and what margin and data the link
+        of the payload then has.
     inertia : Inertia, optional
         Integrate velocity and temperature of all flights to the end, as a check that both follow
         at once.
@@ -222,6 +227,7 @@ def fly(
     if station is not None:
         radius = float(planet_of(mission.setup.environment).radius)
         add_station(dataset, station, stay_of(way, station, radius))
+    add_telemetry(dataset, way, receivers, mission.setup.budget)
     return dataset
 
 

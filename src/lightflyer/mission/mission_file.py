@@ -73,6 +73,7 @@ class MissionFile:
         if members is not None:
             given["ensemble"] = replace(ensemble, members=members)
         given.pop("landing")
+        given.pop("receivers")
         given["areas"] = [given.pop("station") or self.mission.circle]
         return {name: value for name, value in given.items() if value is not None}
 

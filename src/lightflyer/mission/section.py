@@ -34,6 +34,7 @@ from lightflyer.mission.path.attitude import (
 from lightflyer.mission.path.release import Release
 from lightflyer.mission.path.shading import AbstractShading, ChooseWind, HoldAltitude, Shaded
 from lightflyer.mission.report.landing import FLIGHT_LEVELS, Landing
+from lightflyer.mission.report.telemetry import Receiver
 
 MOST_MEMBERS = 100_000  # Largest ensemble of one command: its tracks are kept in memory
 
@@ -120,6 +121,12 @@ class LandingSection(_Exact, of=Landing):
         return Landing(self.objects, self.flight_levels)
 
 
+class ReceiverSection(_Exact, of=Receiver):
+    """An entry of ``[[mission.receivers]]``: a receiver on the ground."""
+
+    name: str = pydantic.Field(min_length=1)
+
+
 class StationSection(_Exact, of=Circle):
     """``[mission.station]``: a place near which the flyer is to stay."""
 
@@ -178,6 +185,7 @@ class MissionSection(_Exact, of=Release):
     release: ReleaseSection | None = None
     station: StationSection | None = None
     landing: LandingSection | None = None
+    receivers: tuple[ReceiverSection, ...] = ()
     lowest_altitude: Altitude | None = None
     highest_altitude: Altitude | None = None
     launches: LaunchesSection | None = None
@@ -263,6 +271,7 @@ class MissionSection(_Exact, of=Release):
             "launches": [] if self.launches is None else self.launches.delays,
             "station": self.circle if self._has_station else None,
             "landing": None if self.landing is None else self.landing.build(),
+            "receivers": [receiver.make() for receiver in self.receivers],
             "lowest": None if self.lowest_altitude is None else self.lowest_altitude.value,
             "highest": None if self.highest_altitude is None else self.highest_altitude.value,
         }

@@ -123,6 +123,10 @@ def _files(
     }
     if has_several(dataset):
         files["mission-ends.csv"] = partial(write_ends_csv, dataset)
+    if "telemetry" in found:
+        from lightflyer.mission.report.telemetry import write_passes_csv
+
+        files["mission-passes.csv"] = partial(write_passes_csv, found["telemetry"])
     if compared:
         from lightflyer.mission.measured.tables import write_comparison_csv
 

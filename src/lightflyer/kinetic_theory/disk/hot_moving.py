@@ -1,9 +1,9 @@
-"""Drag of a hot disk that moves slowly along its axis: the flow around the disk at rest, disturbed.
+"""Drag of a hot disk that moves slowly along its axis: the flow at rest, disturbed.
 
-The disk is at rest and the gas far away streams. What the stream changes is linear in its speed and,
-with faces that are alike, odd between the halves. In the wake it carries the warmth of the disk,
-so that the change of temperature does not vanish far away: it goes to the cosine to the axis times a
-number that follows from the heat of the disk. The rest of it vanishes.
+The disk is at rest and the gas far away streams. What the stream changes is linear in its speed
+and, with faces that are alike, odd between the halves. It carries the warmth of the disk, so that
+the change of temperature does not vanish far away: it goes to the cosine to the axis times a number
+that follows from the heat of the disk. The rest vanishes.
 """
 
 from collections.abc import Sequence

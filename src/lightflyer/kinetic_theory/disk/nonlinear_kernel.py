@@ -5,10 +5,12 @@ frequency, the local model distribution emits, and the moments that arrive are r
 over the deviation from the gas at rest far away, so that an undisturbed gas is exact.
 
 Fields, in this order: nT − 1, u_r, u_z, τ = T − 1, q_r, q_z, and for rotation τ_r, q_r, q_z;
-radial ones are divided by √(1−η²). In a stream (the last of ``half``, its speed away from the disk)
-all are less those of the stream, whose Maxwellian is taken to its second order. Pressure is interpolated, not density: separate interpolation
+radial ones are divided by √(1−η²). Pressure is interpolated, not density: separate interpolation
 of density and temperature would make spurious pressures, and so forces, between nodes. Speeds are
 in √(2RT_c), temperatures in T_c, densities in n_c.
+
+The last of ``half`` is a slow stream of the gas far away: its speed from the disk, and how much
+warmer its wake is. Fields are then less those of the stream, sums over the deviation from it.
 """
 
 import numpy as np
@@ -36,6 +38,7 @@ from lightflyer.kinetic_theory.grid.rays import (
 from lightflyer.kinetic_theory.grid.speed_integrals import LARGEST_DEPTH, NUMBER
 
 _POWERS = 4  # of the speed, 2 to 5, in the integrals along a ray; two more for rotational energy
+_OF_TRANSLATION = 6  # Number of fields without rotation
 LOWEST = 0.1  # temperature of an iterate between nodes; those of solutions stay above 1
 
 
@@ -85,14 +88,28 @@ def _add_piece(brought, weight, hot, cold, coefficients, rotates):
 
 @kernel
 def _shift(cold, drift, square):
-    """Turn the integrals of a gas at rest into those of a stream."""
+    """Turn the integrals of a gas at rest into those of a stream, to its second order."""
+    if square == 0.0:
+        return
     for k in range(NUMBER - 2):
         cold[k] = (1.0 - square) * cold[k] + 2.0 * drift * (cold[k + 1] + drift * cold[k + 2])
 
 
 @kernel
+def _add_stream(fields, sign, stream, xi, eta):
+    """Add a stream to fields at a point, or take it from them."""
+    fields[2] += sign * stream[0]
+    wake = sign * stream[1] * xi * eta / np.sqrt(1.0 + xi * xi)
+    fields[3] += wake
+    if fields.size > _OF_TRANSLATION:
+        fields[6] += wake
+
+
+@kernel
 def _add_stream_at_wall(brought, shares, drift, square, cold):
-    """Add what a stream adds where a ray meets a face, whose emission is there less a gas at rest."""
+    """Add what a stream adds at a face, whose emission is less that of a gas at rest."""
+    if square == 0.0:
+        return
     for k in range(_POWERS + 2):
         at = k + 1 if k < _POWERS else k + 1 - _POWERS
         more = 2.0 * drift * (cold[at + 1] + drift * cold[at + 2]) - square * cold[at]
@@ -119,7 +136,7 @@ def _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought)
     disk = crossing < 1.0
     reflected, transmitted = half[3][1], half[3][2]
     normal = direction[2] * direction[2]
-    stream, warmth = half[-1][0], half[-1][1]
+    stream = half[-1]
     brought[:] = 0.0
     first, depth, share = 0, 0.0, 1.0
     at_disk, depth_at_disk = -1, 0.0
@@ -135,27 +152,22 @@ def _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought)
                 eta = np.sqrt(max(0.0, 1.0 - x * x - y * y))
                 emission = _emission(eta, normal, half, meshes[0], eta_basis)
                 _add_emission(brought, emission, depth, setup, hot[0], cold[0])
-                if stream != 0.0:
-                    drift, square = -direction[2] * stream, stream * stream
-                    _add_stream_at_wall(brought, half[3], drift, square, cold[0])
+                drift, square = -direction[2] * stream[0], stream[0] * stream[0]
+                _add_stream_at_wall(brought, half[3], drift, square, cold[0])
                 at_disk, depth_at_disk, share = piece, depth, reflected
             if share == 0.0:
                 break
             other = below and (through == 1 or not disk)
-            fields, mesh = (half[1], meshes[1]) if other else (half[0], meshes[0])
+            fields, mesh, sign = (half[1], meshes[1], -1.0) if other else (half[0], meshes[0], 1.0)
             vertical = direction[2] if below else -direction[2]
-            flow, warmer = (-stream, -warmth) if other else (stream, warmth)
+            flow = sign * stream[0]
             for k in range(points):
                 s = start + width * rule[0, k]
                 x, y, z = point[0] + s * direction[0], s * direction[1], point[1] + s * direction[2]
                 xi, eta = spheroidal(x * x + y * y, z)
                 i, j = bases_at(xi, eta, mesh, xi_basis, eta_basis)
                 interpolate(fields, i, j, eta_size, xi_basis, eta_basis, state)
-                state[2] += flow
-                wake = warmer * xi * eta / np.sqrt(1.0 + xi * xi)
-                state[3] += wake
-                if gas[4]:
-                    state[6] += wake
+                _add_stream(state, sign, stream, xi, eta)
                 # u²: the radial velocity is kept divided by √(1−η²)
                 state[9] = state[1] * state[1] * (1.0 - eta * eta) + state[2] * state[2]
                 radial = -(direction[0] * x + direction[1] * y) / np.sqrt(1.0 + xi * xi)
@@ -165,8 +177,7 @@ def _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought)
             piece_integrals(depth, width, thetas, frequencies, setup[3:], buffer, hot)
             depth = piece_integrals(depth, width, ones, frequencies, setup[3:], buffer, cold)
             for k in range(points):
-                if stream != 0.0:
-                    _shift(cold[k], vertical * flow, flow * flow)
+                _shift(cold[k], vertical * flow, flow * flow)
                 w = share * width * rule[1, k] * frequencies[k]
                 _add_piece(brought, w, hot[k], cold[k], coefficients[k], gas[4])
             if depth > LARGEST_DEPTH:
@@ -306,16 +317,12 @@ def evaluate(points, on_face, rarefaction, setup, mesh, beyond, gas, half, out):
         else:
             raw = np.empty(12)
             _collect(points[i], on_face, rarefaction, setup, meshes, gas, half, raw)
-            stream, warmth = half[-1][0], half[-1][1]
+            stream = half[-1][0]
             raw[2] += stream
             raw[3] += stream**2
             raw[5] += 2.5 * stream + stream**3
             raw[8] += stream
             raw[11] += stream**2
             _central(raw, points[i, 2], gas[4], out[i])
-            out[i, 2] -= stream
             xi, eta = spheroidal(points[i, 0] * points[i, 0], points[i, 1])
-            wake = warmth * xi * eta / np.sqrt(1.0 + xi * xi)
-            out[i, 3] -= wake
-            if gas[4]:
-                out[i, 6] -= wake
+            _add_stream(out[i], -1.0, half[-1], xi, eta)

@@ -18,6 +18,7 @@ from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.mission.report.landing import Landings, landings_of, outline_in_map
 from lightflyer.mission.report.summary import day_and_night
 from lightflyer.mission.report.text import square_kilometres
+from lightflyer.mission.report.telemetry import RECEIVER
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,6 +50,8 @@ def mission_figures(dataset: "xr.Dataset") -> dict[str, Figure]:
         figures["survival"] = _survival(dataset)
     if "station_distance" in dataset:
         figures["station"] = _station(dataset)
+    if RECEIVER in dataset.dims:
+        figures["telemetry"] = _telemetry(dataset)
     if "launch_altitude" in dataset:
         figures["launches"] = _launches(dataset)
     landings = landings_of(dataset)
@@ -185,6 +188,26 @@ def _station(dataset: "xr.Dataset") -> Figure:
     axes.axhline(radius, color=GREY, linestyle="--", label=dataset.attrs["station"])
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel("distance from the station's\nmiddle [km]")
+    draw_over_time(axes, dataset)
+    legend_below(axes)
+    return figure
+
+
+def _telemetry(dataset: "xr.Dataset") -> Figure:
+    """Margin of the radio link, or elevation without a link, while receivers see the flyer."""
+    name, label = "margin", "margin of the link while\nin sight [dB]"
+    if f"{RECEIVER}_{name}" not in dataset:
+        name, label = "elevation", "elevation while\nin sight [deg]"
+    figure = new_figure(width=8.0)
+    (axes,) = figure.axes
+    shade_nights(axes, dataset)
+    shown = dataset[f"{RECEIVER}_{name}"].where(
+        dataset.receiver_elevation >= dataset.receiver_lowest_elevation
+    )
+    for colour, line in zip(_colours(shown.sizes[RECEIVER]), shown, strict=True):
+        axes.plot(dataset.time.values, line, color=colour, label=str(line[RECEIVER].item()))
+    axes.axhline(0.0, color=GREY, linestyle="--")
+    axes.set_ylabel(label)
     draw_over_time(axes, dataset)
     legend_below(axes)
     return figure

@@ -15,6 +15,7 @@ from lightflyer.mission.report.events import Event, at_event, read_events, spans
 from lightflyer.mission.report.landing import summarise_landing
 from lightflyer.mission.report.shares import interval_of
 from lightflyer.mission.report.station import summarise_station
+from lightflyer.mission.report.telemetry import RECEIVER, summarise_telemetry
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,6 +65,8 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         found["release"] = departure
     if "station" in dataset.attrs:
         found["station"] = summarise_station(dataset)
+    if RECEIVER in dataset.dims:
+        found["telemetry"] = summarise_telemetry(dataset)
     if "ensemble_flying" in dataset:
         found["ensemble"] = _summarise_ensemble(dataset)
     landing = summarise_landing(dataset)

@@ -38,19 +38,38 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
         rows[name] = f"{_decimals(altitude)} km, {when:.2f} h after the release"
     if "station" in found:
         rows["station"] = _stay_text(found["station"])
+    if "telemetry" in found:
+        rows["in sight"] = _telemetry_text(found["telemetry"])
     if found["other_wind"] is not None:
         rows["data end"] = _other_wind_text(found["other_wind"])
     yield rows_of(rows)
+    yield from _tables(found)
+    yield from found["assumptions"]
+    yield from warning_lines(warnings)
+
+
+def _tables(found: dict[str, Any]) -> Parts:
+    """Nights, passes, and what is flown beside the flight."""
     if found["nights"]:
         yield _nights(found["nights"])
+    if found.get("telemetry", {}).get("passes"):
+        yield _passes(found["telemetry"]["passes"])
     if "ensemble" in found:
         yield _ensemble(found["ensemble"])
     if "landing" in found:
         yield from _landing(found["landing"])
     if "launches" in found:
         yield _launches(found["launches"])
-    yield from found["assumptions"]
-    yield from warning_lines(warnings)
+
+
+def _telemetry_text(found: dict[str, Any]) -> str:
+    """For how long receivers see the flyer, and what it sends."""
+    passes = found["passes"]
+    if not passes:
+        return "of no receiver"
+    sent = "" if found["data_bit"] is None else f", {found['data_bit']:.4g} bit"
+    count = f"{len(passes)} pass" + "es" * (len(passes) > 1)
+    return f"{found['in_sight_h']:.2f} h in {count}{sent}"
 
 
 def _stay_text(stay: dict[str, Any]) -> str:
@@ -153,6 +172,21 @@ def _nights(nights: list[dict[str, Any]]) -> Table:
         table.add_row(night["begins"], ends, f"{night['duration_h']:.2f}", *altitudes)
     if not all(night["whole"] for night in nights[:_MOST_ROWS]):
         table.caption = "* not the whole night: the mission begins or ends in it"
+        table.caption_justify = "left"
+    return table
+
+
+def _passes(passes: list[dict[str, Any]]) -> Table:
+    headings = ["receiver", "begins", "ends", "highest [deg]", "range [km]"]
+    headings += ["margin [dB]", "bit"] * ("data_bit" in passes[0])
+    table = _table("passes", *headings)
+    for one in passes[:_MOST_ROWS]:
+        sent = [f"{one[name]:.4g}" for name in ("least_margin_db", "data_bit") if name in one]
+        ranges = f"{one['nearest_km']:.0f} to {one['farthest_km']:.0f}"
+        highest = f"{one['highest_elevation_deg']:.1f}"
+        table.add_row(one["receiver"], one["begin"], one["end"], highest, ranges, *sent)
+    if len(passes) > _MOST_ROWS:
+        table.caption = f"and {len(passes) - _MOST_ROWS} more in the summary"
         table.caption_justify = "left"
     return table
 

@@ -81,6 +81,29 @@ def draw_share(ax):
     ax.set_ylabel("drag over that of free molecules [1]")
 
 
+def draw_warmth(ax):
+    """Growth of the drag by the warmth of a disk: the law, and the kinetic equation."""
+    delta = np.geomspace(0.1, 10.0, 60)
+    with lf.float64():
+        share = np.asarray(jax.jit(lambda d: dense_share(d, 1.0, "diatomic"))(delta))
+    for ratio, colour in ((1.6, palette.BLUE), (2.5, palette.VERMILION)):
+        thin = [
+            float(free_molecular.broadside_disk(0.0, 1.0, root)) for root in (1.0, np.sqrt(ratio))
+        ]
+        cold, hot = (1.0 / (1.0 / one + share * np.pi * delta / 16.0) for one in thin)
+        ax.semilogx(delta, hot / cold, color=colour)
+        ax.text(0.11, hot[0] / cold[0] - 0.025, f"$T_w/T$ = {ratio}", color=colour)
+        for line in (HERE / "hot_points.jsonl").read_text().splitlines():
+            point = json.loads(line)
+            level, gas, tac, knudsen = point["case"]
+            drag = point["drag"][point["ratios"].index(ratio)] / point["drag"][0]
+            if (gas, tac) == ("diatomic", 1.0):
+                marker = "o" if level == "medium" else "+"
+                ax.semilogx(np.sqrt(np.pi) / (4.0 * knudsen), drag, marker, color=colour)
+    ax.set_xlabel("rarefaction δ [1]")
+    ax.set_ylabel("drag over that of a cold disk [1]")
+
+
 def draw_sinking(ax):
     """Sinking speed over altitude."""
     altitudes = np.linspace(30e3, 86e3, 113)
@@ -102,9 +125,10 @@ def draw_sinking(ax):
 
 def main():
     """Draw the figure and print the tables."""
-    figure = plot.new_figure(columns=2, width=4.6, height=4.0)
+    figure = plot.new_figure(columns=3, width=4.2, height=4.0)
     draw_share(figure.axes[0])
-    draw_sinking(figure.axes[1])
+    draw_warmth(figure.axes[1])
+    draw_sinking(figure.axes[2])
     plot.save(figure, [IMAGES / "drag.png"])
     tables("kinetic equation")
     disk.dense_share = lambda *_: 1.0

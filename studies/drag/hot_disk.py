@@ -30,10 +30,9 @@ CASES = [
     ("coarse", "diatomic", 1.0, 1.0),
     ("coarse", "diatomic", 0.5, 1.0),
     ("coarse", "monatomic", 1.0, 0.1),
-    ("coarse", "diatomic", 1.0, 3.0),
-    ("medium", "diatomic", 1.0, 1.0),
-    ("medium", "diatomic", 0.5, 0.3),
+    ("coarse", "diatomic", 1.0, 0.05),
     ("medium", "diatomic", 1.0, 0.05),
+    ("coarse", "diatomic", 1.0, 3.0),
 ]
 
 

@@ -53,8 +53,8 @@ def viscosity_growth(
     #
     # Slow flow of gas of the density :math:`1/T` around a sphere of any temperature, solved in
     # ``studies/drag/hot_sphere.py``, has the drag of gas of this temperature within 2 % for
-    # :math:`T_w/T` from 0.8 to 2.5. Left out is the stress that the uneven temperature in its wake
-    # causes: by the kinetic equation it undoes the growth at a disk broadside
+    # :math:`T_w/T` from 0.8 to 2.5. Left out is how the flow disturbs the temperature, and the
+    # stress of uneven temperature. With both there is hardly any growth at a disk broadside
     # (``studies/drag/hot_disk.py``). Spheres and disks edgewise keep this estimate.
     film = temperature * (1.0 + _FILM_SHARE * warmed * excess)
     return gas.viscosity(film) / gas.viscosity(temperature)

@@ -64,8 +64,8 @@ class Ensemble(Checked):
         Gravity waves and tides over their climatology [1]; zero for still air. By default 1 over
         the Earth, and none elsewhere, where their climatology is not known.
     drag : array
-        Relative standard uncertainty of the drag [1]; by default a sixth of what warmth adds to
-        that of a disk of 1.6 times the air's temperature.
+        Relative standard uncertainty of the drag [1]; by default that of the law of a disk, whose
+        largest part is its warmth.
     altitude, distance, time, velocity : array
         Standard uncertainty of the release: of its altitude [m], of its place northward and
         eastward [m], of its time [s], and of each component of its velocity [m/s].
@@ -77,7 +77,7 @@ class Ensemble(Checked):
     vertical_wind: Speed = 0.0
     wind_correlation_time: Duration = _A_DAY
     waves: Multiple | None = None
-    drag: Fraction = 0.03
+    drag: Fraction = 0.02
     altitude: Distance = 0.0
     distance: Distance = 0.0
     time: Numeric = 0.0

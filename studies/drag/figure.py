@@ -92,7 +92,7 @@ def draw_warmth(ax):
         ]
         cold, hot = (1.0 / (1.0 / one + share * np.pi * delta / 16.0) for one in thin)
         ax.semilogx(delta, hot / cold, color=colour)
-        ax.text(0.11, hot[0] / cold[0] - 0.025, f"$T_w/T$ = {ratio}", color=colour)
+        ax.text(0.11, hot[0] / cold[0] - 0.055, f"$T_w/T$ = {ratio}", color=colour)
         for line in (HERE / "hot_points.jsonl").read_text().splitlines():
             point = json.loads(line)
             level, gas, tac, knudsen = point["case"]
@@ -125,7 +125,7 @@ def draw_sinking(ax):
 
 def main():
     """Draw the figure and print the tables."""
-    figure = plot.new_figure(columns=3, width=4.2, height=4.0)
+    figure = plot.new_figure(columns=3, width=5.0, height=4.0)
     draw_share(figure.axes[0])
     draw_warmth(figure.axes[1])
     draw_sinking(figure.axes[2])

@@ -11,7 +11,7 @@ import lightflyer as lf
 from lightflyer.budget.link import RadioLink
 from lightflyer.mission.path.integration import ALTITUDE_SCALE
 from lightflyer.mission.path.single import Way
-from lightflyer.mission.report.telemetry import Receiver, margin, passes_of, write_passes_csv
+from lightflyer.mission.telemetry import Receiver, margin, passes_of, write_passes_csv
 
 RADIUS, HEIGHT, SPEED, END = 6.371e6, 70e3, 100.0, 4e4
 LINK = RadioLink(300e3, 434e6, 50.0, 300.0, duty=0.1)

@@ -31,9 +31,9 @@ from .path.termination import TerminationReason as TerminationReason
 from .report.landing import Landing as Landing
 from .report.netcdf import write_netcdf as write_netcdf
 from .report.summary import summarise as summarise
-from .report.telemetry import Receiver as Receiver
 from .report.text import describe as describe
 from .swarms.spreading import disperse_ensemble as disperse_ensemble
 from .swarms.tethers import Swarm as Swarm
 from .swarms.tethers import Tether as Tether
 from .swarms.tethers import tethered_swarm as tethered_swarm
+from .telemetry import Receiver as Receiver

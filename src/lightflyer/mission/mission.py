@@ -62,7 +62,7 @@ from lightflyer.mission.report.diagnostics import diagnose_flight, termination_t
 from lightflyer.mission.report.events import add_events, close_look, close_times, events_of
 from lightflyer.mission.report.landing import HIGHEST_GROUND, Landing, add_landing
 from lightflyer.mission.report.station import add_station, stay_of
-from lightflyer.mission.report.telemetry import Receiver, add_telemetry
+from lightflyer.mission.telemetry import Receiver, add_telemetry
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
 from lightflyer.statics.balance import ENERGY_TOLERANCE, require_converged

@@ -34,7 +34,7 @@ from lightflyer.mission.path.attitude import (
 from lightflyer.mission.path.release import Release
 from lightflyer.mission.path.shading import AbstractShading, ChooseWind, HoldAltitude, Shaded
 from lightflyer.mission.report.landing import FLIGHT_LEVELS, Landing
-from lightflyer.mission.report.telemetry import Receiver
+from lightflyer.mission.telemetry import Receiver
 
 MOST_MEMBERS = 100_000  # Largest ensemble of one command: its tracks are kept in memory
 

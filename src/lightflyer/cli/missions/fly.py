@@ -124,7 +124,7 @@ def _files(
     if has_several(dataset):
         files["mission-ends.csv"] = partial(write_ends_csv, dataset)
     if "telemetry" in found:
-        from lightflyer.mission.report.telemetry import write_passes_csv
+        from lightflyer.mission.telemetry import write_passes_csv
 
         files["mission-passes.csv"] = partial(write_passes_csv, found["telemetry"])
     if compared:

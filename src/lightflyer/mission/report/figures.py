@@ -18,7 +18,7 @@ from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.mission.report.landing import Landings, landings_of, outline_in_map
 from lightflyer.mission.report.summary import day_and_night
 from lightflyer.mission.report.text import square_kilometres
-from lightflyer.mission.report.telemetry import RECEIVER
+from lightflyer.mission.telemetry import RECEIVER
 
 if TYPE_CHECKING:
     import xarray as xr

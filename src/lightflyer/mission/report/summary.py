@@ -15,7 +15,7 @@ from lightflyer.mission.report.events import Event, at_event, read_events, spans
 from lightflyer.mission.report.landing import summarise_landing
 from lightflyer.mission.report.shares import interval_of
 from lightflyer.mission.report.station import summarise_station
-from lightflyer.mission.report.telemetry import RECEIVER, summarise_telemetry
+from lightflyer.mission.telemetry import RECEIVER, summarise_telemetry
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,7 +13,6 @@ from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.quantity import Altitude, Checked, Latitude, Longitude, Steepness
 from lightflyer.mission.areas import units_of
 from lightflyer.mission.path.single import Way
-from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.statics.grid_refinement import crossing, peak
 
 if TYPE_CHECKING:
@@ -105,7 +104,7 @@ def passes_of(
                     begin,
                     last,
                     _highest(seen.spare_elevation, within) + float(receiver.lowest_elevation),
-                    -_highest(lambda at, seen=seen: -seen.distance(at), within),
+                    -_highest(seen.nearness, within),
                     farthest,
                     np.nan if link is None else float(margin(link, farthest)),
                     np.nan if link is None else _data(seen, link, within),
@@ -129,6 +128,9 @@ class _Seen(NamedTuple):
     def distance(self, at: np.ndarray) -> np.ndarray:
         _, distance = self.receiver.look(*self.way(at.ravel()), self.planet_radius)
         return distance.reshape(at.shape)
+
+    def nearness(self, at: np.ndarray) -> np.ndarray:
+        return -self.distance(at)
 
 
 def _data(seen: _Seen, link: RadioLink, times: np.ndarray) -> float:
@@ -183,7 +185,7 @@ def add_telemetry(
     if link is not None:
         along["margin"] = margin(link, along["range"])
     for name, values in along.items():
-        dataset[f"{RECEIVER}_{name}"] = ((RECEIVER, ELAPSED), values, _ALONG[name])
+        dataset[f"{RECEIVER}_{name}"] = ((RECEIVER, *dataset.altitude.dims), values, _ALONG[name])
     lowest = [float(one.lowest_elevation) for one in receivers]
     about = {"units": "degree", "long_name": "elevation below which a receiver sees nothing"}
     dataset[f"{RECEIVER}_lowest_elevation"] = (RECEIVER, lowest, about)

@@ -274,7 +274,7 @@ def trajectory(
     >>> disk = lf.Disk(film, radius=0.01)
     >>> way = lf.mission.trajectory(disk, lf.Earth(), lf.FreeMolecular(), release, [0.0, 3600.0])
     >>> print(f"{way.end_altitude / 1e3:.1f} km")
-    84.3 km
+    84.8 km
     """
     require_at_rest(release, "a trajectory")
     limits = limits_of(environment, None, None)

@@ -148,11 +148,7 @@ class NonlinearProblem:
         return result
 
     def half_fields(
-        self,
-        fields: np.ndarray,
-        face: int,
-        disk: HotDisk,
-        emitted: tuple[np.ndarray, np.ndarray],
+        self, fields: np.ndarray, face: int, disk: HotDisk, emitted: np.ndarray
     ) -> np.ndarray:
         """Fields of one half that follow from given fields and what its face emits."""
         result = np.empty_like(fields[face])

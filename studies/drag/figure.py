@@ -68,8 +68,8 @@ def draw_share(ax):
     ax.loglog(delta, 1.0 / (1.0 + share * thin / dense))
     ax.loglog(delta, 1.0 / (1.0 + thin / dense), "--")
     ax.loglog(delta, np.minimum(dense / thin, 2.0), ":", color=palette.GREY)
-    ax.text(0.012, 0.3, "this package; dots:\nkinetic equation", color=palette.BLUE)
-    ax.text(0.012, 0.2, "both resistances, added", color=palette.VERMILION)
+    ax.text(0.012, 0.03, "this package; dots:\nkinetic equation", color=palette.BLUE)
+    ax.text(0.012, 0.014, "both resistances,\nadded", color=palette.VERMILION)
     ax.text(2.6, 1.0, "slow flow", color=palette.GREY)
     for line in (HERE / "points.jsonl").read_text().splitlines():
         point = json.loads(line)
@@ -92,7 +92,7 @@ def draw_warmth(ax):
         ]
         cold, hot = (1.0 / (1.0 / one + share * np.pi * delta / 16.0) for one in thin)
         ax.semilogx(delta, hot / cold, color=colour)
-        ax.text(0.11, hot[0] / cold[0] - 0.055, f"$T_w/T$ = {ratio}", color=colour)
+        ax.text(0.11, hot[0] / cold[0] - 0.07, f"$T_w/T$\n= {ratio}", color=colour)
         for line in (HERE / "hot_points.jsonl").read_text().splitlines():
             point = json.loads(line)
             level, gas, tac, knudsen = point["case"]
@@ -112,7 +112,7 @@ def draw_sinking(ax):
         (line,) = ax.semilogx(found, altitudes / 1e3)
         at = altitudes.size // 3
         ax.annotate(
-            f"{diameter * 1e3:g} mm",
+            f"{diameter * 1e3:g}" + " mm" * (diameter == SIZES[-1]),
             (found[at], altitudes[at] / 1e3),
             (4, 0),
             textcoords="offset points",

@@ -77,7 +77,6 @@ def force_command(
     from lightflyer.calibration.gauge import read_gauge
     from lightflyer.gas import GASES
     from lightflyer.lab.force import vane as lab
-    from lightflyer.lab.force.figures import force_figures
     from lightflyer.lab.force.text import force_parts
     from lightflyer.lab.record import dataset
 
@@ -112,7 +111,7 @@ def force_command(
         "force", found.to_json() | {"read": read_summary(tables)},
         dataset("force on a heated vane", found.variables, [str(file)] if file else [],
                 warnings=found.warnings),
-        lambda: force_figures(found),
+        lambda: {"force": found.plot()},
         [*read_parts(tables), *force_parts(found), *warning_lines(found.warnings)],
         out=out, figures=figures, json_output=json_output,
     )  # fmt: skip

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -27,6 +27,10 @@ from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.gas.pure import ARGON
 from lightflyer.lab.estimate import Estimate, central_interval
 from lightflyer.program.arguments import reads_units
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 ASSUMED_TAC, ROOM = Measured(0.9, 0.05), Measured(295.0)
 SAMPLES = 1000  # of the uncertain numbers of a vane
@@ -177,6 +181,12 @@ class VaneForces:
         """Pressure [Pa] and size [N] of the largest force of the curve."""
         place = int(np.argmax(self.force))
         return float(self.pressure[place]), float(self.force[place])
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw predicted and measured force over pressure."""
+        from lightflyer.lab.force.figures import plot_forces
+
+        return plot_forces(self, ax)
 
     @property
     def variables(self) -> dict[str, Any]:

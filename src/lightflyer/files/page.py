@@ -24,7 +24,7 @@ th, td { border: 1px solid var(--line); padding: .25rem .6rem; text-align: left;
   vertical-align: top; white-space: pre-wrap; }
 th { background: var(--shade); }
 .right { text-align: right; font-variant-numeric: tabular-nums; }
-.verdict { border-left: .3rem solid #009E73; padding-left: .8rem; font-size: 1.1rem; }
+.verdict { border-left: .3rem solid var(--line); padding-left: .8rem; font-size: 1.1rem; }
 .verdict p { margin: .3rem 0; }
 figcaption { margin-top: .3rem; }
 .warning { color: var(--warn); font-weight: bold; }

@@ -109,8 +109,10 @@ def test_a_mission_tells_its_passes(tmp_path):
     assert found["data_bit"] == pytest.approx(one["data_bit"])
     assert not (flown.receiver_elevation.sel(receiver="Sydney") > 0.0).any()
     assert "in sight" in lf.mission.describe(flown)
+    one["receiver"] = "Munich, roof"  # a comma stays in its cell
     write_passes_csv(found, tmp_path / "passes.csv")
     (row,) = csv.DictReader((tmp_path / "passes.csv").read_text("utf-8").splitlines())
+    assert row["receiver"] == "Munich, roof"
     assert float(row["farthest_km"]) == pytest.approx(one["farthest_km"])
 
 

@@ -1,5 +1,6 @@
 """Receivers on the ground: when they see a flyer, and what its radio link then has left."""
 
+import csv
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -23,6 +24,10 @@ _APART = 60.0  # Longest time between looks at a flyer [s]
 _CLOSE = 1e-6  # Of an elevation [deg], and of a distance over the largest one that the link bears
 _AN_HOUR, _KILOMETRE = 3600.0, 1e3
 
+_COLUMNS = (
+    "receiver", "begin", "end", "begin_h", "duration_h", "highest_elevation_deg", "nearest_km",
+    "farthest_km", "least_margin_db", "data_bit",
+)  # fmt: skip
 _ABOUT = {
     "receiver": {"long_name": "number of the receiver"},
     "begin": {"units": "s", "long_name": "time from release to coming into sight"},
@@ -226,20 +231,10 @@ def summarise_telemetry(dataset: "xr.Dataset") -> dict[str, Any]:
 
 def write_passes_csv(found: dict[str, Any], path: Path) -> None:
     """Write the passes of :func:`summarise_telemetry`, a row for each."""
-    names = [
-        "receiver",
-        "begin",
-        "end",
-        "begin_h",
-        "duration_h",
-        "highest_elevation_deg",
-        "nearest_km",
-    ]
-    names += ["farthest_km", "least_margin_db", "data_bit"]
-    lines = [",".join(names)]
-    for one in found["passes"]:
-        cells = (one.get(name, "") for name in names)
-        lines.append(
-            ",".join(f"{cell:.10g}" if isinstance(cell, float) else cell for cell in cells)
-        )
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, _COLUMNS, restval="", lineterminator="\n")
+        writer.writeheader()
+        for one in found["passes"]:
+            writer.writerow(
+                {name: f"{x:.10g}" if isinstance(x, float) else x for name, x in one.items()}
+            )

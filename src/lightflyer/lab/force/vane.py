@@ -41,7 +41,6 @@ _SEED = 1
 _LEAST_TAC = 0.01
 _APART = 10.0  # measured over predicted force that looks like a wrong unit
 _STEP = 1e-3  # of a pressure, relative, for a slope
-_OF_A_DISK = 5  # ranges of a sandwich that are not about holes and gap
 _SMALL = 1e-6  # [m]; gap of the sandwich that stands for a vane, whose faces are its outer ones
 
 _PRESSURE = Column("pressure", Quantity("Pa", 0.0, open_below=True), ("p",), required=True)
@@ -102,7 +101,8 @@ class Vane:
                 f"the hot face has {self.hot.value:g} K, and the cold one {self.cold.value:g} K"
             )
         for name in ("tac_hot", "tac_cold"):
-            require_range(name, getattr(self, name).value, _LEAST_TAC, 1.0)
+            shown = "tac" if self.alike else name
+            require_range(shown, getattr(self, name).value, _LEAST_TAC, 1.0)
         Kinetic().model_of(self._body(_NOMINAL)).require_gas(self.gas)
 
     def knudsen(self, pressure: np.ndarray) -> np.ndarray:
@@ -123,8 +123,8 @@ class Vane:
         """Where pressures are outside the model's range, one line each."""
         with float64():
             state = self._state(pressure, np.array([self.ambient.value]))
-            looks = list(Kinetic().ranges(self._body(_NOMINAL), state, self.hot.value))
-            return describe(looks[:_OF_A_DISK], pressure)
+            looks = Kinetic().ranges(self._body(_NOMINAL), state, self.hot.value)
+            return describe(looks, pressure)
 
     def _forces(self, pressure: np.ndarray, draws: np.ndarray) -> np.ndarray:
         ambient, hot, cold = (

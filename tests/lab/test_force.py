@@ -128,3 +128,16 @@ def test_what_looks_wrong_is_said(tmp_path):
             vane(**wrong)
     with pytest.raises(lf.ParameterError, match="give points, or the pressures"):
         lf.lab.compare_forces(vane())
+
+
+def test_errors_of_two_surfaces_push_by_their_difference():
+    """Free molecules push with TAC times what leaves each face; errors of one surface are one."""
+    tacs = {"tac_hot": Measured(0.8, 0.05), "tac_cold": Measured(0.8, 0.05)}
+    spreads = []
+    for alike in (True, False):
+        faces = lf.lab.Vane("12 cm", 419.0, 394.0, ambient=300.0, alike=alike, **tacs)
+        thin = faces.forces(np.array([1e-4]), 4000)[:, 0]
+        spreads.append(thin.std() / thin.mean())
+    hot, cold = math.sqrt(419.0 / 300.0) - 1.0, math.sqrt(394.0 / 300.0) - 1.0
+    assert spreads[0] == pytest.approx(0.05 / 0.8, rel=0.1)
+    assert spreads[1] == pytest.approx(0.05 / 0.8 * math.hypot(hot, cold) / (hot - cold), rel=0.1)

@@ -16,6 +16,7 @@ from lightflyer.core.errors import OutputError, ParameterWarning
 
 TEMPORARY = ".lightflyer-"  # What the names of temporary files and folders begin with
 
+_ATTEMPTS = 100  # to remove a folder in which a file was just opened
 _LEFT_BEHIND = 86400.0  # age of a temporary folder from which no run is at it any more [s]
 _RESULTS = (".json", ".nc", ".pdf", ".png", ".svg")
 
@@ -23,7 +24,7 @@ _RESULTS = (".json", ".nc", ".pdf", ".png", ".svg")
 _HERE = f"{zlib.crc32(socket.gethostname().encode()):08x}"
 
 _UNFINISHED: set[Path] = set()
-_RENAMING = threading.Lock()
+_CHANGING = threading.Lock()  # folders made and files renamed, not once the process ends
 
 
 @contextmanager
@@ -37,11 +38,14 @@ def remove_if_interrupted(path: Path) -> Iterator[None]:
 
 
 def remove_unfinished() -> None:
-    """Remove what is being written, before the process ends; nothing can be renamed afterwards."""
-    _RENAMING.acquire()
+    """Remove what is being written before the process ends; nothing is made or renamed then."""
+    _CHANGING.acquire(timeout=5.0)  # a handler may have stopped the thread that holds it
     for path in sorted(_UNFINISHED, reverse=True):  # a folder after what lies in it
         if path.name.startswith(TEMPORARY):
-            shutil.rmtree(path, ignore_errors=True)
+            for _ in range(_ATTEMPTS):  # a file may be opened in it meanwhile
+                shutil.rmtree(path, ignore_errors=True)
+                if not path.is_dir():
+                    break
             path.unlink(missing_ok=True)
         elif path.exists() and not any(path.iterdir()):
             path.rmdir()
@@ -98,7 +102,8 @@ def output_directory(directory: Path, *, shared: bool = False) -> Iterator[Calla
     def stage(name: str) -> Path:
         names.append(name)
         path = temporary / name
-        path.parent.mkdir(parents=True, exist_ok=True)
+        with _CHANGING:
+            path.parent.mkdir(parents=True, exist_ok=True)
         return path
 
     finished = False
@@ -108,13 +113,15 @@ def output_directory(directory: Path, *, shared: bool = False) -> Iterator[Calla
             remove_if_interrupted(temporary),
             remove_if_interrupted(directory) if made else nullcontext(),
         ):
-            directory.mkdir(parents=True, exist_ok=True)
+            with _CHANGING:
+                directory.mkdir(parents=True, exist_ok=True)
             for left in directory.glob(f"{TEMPORARY}*"):
                 if left.is_dir() and _is_left_behind(left):
                     shutil.rmtree(left, ignore_errors=True)
-            temporary.mkdir()
+            with _CHANGING:
+                temporary.mkdir()
             yield stage
-            with _RENAMING:
+            with _CHANGING:
                 for name in names:
                     (directory / name).parent.mkdir(exist_ok=True)
                     os.replace(temporary / name, directory / name)

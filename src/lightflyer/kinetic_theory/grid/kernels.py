@@ -25,7 +25,9 @@ def forget_stale_kernels(folder: Path = _FOLDER) -> None:
 
 forget_stale_kernels()
 
-kernel: Any = njit(cache=True)  # Compile a function, and keep it compiled
+# a division by zero gives no number, which is noticed; as an exception it would end one of several
+# threads unseen, with some of its results never written
+kernel: Any = njit(cache=True, error_model="numpy")  # Compile a function, and keep it compiled
 
-parallel_kernel: Any = njit(cache=True, parallel=True)
+parallel_kernel: Any = njit(cache=True, parallel=True, error_model="numpy")
 """The same with the iterations of ``prange`` shared among cores."""

@@ -214,6 +214,8 @@ def piece_integrals(depth, width, temperatures, frequencies, setup, buffer, valu
             maxwellian_integrals(reached, middle, table, scale, here)
             for p in range(NUMBER):
                 sums[p] += share * here[p]
+    if end == depth:
+        return end
     maxwellian_integrals(depth, middle, table, scale, at_start)
     maxwellian_integrals(end, middle, table, scale, at_end)
     for p in range(NUMBER - 1):

@@ -6,8 +6,10 @@ import pytest
 from scipy.optimize import brentq, differential_evolution, minimize, minimize_scalar
 
 import lightflyer as lf
+from lightflyer.files.result_text import as_text
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import as_problem
+from lightflyer.search.text import design_parts
 
 DIAMETER = {"from": "0.5 cm", "to": "5 cm", "scale": "log"}
 ALTITUDE = {"from": "60 km", "to": "90 km"}
@@ -309,6 +311,25 @@ def test_what_is_out_of_range_is_said_beside_what_is_within():
     assert float(there.payload) == pytest.approx(within.value, rel=1e-9)
     assert "within the force model's range: payload" in str(best).replace("\n", " ")
     assert not lf.optimise(flyer, **wide, beyond_range=True).rivals
+
+
+def test_one_best_payload_is_told_and_another_only_with_the_limit_that_forbids_it(
+    flyer, payload, cool
+):
+    assert "carr" not in as_text(design_parts(payload))
+    altitude = {"from": "60 km", "to": "90 km", "points": 3001}
+    over = {name: f"{value} m" for name, value in cool.design.items() if name == "flyer.diameter"}
+    over |= {"film.areal_density": f"{cool.design['film.areal_density']} kg/m^2"}
+    there = lf.sweep(flyer, over=over | {"altitude": altitude}, outputs=["payload", "temperature"])
+    there = there.squeeze()
+    best = there.isel(altitude=int(there.payload.argmax("altitude")))
+    told = " ".join(as_text(design_parts(cool)).split())
+    assert float(best.payload) > 1.1 * cool.value
+    assert (
+        "Without the study's limit of temperature it would carry up to "
+        f"{float(best.payload) * 1e6:.3g} mg: at {float(best.altitude) / 1e3:.3g} km and "
+        f"{float(best.temperature):.0f} K."
+    ) in told
 
 
 def test_a_film_gets_no_hotter_than_it_bears():

@@ -53,11 +53,13 @@ def prediction_parts(
     *,
     sources: str = "",
     verbose: bool = False,
+    payload: bool = True,
 ) -> Parts:
     """The verdict, a table around the bands, and what must be known; ``verbose``: all of it."""
-    # ``sources``: where the bands are from, told in short
+    # ``sources``: where the bands are from, told in short; ``payload``: tell the largest one
     width = min(width, NARROW)
-    yield from (wrap(line, width) for line in verdict_lines(prediction, bands, shares))
+    told = verdict_lines(prediction, bands, shares, payload=payload)
+    yield from (wrap(line, width) for line in told)
     if prediction.asked.size:
         yield from (
             _points_tables(prediction, width) if verbose else [_short_table(prediction, width)]
@@ -79,12 +81,16 @@ def prediction_parts(
 
 
 def verdict_lines(
-    prediction: "Prediction", bands: Bands = _NONE, shares: Shares = _UNKNOWN
+    prediction: "Prediction",
+    bands: Bands = _NONE,
+    shares: Shares = _UNKNOWN,
+    *,
+    payload: bool = True,
 ) -> Iterator[str]:
     """What flies, where, what becomes of it when let go, and what its film allows."""
     setup, found = prediction.setup, prediction.verdict
-    own_mass, payload = _mass(float(setup.flyer.own_mass)), _mass(float(setup.flyer.payload), "g")
-    carried = f", payload {payload}" if float(setup.flyer.payload) else ""
+    own_mass, aboard = _mass(float(setup.flyer.own_mass)), _mass(float(setup.flyer.payload), "g")
+    carried = f", payload {aboard}" if float(setup.flyer.payload) else ""
     light = f"{prediction.available:.4g} W/m²"
     yield f"{setup.flyer.describe()}, {own_mass}{carried}, in {light}"
     several = f" of {shares.samples} samples"
@@ -99,7 +105,7 @@ def verdict_lines(
         night = f"; after {found.longest_night * factor:.2g} {unit} in the dark it is below that"
     yield f"It flies{often} {_ranges(prediction, prediction.bands, bands, 'band')}{night}."
     yield from film_lines(prediction, bands, shares)
-    if found.best is not None:
+    if payload and found.best is not None:
         held = "Afloat at" if found.carries_afloat else "Held at" if found.rest else "At"
         place = _place_text(prediction, found.best.coordinate)
         yield f"{held} {place} it carries up to {_most_payload(found.best, bands)}."

@@ -1,6 +1,7 @@
 """Optima, fronts and sensitivities in words: lines and tables."""
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from rich.table import Table
@@ -8,6 +9,7 @@ from rich.table import Table
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.files.display_units import amount, suitable
 from lightflyer.files.result_text import Parts, warning_lines, wrap
+from lightflyer.prediction.text import prediction_parts
 
 if TYPE_CHECKING:
     from lightflyer.search.front import Front
@@ -21,6 +23,8 @@ _SHOWN_ELASTICITIES = 8
 _ROWS = 12
 _STACKS = 8
 _NANOMETRES = 1e9
+_PAYLOADS = ("payload", "relative_payload", "payload_per_area", "afloat_payload", "usable_payload")
+_MORE = 1.001  # times a payload, from which on another is told
 
 
 def optimum_parts(optimum: "Optimum") -> Parts:
@@ -67,6 +71,41 @@ def optimum_parts(optimum: "Optimum") -> Parts:
     if optimum.elasticities:
         yield _elasticities_table(optimum)
     yield from warning_lines(optimum.warnings)
+
+
+def design_parts(optimum: "Optimum") -> Parts:
+    """What the best design does in all of its surroundings."""
+    # Where the best payload was asked for, there is no second one but for the study's limits.
+    asked = optimum.problem.objectives[0].name in _PAYLOADS
+    yield from prediction_parts(optimum.prediction, payload=not asked)
+    if asked:
+        yield from _without_limits(optimum)
+
+
+def _without_limits(optimum: "Optimum") -> Iterator[str]:
+    """What the best design would carry elsewhere, and which limits of the study forbid it."""
+    problem, prediction = optimum.problem, optimum.prediction
+    best, name = prediction.verdict.best, problem.design.coordinate_name
+    if best is None or not prediction.asked.size:
+        return
+    values, carried = best.values, best.values["payload"]
+    if carried < _MORE * prediction.at["payload"][0]:
+        return
+    passed = [
+        part.name.replace("_", " ")
+        for part in problem.constraints
+        if part.sign * (values.get(part.name, part.limit) - part.limit) < 0.0
+    ]
+    ends = [(one.low, one.high) for one in problem.bounds if one.field.name == name]
+    if not any(low <= best.coordinate <= high for low, high in ends):
+        passed.append(name)
+    if passed:
+        where = amount(best.coordinate, problem.design.field(name).quantity.unit, 3)
+        yield wrap(
+            f"Without the study's limit of {' and '.join(passed)} it would carry up to "
+            f"{amount(carried, problem.unit_of('payload'), 3)}: at {where} and "
+            f"{values['temperature']:.0f} K."
+        )
 
 
 def _constraint_line(optimum: "Optimum", constraint: "Constraint") -> str:

@@ -42,6 +42,7 @@ def optimise_command(
     """
     out = figures.folder(out)
     from lightflyer.search import optimise, pareto, read_problem
+    from lightflyer.search.text import design_parts
 
     problem = read_problem(study_file)
     if write is not None:
@@ -65,7 +66,7 @@ def optimise_command(
         )
         if not json_output:
             show(console, optimum.text_parts())
-            show(console, optimum.prediction.text_parts())
+            show(console, design_parts(optimum))
         if write is not None:
             _write_flyer(write, study_file, optimum)
             written.append(write)

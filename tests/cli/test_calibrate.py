@@ -24,7 +24,9 @@ def folder(tmp_path, monkeypatch):
 def test_fits_and_writes(folder, run):
     code, shown, errors = run("calibrate", "points.csv", "--out", "fit")
     assert code == 0, errors
-    assert "c_cont" in shown
+    first = shown.splitlines()[0]
+    assert first.startswith("6 points of 1 sample give c_fm 0.45 (")
+    assert " and c_cont 2.5 (" in first
     fit = json.loads((folder / "fit" / "calibration.json").read_text(encoding="utf-8"))
     assert fit["parameters"]["c_fm"]["value"] == pytest.approx(0.45, rel=1e-4)
     assert fit["parameters"]["c_cont"]["value"] == pytest.approx(2.5, rel=1e-4)

@@ -73,6 +73,20 @@ def test_a_sweep_its_repetition_and_its_maps(run, study, tmp_path):
     code, text, errors = run(*ask, "--y", "altitude", "--pareto")
     assert (code, errors) == (0, "")
     assert "at film.emittance 0.06" in text
+    drawn = lf.parametric.open_sweep(out).relative_payload.sel({"film.emittance": 0.06}).to_series()
+    (diameter, altitude), most = drawn.idxmax(), drawn.max()
+    first, *lines = text.splitlines()
+    assert first == (
+        f"largest relative_payload: {most:.4g} at flyer.diameter {diameter * 100:.6g} cm, "
+        f"altitude {altitude / 1e3:.6g} km"
+    )
+    of_each = drawn.groupby("flyer.diameter").max()
+    rows = [line.split() for line in lines if line[:1] == " "]
+    told = {float(row[0]): row[2] for row in rows}
+    assert len(told) == 12
+    for size, shown in told.items():
+        at = of_each.index[abs(of_each.index * 100 - size).argmin()]
+        assert float(shown) == pytest.approx(of_each[at], rel=1e-3)
     assert sorted(file.name for file in maps.iterdir()) == [
         f"relative_payload-{name}.{suffix}"
         for name in ("map", "pareto")
@@ -84,6 +98,10 @@ def test_a_sweep_its_repetition_and_its_maps(run, study, tmp_path):
     assert "smallest irradiance" in (maps / "relative_payload-pareto.svg").read_text()
     code, text, _ = run(*ask, "--at", "altitude = 71.2 km, emittance = 0.08")
     assert "at altitude 71 km" in text
+    heavy = ("map", out, "--x", "altitude", "--value", "relative_payload", "--out", maps)
+    _, text, _ = run(*heavy, "--at", "diameter = 5 cm, emittance = 0.08")
+    assert "\n           60 " in text
+    assert text.partition("\n           60 ")[2].split()[0] == "–"
     for wrong, message in (
         (("--y", "altitud"), 'did you mean "altitude"'),
         (("--y", "diameter"), "--x and --y are both flyer.diameter"),

@@ -76,6 +76,29 @@ def test_the_page_says_what_the_terminal_says(run, points, tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"points.csv", "report.html"}
 
 
+def test_the_page_opens_with_what_was_found(run, points, tmp_path):
+    target = tmp_path / "report.html"
+    run("lab", "levitation", points("thin", "thick"), "--report", target)
+    whole = target.read_text(encoding="utf-8")
+    opening = whole[whole.index("</h1>") : whole.index("<figure>")]
+    assert "thin needs the least light of 2 samples, 1" in opening
+    assert whole.index("<figure>") < whole.index("thin needs 0.1 % less light than thick")
+    assert whole.index("<h2>Numbers") < whole.index("read 16 rows") < whole.index("<h2>How it was")
+
+
+def test_letters_of_figures_do_not_shrink_on_a_phone(run, points, tmp_path):
+    target = tmp_path / "report.html"
+    run("lab", "levitation", points(), "--report", target)
+    whole = target.read_text(encoding="utf-8")
+    (width, source), *others = re.findall(r'<img [^>]*width="(\d+)" src="([^"]+)"', whole)
+    assert not others
+    drawing = base64.b64decode(source.partition(";base64,")[2]).decode()
+    across = float(re.search(r'viewBox="0 0 ([\d.]+)', drawing)[1])
+    letters = [float(size) for size in re.findall(r"font(?:-size)?: (?:\d+ )?([\d.]+)px", drawing)]
+    assert min(letters) * int(width) / across > 11.0
+    assert ".scroll img { max-width: none; }" in whole
+
+
 def test_a_page_made_again_names_its_inputs_and_not_itself(run, points, tmp_path):
     path, target = points().rename(tmp_path / "germanium.csv"), tmp_path / "report.html"
     for _ in range(2):

@@ -4,7 +4,8 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from lightflyer.core.text import correlation_text
-from lightflyer.files.result_text import Parts, open_interval_text, table_of
+from lightflyer.files.display_units import suitable
+from lightflyer.files.result_text import Parts, listed, open_interval_text, table_of
 
 if TYPE_CHECKING:
     from lightflyer.calibration.bayes import Posterior
@@ -16,17 +17,23 @@ _POSTERIOR = ("posterior\nat given inputs", "mean", "standard\ndeviation", "95 %
 
 
 def fit_parts(fit: "Calibration") -> Parts:
-    """The parameters with both intervals, and what these contain."""
-    rows = (
-        (
-            name,
-            f"{fit.values[row]:.4g}",
-            open_interval_text(*fit.intervals[row]),
-            open_interval_text(*fit.total_intervals[row]),
-            f"{fit.total_standard_uncertainties[row]:.2g}",
+    """The parameters in a sentence, with both intervals, and what these contain."""
+    found, rows = [], []
+    for row, (name, value) in enumerate(zip(fit.names, fit.values, strict=True)):
+        factor, unit = suitable(fit.problem.parameters[row].target.quantity.unit, value)
+        total = open_interval_text(*(factor * fit.total_intervals[row]))
+        shown = f"{factor * value:.4g}"
+        found.append(f"{name} {' '.join(filter(None, (shown, unit)))} ({total})")
+        rows.append(
+            (
+                f"{name} [{unit}]" if unit else name,
+                shown,
+                open_interval_text(*(factor * fit.intervals[row])),
+                total,
+                f"{factor * fit.total_standard_uncertainties[row]:.2g}",
+            )
         )
-        for row, name in enumerate(fit.names)
-    )
+    yield f"{_points(fit)} give {listed(found)}; brackets: total 95 % intervals"
     yield table_of(_FIT, rows)
     yield from _explain(fit)
     if len(fit.names) > 1:
@@ -46,13 +53,17 @@ def _explain(fit: "Calibration") -> list[str]:
     shares = ", ".join(
         f"{name} ({_percentages(values)})" for name, values in fit.contributions.items()
     )
-    samples = len(set(fit.points.samples))
     return [
-        f"{len(fit.points)} points of {samples} sample{'s' * (samples > 1)} scatter by "
+        f"{_points(fit)} scatter by "
         f"{100.0 * fit.scatter:.2g} % of the irradiance; their uncertainty is {kind}{chi_squared}",
         "given inputs: the points' scatter alone, everything else exactly as stated",
         f"total: also the ± of {shares or 'nothing else, since nothing has one'}",
     ]
+
+
+def _points(fit: "Calibration") -> str:
+    samples = len(set(fit.points.samples))
+    return f"{len(fit.points)} points of {samples} sample{'s' * (samples > 1)}"
 
 
 def _percentages(shares: Any) -> str:

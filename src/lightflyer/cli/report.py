@@ -23,7 +23,7 @@ import lightflyer
 from lightflyer.cli import output
 from lightflyer.core.errors import OutputError, ParameterError
 from lightflyer.files import page
-from lightflyer.files.result_text import unwrap
+from lightflyer.files.result_text import listed, unwrap
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,6 +38,7 @@ _TITLES = {
 }  # fmt: skip
 _LARGEST_FIGURE = 1_000_000  # bytes of an SVG, beyond which a PNG is taken
 _LARGEST_INPUT = 100_000  # bytes of a file that is shown; of a larger one the hash only
+_PIXELS = 96  # of a page in an inch of a figure: letters are as large on a phone
 _MADE_WITH = ("jax", "numpy", "scipy")
 
 
@@ -81,7 +82,8 @@ class Report:
             content, kind = (vector, "svg+xml") if small else (pixels, "png")
             shown = _alternative(figure)
             caption = f"{name.replace('-', ' ').replace('_', ' ').capitalize()}: {shown}"
-            self._figures.append(page.image(content.read_bytes(), kind, shown, caption))
+            width = round(_PIXELS * figure.get_figwidth())
+            self._figures.append(page.image(content.read_bytes(), kind, shown, caption, width))
 
     def write(self) -> None:
         """Write the page, whole or not at all."""
@@ -105,7 +107,8 @@ class Report:
         )
         if not words and self._results and _is_labelled(self._results[0]):
             words = self._results[:1]
-        parts = [page.heading(title, 1), page.verdict(_results(words)), *self._figures]
+        told = sorted(words, key=_is_warning)  # what was found comes first
+        parts = [page.heading(title, 1), page.verdict(_results(told)), *self._figures]
         parts += [page.heading("Numbers")] if self._results[len(words) :] else []
         parts += _results(self._results[len(words) :])
         if inputs:
@@ -171,8 +174,7 @@ def begin(path: Path) -> Report:
 def _listed(paths: Sequence[Path]) -> str:
     """Names of files as a sentence lists them; with an ending where it alone tells two apart."""
     stems = [path.stem for path in paths]
-    names = [path.name if stems.count(path.stem) > 1 else path.stem for path in paths]
-    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+    return listed(path.name if stems.count(path.stem) > 1 else path.stem for path in paths)
 
 
 def _is_file(argument: str) -> bool:
@@ -202,6 +204,10 @@ def _results(things: Sequence[Table | str]) -> Iterator[str]:
             yield from _flush(labelled)
             yield _table(thing)
     yield from _flush(labelled)
+
+
+def _is_warning(thing: Table | str) -> bool:
+    return isinstance(thing, str) and thing.startswith(_WARNING)
 
 
 def _is_labelled(thing: Table | str) -> bool:

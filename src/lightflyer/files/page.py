@@ -32,9 +32,10 @@ pre { background: var(--shade); padding: .75rem; overflow-x: auto; font-size: .8
 p, li { overflow-wrap: anywhere; }
 figure { margin: 1rem 0; break-inside: avoid; }
 img { max-width: 100%; height: auto; background: white; }
+.scroll img { max-width: none; }
 @media print {
   body { max-width: none; margin: 0; font-size: 10pt; }
-  .scroll { overflow: visible; } tr { break-inside: avoid; } pre { white-space: pre-wrap; }
+  .scroll { overflow: visible; } .scroll img { max-width: 100%; } tr { break-inside: avoid; } pre { white-space: pre-wrap; }
 }
 """
 
@@ -94,9 +95,7 @@ def table(
             cells[0] = _cell("th", row[0], sides[0], "row")
         lines.append(f"<tr>{''.join(cells)}</tr>")
     lines.append("</tbody>")
-    # it scrolls by itself on a narrow screen, by keyboard too
-    inside = "\n".join(["<table>", *lines, "</table>"])
-    whole = f'<div class="scroll" tabindex="0">\n{inside}\n</div>'
+    whole = _scrolled("\n".join(["<table>", *lines, "</table>"]))
     return whole + (f"\n{paragraph(note)}" if note else "")
 
 
@@ -106,9 +105,21 @@ def _cell(tag: str, text: str, right: bool, scope: str | None = None) -> str:
     return f"<{tag}{of}{side}>{html.escape(text)}</{tag}>"
 
 
-def image(content: bytes, kind: str, alternative: str, caption: str = "") -> str:
-    """A figure; ``alternative``: what it shows, for those who do not see it."""
+def image(
+    content: bytes, kind: str, alternative: str, caption: str = "", width: int | None = None
+) -> str:
+    """A figure; ``alternative``: what it shows, for those who do not see it.
+
+    ``width``: of the figure [px], which a narrower screen scrolls; by default it shrinks there.
+    """
     data = base64.b64encode(content).decode("ascii")
     below = f"<figcaption>{html.escape(caption)}</figcaption>" if caption else ""
-    shown = f'<img alt="{html.escape(alternative)}" src="data:image/{kind};base64,{data}">'
+    size = "" if width is None else f' width="{width}"'
+    shown = f'<img alt="{html.escape(alternative)}"{size} src="data:image/{kind};base64,{data}">'
+    shown = shown if width is None else _scrolled(shown)
     return f"<figure>{shown}{below}</figure>"
+
+
+def _scrolled(wide: str) -> str:
+    """What scrolls by itself on a narrow screen, by keyboard too."""
+    return f'<div class="scroll" tabindex="0">\n{wide}\n</div>'

@@ -98,6 +98,12 @@ def unwrap(text: str, width: int = NARROW) -> list[str]:
     return [line.replace("\n", " ") for line in lines]
 
 
+def listed(words: Iterable[str]) -> str:
+    """Words as a sentence lists them, such as ``"a, b and c"``."""
+    *first, last = [*words] or [""]
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def warning_lines(warnings: Iterable[str]) -> Iterator[str]:
     """A line for each warning."""
     return (f"warning: {text}" for text in warnings)

@@ -131,12 +131,12 @@ def calibrate_command(
         print_json(summary)
         return
     console = printer()
+    show(console, fit_parts(fit))
     if flyer is None:
         warmth = design.environment.temperature.value
         console.print(
             f"flyer: the paper's 2-cm disk in a chamber at {warmth:g} K; use --flyer for yours"
         )
-    show(console, fit_parts(fit))
     if drawn is not None:
         show(console, drawn.text_parts())
     show(console, warning_lines(fit.warnings))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import printer, show
 from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ def map_command(
     from lightflyer.files.display_units import amount
     from lightflyer.parametric.explore import choose_slice, find_name
     from lightflyer.parametric.run import open_sweep
+    from lightflyer.parametric.text import map_parts
 
     dataset = open_sweep(results)
     output = find_name(dataset, value, among="outputs")
@@ -64,8 +65,11 @@ def map_command(
     sliced, chosen = choose_slice(dataset, output, fields, _parse_places(at))
     names = [*fields, output]
     written = figures.write_folder(out, {}, lambda: _draw(dataset, sliced, names, pareto=pareto))
+    finding, table = map_parts(sliced, fields, output)
+    console.print(finding, soft_wrap=True)
     for name, (number, unit) in chosen.items():
         console.print(f"at {name} {amount(number, unit)}")
+    show(console, [table])
     figures.tell(console, written)
 
 

@@ -135,8 +135,9 @@ def levitation_command(
     deliver(
         "levitation", document, levitation.to_dataset(curves, [t.source for t in tables]), draw,
         [
-            *read_parts(tables), *curves_parts(curves), *map(str, levitation.compare(curves)),
-            *(() if fit is None else fit_parts(fit)), *warning_lines(document["warnings"]),
+            *curves_parts(curves), *map(str, levitation.compare(curves)),
+            *(() if fit is None else fit_parts(fit)), *read_parts(tables),
+            *warning_lines(document["warnings"]),
         ],
         out=out, figures=figures, json_output=json_output,
         tables=levitation.tables(curves),

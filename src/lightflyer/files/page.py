@@ -35,7 +35,8 @@ img { max-width: 100%; height: auto; background: white; }
 .scroll img { max-width: none; }
 @media print {
   body { max-width: none; margin: 0; font-size: 10pt; }
-  .scroll { overflow: visible; } .scroll img { max-width: 100%; } tr { break-inside: avoid; } pre { white-space: pre-wrap; }
+  .scroll { overflow: visible; } .scroll img { max-width: 100%; }
+  tr { break-inside: avoid; } pre { white-space: pre-wrap; }
 }
 """
 

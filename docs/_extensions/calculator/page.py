@@ -112,7 +112,7 @@ _PAGE = """\
 <p class="lf-verdict" id="lf-verdict"></p>
 <form class="lf-controls" autocomplete="off" aria-label="Design">
 <div class="lf-model"><label for="lf-preset">start from</label>
-<select id="lf-preset"><option value="">…</option>{presets}</select></div>
+<select id="lf-preset"><option value="">a published flyer …</option>{presets}</select></div>
 <div class="lf-model"><label for="lf-model">force model</label>
 <select id="lf-model">{models}</select></div>
 {another}{groups}

@@ -21,8 +21,9 @@ CASES = [(kind, name) for kind in KINDS for name in model.force_models(kind)]
 _CALLS = """
 const { about } = lightflyerCore;
 const { compute, draws } = lightflyerBands;
-const given = (spreads) => [lightflyerCore.defaults(), { ...lightflyerCore.spreads(), ...spreads }];
-const samples = (name, spreads) => [...draws(name, ...given(spreads))];
+const given = (spreads, values) =>
+  [{ ...lightflyerCore.defaults(), ...values }, { ...lightflyerCore.spreads(), ...spreads }];
+const samples = (name, spreads, values) => [...draws(name, ...given(spreads, values))];
 const bands = (name, spreads, places) => {
   const work = compute(name, ...given(spreads), places);
   for (;;) {
@@ -30,7 +31,7 @@ const bands = (name, spreads, places) => {
     if (done) return value;
   }
 };
-const file = (name, spreads) => lightflyerCore.flyerFile(name, ...given(spreads));
+const file = (name, spreads, values) => lightflyerCore.flyerFile(name, ...given(spreads, values));
 """
 
 
@@ -159,6 +160,24 @@ def test_samples_are_normal_and_independent(run):
     np.testing.assert_allclose(np.cov(drawn), np.eye(len(drawn)), atol=0.15)
     for row in drawn:
         np.testing.assert_allclose(ends(row, endless=False), [-1.96, 1.96], atol=0.35)
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.001], ids=["one emittance", "an emittance a face"])
+def test_errors_are_shared_as_in_the_downloaded_file(run, apart):
+    kind, name = KINDS[0], "kinetic"
+    spreads = {"film.emittance_top": 0.02, "film.emittance_bottom": 0.02 + apart}
+    spreads |= {"film.tac_top": 0.01, "film.tac_bottom": 0.02}
+    given = (name, spreads, {"film.tac_correlation": 0.9})
+    samples, text = run(kind, [("samples", given), ("file", given)])
+    inputs = uncertain_inputs(flyer_file_type()(**tomllib.loads(text)).design())
+    columns = columns_of(kind, name, samples)
+    columns["film.emittance"] = columns["film.emittance_top"]
+    assert ("film.emittance" in inputs.names) == (apart == 0.0)
+    is_one = np.array_equal(columns["film.emittance_top"], columns["film.emittance_bottom"])
+    assert is_one == (apart == 0.0)
+    drawn = np.stack([columns[one] for one in inputs.names])
+    np.testing.assert_allclose(drawn.std(1), inputs.spreads, rtol=0.1)
+    np.testing.assert_allclose(np.corrcoef(drawn), inputs.correlation, atol=0.25)
 
 
 def test_impossible_samples_are_left_out(run):

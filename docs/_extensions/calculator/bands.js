@@ -11,15 +11,16 @@
   const MOST_DRAWS = 20 * SAMPLES; // of which some are impossible
   const CLOSER = 20; // steps around the most lift of a sample that seems not to fly
   const COVERAGE = [0.025, 0.975];
+  const TACS = ["film.tac_top", "film.tac_bottom"];
   const ENDLESS = "levitation_irradiance"; // where there is none, it is above any other
 
   /** What is uncertain: its index among a function's arguments, and its distribution. */
   function uncertain(model, values, spreads) {
     const sliders = computed.map((number, index) => ({
       index,
-      name: number.label,
+      name: number.name,
       value: values[number.name] * number.factor,
-      spread: (spreads[number.name] || 0) * number.factor,
+      spread: core.sharedTop(number.name, values, spreads) ? 0 : (spreads[number.name] || 0) * number.factor,
       least: number.least * number.factor,
       most: number.most * number.factor,
     }));
@@ -49,14 +50,29 @@
     }
   }
 
+  /** Make the errors of both TACs correlated, as the values say. */
+  function correlate(row, inputs, values) {
+    const [top, bottom] = TACS.map((tac) => inputs.findIndex(({ name }) => name === tac));
+    const shared = values["film.tac_correlation"] || 0;
+    if (top < 0 || bottom < 0) return row;
+    const own = [...row];
+    own[bottom] = shared * row[top] + Math.sqrt(1 - shared * shared) * row[bottom];
+    return own;
+  }
+
   /** Arguments of possible samples, at the coordinate of the values. */
   function* draws(model, values, spreads) {
     const nominal = core.argumentsOf(model, values);
     const inputs = uncertain(model, values, spreads);
+    const tops = computed.map(({ name }) => core.sharedTop(name, values, spreads));
     let kept = 0;
-    for (const row of normals(inputs.length)) {
+    for (const independent of normals(inputs.length)) {
       const given = [...nominal];
+      const row = correlate(independent, inputs, values);
       inputs.forEach(({ index, value, spread }, at) => (given[index] = value + spread * row[at]));
+      tops.forEach((top, at) => {
+        if (top) given[at] = given[computed.findIndex(({ name }) => name === top)];
+      });
       const isPossible = inputs.every(({ index, least, most }) => given[index] >= least && given[index] <= most);
       if (isPossible) yield given;
       kept += isPossible ? 1 : 0;

@@ -283,10 +283,18 @@
       .filter(({ number, value }) => number.name !== about.coordinate && Math.abs(value) > SMALLEST);
   }
 
+  /** The top face's emittance that is one number with a bottom face's, as one key of a file; or null. */
+  function sharedTop(name, values, spreads) {
+    const top = name.replace(/emittance_bottom$/, "emittance_top");
+    const isOne = top !== name && spreads[name] > 0 && spreads[top] === spreads[name];
+    return isOne && values[top] === values[name] ? top : null;
+  }
+
   /** The flyer file of some values and their ±; the package gives the same numbers for it. */
   function flyerFile(model, values, spreads = {}) {
     const { version, template } = about;
     const where = computed[COORDINATE];
+    const shared = about.numbers.map(({ name }) => sharedTop(name, values, spreads));
     const lines = [
       `# Made by the calculator of the documentation of lightflyer ${version}. The same numbers:`,
       `# lightflyer predict FILE --at "${values[where.name]} ${where.unit}"`,
@@ -294,10 +302,10 @@
     for (const [section, fixed] of Object.entries(template)) {
       lines.push("", `[${section}]`);
       for (const [key, value] of Object.entries(fixed)) lines.push(`${key} = ${JSON.stringify(value)}`);
-      for (const { name, unit } of about.numbers) {
+      for (const [at, { name, unit }] of about.numbers.entries()) {
         const end = name.lastIndexOf(".");
-        const key = name.slice(end + 1);
-        if (name.slice(0, Math.max(end, 0)) !== section) continue;
+        if (name.slice(0, Math.max(end, 0)) !== section || shared[at]) continue;
+        const key = shared.includes(name) ? "emittance" : name.slice(end + 1);
         const text = inWords(values[name], spreads[name]);
         lines.push(`${key} = ${unit || spreads[name] ? `"${`${text} ${unit}`.trim()}"` : text}`);
       }
@@ -324,6 +332,7 @@
     easiest,
     map,
     elasticities,
+    sharedTop,
     flyerFile,
     general,
     pretty,

@@ -23,7 +23,7 @@ class Number:
     logarithmic : bool
         Whether the slider is.
     computed : bool
-        Whether results depend on it; a limit changes none.
+        Whether results depend on it; a limit and a correlation change none.
     """
 
     name: str
@@ -137,7 +137,12 @@ _AROUND = (
     Number("environment.infrared_top", "heat radiation from above", "W/m^2", 0.0, 400.0, 0),
 )
 _LIGHT = "Light and heat around"
-_DISK = {"Flyer": (_DIAMETER, _CARRIED, _ALTITUDE), "Film": _film("film", "top", "bottom")}
+_CORRELATION = Number("film.tac_correlation", "correlation of the errors of both TACs", "", -1.0,
+                      1.0, computed=False)  # fmt: skip
+_DISK = {
+    "Flyer": (_DIAMETER, _CARRIED, _ALTITUDE),
+    "Film": (*_film("film", "top", "bottom"), _CORRELATION),
+}
 _SMALL_LIGHT, _STRONG_LIGHT = (100.0, 1e4), (100.0, 1e5)
 
 KINDS = (

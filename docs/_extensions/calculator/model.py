@@ -24,6 +24,7 @@ from lightflyer.design.diagnostics import diagnose_force
 from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.film.properties import FilmProperties
+from lightflyer.film.section import FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.program.scalar.javascript import Tables, write_function
 from lightflyer.program.tracing import trace_numbers
@@ -68,6 +69,8 @@ def template(kind: Kind = DISK) -> dict[str, Any]:
     if "emittance" in film:
         both = film.pop("emittance")
         film |= {"emittance_top": both, "emittance_bottom": both}
+    if any(number.name == "film.tac_correlation" for number in kind.numbers):
+        film["tac_correlation"] = 0.0
     return content
 
 
@@ -308,7 +311,8 @@ def described(number: Number, kind: Kind = DISK) -> dict[str, Any]:
         content = content[part]
     value, _, unit = _nominal(str(content[key])).partition(" ")
     shift = scale_and_offset(unit, number.unit)[0] if unit and unit != number.unit else 1.0
-    quantity = quantities_of(FilmProperties).get(key) or base.fields[number.name].quantity
+    of_film = quantities_of(FilmSection) | quantities_of(FilmProperties)
+    quantity = of_film.get(key) or base.fields[number.name].quantity
     smallest, largest = quantity.sizes
     least, most = max(quantity.lowest, smallest), min(quantity.highest, largest)
     return shown | {

@@ -332,6 +332,12 @@
     }, SETTLED_AFTER);
   }
 
+  /** A correlation of errors is asked for where there are two. */
+  function showCorrelation() {
+    const slider = element("lf-film-tac_correlation");
+    if (slider) slider.closest(".lf-number").hidden = !(spreads["film.tac_top"] && spreads["film.tac_bottom"]);
+  }
+
   /** Show the numbers, with bands if there are any yet. */
   function showResults(found = null) {
     const survives = !core.isTooHot(values, results.temperature);
@@ -394,6 +400,7 @@
     waiting = false;
     results = core.evaluate(model, values);
     showResults();
+    showCorrelation();
     figures.show(model, values, results);
     clearTimeout(banding);
     sayBands(hasBands ? "…" : "");

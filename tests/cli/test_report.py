@@ -86,6 +86,26 @@ def test_the_page_opens_with_what_was_found(run, points, tmp_path):
     assert whole.index("<h2>Numbers") < whole.index("read 16 rows") < whole.index("<h2>How it was")
 
 
+@pytest.mark.parametrize(
+    ("measurement", "arguments", "opening"),
+    [
+        ("tac", ("tac-reduced.txt",), "TAC α 0.7"),
+        ("thermography", ("thermal.csv", "--band", "7.5-14 um"), "reflectance 0.1"),
+        ("ftir", ("film.csv",), "emissivity at most 0.1"),
+        ("roughness", ("germanium.txt",), "rms height Sq 34."),
+    ],
+)
+def test_reports_of_the_lab_open_with_what_was_measured(
+    run, tmp_path, monkeypatch, measurement, arguments, opening
+):
+    monkeypatch.chdir(tmp_path)
+    run("lab", "example", measurement)
+    assert run("lab", measurement, *arguments, "--report", "report.html")[0] == 0
+    whole = (tmp_path / "report.html").read_text(encoding="utf-8")
+    _, _, first = whole.partition('<div class="verdict">\n<p>')
+    assert first.startswith(opening)
+
+
 def test_letters_of_figures_do_not_shrink_on_a_phone(run, points, tmp_path):
     target = tmp_path / "report.html"
     run("lab", "levitation", points(), "--report", target)

@@ -112,7 +112,7 @@ def force_command(
         dataset("force on a heated vane", found.variables, [str(file)] if file else [],
                 warnings=found.warnings),
         lambda: {"force": found.plot()},
-        [*read_parts(tables), *force_parts(found), *warning_lines(found.warnings)],
+        [*force_parts(found), *read_parts(tables), *warning_lines(found.warnings)],
         out=out, figures=figures, json_output=json_output,
     )  # fmt: skip
 

@@ -102,7 +102,7 @@ def ftir_command(
     out = figures.folder(out)
     from lightflyer.config.update import emittance_keys
     from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
-    from lightflyer.lab.ftir.text import ftir_parts
+    from lightflyer.lab.ftir.text import finding_parts, ftir_parts
     from lightflyer.lab.readers.spectrum_data import read_spectrum
 
     if update is not None and reflectance is None:
@@ -144,7 +144,10 @@ def ftir_command(
     sources = [*files, *([reflectance] if reflectance else [])]
     deliver(
         "ftir", document, to_dataset(result), draw,
-        [*_read_parts([*spectra, *mirrors]), *ftir_parts(result), *warning_lines(warnings)],
+        [
+            *finding_parts(result), *_read_parts([*spectra, *mirrors]), *ftir_parts(result),
+            *warning_lines(warnings),
+        ],
         out=out, figures=figures, json_output=json_output,
         update=updater(update, values, "ftir", sources, insist=insist),
         tables={"emissivity.csv": result.table_text()},

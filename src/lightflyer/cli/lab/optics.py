@@ -61,6 +61,7 @@ def optics_command(
     from lightflyer.lab.optics.data import read_sample
     from lightflyer.lab.optics.fit import fit_optics, to_dataset
     from lightflyer.lab.optics.record import tables
+    from lightflyer.lab.optics.text import finding_parts
 
     sample = read_sample(sample_file)
     if update is not None:
@@ -89,7 +90,7 @@ def optics_command(
 
     deliver(
         "optics", document, to_dataset(result), draw,
-        [*_read_parts(result), *result.text_parts()],
+        [*finding_parts(result), *_read_parts(result), *result.text_parts()],
         out=out, figures=figures, json_output=json_output, update=write, tables=tables(result),
     )  # fmt: skip
 

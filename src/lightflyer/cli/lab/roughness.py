@@ -86,7 +86,7 @@ def roughness_command(
     from lightflyer.lab.record import require_distinct
     from lightflyer.lab.surface.particles import THRESHOLD
     from lightflyer.lab.surface.reduction import mean_parameters, roughness, summary, to_dataset
-    from lightflyer.lab.surface.text import means_parts, roughness_parts
+    from lightflyer.lab.surface.text import finding_parts, means_parts, roughness_parts
 
     options: dict[str, Any] = {
         "mask": mask if mask in ("auto", "none") else read_mask(Path(mask)),
@@ -108,11 +108,12 @@ def roughness_command(
         return roughness_figures(results) | texture_figures(results)
 
     parts = [part for one in results for part in roughness_parts(one)]
+    means = results[0].parameters if len(results) == 1 else mean_parameters(results)
     if len(results) > 1:
-        parts += means_parts(mean_parameters(results), len(results))
+        parts += means_parts(means, len(results))
     deliver(
         "roughness", document, to_dataset(results), draw,
-        [*parts, *warning_lines(document["warnings"])],
+        [*finding_parts(means), *parts, *warning_lines(document["warnings"])],
         out=out, figures=figures, json_output=json_output,
         tables={f"mask-{number}.png": mask_as_png(one.mask) for number, one in enumerate(results)},
     )  # fmt: skip

@@ -181,7 +181,10 @@ def tac_command(
     given = [file for side in faces for file in side]
     deliver(
         "tac", document, found.dataset(warnings), found.figures,
-        [*read_parts(run.table for run in runs), *found.parts(), *warning_lines(warnings)],
+        [
+            found.finding, *read_parts(run.table for run in runs), *found.parts(),
+            *warning_lines(warnings),
+        ],
         out=out, figures=figures, json_output=json_output, tables=found.tables(),
         update=updater(
             update, values, f"tac, {reading} reading, in {gas}", given, insist=insist,

@@ -50,6 +50,12 @@ class OneFace:
 
         return tables(self.fits)
 
+    @property
+    def finding(self) -> str:
+        from lightflyer.lab.tac.record import mean_tac
+
+        return f"TAC α {mean_tac(self.fits)}"
+
     def parts(self) -> Parts:
         from lightflyer.lab.tac.record import mean_tac
         from lightflyer.lab.tac.text import errors_parts, fit_parts, runs_parts
@@ -107,6 +113,10 @@ class TwoFaces:
         from lightflyer.lab.tac.difference_record import difference_tables
 
         return difference_tables(self.found)
+
+    @property
+    def finding(self) -> str:
+        return f"TAC α, top less bottom {self.found.difference}"
 
     def parts(self) -> Parts:
         from lightflyer.lab.tac.text import difference_parts

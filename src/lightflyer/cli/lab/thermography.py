@@ -121,6 +121,7 @@ def thermography_command(
     """
     out = figures.folder(out)
     from lightflyer.lab.thermography import reduction as thermography
+    from lightflyer.lab.thermography.text import finding_parts
 
     texts = {"hotplate": hotplate, "lower": lower, "upper": upper, "ambient": ambient}
     given = {f"{name}_temperature": one for name, one in _quantities(texts, "K").items()}
@@ -155,7 +156,7 @@ def thermography_command(
     about = [] if image is None else [image.description]
     deliver(
         "thermography", document, thermography.to_dataset(result, [str(f) for f in files]), draw,
-        [*read_parts(tables), *about, *result.text_parts()],
+        [*finding_parts(result), *read_parts(tables), *about, *result.text_parts()],
         out=out, figures=figures, json_output=json_output,
         update=updater(update, values, f"thermography, {result.meaning}", files, insist=insist),
     )  # fmt: skip

@@ -23,6 +23,9 @@ _HEADINGS = (
 
 def force_parts(found: "VaneForces") -> Parts:
     """Largest force, points beside the curve, and their ratio."""
+    if found.points is not None:
+        count = len(found.points.numbers["force"])
+        yield f"measured over predicted, {count} points: {found.ratio} (95 %)"
     at, most = found.largest
     (place,) = (found.pressure == at).nonzero()
     low, high = found.band[:, place[0]] / MICRONEWTON
@@ -38,5 +41,4 @@ def force_parts(found: "VaneForces") -> Parts:
             found.predicted / MICRONEWTON, measured / found.predicted, strict=True,
         )  # fmt: skip
         yield table_of(_HEADINGS, ([f"{number:.3g}" for number in row] for row in rows))
-        yield f"measured over predicted, {len(measured)} points: {found.ratio} (95 %)"
     yield ASSUMES

@@ -13,6 +13,13 @@ if TYPE_CHECKING:
 _PERCENT = 100.0
 
 
+def finding_parts(result: "Ftir") -> Parts:
+    """The emissivity over the band, or its bound, in a sentence."""
+    low, high = (end / PER_CENTIMETRE for end in result.band)
+    found = f"at most {result.at_most:.4g}" if result.emissivity is None else result.emissivity
+    yield f"emissivity {found}, over {low:g} to {high:g} cm⁻¹"
+
+
 def ftir_parts(result: "Ftir") -> Parts:
     """Means over the band, and those weighted with Planck's spectrum."""
     low, high = (end / PER_CENTIMETRE for end in result.band)

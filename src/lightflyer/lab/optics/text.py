@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from lightflyer.core.text import correlation_text
-from lightflyer.files.result_text import Parts, table_of
+from lightflyer.files.result_text import Parts, listed, table_of
 from lightflyer.lab.estimate import Estimate, estimate_table
 from lightflyer.lab.optics.diagnostics import display_unit
 
@@ -14,6 +14,11 @@ _PERCENT = 100.0
 _HEADINGS = ("spectrum", "scatter\n[%]", "points", "indepen-\ndent", "scale's\nerror [%]",
              "zero's\nerror [%]")  # fmt: skip
 _DIGITS = 5
+
+
+def finding_parts(result: "OpticsFit") -> Parts:
+    """Fitted numbers in a sentence."""
+    yield listed(f"{name} {_in_display_unit(one)}" for name, one in result.numbers.items())
 
 
 def fit_parts(result: "OpticsFit") -> Parts:

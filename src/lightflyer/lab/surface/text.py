@@ -19,6 +19,11 @@ _NAMES = {
 }
 
 
+def finding_parts(parameters: Mapping[str, Estimate]) -> Parts:
+    """The roughness in a sentence."""
+    yield f"{_NAMES['rms_height']} {parameters['rms_height']}"
+
+
 def roughness_parts(one: "Roughness") -> Parts:
     """Size of a map, what is masked, and its parameters."""
     rows, columns = one.height.shape

@@ -2,11 +2,17 @@
 
 from typing import TYPE_CHECKING
 
-from lightflyer.files.result_text import Parts
+from lightflyer.files.result_text import Parts, listed
 from lightflyer.lab.estimate import estimate_table
 
 if TYPE_CHECKING:
     from lightflyer.lab.thermography.reduction import RadiativeProperties
+
+
+def finding_parts(result: "RadiativeProperties") -> Parts:
+    """The properties in a sentence."""
+    found = result.name_properties(result.first_order)
+    yield f"{listed(f'{name} {one}' for name, one in found.items())}, {result.meaning}"
 
 
 def properties_parts(result: "RadiativeProperties") -> Parts:

@@ -247,13 +247,73 @@ def test_altitude_of_a_geopotential():
         assert altitude_of(geopotential, np.radians(degrees)) == pytest.approx(48e3, abs=3.0)
 
 
+def write_grib(path, entries):
+    """Write messages as a forecast has them: (time, short name, level [Pa], field) each."""
+    eccodes = pytest.importorskip("eccodes")
+    grid = {"Ni": EAST.size, "Nj": NORTH.size, "bitsPerValue": 24, "dataDate": 20260621}
+    grid |= {"latitudeOfFirstGridPointInDegrees": 90.0, "latitudeOfLastGridPointInDegrees": -90.0,
+             "longitudeOfFirstGridPointInDegrees": 0.0, "longitudeOfLastGridPointInDegrees": 357.5,
+             "iDirectionIncrementInDegrees": 2.5, "jDirectionIncrementInDegrees": 2.5}  # fmt: skip
+    with path.open("wb") as file:
+        for time, name, pascals, field in entries:
+            message = eccodes.codes_grib_new_from_samples("regular_ll_pl_grib2")
+            unit = "isobaricInhPa" if pascals >= 100 else "isobaricInPa"
+            keys = {"typeOfLevel": unit, "level": pascals // (100 if pascals >= 100 else 1)}
+            if name == "2t":
+                keys = {"typeOfLevel": "heightAboveGround", "level": 2}
+            keys = grid | {"dataTime": 0, "step": 6 * time, "shortName": name} | keys
+            for key, value in keys.items():
+                eccodes.codes_set(message, key, value)
+            eccodes.codes_set_values(message, field[::-1].ravel())
+            eccodes.codes_write(message, file)
+            eccodes.codes_release(message)
+
+
+@pytest.mark.parametrize("kept", [store.KEPT, 100_000])
+def test_a_forecast_in_grib(tmp_path, monkeypatch, kept):
+    """A file for each time, levels in hPa and in Pa, and much that is not asked for."""
+    pytest.importorskip("cfgrib")
+    levels = [100000, 50000, 10000, 3000, 1000, 300, 100, 40, 10, 4]
+    grid = np.meshgrid(NORTH, EAST, indexing="ij")
+    for time in range(4):
+        entries = [(time, "2t", 0, 0.0 * grid[0] + 288.0)]
+        for level in levels:
+            *fields, geopotential = truth(float(time), -np.log(level), *grid)
+            named = zip(("u", "v", "w", "t", "gh"), [*fields, geopotential / GRAVITY], strict=True)
+            entries += [(time, name, level, field) for name, field in named
+                        if name != "w" or level >= 100]  # fmt: skip
+        write_grib(tmp_path / f"gfs.f{6 * time:03d}.grib2", entries)
+    monkeypatch.setattr(store, "KEPT", kept)
+    wind = GriddedWind.from_file(tmp_path / "gfs.*")
+    assert (wind.store is not None) == (kept == 100_000)
+    GriddedWind.from_file(tmp_path / "gfs.*")  # beside the files that cfgrib has written
+    since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
+    for (north, east), moment, height in zip(
+        PLACES, MOMENTS, [21e3, 35e3, 50e3, 65e3], strict=True
+    ):
+        at = moment, np.linspace(-np.log(1e5), -np.log(4.0), 20_001), *np.degrees([north, east])
+        u, v, _, temperature, geopotential = truth(at[0], at[1], at[2], at[3] % 360.0)
+        where = Place(north, east, since + moment * 21600.0)
+        expected = [np.interp(height, altitude_of(geopotential, north), part)
+                    for part in (u, v, temperature + 0.0 * u)]  # fmt: skip
+        state = lf.Earth(wind=wind).state(height, where)
+        found = state.wind.east, state.wind.north, state.temperature
+        np.testing.assert_allclose(found, expected, atol=0.1)
+    write_grib(tmp_path / "surface.grib2", [(0, "2t", 0, 0.0 * grid[0] + 288.0)])
+    with pytest.raises(lf.LightflyerError, match="has no u and v on pressure levels"):
+        GriddedWind.from_file(tmp_path / "surface.grib2")
+
+
 def test_files_that_are_not_usable_get_one_line(tmp_path):
     (tmp_path / "era5.grib").write_bytes(b"GRIB")
     try:
         import cfgrib  # noqa: F401
     except ImportError:
-        with pytest.raises(lf.LightflyerError, match=r"era5.grib: GRIB needs cfgrib: pip install"):
-            GriddedWind.from_file(tmp_path / "era5.grib")
+        reason = "GRIB needs cfgrib: pip install"
+    else:
+        reason = "cannot be read as GRIB"
+    with pytest.raises(lf.LightflyerError, match=rf"era5.grib: {reason}"):
+        GriddedWind.from_file(tmp_path / "era5.grib")
     bent = wrf(canonical())
     bent["XLAT"] = bent.XLAT + 0.1 * bent.west_east
     with pytest.raises(lf.ConfigurationError, match="no grid of latitudes and longitudes"):

@@ -10,9 +10,13 @@ import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
+from lightflyer.core.units import scale_and_offset
 
 _PATTERN = re.compile(r"[*?\[]")
 _GRIB = (".grib", ".grib2", ".grb", ".grb2", ".gb2")
+_INDEX = ".idx"  # Written by cfgrib beside a file
+_IN_GRIB = "u", "v", "w", "t", "z", "gh"
+_LEVELS_IN_GRIB = {"isobaricInhPa": "hPa", "isobaricInPa": "Pa"}  # GFS has both in one file
 
 # Names in lower case, of ERA5, GFS, MERRA-2, ICON, WRF and the CF conventions.
 _VARIABLES = {
@@ -37,7 +41,7 @@ _EVEN = 1e-3  # degrees, by which meridians and parallels of a grid may bend
 
 def open_parts(path: str | Path) -> list[Any]:
     """Open a NetCDF or GRIB file, or all whose names match a pattern: no field is read yet."""
-    return [_open(part) for part in weather_files(path)]
+    return [part for file in weather_files(path) for part in _open(file)]
 
 
 def load_parts(path: str | Path, parts: list[Any]) -> Any:
@@ -62,31 +66,60 @@ def weather_files(path: str | Path) -> list[str]:
     text = str(path)
     if not _PATTERN.search(text) or Path(text).exists():
         return [text]
-    found = sorted(glob.glob(text))
+    found = sorted(name for name in glob.glob(text) if not name.endswith(_INDEX))
     if not found:
         raise ConfigurationError(f"{path}: no file has such a name")
     return found
 
 
-def _open(path: str) -> Any:
+def _open(path: str) -> list[Any]:
     import xarray
 
-    engine = None
-    if path.lower().endswith(_GRIB):
+    is_grib = path.lower().endswith(_GRIB)
+    if is_grib:
         extra("cfgrib", f"{path}: GRIB", "grib")
-        engine = "cfgrib"
     try:
-        dataset = xarray.open_dataset(path, engine=engine)
-        found = _with_our_names(dataset)
-        # only what is read is taken from the disk
-        wanted = [name for name in _VARIABLES if name in found.data_vars]
-        found = found[wanted] if wanted else found
-        found.set_close(dataset.close)
-        return found
-    except (OSError, ValueError) as error:
+        datasets = _open_grib(path) if is_grib else [xarray.open_dataset(path)]
+        found = [_of_interest(dataset) for dataset in datasets]
+    except (OSError, ValueError, EOFError) as error:
         reason = getattr(error, "strerror", None) or "xarray knows no way to open it"
-        kind = "GRIB" if engine else "NetCDF"
+        kind = "GRIB" if is_grib else "NetCDF"
         raise ConfigurationError(f"{path}: cannot be read as {kind}: {reason}") from None
+    if not found:
+        raise ConfigurationError(f"{path}: has no u and v on pressure levels")
+    return found
+
+
+def _open_grib(path: str) -> list[Any]:
+    """Winds and air on pressure levels, one part for each unit of these; a file may hold more."""
+    import xarray
+
+    found = []
+    for level, unit in _LEVELS_IN_GRIB.items():
+        fields = [  # one by one, as some lack levels that others have
+            xarray.open_dataset(
+                path, engine="cfgrib", time_dims=("valid_time",), squeeze=False,
+                filter_by_keys={"typeOfLevel": level, "shortName": name},
+            )
+            for name in _IN_GRIB
+        ]  # fmt: skip
+        if not {"u", "v"} <= {str(name) for field in fields for name in field.data_vars}:
+            continue
+        part = xarray.merge(fields, join="inner", compat="override", combine_attrs="override")
+        pressure = scale_and_offset(unit, "hPa")[0] * part[level].values
+        part = part.rename({level: "pressure"})
+        found.append(part.assign_coords(pressure=("pressure", pressure, {"units": "hPa"})))
+    in_all = [name for name in _IN_GRIB if all(name in part for part in found)]
+    return [part[in_all] for part in found]
+
+
+def _of_interest(dataset: Any) -> Any:
+    """With our names, and only what is to be read from the disk."""
+    found = _with_our_names(dataset)
+    wanted = [name for name in _VARIABLES if name in found.data_vars]
+    found = found[wanted] if wanted else found
+    found.set_close(dataset.close)
+    return found
 
 
 def in_one_layout(dataset: Any) -> Any:

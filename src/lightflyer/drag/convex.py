@@ -44,9 +44,6 @@ _STOKES = 6.0
 _SLIP, _SLIP_OF_TAC = 1.018, 0.1211  # viscous slip [SharipovSeleznev1998]
 _CUNNINGHAM_EXPONENT = 0.999  # A3 for Kn = λ/r, [AllenRaabe1985]
 _LEITH_SILHOUETTE = 1.0 / 3.0  # the rest is that of the surface
-_HALF_WARMED = 3.5
-"""Rarefaction times TAC at which the gas at a sphere has half of its warmth: conduction of a
-diatomic gas, with the jump at the wall, beside free molecules."""
 
 
 class Outline(NamedTuple):
@@ -95,18 +92,10 @@ def convex_drag(
     thin = _thin(speed_ratio, outline, tac, jnp.sqrt(1.0 + excess))
     width = jnp.sqrt(outline.silhouette / math.pi)
     inertia = sphere_inertia(reynolds_number(speed_ratio, delta) * width / radius)
-    growth = _growth(excess, tac, delta, temperature, gas)
+    growth = viscosity_growth(excess, delta, temperature, gas)
     dense = _STOKES * math.pi * radius**2 * inertia * growth / delta
     resistance = 1.0 / thin + cunningham_share(delta, tac) / dense
     return pressure * speed_ratio / resistance
-
-
-def _growth(
-    excess: Numeric, tac: Numeric, delta: Array, temperature: Numeric, gas: AbstractGas
-) -> Array:
-    """Growth of the drag of dense gas by the warmth of the surface."""
-    warmed = tac * delta / (tac * delta + _HALF_WARMED)
-    return viscosity_growth(excess, warmed, temperature, gas)
 
 
 def cunningham_share(rarefaction: Numeric, tac: Numeric) -> Array:
@@ -134,7 +123,6 @@ def convex_diagnostics(
     pressure: Numeric,
     temperature: Numeric,
     gas: AbstractGas,
-    tac: Numeric = 1.0,
     body_temperature: Numeric | None = None,
 ) -> Iterator[str]:
     """Where the drag of a convex body is outside its range, in words."""
@@ -144,4 +132,4 @@ def convex_diagnostics(
     yield from SPHERE_REYNOLDS.diagnostics(reynolds_number(speed_ratio, delta), pressure)
     if body_temperature is not None:
         excess = body_temperature / np.asarray(temperature) - 1.0
-        yield from WARMTH.diagnostics(_growth(excess, tac, delta, temperature, gas), pressure)
+        yield from WARMTH.diagnostics(viscosity_growth(excess, delta, temperature, gas), pressure)

@@ -14,8 +14,7 @@ in dense gas. :math:`\Phi` is the inertia of dense gas (:mod:`lightflyer.drag.in
 
 The warmth of a disk makes the resistance of free molecules smaller and leaves that of dense gas as
 it is: so says the kinetic equation (studies/drag/hot_disk.py). Edgewise, where it was not solved,
-the resistance of dense gas is that of gas of a temperature between
-(:func:`~lightflyer.drag.similarity.viscosity_growth`).
+the resistance of dense gas grows too (:func:`~lightflyer.drag.similarity.viscosity_growth`).
 """
 
 import math
@@ -47,10 +46,6 @@ from lightflyer.program.entry_point import entry_point
 Direction = Literal["broadside", "edgewise"]  # How a body moves: along its axis or across it
 BROADSIDE = 16.0  # Drag in slow flow over μ, radius and speed, broadside; [HappelBrenner1983] ch. 5
 EDGEWISE = 32.0 / 3.0  # The same edgewise
-
-_HALF_WARMED = 4.5
-"""Rarefaction times TAC at which the gas at a disk has half of its warmth, by the heat loss of
-the kinetic equation."""
 
 _HOLES = Validity(
     "the share of dense gas that passes the holes",
@@ -149,7 +144,8 @@ def edgewise_disk_drag(
     mean_tac, _ = face_means(tac, excess)
     thin = (1.0 - transmission) * free_molecular.edgewise_disk(mean_tac)
     inertia = edgewise_inertia(reynolds_number(speed_ratio, delta))
-    dense = EDGEWISE * inertia * _growth(excess, mean_tac, delta, temperature, gas)
+    growth = viscosity_growth(0.5 * (excess[0] + excess[1]), delta, temperature, gas)
+    dense = EDGEWISE * inertia * growth
     constant, offset = _EDGEWISE_SHARE
     share = 1.0 - constant / (delta + offset)
     return pressure * speed_ratio * _join(thin, dense, share * delta, radius)
@@ -162,18 +158,6 @@ def face_means(
     (first, second), (first_excess, second_excess) = tac, excess
     emitted = first * jnp.sqrt(1.0 + first_excess) + second * jnp.sqrt(1.0 + second_excess)
     return jnp.asarray(0.5 * (first + second)), emitted / (first + second)
-
-
-def _growth(
-    excess: tuple[Numeric, Numeric],
-    tac: Numeric,
-    delta: Array,
-    temperature: Numeric,
-    gas: AbstractGas,
-) -> Array:
-    """Growth of the drag of dense gas by the warmth of a disk that moves edgewise."""
-    warmed = tac * delta / (tac * delta + _HALF_WARMED)
-    return viscosity_growth(0.5 * (excess[0] + excess[1]), warmed, temperature, gas)
 
 
 def _join(thin: Array, dense: Array, met: Array, radius: Numeric) -> Array:
@@ -195,7 +179,7 @@ def disk_diagnostics(
     mean_tac = 0.5 * (np.asarray(tac[0]) + tac[1])
     around = pressure, temperature, gas
     body = temperature if body_temperature is None else body_temperature
-    speed_ratio, reynolds, delta, growth = _looked_at(speed, radius, *around, mean_tac, body)
+    speed_ratio, reynolds, delta, growth = _looked_at(speed, radius, *around, body)
     yield from SLOW.diagnostics(np.where(delta > THIN, speed_ratio, 0.0), pressure)
     if direction == "edgewise":
         yield _EDGEWISE
@@ -214,14 +198,13 @@ def _looked_at(
     pressure: Numeric,
     temperature: Numeric,
     gas: AbstractGas,
-    tac: Numeric,
     body_temperature: Numeric,
 ) -> tuple[Array, ...]:
     """Speed ratio, Reynolds number, rarefaction, growth of drag edgewise by warmth."""
     delta = rarefaction_parameter(pressure, temperature, radius, gas)
     speed_ratio = jnp.abs(jnp.asarray(speed)) / molecular_speed(temperature, gas)
     excess = jnp.asarray(body_temperature) / temperature - 1.0
-    growth = _growth((excess, excess), tac, delta, temperature, gas)
+    growth = viscosity_growth(excess, delta, temperature, gas)
     return speed_ratio, reynolds_number(speed_ratio, delta), delta, growth
 
 

@@ -138,6 +138,5 @@ class AbstractClosedFlyer(AbstractFlyer):
         direction: Direction = "broadside",
         temperature: Numeric | None = None,
     ) -> tuple[str, ...]:
-        tac = self.outer_film[0].tac_top
         gas = (state.pressure, state.temperature, state.gas)
-        return tuple(convex_diagnostics(speed, self.outline(direction), *gas, tac, temperature))
+        return tuple(convex_diagnostics(speed, self.outline(direction), *gas, temperature))

@@ -1,5 +1,7 @@
 """Waves of the air beside closed forms of linear theory, and what they do to flights."""
 
+from dataclasses import replace
+
 import jax
 import numpy as np
 import pytest
@@ -7,8 +9,12 @@ from scipy.integrate import cumulative_trapezoid, quad
 
 import lightflyer as lf
 from lightflyer.environment.base import Place
+from lightflyer.mission.fleet import tides_of
 from lightflyer.mission.path import waves
-from lightflyer.mission.path.waves import Waves, draw_waves
+from lightflyer.mission.path.waves import Tides, Waves, draw_waves
+from lightflyer.mission.report.assumptions import assumptions_of
+from lightflyer.mission.swarms import spreading
+from lightflyer.numerics.spline import Spline
 
 PLACE = Place(0.8, 0.2, 8e8)
 FREQUENCY, LENGTH = 2.0 * np.pi / 7200.0, 15e3
@@ -115,4 +121,85 @@ def test_waves_of_mars_are_not_known():
     ensemble = lf.mission.Ensemble(members=2, waves=1.0)
     with pytest.raises(lf.ParameterError, match="over Mars leave waves out"):
         ensemble.waves_over(lf.Mars())
-    assert lf.mission.Ensemble(members=2).waves_over(lf.Mars()) == 0.0
+    unasked = lf.mission.Ensemble(members=2)
+    assert unasked.waves_over(lf.Mars()) == 0.0
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    setup = lf.Setup(lf.Disk(film, radius=1e-3), lf.Mars(), lf.FreeMolecular())
+    told = assumptions_of(setup, lf.mission.Level(), unasked, None)
+    assert "waves: none; those of Mars are not known" in told
+
+
+def swarm(disk, **given):
+    return lf.fly(
+        disk, lf.Earth(wind=lf.environment.UniformWind(50.0)), lf.FreeMolecular(),
+        duration="6 h", every="1 h",
+        release=lf.Release("75 km", latitude=45.0, longitude=0.0, time=0.0),
+        ensemble=lf.mission.Ensemble(members=6, drag=0.0, **given),
+    )  # fmt: skip
+
+
+def test_a_swarm_at_one_place_flies_as_one_flyer(closed_form_disk):
+    """All members are the same flyer; released 10 km apart they meet other phases."""
+    near = swarm(closed_form_disk(0.002), together=True, wind=10.0)
+    altitude = near.ensemble_altitude.values
+    assert np.ptp(altitude, axis=0).max() < 1.0
+    assert np.abs(altitude[0] - near.altitude.values).max() > 50.0
+    assert "the same for all members" in near.attrs["assumptions"]
+    apart = swarm(closed_form_disk(0.002), together=True, distance=10e3)
+    assert np.std(apart.ensemble_altitude.values[:, -1]) > 5.0
+
+
+def test_phases_lag_by_the_distance_along_the_heading(single, lit_air):
+    """Half a wavelength to the north a wave that goes north is the opposite; to the east none."""
+    length = LENGTH * 0.02 / FREQUENCY
+    east = np.array([-np.sin(0.2), np.cos(0.2), 0.0])
+    here = np.array([np.cos(0.8) * np.cos(0.2), np.cos(0.8) * np.sin(0.2), np.sin(0.8)])
+    air, up = lit_air(), []
+    angle = 0.5 * length / 6371e3
+    north = single.headings[:, 0]
+    for along in (0.0 * east, north, east):
+        middle = here * np.cos(angle) - along * np.sin(angle)
+        path = Spline.through(np.arange(4.0) * 1e3, np.tile(middle, (4, 1)))
+        with lf.float64():
+            still = air.state(70e3, PLACE)
+            state = replace(single, middle=path).disturb(still, 70e3, PLACE, 900.0)
+        up.append(float(state.wind.up))
+    assert up[1] == pytest.approx(-up[0], rel=0.02)
+    assert up[2] == pytest.approx(up[0], rel=1e-6)
+    assert abs(up[0]) > 0.01
+
+
+def test_batches_of_a_swarm_meet_one_weather(closed_form_disk, monkeypatch):
+    monkeypatch.setattr(spreading, "MEMBERS", 3)
+    found = lf.mission.disperse_ensemble(
+        closed_form_disk(0.002), lf.Earth(), lf.FreeMolecular(), duration="3 h", every="1 h",
+        release=lf.Release("75 km", latitude=45.0, longitude=0.0, time=0.0),
+        ensemble=lf.mission.Ensemble(members=6, drag=0.0, together=True, wind=10.0),
+    )  # fmt: skip
+    assert float(found.altitude_spread[-1]) < 1.0
+    assert float(found.distance[-1]) < 100.0
+
+
+def test_tides_that_the_environment_has_are_not_counted_twice():
+    """What is left out is what differs between draws of one seed."""
+    earth = lf.Earth(atmosphere=lf.environment.GlobalNRLMSIS(f107=150.0, ap=4.0))
+    assert tides_of(earth) == Tides(winds=False, warmth=True)
+    assert tides_of(lf.Earth()) == Tides()
+    whole, part = (draw_waves(50, 1.0, 0, known) for known in (Tides(), Tides(True, True)))
+    with lf.float64():
+        still = lf.Earth().state(80e3, PLACE)
+
+        def spread(waves):
+            state = jax.vmap(lambda one: one.disturb(still, 80e3, PLACE, 3e4))(waves)
+            return state.temperature, state.wind.up, state.wind.east
+
+        warmer, up, east = (np.asarray(x) for x in spread(whole))
+        less, same, slower = (np.asarray(x) for x in spread(part))
+        calm = replace(whole, cosines=whole.cosines * (np.arange(10) < 8),
+                       sines=whole.sines * (np.arange(10) < 8))  # fmt: skip
+        warmth, _, wind = (np.asarray(x) for x in spread(calm))
+    np.testing.assert_allclose(same, up, rtol=1e-12)
+    np.testing.assert_allclose(less, warmth, rtol=1e-12)
+    np.testing.assert_allclose(slower, wind, atol=1e-9)
+    assert np.std(warmer) > np.std(less)
+    assert np.abs(east - slower).max() > 1.0

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from itertools import takewhile
 from typing import Any, NamedTuple
@@ -28,8 +29,9 @@ from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track, 
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.path.single import follow
-from lightflyer.mission.path.waves import Waves, draw_waves
+from lightflyer.mission.path.waves import Tides, Waves, draw_waves
 from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
+from lightflyer.numerics.spline import Spline
 from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 
@@ -45,6 +47,7 @@ _WIND, _RELEASE, _DRAG, _WAVES = (
     3,
     4,
 )  # added to the seed, so that one does not follow the other
+_places, _unit_vector = entry_point(latitude_and_longitude), entry_point(unit_vector)
 _ANOTHER = 7  # any number of flights that no table of a flyer happens to have as its length
 
 
@@ -55,6 +58,9 @@ class Ensemble(Checked):
     ----------
     members : int
     seed : int
+    together : bool
+        Whether members are a swarm that is released at once, which meets one error of the wind and
+        the same waves; otherwise each meets its own, as does one flyer on any day.
     wind, vertical_wind : array
         Standard uncertainty of each horizontal component of the wind, and of the vertical one
         [m/s].
@@ -73,6 +79,7 @@ class Ensemble(Checked):
 
     members: int = eqx.field(static=True, default=MEMBERS)
     seed: int = eqx.field(static=True, default=0)
+    together: bool = eqx.field(static=True, default=False)
     wind: Speed = 0.0
     vertical_wind: Speed = 0.0
     wind_correlation_time: Duration = _A_DAY
@@ -118,6 +125,7 @@ class Flights(eqx.Module):
     starts: Start  # Numbers have a leading axis
     errors: "Errors"  # Fields have a leading axis
     rule: AbstractAttitudeRule
+    together: bool = eqx.field(static=True, default=False)  # Whether members are one swarm
 
     @property
     def count(self) -> int:
@@ -130,17 +138,26 @@ def flights_of(
     start: Start,
     ensemble: Ensemble | None = None,
     delays: Sequence[float] = (),
+    *,
+    air_seed: int | None = None,
 ) -> Flights:
-    """The flyer as it is stated, the members of an ensemble, and further launches."""
+    """The flyer as it is stated, the members of an ensemble, and further launches.
+
+    ``air_seed``: of the air that members meet together, unless it is the ensemble's.
+    """
     setup, varied = _separate(design, ensemble, len(delays))
     radius = float(planet_of(design.setup.environment).radius)
     starts = _starts(start, ensemble, delays, radius)
+    met = ensemble
+    if ensemble is not None and ensemble.together and air_seed is not None:
+        met = replace(ensemble, seed=air_seed)
     errors = Errors(
-        _wind_errors(ensemble, len(delays)),
-        _waves(ensemble, len(delays), design.setup.environment),
+        _wind_errors(met, len(delays)),
+        _waves(met, len(delays), design.setup.environment),
         _drags(ensemble, len(delays)),
     )
-    return Flights(setup, varied, starts, errors, rule)
+    together = ensemble is not None and ensemble.together
+    return Flights(setup, varied, starts, errors, rule, together)
 
 
 def _separate(
@@ -173,13 +190,19 @@ def _wind_errors(ensemble: Ensemble | None, launches: int) -> WindError | None:
     if ensemble is None or not (np.any(ensemble.wind) or np.any(ensemble.vertical_wind)):
         return None
     errors = draw_wind_errors(
-        ensemble.members,
+        1 if ensemble.together else ensemble.members,
         float(ensemble.wind),
         float(ensemble.vertical_wind),
         float(ensemble.wind_correlation_time),
         ensemble.seed + _WIND,
     )
-    return jax.tree.map(lambda part: _among_others(part, launches), errors)
+    return _of_members(errors, ensemble, launches)
+
+
+def _of_members(drawn: Any, ensemble: Ensemble, launches: int) -> Any:
+    """What members meet, one by one or all the same, and the other flights do not."""
+    times = ensemble.members if ensemble.together else 1
+    return jax.tree.map(lambda part: _among_others(np.repeat(part, times, axis=0), launches), drawn)
 
 
 def _waves(
@@ -189,8 +212,16 @@ def _waves(
     scale = 0.0 if ensemble is None else ensemble.waves_over(environment)
     if ensemble is None or scale == 0.0:
         return None
-    waves = draw_waves(ensemble.members, scale, ensemble.seed + _WAVES)
-    return jax.tree.map(lambda part: _among_others(part, launches), waves)
+    count = 1 if ensemble.together else ensemble.members
+    waves = draw_waves(count, scale, ensemble.seed + _WAVES, tides_of(environment))
+    found: Waves = _of_members(waves, ensemble, launches)
+    return found
+
+
+def tides_of(environment: AbstractEnvironment) -> Tides:
+    """What an environment has of the tides itself."""
+    parts = (getattr(environment, name, None) for name in ("wind", "atmosphere"))
+    return Tides(*(bool(getattr(part, "has_tides", False)) for part in parts))
 
 
 def _drags(ensemble: Ensemble | None, launches: int) -> Any:
@@ -323,4 +354,22 @@ def take(flights: Flights, rows: Any) -> Flights:
     """Some of the flights."""
     parts = flights.varied, flights.starts, flights.errors
     varied, starts, errors = jax.tree.map(lambda leaf: np.asarray(leaf)[rows], parts)
-    return Flights(flights.setup, varied, starts, errors, flights.rule)
+    return replace(flights, varied=varied, starts=starts, errors=errors)
+
+
+def around_first(flights: Flights, first: Track, elapsed: np.ndarray) -> Flights:
+    """The flights of a swarm, in waves whose phases follow from the distance to the first one."""
+    last = int(np.flatnonzero(np.isfinite(first.altitude))[-1])
+    latitude, longitude = _places(np.asarray(first.position)[: last + 1])
+    turned = np.unwrap(longitude)
+    # after its end a flight goes on along the parallel, as it did at last
+    rate = (turned[last] - turned[last - 1]) / (elapsed[last] - elapsed[last - 1]) if last else 0.0
+    at = np.minimum(np.arange(elapsed.size), last)
+    middle = _unit_vector(latitude[at], turned[at] + rate * (elapsed - elapsed[at]))
+    path = jax.tree.map(
+        lambda leaf: np.broadcast_to(leaf, (flights.count, *leaf.shape)),
+        Spline.through(elapsed, np.asarray(middle)),
+    )
+    assert flights.errors.waves is not None
+    waves = replace(flights.errors.waves, middle=path)
+    return replace(flights, errors=flights.errors._replace(waves=waves))

@@ -83,6 +83,7 @@ class EnsembleSection(_Exact, of=Ensemble):
 
     members: _Members = MEMBERS
     seed: _Seed = 0
+    together: bool = False
     time_uncertainty: Duration | None = None
 
 

@@ -38,6 +38,11 @@ class AbstractAtmosphere(eqx.Module):
     def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:
         """Mean molar mass over its value at sea level [1]."""
 
+    @property
+    def has_tides(self) -> bool:
+        """Whether tides are part of temperature and pressure, so that nothing else adds theirs."""
+        return False
+
     def describe(self) -> str:
         """Which atmosphere it is, in a short text; by default the name of the class."""
         return f"atmosphere: {type(self).__name__}"

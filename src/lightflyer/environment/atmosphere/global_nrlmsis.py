@@ -173,6 +173,10 @@ class GlobalNRLMSIS(AbstractAtmosphere):
         """0 m to 150 km."""
         return 0.0, _TOP
 
+    @property
+    def has_tides(self) -> bool:
+        return True
+
     def describe(self) -> str:
         return f"atmosphere: NRLMSIS 2.1 by place and time, {self.indices.describe()}"
 

@@ -30,6 +30,11 @@ class AbstractWind(eqx.Module):
     velocity, whatever the longitude.
     """
 
+    @property
+    def has_tides(self) -> bool:
+        """Whether tides are part of the wind, so that nothing else adds theirs."""
+        return False
+
     @abc.abstractmethod
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         """Velocity of the gas at a geometric altitude [m].

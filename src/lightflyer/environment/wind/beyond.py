@@ -62,6 +62,10 @@ class WindBeyondData(AbstractWind):
         """Weight of the data in the wind [1]: one inside, zero where they end."""
         return _weight(self.data, altitude, place)
 
+    @property
+    def has_tides(self) -> bool:
+        return self.data.has_tides and self.beyond.has_tides
+
     def describe(self) -> tuple[str, ...]:
         beyond = (text.removeprefix("wind: ") for text in self.beyond.describe())
         return (*self.data.describe(), *(f"wind beyond the data: {text}" for text in beyond))

@@ -1,5 +1,6 @@
 """Wind from data on a grid: a reanalysis, a forecast, a climatology."""
 
+import math
 from collections.abc import Callable, Iterator
 from functools import partial, reduce
 from pathlib import Path
@@ -26,6 +27,7 @@ from lightflyer.program.entry_point import entry_point
 T = TypeVar("T")
 
 _TURN = 2.0 * np.pi
+_SPACING_OF_TIDES = 21_600.0  # seconds between entries that still tell half a day's tide
 
 
 class GriddedWind(AbstractWind):
@@ -84,6 +86,7 @@ class GriddedWind(AbstractWind):
     has_air: bool = eqx.field(static=True)
     told: str = eqx.field(static=True)
     store: Store | None = eqx.field(static=True)
+    spacing: float = eqx.field(static=True)  # longest of its times [s]; infinite for one time
 
     def __init__(
         self, dataset: Any, atmosphere: AbstractAtmosphere | None = None, *, air: bool = True
@@ -104,6 +107,7 @@ class GriddedWind(AbstractWind):
             self.has_air = air and grid.air is not None
             self.table, self.axes = _tabulate(grid)
             coordinates = grid.time, grid.level, grid.latitude, grid.longitude
+        self.spacing = float(np.diff(coordinates[0]).max(initial=0.0)) or math.inf
         ends = [(float(axis[0]), float(axis[-1])) for axis in coordinates]
         if grid.around:
             south, north = _near_poles(coordinates[2])
@@ -181,6 +185,10 @@ class GriddedWind(AbstractWind):
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         return self.reach.margins(altitude, place)
+
+    @property
+    def has_tides(self) -> bool:
+        return self.spacing <= _SPACING_OF_TIDES
 
     def describe(self) -> tuple[str, ...]:
         upwards = "" if self.rises else ", nothing upwards"

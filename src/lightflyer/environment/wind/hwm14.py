@@ -98,6 +98,10 @@ class HWM14(AbstractWind):
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
         return {_ABOVE: (HIGHEST - altitude) / _TWO_KILOMETRES}
 
+    @property
+    def has_tides(self) -> bool:
+        return True
+
     def describe(self) -> tuple[str, ...]:
         return ("wind: HWM14, quiet, without weather, nothing upwards",)
 

@@ -83,6 +83,10 @@ class SumOfWinds(AbstractWind):
             for name, margin in wind.margins(altitude, place).items()
         }
 
+    @property
+    def has_tides(self) -> bool:
+        return any(wind.has_tides for wind in self.winds)
+
     def describe(self) -> tuple[str, ...]:
         return tuple(text for wind in self.winds for text in wind.describe())
 

@@ -15,10 +15,17 @@ flyer drifts with the air, so it meets waves at their intrinsic frequencies.
 Temperatures by gravity waves grow from 0.5 K at 20 km to 8 K at 100 km, with vertical wavelengths
 of 10 km to 20 km, and in winter they may be twice those in summer [Rauthe2008]_. Their energy falls
 with the frequency as :math:`\omega^{-5/3}` [Manson1999]_. Tides of 24 h and 12 h make 30 % to 50 %
-of all fluctuations [Luebken2008]_. They are given random phases: theirs depend on place and season.
+of all fluctuations [Luebken2008]_. They are given random phases: those of the mean tides of
+NRLMSIS, 1 K to 4 K from 60 km to 80 km, turn within ten kilometres and with season and latitude,
+and where ozone warms the air its temperature does not tell how far it has risen.
+
+Flyers that fly together meet the same waves. The phase at a flyer lags by
+:math:`k\cdot(x - x_0)`, with :math:`k = m\omega/N` along the heading and the place :math:`x_0` of
+the flyer as it is stated.
 """
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -27,7 +34,9 @@ from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState, Place, Wind
-from lightflyer.mission.path.position import directions
+from lightflyer.environment.planet import EARTH_PLANET
+from lightflyer.mission.path.position import directions, unit_vector
+from lightflyer.numerics.spline import Spline
 
 _LOWEST, _HIGHEST = (20e3, 0.5), (100e3, 8.0)  # Altitude [m] and temperature by gravity waves [K]
 _WAVELENGTHS = 10e3, 20e3  # Vertical, of gravity waves [m]
@@ -47,6 +56,16 @@ _SCALE_HEIGHT = 7e3  # m
 _COUNT = 8  # Gravity waves of one flight
 
 
+class Tides(NamedTuple):
+    """What an environment has of the tides itself, which waves leave out."""
+
+    winds: bool = False  # Along the ground
+    warmth: bool = False  # And pressure
+
+
+NO_TIDES = Tides()
+
+
 class Waves(eqx.Module):
     """Waves along one flight; zeros are still air."""
 
@@ -58,15 +77,22 @@ class Waves(eqx.Module):
     # the ground [1]
     headings: Numeric
     reaches: Numeric  # shape (waves,); pressure's share over that of temperature [1]
+    warms: Numeric = 1.0  # shape (waves,); zero where the atmosphere has the wave's warmth [1]
+    # Unit vector of the middle of those who fly together, over the time since the release; None
+    # where each has waves of its own
+    middle: Spline | None = None
 
     def disturb(
         self, state: EnvironmentState, altitude: Numeric, place: Place, elapsed: Numeric
     ) -> EnvironmentState:
         """A state of the air with these waves; ``elapsed``: time since the release [s]."""
         phases = self.frequencies * elapsed + self.wavenumbers * altitude
+        if self.middle is not None:
+            away = unit_vector(place.latitude, place.longitude) - self.middle(elapsed)
+            phases = phases - self._lags @ away
         cosine, sine = jnp.cos(phases), jnp.sin(phases)
         size = temperature_by_gravity_waves(altitude) / state.temperature
-        warmer = size * jnp.sum(self.cosines * cosine + self.sines * sine)
+        warmer = size * jnp.sum(self.warms * (self.cosines * cosine + self.sines * sine))
         quarter = self.sines * cosine - self.cosines * sine  # a quarter of a wave ahead
         lift = -size * state.gravity / _BUOYANCY_FREQUENCY**2
         up = lift * jnp.sum(self.frequencies * quarter)
@@ -83,6 +109,14 @@ class Waves(eqx.Module):
             wind=moved,
         )
 
+    @property
+    def _lags(self) -> Array:
+        """Phase over the distance along each axis of the planet's frame, shape (waves, 3) [1]."""
+        length = jnp.sqrt(jnp.sum(self.headings**2, axis=0))
+        along = self.headings / jnp.where(length > 0.0, length, 1.0)
+        wavenumbers = self.wavenumbers * self.frequencies / _BUOYANCY_FREQUENCY
+        return (EARTH_PLANET.radius * wavenumbers * along).T
+
 
 def temperature_by_gravity_waves(altitude: Numeric) -> Array:
     """Root of the mean square of the temperature that they add [K]; ``altitude`` [m]."""
@@ -91,7 +125,7 @@ def temperature_by_gravity_waves(altitude: Numeric) -> Array:
     return least * (most / least) ** share
 
 
-def draw_waves(count: int, scale: float, seed: int) -> Waves:
+def draw_waves(count: int, scale: float, seed: int, known: Tides = NO_TIDES) -> Waves:
     """Waves of many flights, each with its own; ``scale``: their size over the climatology's."""
     generator = np.random.default_rng(seed)
     longest, shortest = 2.0 * np.pi / _LONGEST_PERIOD, 2.0 * np.pi / _SHORTEST_PERIOD
@@ -111,22 +145,32 @@ def draw_waves(count: int, scale: float, seed: int) -> Waves:
     ]
     wavenumbers = 2.0 * np.pi / np.concatenate(lengths, axis=1)
     shape = wavenumbers.shape
+    winds, warms = np.ones(shape[1]), np.ones(shape)
+    winds[_COUNT:], warms[:, _COUNT:] = not known.winds, not known.warmth
     return Waves(
         np.concatenate([frequencies, tides], axis=1),
         wavenumbers,
         amplitudes * generator.standard_normal(shape),
         amplitudes * generator.standard_normal(shape),
-        np.sqrt(0.5) * generator.standard_normal((count, 3, shape[1])),
-        1.0 / (wavenumbers * _SCALE_HEIGHT),
+        winds * np.sqrt(0.5) * generator.standard_normal((count, 3, shape[1])),
+        warms / (wavenumbers * _SCALE_HEIGHT),
+        warms,
     )
 
 
-def describe_waves(scale: float) -> str:
+def describe_waves(scale: float, known: Tides, *, together: bool) -> str:
     """What is assumed about the air's waves, in words."""
+    parts = [
+        text for has, text in zip(known, ("wind", "temperature and pressure"), strict=True) if has
+    ]
+    told = f"; {' and '.join(parts)} by tides are the environment's own" if parts else ""
+    told += (
+        "; the same for all members, by their distance from the stated flyer" if together else ""
+    )
     sizes = [scale * float(temperature_by_gravity_waves(height)) for height in (60e3, 80e3)]
     return (
         f"waves: gravity waves of ± {sizes[0]:.2g} K at 60 km and ± {sizes[1]:.2g} K at 80 km, "
         f"tides of {100.0 * _TIDAL_SHARE:.0f} % of both, with the rise and fall, wind and pressure "
         f"that belong to them; periods of {_SHORTEST_PERIOD / 60.0:.0f} min to "
-        f"{_LONGEST_PERIOD / 3600.0:.0f} h"
+        f"{_LONGEST_PERIOD / 3600.0:.0f} h{told}"
     )

@@ -9,9 +9,10 @@ import numpy as np
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.lu2023 import READINGS, Reading
-from lightflyer.mission.fleet import Ensemble
+from lightflyer.mission.fleet import Ensemble, tides_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.dynamics import Inertia
+from lightflyer.mission.path.motion import planet_of
 from lightflyer.mission.path.waves import describe_waves
 
 _SECONDS_AN_HOUR = 3600.0
@@ -83,12 +84,16 @@ def _ensemble_assumptions(
         hours = float(ensemble.wind_correlation_time) / _SECONDS_AN_HOUR
         told.append(
             f"error of the wind: ± {winds[0]:g} m/s east and north, ± {winds[1]:g} m/s up, the "
-            f"same at all altitudes, correlated over {hours:g} h"
+            f"same at all altitudes{', and for all members' if ensemble.together else ''}, "
+            f"correlated over {hours:g} h"
         )
     scale = ensemble.waves_over(environment)
-    told.append(
-        describe_waves(scale) if scale else "waves: none; the air is still but for its wind"
-    )
+    if scale:
+        told.append(describe_waves(scale, tides_of(environment), together=ensemble.together))
+    elif ensemble.waves is None:
+        told.append(f"waves: none; those of {planet_of(environment).name} are not known")
+    else:
+        told.append("waves: none; the air is still but for its wind")
     if float(ensemble.drag):
         told.append(f"drag: ± {100.0 * float(ensemble.drag):g} %, the same throughout a flight")
     spread = [float(part) for part in (ensemble.altitude, ensemble.distance, ensemble.time)]

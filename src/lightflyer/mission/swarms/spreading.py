@@ -93,7 +93,8 @@ class _Swarm:
     def __call__(self, batch: int) -> tuple[int, Counts]:
         """Fly a batch of members and count them."""
         ensemble = replace(self.ensemble, members=self.size(batch), seed=self.seed(batch))
-        flights = flights_of(self.design, self.rule, self.start, ensemble)
+        seed = self.ensemble.seed
+        flights = flights_of(self.design, self.rule, self.start, ensemble, air_seed=seed)
         with report_to(_silent):  # whole batches are reported
             begun = begin(flights, self.limits, self.elapsed, self.accuracy)
             tracks = begun.join(fly_many(begun.flights, self.limits, begun.elapsed, self.accuracy))

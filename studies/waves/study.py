@@ -1,6 +1,11 @@
-"""What waves and tides of the air do to flights: nights survived, and how far flyers spread."""
+"""What waves and tides of the air do to flights: nights survived, and how far flyers spread.
+
+Run as ``python studies/waves/study.py [swarms]``; ``swarms`` flies swarms that meet one weather
+each, and prints the share of each that is left.
+"""
 
 import csv
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +33,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def fly(millimetres, latitude, month, waves, vertical):
+def fly(millimetres, latitude, month, waves, vertical, members=MEMBERS, **swarm):
     """Flights of a polyimide film of 1 g/m² in the wind of the season."""
     film = lf.FilmProperties(
         1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9, highest_temperature=633.0
@@ -41,7 +46,7 @@ def fly(millimetres, latitude, month, waves, vertical):
         lf.Disk(film, radius=0.5e-3 * millimetres), environment, lf.Kinetic(),
         release=lf.Release("75 km", latitude, 10.0, f"2026-{month:02d}-21T12:00Z"),
         duration=f"{24 * DAYS} h", attitude=lf.mission.Level(), lowest="50 km", every="30 min",
-        ensemble=lf.mission.Ensemble(MEMBERS, waves=waves, vertical_wind=vertical),
+        ensemble=lf.mission.Ensemble(members, waves=waves, vertical_wind=vertical, **swarm),
     )  # fmt: skip
 
 
@@ -66,6 +71,18 @@ def row(flown):
     )  # fmt: skip
 
 
+def swarms():
+    """Shares of swarms of 3 mm, each in a weather of its own, that still fly at the end."""
+    flown = (
+        fly(
+            *FLYERS["3 mm, 60° N, June"], *CASES["both"], 64, together=True, distance=1e3, seed=seed
+        )
+        for seed in range(20)
+    )
+    shares = [float(np.isfinite(one.ensemble_altitude.values[:, -1]).mean()) for one in flown]
+    print(f"mean {np.mean(shares):.2f};", *(f"{share:.2f}" for share in sorted(shares)))
+
+
 def main():
     """Fly all cases and write their numbers."""
     rows = [
@@ -78,4 +95,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    swarms() if "swarms" in sys.argv else main()

@@ -25,6 +25,7 @@ from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.dataset import ELAPSED, degrees_of
 from lightflyer.mission.report.shares import binomial_interval, interval_of
 from lightflyer.mission.report.station import time_within
+from lightflyer.numerics.batches import in_batches
 from lightflyer.program.entry_point import entry_point
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ FEWEST = 20  # Landings from which on the larger area is known
 
 _FAR_ABOVE = 40e3  # Altitude above all flight levels, whatever the weather [m]
 _HUNDRED_FEET = 30.48  # metres
+_POINTS = 4096  # of tracks that are looked at together: an atmosphere takes 0.1 MB for each
 _RESAMPLES = 400
 _CORNERS = 120  # of the outline of an area
 _PREFIXES = "ensemble_", "launch_", ""  # of the flights that landings are counted of, best first
@@ -280,8 +282,13 @@ def _pressures(
         still = replace(environment, wind=None)
     altitude = np.clip(track["altitude"], where.lowest, where.highest)
     latitude, longitude = (np.radians(track[name]) for name in ("latitude", "longitude"))
-    place = Place(latitude, longitude, released + track["elapsed"])
-    return np.asarray(_pressure(still, altitude, place))
+    times = np.broadcast_to(released + track["elapsed"], altitude.shape)
+    points = [part.ravel() for part in (altitude, latitude, longitude, times)]
+
+    def look(altitude: Any, *place: Any) -> Any:
+        return _pressure(still, altitude, Place(*place))
+
+    return in_batches(look, points, _POINTS).reshape(altitude.shape)
 
 
 @entry_point

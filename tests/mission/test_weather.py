@@ -84,6 +84,13 @@ def test_a_flight_by_parts_is_the_flight(both):
     np.testing.assert_allclose(parts.wind_north, north, atol=0.1)
 
 
+def test_a_flight_by_parts_goes_on_beyond_the_data(both):
+    whole, parts = both(duration="6 h", altitude="58 km", beyond=UniformWind(20.0))
+    assert float(whole.altitude[-1]) > 60e3
+    for name in ("altitude", "latitude", "longitude", "wind_east"):
+        np.testing.assert_allclose(parts[name], whole[name], rtol=1e-9, atol=1e-9)
+
+
 def test_who_chooses_its_wind_sees_all_levels(both):
     station = lf.mission.Circle(78.0, 0.0, "300 km")
     rule = lf.mission.Shaded(lf.mission.ChooseWind(station, "25 km", "59 km", width="30 km"))

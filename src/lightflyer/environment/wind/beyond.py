@@ -72,13 +72,13 @@ class WindBeyondData(AbstractWind):
 
 
 @entry_point
-def _within(data: GriddedWind, altitude: Altitude, place: Place) -> Numeric:
+def _within(data: AbstractWind, altitude: Altitude, place: Place) -> Numeric:
     """How far the nearest end of the data is, in the units of margins."""
     return reduce(jnp.minimum, data.margins(altitude, place).values())
 
 
 @entry_point
-def _weight(data: GriddedWind, altitude: Altitude, place: Place) -> Numeric:
+def _weight(data: AbstractWind, altitude: Altitude, place: Place) -> Numeric:
     return _smooth(_within(data, altitude, place))
 
 

@@ -149,24 +149,23 @@ def test_a_swarm_at_one_place_flies_as_one_flyer(closed_form_disk):
     assert np.std(apart.ensemble_altitude.values[:, -1]) > 5.0
 
 
-def test_phases_lag_by_the_distance_along_the_heading(single, lit_air):
-    """Half a wavelength to the north a wave that goes north is the opposite; to the east none."""
-    length = LENGTH * 0.02 / FREQUENCY
-    east = np.array([-np.sin(0.2), np.cos(0.2), 0.0])
+def test_a_wave_that_goes_north_comes_later_to_who_is_north(single, lit_air):
+    """By a quarter of its period at a quarter of its length; who is east meets it as the middle."""
+    length, air = LENGTH * 0.02 / FREQUENCY, lit_air()
+    north, east = single.headings[:, 0], np.array([-np.sin(0.2), np.cos(0.2), 0.0])
     here = np.array([np.cos(0.8) * np.cos(0.2), np.cos(0.8) * np.sin(0.2), np.sin(0.8)])
-    air, up = lit_air(), []
-    angle = 0.5 * length / 6371e3
-    north = single.headings[:, 0]
-    for along in (0.0 * east, north, east):
+    angle = 0.25 * length / 6371e3
+
+    def up(elapsed, along):
         middle = here * np.cos(angle) - along * np.sin(angle)
         path = Spline.through(np.arange(4.0) * 1e3, np.tile(middle, (4, 1)))
-        with lf.float64():
-            still = air.state(70e3, PLACE)
-            state = replace(single, middle=path).disturb(still, 70e3, PLACE, 900.0)
-        up.append(float(state.wind.up))
-    assert up[1] == pytest.approx(-up[0], rel=0.02)
-    assert up[2] == pytest.approx(up[0], rel=1e-6)
-    assert abs(up[0]) > 0.01
+        state, _ = disturbed(replace(single, middle=path), air, 70e3, elapsed)
+        return float(state.wind.up)
+
+    alone = [float(disturbed(single, air, 70e3, time)[0].wind.up) for time in (900.0, -900.0)]
+    assert abs(alone[0] - alone[1]) > 0.01
+    assert up(900.0, north) == pytest.approx(alone[1], abs=0.02 * abs(alone[1]))
+    assert up(900.0, east) == pytest.approx(alone[0], abs=0.02 * abs(alone[0]))
 
 
 def test_batches_of_a_swarm_meet_one_weather(closed_form_disk, monkeypatch):

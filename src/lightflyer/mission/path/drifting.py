@@ -118,7 +118,7 @@ def steady_drift(
     ...     lf.Disk(film, radius=0.01), lf.Earth(), lf.Lu2023(), altitude=70e3, tilt=0.3
     ... )
     >>> print(f"{found.speed:.2f} m/s along, {found.climb:.2f} m/s up")
-    0.90 m/s along, 0.78 m/s up
+    0.98 m/s along, 0.75 m/s up
     """
     setup = as_design(what, environment, model).setup
     height = setup.environment.coordinate.quantity.number("altitude", altitude)

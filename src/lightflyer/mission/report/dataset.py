@@ -38,6 +38,7 @@ ENDS = {
 """Where, when and why a flight ended."""
 
 
+_TOGETHER = 100_000  # Places that are worked out at once, which keeps temporary arrays small
 SEVERAL = (("ensemble_", "member"), ("launch_", "launch"))
 """Prefixes and dimensions of flights beside that of the flyer as it is stated."""
 
@@ -55,10 +56,14 @@ class Several:
 
 def degrees_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Latitude and longitude of unit vectors [deg]; ``position`` (..., 3)."""
-    known = np.isfinite(position).all(axis=-1)
-    safe = np.where(known[..., None], position, [1.0, 0.0, 0.0])
-    places = _places_of(safe)
-    latitude, longitude = (np.where(known, part / RADIANS_PER_DEGREE, np.nan) for part in places)
+    flat = np.reshape(position, (-1, 3))
+    found = np.full((2, len(flat)), np.nan)
+    for first in range(0, len(flat), _TOGETHER):
+        some = slice(first, first + _TOGETHER)
+        known = np.isfinite(flat[some]).all(axis=-1)
+        safe = np.where(known[:, None], flat[some], [1.0, 0.0, 0.0])
+        found[:, some] = np.where(known, np.stack(_places_of(safe)) / RADIANS_PER_DEGREE, np.nan)
+    latitude, longitude = found.reshape(2, *np.shape(position)[:-1])
     return latitude, longitude
 
 

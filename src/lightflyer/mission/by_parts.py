@@ -16,7 +16,16 @@ from lightflyer.core.progress import asked_to_end, report, report_to
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Place
 from lightflyer.environment.wind.gridded import GriddedWind, hold, parts_at, winds_in_files
-from lightflyer.mission.fleet import BATCH, FEW, Flights, around_first, fly_all, one_of, take
+from lightflyer.mission.fleet import (
+    BATCH,
+    FEW,
+    Flights,
+    around_guide,
+    fly_all,
+    guide_of,
+    one_of,
+    take,
+)
 from lightflyer.mission.kept import Keep, keep_nothing
 from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track
 from lightflyer.mission.path.motion import planet_of
@@ -44,9 +53,8 @@ def fly_many(
 ) -> Track:
     """Trajectories of flights as of :func:`~.fleet.fly_all`, whatever size their wind has."""
     if flights.together and flights.errors.waves is not None:
-        if first is None:
-            first, _ = follow(*one_of(flights, 0), limits, elapsed, accuracy)
-        flights = around_first(flights, first, elapsed)
+        guide, _ = follow(*guide_of(flights), limits, elapsed, accuracy)
+        flights = around_guide(flights, guide, elapsed)
     winds = winds_in_files(flights.setup)
     if not winds or flights.count - (first is not None) <= FEW:
         return fly_all(flights, limits, elapsed, accuracy, first, keep=keep)

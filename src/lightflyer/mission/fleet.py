@@ -357,10 +357,17 @@ def take(flights: Flights, rows: Any) -> Flights:
     return replace(flights, varied=varied, starts=starts, errors=errors)
 
 
-def around_first(flights: Flights, first: Track, elapsed: np.ndarray) -> Flights:
-    """The flights of a swarm, in waves whose phases follow from the distance to the first one."""
-    last = int(np.flatnonzero(np.isfinite(first.altitude))[-1])
-    latitude, longitude = _places(np.asarray(first.position)[: last + 1])
+def guide_of(flights: Flights) -> tuple[Craft, Start]:
+    """The flyer as it is stated, in the weather of the swarm; it meets waves as they are drawn."""
+    craft, start = one_of(flights, 0)
+    member, _ = one_of(flights, 1)
+    return replace(craft, wind_error=member.wind_error, waves=member.waves), start
+
+
+def around_guide(flights: Flights, guide: Track, elapsed: np.ndarray) -> Flights:
+    """The flights of a swarm, in waves whose phases follow from the distance to its guide."""
+    last = int(np.flatnonzero(np.isfinite(guide.altitude))[-1])
+    latitude, longitude = _places(np.asarray(guide.position)[: last + 1])
     turned = np.unwrap(longitude)
     # after its end a flight goes on along the parallel, as it did at last
     rate = (turned[last] - turned[last - 1]) / (elapsed[last] - elapsed[last - 1]) if last else 0.0

@@ -21,7 +21,7 @@ and where ozone warms the air its temperature does not tell how far it has risen
 
 Flyers that fly together meet the same waves. The phase at a flyer lags by
 :math:`k\cdot(x - x_0)`, with :math:`k = m\omega/N` along the heading and the place :math:`x_0` of
-the flyer as it is stated.
+the flyer as it is stated, which goes with the same wind and waves.
 """
 
 from dataclasses import replace
@@ -164,9 +164,7 @@ def describe_waves(scale: float, known: Tides, *, together: bool) -> str:
         text for has, text in zip(known, ("wind", "temperature and pressure"), strict=True) if has
     ]
     told = f"; {' and '.join(parts)} by tides are the environment's own" if parts else ""
-    told += (
-        "; the same for all members, by their distance from the stated flyer" if together else ""
-    )
+    told += "; the same for all members, by distance from one that is as stated" if together else ""
     sizes = [scale * float(temperature_by_gravity_waves(height)) for height in (60e3, 80e3)]
     return (
         f"waves: gravity waves of ± {sizes[0]:.2g} K at 60 km and ± {sizes[1]:.2g} K at 80 km, "

@@ -60,9 +60,9 @@ def degrees_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     found = np.full((2, len(flat)), np.nan)
     for first in range(0, len(flat), _TOGETHER):
         some = slice(first, first + _TOGETHER)
-        known = np.isfinite(flat[some]).all(axis=-1)
-        safe = np.where(known[:, None], flat[some], [1.0, 0.0, 0.0])
-        found[:, some] = np.where(known, np.stack(_places_of(safe)) / RADIANS_PER_DEGREE, np.nan)
+        known = np.isfinite(flat[some]).all(axis=-1, keepdims=True)
+        safe = np.where(known, flat[some], [1.0, 0.0, 0.0])
+        found[:, some] = np.where(known.T, np.stack(_places_of(safe)) / RADIANS_PER_DEGREE, np.nan)
     latitude, longitude = found.reshape(2, *np.shape(position)[:-1])
     return latitude, longitude
 

@@ -91,8 +91,9 @@ def force_models(kind: Kind = DISK) -> list[str]:
     if "form" in content["flyer"]:
         section = FlyerSection.alternatives[FlyerSection.tag_of(content["flyer"])]
     for name in sorted(models_for(section), key=lambda name: name != first):
+        point = start(design(name, kind), kind)
         try:
-            OUTPUTS["lift"].value(start(design(name, kind), kind))
+            point.setup.model.require_gas(point.state.gas)
         except LightflyerError:  # in a gas that it is not for
             continue
         found.append(name)

@@ -30,6 +30,7 @@ from lightflyer.kinetic_theory.moving import MovedDisk, moving_outcomes
 from lightflyer.kinetic_theory.walls import Accommodation
 
 ROUGH = Resolution(2, 0.7, Quadrature(2, 2, 2))
+SKETCH = Resolution(3, 0.7, Quadrature(3, 3, 3))
 FACES = (0.3, 0.9, 0.5), (0.8, 0.7, 0.9)  # normal, tangential, rotational
 
 
@@ -222,7 +223,7 @@ def test_hot_free_molecular_limit(gas, holes):
 
 def test_free_molecules_leave_with_two_temperatures():
     """Density in the gas by quadrature over the disk that is seen."""
-    found, _ = hot(1e-7, MONATOMIC, (2.5, 2.5), level=COARSE)
+    found, _ = hot(1e-7, MONATOMIC, (2.5, 2.5), level=SKETCH)
     across, along = 1.0 + 0.3 * 1.5, 1.0 + 0.9 * 1.1 * 1.5
     radius, angle = np.meshgrid((np.arange(300) + 0.5) / 300, (np.arange(300) + 0.5) * np.pi / 300)
     mesh = found.mesh

@@ -1,4 +1,4 @@
-"""``lightflyer fly`` as a user runs it; all runs but the first reuse its compiled programs."""
+"""``lightflyer fly`` as a user runs it."""
 
 import csv
 import json

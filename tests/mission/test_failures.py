@@ -106,6 +106,7 @@ def test_an_interrupted_ensemble_says_how_many_were_flown(monkeypatch):
 @pytest.mark.parametrize("members", [3, 7])  # followed one by one, and compiled
 def test_an_interrupted_ensemble_goes_on_and_is_the_same(monkeypatch, tmp_path, members):
     monkeypatch.setattr(fleet, "BATCH", 3)
+    monkeypatch.setattr(fleet, "COMPILATION", 0)
     folder, given = tmp_path / "flights", {"ensemble": lf.mission.Ensemble(members, wind=5.0)}
     whole = fly(disk(limit=None), launches=[3600.0], **given)
     asked = chain([False], repeat(True))

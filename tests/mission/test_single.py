@@ -5,6 +5,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.core.precision import float64
+from lightflyer.mission import fleet
 from lightflyer.mission.path.attitude import Own
 from lightflyer.mission.path.integration import Accuracy, Limits, Start
 from lightflyer.mission.path.motion import Craft
@@ -40,7 +41,9 @@ def test_what_is_kept_changes_no_flight(disk):
     assert "nights" in said.pop()
 
 
-def test_an_ensemble_changes_no_flight(disk):
+def test_an_ensemble_changes_no_flight(disk, monkeypatch):
+    monkeypatch.setattr(fleet, "COMPILATION", 0)
+
     def fly(**more):
         return lf.fly(
             disk, EARTH, lf.FreeMolecular(), release=RELEASE, duration="2 h", every="1 h", **more

@@ -39,7 +39,10 @@ BATCH = 256
 """Flights that are integrated together: a step costs each of them what the slowest needs."""
 
 MEMBERS = 200  # of an ensemble, unless it says otherwise
-FEW = 4  # Flights up to which each is followed by itself
+FEW = 4  # Flights up to which each is followed by itself, whatever that takes
+COMPILATION, BEGINNING = 16_000, 300
+"""Steps of single flights that take as long as XLA's compiler, and as what comes before the first
+step of one of them."""
 _A_DAY = 86_400.0
 _WIND, _RELEASE, _DRAG, _WAVES = (
     1,
@@ -309,13 +312,14 @@ def fly_all(
     # flight, where it is known. Few are followed one by one, more are compiled and integrated
     # together, ``size`` of them at once. ``keep``: has those of an interrupted call.
     count, known = flights.count, [] if first is None else [first]
-    if count - len(known) <= FEW:
-        rows = range(len(known), count)
+    others = count - len(known)
 
-        def follow_one(row: int) -> Track:
-            return follow(*one_of(flights, row), limits, elapsed, accuracy)[0]
+    def follow_one(row: int) -> Track:
+        return follow(*one_of(flights, row), limits, elapsed, accuracy)[0]
 
-        known += [keep(row, partial(follow_one, row)) for row in rows if not asked_to_end()]
+    while len(known) < count and _pays_alone(others, known) and not asked_to_end():
+        row = len(known)
+        known.append(keep(row, partial(follow_one, row)))
     alone = len(known)
     tracks: list[Track | None] = []
     if known:
@@ -341,6 +345,14 @@ def fly_all(
     flown = [*takewhile(lambda some: some is not None, tracks)]
     report("flying", count, count, "flights")
     return jax.tree.map(lambda *parts: np.concatenate(parts), *flown)
+
+
+def _pays_alone(count: int, known: list[Track]) -> bool:
+    """Whether flights are followed one by one, by what those that are known took."""
+    if count <= FEW:
+        return True
+    steps = [BEGINNING + int(track.steps) for track in known]
+    return bool(steps) and count * sum(steps) <= COMPILATION * len(steps)
 
 
 def one_of(flights: Flights, row: int) -> tuple[Craft, Start]:

@@ -29,10 +29,12 @@ PLACES = 40  # random designs of each kind, each at a place of its own
 SPREAD = 0.1  # of each number of a design
 KINDS = [name for name, template in templates().items() if template.is_flyer]
 OTHERS = {
-    "earth by lu2023": ("earth", {"force": {"model": "lu2023"}}),
+    "earth by lu2023 in its air": (
+        "earth",
+        {"force": {"model": "lu2023"}, "environment": {"atmosphere": "lu2023"}},
+    ),
     "earth by free molecules": ("earth", {"force": {"model": "free-molecular"}}),
     "earth by free molecules, linear": ("earth", {"force": {"model": "free-molecular-linear"}}),
-    "earth in the paper's air": ("earth", {"environment": {"atmosphere": "lu2023"}}),
     "mars by free molecules": ("mars", {"force": {"model": "free-molecular"}}),
     "sandwich by kinetic": ("sandwich", {"force": {"model": "kinetic"}}),
     "hollow by celenza2023": ("hollow", {"force": {"model": "celenza2023"}}),

@@ -7,6 +7,7 @@ from scipy.special import i0e
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.kinetic_theory import solve, solve_in_chamber
+from lightflyer.kinetic_theory.disk import cases
 from lightflyer.kinetic_theory.disk.cases import (
     COARSE,
     MEDIUM,
@@ -165,7 +166,8 @@ def test_moved_disk_feels_the_free_molecular_drag(gas):
     assert found.drag == pytest.approx(expected, rel=1e-4)
 
 
-def test_solution_by_tacs():
+def test_solution_by_tacs(monkeypatch):
+    monkeypatch.setattr(cases, "meshes", lambda knudsen, *, linear: (SKETCH, ROUGH))
     found = solve(
         1.0, 0.8, 0.9, gas="diatomic", wall="cercignani-lampis", tangential_accommodation=0.85
     )

@@ -201,3 +201,12 @@ def test_transformations_in_either_precision(name, by_numpy):
     values, slopes = jax.jit(jax.vmap(jax.value_and_grad(function)))(points)
     np.testing.assert_allclose(values, plain, rtol=1e-5)
     np.testing.assert_allclose(slopes[1], slope, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "name", ["gas.Parker.__call__", "environment.visible_share", "force.FreeMolecular.force"]
+)
+def test_a_gradient_outside_jit(name):
+    function, step = CASES[name], 1e-4
+    difference = float(function(1.0 + step) - function(1.0 - step)) / (2.0 * step)
+    np.testing.assert_allclose(jax.grad(function)(1.0), difference, rtol=1e-4)

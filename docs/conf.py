@@ -13,6 +13,8 @@ if importlib.metadata.version("jaxlib").startswith("0.10."):
         "--xla_cpu_opt_preset=CPU_OPT_PRESET_FAST_COMPILE",
     )
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices, beside other builds
+
 # Programs that the tests compile too are compiled once; see there as well.
 os.environ.setdefault(
     "JAX_COMPILATION_CACHE_DIR", str(Path(__file__).parents[1] / ".pytest_cache" / "programs")

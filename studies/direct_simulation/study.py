@@ -112,6 +112,17 @@ POINTS_TO_RUN = [
             ("helium", _THIRD, 1.5, (0.9, 0.9)),
         )
     ),
+    # what heating does to collisions, by TACs and viscosity exponent
+    *(
+        Point(gas, _THIRD, FLIGHT, top, 1.0, boundary=2.0)
+        for gas in ("hard spheres", "argon", "carbon dioxide", "helium", "nitrogen")
+        for top in (0.01, 0.4, 0.7)
+    ),
+    *(
+        Point(gas, knudsen, FLIGHT, 0.4, 1.0, boundary=2.0)
+        for knudsen in (_ONE, _TENTH)
+        for gas in ("hard spheres", "nitrogen", "argon", "carbon dioxide")
+    ),
     # and a warm one, beside a reservoir and beside a cold side wall
     *(
         Point("nitrogen", _THIRD, 1.2, 0.99, 1.0, "maxwell", 4.0, _HIGH, solid, 1.5)

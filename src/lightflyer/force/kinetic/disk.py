@@ -8,13 +8,12 @@ import jax.numpy as jnp
 from jax import Array
 
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.quantity import Fraction, StandardErrors
+from lightflyer.core.quantity import StandardErrors
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
-from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic import walls as kinetic_walls
 from lightflyer.force.kinetic.chamber import (
@@ -42,7 +41,7 @@ from lightflyer.force.kinetic.local_balance import (
 from lightflyer.force.kinetic.ratios import KineticFit, heating_of
 from lightflyer.force.kinetic.table import GASES
 from lightflyer.force.kinetic.table_fit import kinetic_fit
-from lightflyer.force.kinetic.walls import Wall, Walls, require_walls
+from lightflyer.force.kinetic.walls import AbstractWalled
 from lightflyer.force.kinetic.warm_floor import push_of_floor
 from lightflyer.force.membranes.schafer2025_table import internal_factors
 from lightflyer.gas.base import AbstractGas, knudsen_number
@@ -73,7 +72,7 @@ _DIATOMIC_FREE, _DIATOMIC_DENSE = internal_factors(1.4, 1.0, 1.0, MODEL_CONDUCTI
 _DIATOMIC_RESISTANCE = _DIATOMIC_FREE / _DIATOMIC_DENSE
 
 
-class KineticDisk(AbstractForceModel):
+class KineticDisk(AbstractWalled):
     """The kinetic model of a disk; its options are those of :class:`lightflyer.Kinetic`."""
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Disk,)
@@ -83,32 +82,8 @@ class KineticDisk(AbstractForceModel):
     force_error: StandardErrors | None
     heat_error: StandardErrors | None
     polyatomic: Polyatomic = eqx.field(static=True)
-    wall: Wall = eqx.field(static=True)
-    wall_error: StandardErrors | None
-    sharing_error: StandardErrors | None
-    tangential_accommodation: Fraction | None
-    rotational_accommodation: Fraction | None
     collisions: Collisions = eqx.field(static=True)
     film_balance: FilmBalance = eqx.field(static=True)
-
-    def __check_init__(self) -> None:
-        super().__check_init__()
-        require_walls(self.walls)
-
-    @property
-    def walls(self) -> Walls:
-        """Those around which molecules leave its faces."""
-        return Walls(
-            self.wall,
-            self.wall_error,
-            self.tangential_accommodation,
-            self.rotational_accommodation,
-            self.sharing_error,
-        )
-
-    def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
-        del flyer
-        return (kinetic_walls.describe_walls(self.walls),)
 
     def require_gas(self, gas: AbstractGas) -> None:
         if self.polyatomic == "refused" and gas.molecules not in self.molecules:

@@ -20,7 +20,7 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.kinetic.collisions import Collisions
 from lightflyer.force.kinetic.disk import KineticDisk, Polyatomic
 from lightflyer.force.kinetic.local_balance import FilmBalance
-from lightflyer.force.kinetic.sandwich import WALLS, KineticSandwich
+from lightflyer.force.kinetic.sandwich import KineticSandwich
 from lightflyer.force.kinetic.table import GASES
 from lightflyer.force.kinetic.walls import Wall
 from lightflyer.force.laws.membrane_transmission import Transmission
@@ -32,7 +32,6 @@ _IDLE = {
     "transmission": "transmission = {0.transmission} has no effect: a disk has no holes",
     "polyatomic": "polyatomic = {0.polyatomic} has no effect: the gas is not polyatomic",
     "rotational_accommodation": "rotational_accommodation has no effect: the gas has no rotation",
-    "wall": f"wall = {{0.wall}} has no effect: walls are {WALLS}",
     "film_balance": "film_balance has no effect: both membranes are isothermal",
 }
 """What is said of options that a flyer's model does not have."""
@@ -77,7 +76,7 @@ class Kinetic(AbstractForceModel):
         diatomic gas that conducts as it does,
         :func:`~lightflyer.force.kinetic.disk.scaled_heat_ratio`.
     wall : {"unknown", "maxwell", "accommodated", "cercignani-lampis"}
-        How molecules leave the faces of a disk. Maxwell's reflect a share. From accommodated ones
+        How molecules leave the faces. Maxwell's reflect a share. From accommodated ones
         all leave at one temperature, without collisions :math:`T_c+\alpha(T_h-T_c)`. Those of
         Cercignani and Lampis accommodate normal and tangential motion each on its own. Unknown
         walls are the middle of the first two.
@@ -195,18 +194,15 @@ class Kinetic(AbstractForceModel):
         """Those of the flyer's model, and options that have no effect."""
         model = self.model_of(flyer)
         found = model.remarks(flyer, state, temperature)
-        idle = {"polyatomic": self.polyatomic != "refused" and state.gas.molecules != "polyatomic"}
+        idle = {
+            "polyatomic": self.polyatomic != "refused" and state.gas.molecules != "polyatomic",
+            "rotational_accommodation": self.rotational_accommodation is not None
+            and state.gas.molecules == "monatomic",
+        }
         if isinstance(model, KineticDisk):
-            idle |= {
-                "transmission": self.transmission != "aligned",
-                "rotational_accommodation": self.rotational_accommodation is not None
-                and state.gas.molecules == "monatomic",
-            }
+            idle["transmission"] = self.transmission != "aligned"
         else:
-            idle |= {
-                "wall": self.wall not in ("unknown", "maxwell"),
-                "film_balance": self.film_balance != "isothermal",
-            }
+            idle["film_balance"] = self.film_balance != "isothermal"
         return (*found, *(_IDLE[name].format(self) for name, is_set in idle.items() if is_set))
 
 

@@ -14,7 +14,6 @@ from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.sandwich import Sandwich
-from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.kinetic.collisions import (
     Collisions,
     HeatedGas,
@@ -27,7 +26,9 @@ from lightflyer.force.kinetic.sandwich_table import (
     SandwichFit,
     sandwich_fit,
 )
+from lightflyer.force.kinetic.sandwich_walls import force_factors, near_walls
 from lightflyer.force.kinetic.table import GASES
+from lightflyer.force.kinetic.walls import AbstractWalled
 from lightflyer.force.laws.faces import free_molecular_conductance
 from lightflyer.force.laws.membrane_transmission import (
     MembraneTransmission,
@@ -43,10 +44,6 @@ from lightflyer.force.membranes.sandwich import (
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.program.entry_point import entry_point
 
-WALLS = (
-    "Maxwell's for a sandwich; what others change at large temperature differences is not part of "
-    "the error"
-)
 _DENSE = "the table of kinetic ends there, and the force is extrapolated by a power law"
 _APART = 0.3  # TACs further apart change the heat by 1 % at Kn 0.1, which the table leaves out
 _DIFFERENCE = "the kinetic table is for small differences"
@@ -55,7 +52,7 @@ _HELD = "it is held at what it does to the gas's resistance at the table's end"
 _LITTLE = 0.02  # of the order of the model's own error
 
 
-class KineticSandwich(AbstractForceModel):
+class KineticSandwich(AbstractWalled):
     """The kinetic model of a sandwich; its options are those of :class:`lightflyer.Kinetic`."""
 
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Sandwich,)
@@ -65,10 +62,6 @@ class KineticSandwich(AbstractForceModel):
     heat_error: StandardErrors | None
     transmission: Transmission = eqx.field(static=True)
     collisions: Collisions = eqx.field(static=True)
-
-    def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
-        del flyer
-        return (f"walls: {WALLS}",)
 
     def require_gas(self, gas: AbstractGas) -> None:
         if gas.molecules not in self.molecules:
@@ -83,7 +76,7 @@ class KineticSandwich(AbstractForceModel):
         self.require_gas(state.gas)
         top, bottom = unknowns
         passed = passage_of(flyer, self.transmission)
-        fit, ratios = _ratios(flyer, state, unknowns, passed, self.collisions)
+        fit, ratios, _ = _ratios(flyer, state, unknowns, passed, self.collisions)
         free = free_molecular_conductance(
             flyer.area,
             1.0,
@@ -101,16 +94,19 @@ class KineticSandwich(AbstractForceModel):
 
     def force(self, flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         passed = passage_of(flyer, self.transmission)
-        fit, ratios = _ratios(flyer, state, unknowns, passed, self.collisions)
+        fit, ratios, taken = _ratios(flyer, state, unknowns, passed, self.collisions)
+        place = rarefaction_of(flyer, state), passed.open_fraction, passed.tac
+        if state.wall_distance is not None:
+            taken *= near_walls(place[0], state.wall_distance / flyer.radius)
+        of_walls = force_factors(state.gas.molecules, place, unknowns, self.walls, taken)
         by_temperature, by_tac = ratios.force, ratios.tac_force
         if self.force_error is not None:
-            delta = rarefaction_of(flyer, state)
-            by_temperature *= 1.0 + self.force_error * fit.relative_force_error(
-                delta, by_temperature
+            by_temperature, by_tac = (
+                one * (1.0 + self.force_error * fit.relative_force_error(place[0], one))
+                for one in (by_temperature, by_tac)
             )
-            by_tac *= 1.0 + self.force_error * fit.relative_force_error(delta, by_tac)
         apart, unlike = passed.recoil(*unknowns)
-        driven = by_temperature * apart + by_tac * unlike
+        driven = by_temperature * of_walls[0] * apart + by_tac * of_walls[1] * unlike
         return 0.5 * state.pressure * flyer.area * driven
 
     def ranges(self, flyer: Sandwich, state: EnvironmentState, temperature: Numeric) -> Looks:
@@ -188,35 +184,24 @@ def _ratios(
     unknowns: tuple[Array, ...],
     passed: MembraneTransmission,
     collisions: Collisions,
-) -> tuple[SandwichFit, Ratios]:
+) -> tuple[SandwichFit, Ratios, Numeric]:
     """Force and heat over free molecules, in open space or a chamber."""
+    # and by which factor collisions take more from the force than in the table
     fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
     mean = 1.0 + 0.5 * (unknowns[0] + unknowns[1])
     exponent = viscosity_exponent(state.gas, state.temperature, mean)
     ratios = fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, mean, exponent)
+    taken: Numeric = fit.force_growth(delta, passed.open_fraction, mean)
     if collisions == "vhs":
-        ratios = _ratios_with_collisions(ratios, flyer, state, (mean, exponent), passed)
+        gas, cold = state.gas, state.temperature
+        knudsen = knudsen_number(state.pressure, cold, flyer.radius, gas)
+        # that holes change nothing in these is part of the sandwich's wider error
+        molecules = HeatedGas(gas, gas.molecules, cold, mean, exponent)
+        of_force, of_heat = molecules.factors(knudsen, passed.tac)
+        factors = of_force, of_force, of_heat, of_heat
+        taken *= of_force
+        ratios = Ratios(*map(with_collisions, ratios, factors))
     if state.wall_distance is None:
-        return fit, ratios
+        return fit, ratios, taken
     walls: Any = fit.wall_factors(delta, passed.open_fraction, state.wall_distance / flyer.radius)
-    return fit, Ratios(*(ratio * wall for ratio, wall in zip(ratios, walls, strict=True)))
-
-
-def _ratios_with_collisions(
-    ratios: Ratios,
-    flyer: Sandwich,
-    state: EnvironmentState,
-    heated: tuple[Numeric, Numeric],
-    passed: MembraneTransmission,
-) -> Ratios:
-    """Ratios with the collisions of molecules around a disk without holes."""
-    # That holes change nothing in these is part of the sandwich's wider error.
-    gas, cold = state.gas, state.temperature
-    knudsen = knudsen_number(state.pressure, cold, flyer.radius, gas)
-    of_force, of_heat = HeatedGas(gas, gas.molecules, cold, *heated).factors(knudsen, passed.tac)
-    return Ratios(
-        with_collisions(ratios.force, of_force),
-        with_collisions(ratios.tac_force, of_force),
-        with_collisions(ratios.heat, of_heat),
-        with_collisions(ratios.heat_difference, of_heat),
-    )
+    return fit, Ratios(*(ratio * wall for ratio, wall in zip(ratios, walls, strict=True))), taken

@@ -201,7 +201,7 @@ class SandwichFit:
         r"""Force and heat over their free-molecular values."""
         place, beyond = self._place(rarefaction)
         mean = jnp.clip(tac, *self.tac_range)
-        heating = jnp.clip(1.0 - 1.0 / temperature_ratio, _COLDEST, self.heating_limit)
+        heating = self._heating(temperature_ratio)
         hot = 1.0 / (1.0 - heating)
         disk = self._disk_resistance(rarefaction, mean, hot, viscosity_exponent)
         by_force, by_tac, by_heat, by_difference = self._growths(
@@ -221,11 +221,22 @@ class SandwichFit:
             cold / (cold + by_difference * (1.0 - cold)),
         )
 
+    def force_growth(
+        self, rarefaction: Numeric, open_fraction: Numeric, temperature_ratio: Numeric
+    ) -> Array:
+        r"""What heat does to the resistance :math:`1/\hat F-1` [1]."""
+        heating = self._heating(temperature_ratio)
+        place = place_of(rarefaction, self.hot_range)[0]
+        return jnp.exp(heating * polynomial(self.hot[0], heating, open_fraction, place))
+
+    def _heating(self, temperature_ratio: Numeric) -> Array:
+        return jnp.clip(1.0 - 1.0 / temperature_ratio, _COLDEST, self.heating_limit)
+
     def _growths(
         self, rarefaction: Numeric, open_fraction: Numeric, heating: Numeric
     ) -> list[Array]:
         """What heat does to the four resistances, to two of them over that without holes."""
-        place = _place_of(rarefaction, self.hot_range)[0]
+        place = place_of(rarefaction, self.hot_range)[0]
         return [
             jnp.exp(
                 heating
@@ -273,17 +284,17 @@ class SandwichFit:
         self, rarefaction: Numeric, open_fraction: Numeric, distance: Numeric
     ) -> Ratios:
         """Between walls over open space [1]; ``distance``: of the walls, in radii of the disk."""
-        place = _place_of(rarefaction, self.wall_range)[0]
+        place = place_of(rarefaction, self.wall_range)[0]
         near = 1.0 / jnp.maximum(distance, self.nearest_wall)
         return Ratios(
             *(jnp.exp(near * polynomial(one, near, open_fraction, place)) for one in self.walls)
         )
 
     def _place(self, rarefaction: Numeric) -> tuple[Array, Array]:
-        return _place_of(rarefaction, self.rarefaction_range)
+        return place_of(rarefaction, self.rarefaction_range)
 
 
-def _place_of(rarefaction: Numeric, ends: tuple[float, float]) -> tuple[Array, Array]:
+def place_of(rarefaction: Numeric, ends: tuple[float, float]) -> tuple[Array, Array]:
     """Where in a table a rarefaction is, from −1 to 1, and how far beyond its dense end."""
     low, high = np.log(ends)
     logarithm = jnp.log(rarefaction)
@@ -297,7 +308,8 @@ def _flow(open_fraction: Any) -> Any:
     return open_fraction / (1.0 + open_fraction)
 
 
-def _ends_and_places(rarefaction: np.ndarray) -> tuple[tuple[float, float], np.ndarray]:
+def ends_and_places(rarefaction: np.ndarray) -> tuple[tuple[float, float], np.ndarray]:
+    """Ends of a table's rarefactions, and where in it each is."""
     ends = float(rarefaction.min()), float(rarefaction.max())
     return ends, np.asarray(place_between(np.log(rarefaction), *np.log(ends)))
 
@@ -312,7 +324,7 @@ def fit(
     table: SandwichTable, hot: SandwichHotTable, walls: SandwichWallTable, disk: KineticFit
 ) -> SandwichFit:
     """Smooth functions through tables."""
-    ends, place = _ends_and_places(table.rarefaction)
+    ends, place = ends_and_places(table.rarefaction)
     low, high = np.log(ends)
     delta, solid = table.rarefaction, 1.0 - table.open_fraction
     both, share = (table.open_fraction, table.tac), solid * table.tac
@@ -329,7 +341,7 @@ def fit(
         errors = ratio / (scale + _LEAST_WEIGHT)
         return least_squares((1.0 - ratio) / scale, (*both, place), _POWERS, errors)
 
-    wall_ends, wall_place = _ends_and_places(walls.rarefaction)
+    wall_ends, wall_place = ends_and_places(walls.rarefaction)
     by_distance = (1.0 / walls.boundary, walls.open_fraction, wall_place)
     factors = (
         walls.force_factor,
@@ -337,7 +349,7 @@ def fit(
         walls.heat_factor,
         walls.heat_difference_factor,
     )
-    hot_ends, hot_place = _ends_and_places(hot.rarefaction)
+    hot_ends, hot_place = ends_and_places(hot.rarefaction)
     heating = 1.0 - 1.0 / hot.temperature_ratio
     growths = (
         hot.force_growth,

@@ -30,6 +30,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -37,11 +38,14 @@ from jax import Array
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Fraction, StandardErrors
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.table import shipped_table
+from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
+from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.kinetic.ratios import heating_of
 from lightflyer.force.kinetic.scattering import (
     Accommodations,
@@ -114,6 +118,35 @@ class Walls(NamedTuple):
         return Stated(self.tangential, None if gas == "monatomic" else self.rotational)
 
 
+class AbstractWalled(AbstractForceModel):
+    """A kinetic model with a choice of walls, as :class:`lightflyer.Kinetic` explains them."""
+
+    wall: Wall = eqx.field(static=True)
+    wall_error: StandardErrors | None
+    sharing_error: StandardErrors | None
+    tangential_accommodation: Fraction | None
+    rotational_accommodation: Fraction | None
+
+    def __check_init__(self) -> None:
+        super().__check_init__()
+        require_walls(self.walls)
+
+    @property
+    def walls(self) -> Walls:
+        """Those around which molecules leave its faces."""
+        return Walls(
+            self.wall,
+            self.wall_error,
+            self.tangential_accommodation,
+            self.rotational_accommodation,
+            self.sharing_error,
+        )
+
+    def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
+        del flyer
+        return (_IN_WORDS[self.wall],)
+
+
 def require_walls(walls: Walls) -> None:
     """Raise where a choice of walls is given an accommodation that it does not have."""
     stated = {
@@ -131,11 +164,6 @@ def require_walls(walls: Walls) -> None:
         raise ParameterError(
             f'sharing_error has no meaning with wall = "{walls.wall}"; it is for unknown ones'
         )
-
-
-def describe_walls(walls: Walls) -> str:
-    """The walls in words."""
-    return _IN_WORDS[walls.wall]
 
 
 @dataclass(frozen=True)
@@ -227,7 +255,7 @@ def scattering_fit(gas: str = "diatomic") -> ScatteringFit:
 def _sharing_fit(gas: str) -> tuple[Any, Any]:
     """Coefficients of what :func:`sharing_factor` takes of the Knudsen number and the TAC."""
     # of the force where normal motion alone differs, and of what a share moves it at the mean TAC
-    fit, kinds = scattering_fit(gas), _kinds_of(gas)
+    fit, kinds = scattering_fit(gas), kinds_of(gas)
     positions, places = (axis.ravel() for axis in np.meshgrid(*[np.linspace(-1.0, 1.0, 25)] * 2))
     low, high = np.log(fit.knudsen_range)
     knudsen = np.exp(0.5 * (low + high + positions * (high - low)))
@@ -250,7 +278,7 @@ def _sharing_fit(gas: str) -> tuple[Any, Any]:
     return upper, gain
 
 
-def _left_to_normal(tac: Any, kinds: int) -> Any:
+def left_to_normal(tac: Any, kinds: int) -> Any:
     """Accommodation of normal energy where all else accommodates wholly [1]."""
     return jnp.maximum(kinds * jnp.asarray(tac) - (kinds - 1), 0.0)
 
@@ -260,7 +288,8 @@ def _shared_tacs(kinds: int) -> tuple[float, float]:
     return 1.0 - 0.9 / kinds, 0.98
 
 
-def _kinds_of(gas: str) -> int:
+def kinds_of(gas: str) -> int:
+    """Number of kinds of energy that a wall accommodates: normal, tangential, rotational."""
     return 2 if gas == "monatomic" else 3
 
 
@@ -269,7 +298,7 @@ def sharing_factor(
 ) -> Array:
     """Force over that of walls that share the difference of their TACs evenly [1]."""
     # ``error``: in standard errors; the ends are those of a 95 % band, and nothing is beyond them
-    kinds = _kinds_of(gas)
+    kinds = kinds_of(gas)
     low, high = np.log(scattering_fit(gas).knudsen_range)
     position = place_between(jnp.clip(jnp.log(knudsen), low, high), low, high)
     tacs = _shared_tacs(kinds)
@@ -278,7 +307,7 @@ def sharing_factor(
         thin + _denseness(knudsen) * polynomial(coefficients, position, place)
         for thin, coefficients in zip((kinds, kinds - 1), _sharing_fit(gas), strict=True)
     )
-    heated = jnp.sqrt((1.0 + tac * excess) / (1.0 + _left_to_normal(tac, kinds) * excess))
+    heated = jnp.sqrt((1.0 + tac * excess) / (1.0 + left_to_normal(tac, kinds) * excess))
     way = jnp.clip(jnp.asarray(error) / NORMAL_HALF_WIDTH_95, -1.0, 1.0)
     trapped = BOUNCED / (kinds - BOUNCED) * gain
     return jnp.asarray(
@@ -317,7 +346,7 @@ def force(
     # Maxwell's collisions at this wall: direct simulation lies between the two
     same = ratio * free
     if walls.wall == "unknown":
-        found = _uncertain(
+        found = uncertain(
             0.5 * (maxwell + other * free),
             0.5 * _larger(maxwell - same, maxwell - other * free),
             walls.error,
@@ -329,7 +358,7 @@ def force(
     if walls.tangential is not None or walls.rotational is not None:
         heated = _SHARED_HEATED * _denseness(knudsen) * heating_of(1.0 + excess)
         bound = _larger(bound, -heated * other * free)
-    return _uncertain(other * free, bound, walls.error)
+    return uncertain(other * free, bound, walls.error)
 
 
 def heat_ratio(
@@ -346,15 +375,16 @@ def heat_ratio(
     )
     other = ratio * (top + bottom) / (film.tac_top + film.tac_bottom)
     if walls.wall == "unknown":
-        return _uncertain(0.5 * (ratio + other), 0.5 * (ratio - other), walls.error)
-    return _uncertain(other, ratio - other, walls.error)
+        return uncertain(0.5 * (ratio + other), 0.5 * (ratio - other), walls.error)
+    return uncertain(other, ratio - other, walls.error)
 
 
 def _larger(one: Array, other: Array) -> Array:
     return jnp.where(jnp.abs(one) > jnp.abs(other), one, other)
 
 
-def _uncertain(value: Array, bound: Array, error: Numeric | None) -> Array:
+def uncertain(value: Array, bound: Array, error: Numeric | None) -> Array:
+    """A value off by an error; ``bound``: its change by 1.96 standard errors."""
     return value if error is None else value + error / NORMAL_HALF_WIDTH_95 * bound
 
 

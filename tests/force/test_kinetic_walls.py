@@ -390,27 +390,6 @@ def test_bad_walls_are_named():
         lf.Kinetic(wall=CL, tangential_accommodation=1.2)
 
 
-def test_a_sandwich_has_maxwell_walls_and_says_so():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    sandwich = lf.Sandwich(
-        film,
-        film,
-        radius=0.01,
-        gap=1e-4,
-        open_fraction=0.3,
-        hole_radius=1e-5,
-        support_fraction=1e-4,
-        support_conductivity=1.8,
-    )
-    state = state_at(0.2)
-    plain, asked = lf.Kinetic(), lf.Kinetic(wall="accommodated")
-    more = set(asked.diagnostics(sandwich, state, 250.0)) - set(
-        plain.diagnostics(sandwich, state, 250.0)
-    )
-    assert [text for text in more if text.startswith("wall = accommodated has no effect")]
-    assert plain.assumptions(sandwich)[0].startswith("walls: Maxwell's for a sandwich")
-
-
 @pytest.mark.parametrize(
     ("gas", "most", "least"), [("diatomic", 3.0, 0.6), ("monatomic", 2.0, 2 / 3)]
 )

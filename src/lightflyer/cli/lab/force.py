@@ -23,6 +23,7 @@ def force_command(
     tac: str | None = None,
     tac_hot: str | None = None,
     tac_cold: str | None = None,
+    wall: Literal["unknown", "maxwell", "accommodated"] = "unknown",
     pressures: str | None = None,
     gauge: Path | None = None,
     gauge_factor: float = 1.0,
@@ -56,6 +57,9 @@ def force_command(
         That of the hot face alone, with --tac-cold.
     tac_cold
         That of the cold face alone, with --tac-hot.
+    wall
+        How molecules leave the faces. Unknown walls widen the band: the coefficients do not tell
+        how normal motion, tangential motion and rotation share them.
     pressures
         Ends of the curve, such as "0.01 Pa, 10 Pa". Default: a little beyond the points.
     gauge
@@ -97,6 +101,7 @@ def force_command(
         tacs["--tac" if alike else "--tac-hot"],
         tacs["--tac" if alike else "--tac-cold"],
         alike,
+        wall,
     )
     points = None if file is None else lab.read_forces(file, read_gauge(gauge, gauge_factor))
     found = lab.compare_forces(

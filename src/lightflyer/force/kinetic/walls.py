@@ -63,7 +63,7 @@ from lightflyer.program.entry_point import evaluate_once
 Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
 """What becomes of molecules at a face; unknown is the middle of the next two."""
 
-_IN_WORDS = {
+IN_WORDS = {
     "unknown": "walls: the mean of Maxwell's and of fully accommodated ones; bands contain both, "
     "and that normal motion, tangential motion and rotation accommodate each on its own",
     "maxwell": "walls: Maxwell's, a share TAC of the molecules leaves at the temperature of the "
@@ -72,6 +72,7 @@ _IN_WORDS = {
     "cercignani-lampis": "walls: Cercignani-Lampis; of small differences, what each kind of "
     "accommodation pushes is solved",
 }
+"""Walls in words."""
 
 BOUNCED = 0.5
 """Share of their normal energy that molecules accommodate which a face does not trap, at most."""
@@ -144,7 +145,7 @@ class AbstractWalled(AbstractForceModel):
 
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
         del flyer
-        return (_IN_WORDS[self.wall],)
+        return (IN_WORDS[self.wall],)
 
 
 def require_walls(walls: Walls) -> None:

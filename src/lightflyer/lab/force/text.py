@@ -3,14 +3,15 @@
 from typing import TYPE_CHECKING
 
 from lightflyer.files.result_text import Parts, table_of
+from lightflyer.force.kinetic.walls import IN_WORDS
 
 if TYPE_CHECKING:
     from lightflyer.lab.force.vane import VaneForces
 
 MICRONEWTON = 1e-6
 ASSUMES = (
-    "assumes Maxwell's walls, a thin vane and open space: no law of reflection, thickness or wall "
-    "of the chamber is part of an interval"
+    "assumes a thin vane in open space: neither thickness nor walls of the chamber are part of an "
+    "interval"
 )
 _HEADINGS = (
     "pressure\n[Pa]",
@@ -41,4 +42,5 @@ def force_parts(found: "VaneForces") -> Parts:
             found.predicted / MICRONEWTON, measured / found.predicted, strict=True,
         )  # fmt: skip
         yield table_of(_HEADINGS, ([f"{number:.3g}" for number in row] for row in rows))
+    yield IN_WORDS[found.vane.wall]
     yield ASSUMES

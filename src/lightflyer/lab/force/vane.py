@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import jax.numpy as jnp
 import numpy as np
@@ -71,6 +71,9 @@ class Vane:
         Accommodation coefficient of each face.
     alike : bool
         Whether one error concerns both coefficients, as of faces of one surface.
+    wall : {"unknown", "maxwell", "accommodated"}
+        How molecules leave the faces, as of :class:`~lightflyer.Kinetic`; unknown walls widen the
+        band.
 
     Raises
     ------
@@ -88,6 +91,7 @@ class Vane:
     tac_hot: Measured = ASSUMED_TAC
     tac_cold: Measured = ASSUMED_TAC
     alike: bool = True
+    wall: Literal["unknown", "maxwell", "accommodated"] = "unknown"
 
     def __post_init__(self) -> None:
         for name, unit in _UNITS.items():
@@ -133,7 +137,10 @@ class Vane:
         )
         with float64():
             excess = tuple(jnp.asarray((face / ambient - 1.0)[:, None]) for face in (cold, hot))
-            found = Kinetic(force_error=draws[:, 3, None]).force(
+            errors = {"force_error": draws[:, 3, None]}
+            if self.wall == "unknown":
+                errors["sharing_error"] = draws[:, 7, None]
+            found = Kinetic(wall=self.wall, **errors).force(
                 self._body(draws), self._state(pressure, ambient), excess
             )
         return np.broadcast_to(np.asarray(found), (len(draws), len(pressure)))
@@ -156,7 +163,8 @@ class Vane:
         return Sandwich(top, bottom, 0.5 * radius, _SMALL, 0.0, _SMALL, 0.0, 1.0)
 
 
-_NOMINAL = np.zeros((1, 7))  # ambient, hot, cold, model, diameter, TACs of the cold and hot face
+# ambient, hot, cold, model, diameter, TACs of the cold and hot face, how walls share them
+_NOMINAL = np.zeros((1, 8))
 
 
 def _drawn(number: Measured, draws: np.ndarray) -> np.ndarray:
@@ -286,8 +294,9 @@ def compare_forces(
 
     Notes
     -----
-    The force is that of a sandwich without holes by :class:`~lightflyer.Kinetic`: Maxwell's walls,
-    a thin vane, open space. Samples vary diameter, temperatures, TACs and the model's own error.
+    The force is that of a sandwich without holes by :class:`~lightflyer.Kinetic`: a thin vane in
+    open space. Samples vary diameter, temperatures, TACs, the model's own error and, at unknown
+    walls, how normal motion, tangential motion and rotation share the TACs.
     """
     table = read_forces(points) if isinstance(points, str | Path) else points
     if pressures is None:

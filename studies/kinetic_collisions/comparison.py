@@ -3,10 +3,11 @@
 Run as ``python studies/kinetic_collisions/comparison.py``. The model equation is solved where there
 are simulations (``studies/direct_simulation``), once; what collisions then take more or less is
 compared with the factors of the linear problem at the same place. Their change with temperature
-is fitted to gases other than nitrogen and tried on nitrogen.
+is fitted to six simulations of gases other than nitrogen and tried on all others.
 """
 
 import json
+import math
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
@@ -16,6 +17,13 @@ import numpy as np
 from scipy.optimize import brentq, least_squares
 from study import ratios
 
+from lightflyer.force.kinetic.collisions import (
+    FORCE_ERROR,
+    FORCE_HEATED,
+    HEAT_ERROR,
+    HEAT_HEATED,
+    HEATED_ERROR,
+)
 from lightflyer.kinetic_theory.collisions.brackets import Molecule
 from lightflyer.kinetic_theory.collisions.cases import solve_molecules
 from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, Case, solve_case
@@ -24,6 +32,7 @@ from lightflyer.kinetic_theory.model_gases import gas_model
 FOLDER = Path(__file__).parent
 SIMULATIONS = FOLDER.parent / "direct_simulation"
 SOLVED = FOLDER / "solved.jsonl"
+FITTED = 4.0  # half-width of the reservoirs of the simulations that serve the fit [radii]
 FORCE_BIAS, HEAT_BIAS = -0.002, 0.0005  # of our simulations: see their README
 
 EXPONENTS = {
@@ -198,9 +207,12 @@ def left(x: np.ndarray, chosen: list[Compared]) -> float:
 def show(quantity: str) -> None:
     """Fit what heating does to the factors of force or heat, and print how well they hold."""
     points = compared(quantity)
-    others = [point for point in points if point.place.gas != "nitrogen"]
-    nitrogen = [point for point in points if point.place.gas == "nitrogen"]
-    fit = least_squares(residual, [0.4, 0.8, 0.8], args=(others,))
+    fitted, unseen = (
+        [p for p in points if (p.place.gas != "nitrogen" and p.place.boundary == FITTED) is chosen]
+        for chosen in (True, False)
+    )
+    nitrogen = [point for point in unseen if point.place.gas == "nitrogen"]
+    fit = least_squares(residual, [0.4, 0.8, 0.8], args=(fitted,))
     errors = np.sqrt(np.diag(np.linalg.inv(fit.jac.T @ fit.jac)))
     print(
         f"{quantity}: slope {fit.x[0]:.3f} ± {errors[0]:.3f}, neutral exponents: monatomic "
@@ -214,10 +226,24 @@ def show(quantity: str) -> None:
             f"{point.simulated:.3f} ± {point.error:.3f}, linear {point.linear:.3f}, "
             f"{point.excess(0.0, 0.0, 0.0):+.1f} σ; heated {point.excess(*fit.x):+.1f} σ"
         )
-    for name, chosen in (("fitted", others), ("nitrogen", nitrogen)):
+    for name, chosen in (("fitted", fitted), ("unseen", unseen)):
         square = float(np.sum(residual(fit.x, chosen) ** 2))
         print(f"  {name}: chi² {square:.1f} of {len(chosen)} points")
     print(f"  left of nitrogen's factors, r.m.s.: {left(fit.x, nitrogen):.4f}")
+    print(f"  unseen within the model's error: {contained(quantity, unseen)} of {len(unseen)}")
+
+
+def contained(quantity: str, points: list[Compared]) -> int:
+    """Number of simulations within 1.96 standard errors of the force model and their own."""
+    heated, own = (FORCE_HEATED, FORCE_ERROR) if quantity == "force" else (HEAT_HEATED, HEAT_ERROR)
+    found = 0
+    for point in points:
+        place = point.place.kind, point.place.temperature_ratio, point.place.exponent
+        change = float(heated.logarithm(*place))
+        error = math.hypot(own, HEATED_ERROR * change if quantity == "force" else 0.0)
+        off = point.simulated - point.linear * math.exp(change)
+        found += abs(off) < 1.96 * math.hypot(error * point.linear, point.error)
+    return found
 
 
 def main() -> None:

@@ -61,8 +61,12 @@ class Heated(NamedTuple):
 
     def __call__(self, kind: str, ratio: Numeric, exponent: Numeric) -> Array:
         """Change for a kind of gas, a temperature ratio and a viscosity exponent [1]."""
+        return jnp.exp(self.logarithm(kind, ratio, exponent))
+
+    def logarithm(self, kind: str, ratio: Numeric, exponent: Numeric) -> Array:
+        """The same as a logarithm [1]."""
         held = hold_within(heating_of(ratio), *np.log(HEATED_RANGE))
-        return jnp.exp(self.slope * (self.neutral[kind] - exponent) * held)
+        return jnp.asarray(self.slope * (self.neutral[kind] - exponent) * held)
 
 
 # fitted to direct simulations of other gases than nitrogen in studies/kinetic_collisions
@@ -72,6 +76,10 @@ HEAT_HEATED = Heated(0.248, {"monatomic": 0.799, "diatomic": 0.721})
 FORCE_ERROR, HEAT_ERROR = 0.028, 0.0064
 """Standard errors of the factors of force and heat [1]: what is left, beside noise, of nitrogen's
 by direct simulation, to which nothing was fitted."""
+
+HEATED_ERROR = 0.6
+"""Standard error of what heating does to the factor of force, relative to itself: it was fitted
+where one face hardly accommodates; where TACs are 0.4 to 1, most of it is missing."""
 
 # powers of viscosity exponent, TAC and Knudsen number
 _POWERS = {
@@ -150,9 +158,13 @@ class HeatedGas:
         )
 
 
-def force_error(of_table: Array, ratio: Array, collisions: Collisions) -> Array:
+def force_error(
+    of_table: Array, ratio: Array, collisions: Collisions, heated: Numeric = 0.0
+) -> Array:
     """Relative standard error of a force, with the table's [1]."""
-    taken = FORCE_ERROR if collisions == "vhs" else MODEL_FORCE_ERROR
+    # ``heated``: logarithm of what heating does to the factor
+    molecules = jnp.hypot(FORCE_ERROR, HEATED_ERROR * heated)
+    taken = molecules if collisions == "vhs" else MODEL_FORCE_ERROR
     return jnp.hypot(of_table, taken * (1.0 - ratio))
 
 

@@ -25,6 +25,7 @@ from lightflyer.force.kinetic.chamber import (
     reservoir,
 )
 from lightflyer.force.kinetic.collisions import (
+    FORCE_HEATED,
     MODEL_CONDUCTION,
     Collisions,
     HeatedGas,
@@ -133,7 +134,8 @@ class KineticDisk(AbstractWalled):
         found *= _keep(flyer, state, excess, knudsen, heat, self.film_balance).force
         push = around.push(flyer, state, excess)
         if self.force_error is not None:
-            own = force_error(fit.table_errors(knudsen)[0], ratio, self.collisions)
+            heated = FORCE_HEATED.logarithm(_kind(state.gas), place[0], place[-1])
+            own = force_error(fit.table_errors(knudsen)[0], ratio, self.collisions, heated)
             if around.force_error:
                 own = jnp.hypot(own, around.force_error)
             found *= 1.0 + self.force_error * _with_scaling(own, _SCALED_FORCE_ERROR, state.gas)

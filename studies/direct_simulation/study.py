@@ -123,6 +123,16 @@ POINTS_TO_RUN = [
         )
         for top in tops
     ),
+    # the other places of those walls, at Maxwell's
+    *(
+        Point(gas, knudsen, ratio, 0.4, 1.0, boundary=2.0)
+        for gas, knudsen, ratio in (
+            ("carbon dioxide", _ONE, FLIGHT),
+            ("argon", _ONE, FLIGHT),
+            ("helium", _THIRD, FLIGHT),
+            ("helium", _THIRD, 1.5),
+        )
+    ),
     # and a warm one, beside a reservoir and beside a cold side wall
     *(
         Point("nitrogen", _THIRD, 1.2, 0.99, 1.0, "maxwell", 4.0, _HIGH, solid, 1.5)

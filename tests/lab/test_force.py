@@ -135,7 +135,9 @@ def test_errors_of_two_surfaces_push_by_their_difference():
     tacs = {"tac_hot": Measured(0.8, 0.05), "tac_cold": Measured(0.8, 0.05)}
     spreads = []
     for alike in (True, False):
-        faces = lf.lab.Vane("12 cm", 419.0, 394.0, ambient=300.0, alike=alike, **tacs)
+        faces = lf.lab.Vane(
+            "12 cm", 419.0, 394.0, ambient=300.0, alike=alike, wall="maxwell", **tacs
+        )
         thin = faces.forces(np.array([1e-4]), 4000)[:, 0]
         spreads.append(thin.std() / thin.mean())
     hot, cold = math.sqrt(419.0 / 300.0) - 1.0, math.sqrt(394.0 / 300.0) - 1.0

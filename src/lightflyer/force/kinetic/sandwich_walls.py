@@ -148,7 +148,7 @@ def ends(tac: Any, gas: str) -> tuple[Accommodations, Accommodations]:
 def force_factors(
     gas: str,
     place: tuple[Numeric, Numeric, Numeric],
-    excess: tuple[Array, Array],
+    excess: tuple[Array, ...],
     walls: Walls,
     kept: Numeric,
 ) -> tuple[Numeric, Numeric]:
@@ -199,7 +199,7 @@ def near_walls(rarefaction: Numeric, distance: Numeric) -> Array:
     return jnp.asarray(1.0 - distance**-1.5 / (1.0 + rarefaction) ** 2)
 
 
-def _push_of_free(normal: Numeric, excess: tuple[Array, Array]) -> Array:
+def _push_of_free(normal: Numeric, excess: tuple[Array, ...]) -> Array:
     """Push of the normal motion, over that at Maxwell walls with a TAC of 1 [1]."""
     maxwell, found = (sum(jnp.sqrt(1.0 + one * face) for face in excess) for one in (1.0, normal))
     return jnp.asarray(normal * maxwell / found)
@@ -208,7 +208,7 @@ def _push_of_free(normal: Numeric, excess: tuple[Array, Array]) -> Array:
 def _factors_at_ends(
     gas: str,
     place: tuple[Numeric, Numeric, Numeric],
-    excess: tuple[Array, Array],
+    excess: tuple[Array, ...],
     kept: Numeric,
 ) -> list[Array]:
     """Force over that at Maxwell walls at both :func:`ends` [1]."""

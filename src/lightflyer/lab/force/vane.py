@@ -137,12 +137,9 @@ class Vane:
         )
         with float64():
             excess = tuple(jnp.asarray((face / ambient - 1.0)[:, None]) for face in (cold, hot))
-            errors = {"force_error": draws[:, 3, None]}
-            if self.wall == "unknown":
-                errors["sharing_error"] = draws[:, 7, None]
-            found = Kinetic(wall=self.wall, **errors).force(
-                self._body(draws), self._state(pressure, ambient), excess
-            )
+            sharing = draws[:, 7, None] if self.wall == "unknown" else None
+            model = Kinetic(force_error=draws[:, 3, None], wall=self.wall, sharing_error=sharing)
+            found = model.force(self._body(draws), self._state(pressure, ambient), excess)
         return np.broadcast_to(np.asarray(found), (len(draws), len(pressure)))
 
     def _state(self, pressure: np.ndarray, ambient: np.ndarray) -> EnvironmentState:

@@ -124,3 +124,12 @@ def test_more_of_the_band_is_below_than_above():
     )
     assert 0.55 < low / middle < 0.7
     assert 1.04 < high / middle < 1.1
+
+
+def test_walls_that_no_face_can_have_are_named():
+    model = lf.Kinetic(wall=CL, tangential_accommodation=0.2)
+    said = " ".join(model.diagnostics(make(0.9), state_at(1.0), 230.0))
+    assert "the accommodation of normal energy on top is 1.44" in said  # 2 · 0.9 − 0.36
+    assert "no wall has TAC" in said
+    with pytest.raises(lf.ParameterError, match="it is for cercignani-lampis"):
+        lf.Kinetic(tangential_accommodation=0.9)

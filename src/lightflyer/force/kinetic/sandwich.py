@@ -27,6 +27,7 @@ from lightflyer.force.kinetic.sandwich_table import (
     sandwich_fit,
 )
 from lightflyer.force.kinetic.sandwich_walls import force_factors, near_walls
+from lightflyer.force.kinetic.scattering import ranges as scattering_ranges
 from lightflyer.force.kinetic.table import GASES
 from lightflyer.force.kinetic.walls import AbstractWalled
 from lightflyer.force.laws.faces import free_molecular_conductance
@@ -127,6 +128,9 @@ class KineticSandwich(AbstractWalled):
             near = Validity("the walls' distance over the radius", fit.nearest_wall, math.inf, WALL)
             looks.append((near, state.wall_distance / flyer.radius))
             looks.append((Validity("the rarefaction parameter", *fit.wall_range, WALL), delta))
+        if self.walls.is_stated:
+            stated = self.walls.stated(state.gas.molecules)
+            looks += scattering_ranges(stated, (flyer.top.tac_top, flyer.bottom.tac_bottom))
         return (*looks, *sandwich_ranges(flyer, state))
 
     def remarks(

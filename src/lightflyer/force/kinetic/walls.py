@@ -114,6 +114,11 @@ class Walls(NamedTuple):
     # Deviation of how unknown walls share the difference of their TACs, in standard errors [1]
     sharing: Numeric | None = None
 
+    @property
+    def is_stated(self) -> bool:
+        """Whether anything is known of the faces beside their TACs."""
+        return self.tangential is not None or self.rotational is not None
+
     def stated(self, gas: str) -> Stated:
         """What is known of both faces beside their TACs, in a gas of the table."""
         return Stated(self.tangential, None if gas == "monatomic" else self.rotational)
@@ -356,7 +361,7 @@ def force(
             return found
         return found * sharing_factor(kind, knudsen, film.tac_mean, excess, walls.sharing)
     bound = same - other * free
-    if walls.tangential is not None or walls.rotational is not None:
+    if walls.is_stated:
         heated = _SHARED_HEATED * _denseness(knudsen) * heating_of(1.0 + excess)
         bound = _larger(bound, -heated * other * free)
     return uncertain(other * free, bound, walls.error)
@@ -407,6 +412,6 @@ def ranges(disk: Disk, walls: Walls, kind: str, knudsen: Numeric, covered: float
     densest = wall_fit().knudsen_range[0]
     if densest > covered:
         yield Validity("the Knudsen number", densest, np.inf, _HELD), knudsen
-    if walls.tangential is not None or walls.rotational is not None:
+    if walls.is_stated:
         stated = walls.stated(kind)
         yield from scattering_ranges(stated, (disk.film.tac_top, disk.film.tac_bottom))

@@ -1,14 +1,16 @@
 """Compare the hot solver and the force model with simulations of Cercignani and Lampis's walls.
 
 Run as ``python studies/direct_simulation/scattering.py``. Each solved point becomes a line of
-``scattering.jsonl`` and is not solved again. A table is printed.
+``scattering.jsonl`` and is not solved again. A table is printed. What collisions take more than in
+the model equation is also taken from the simulation of the same gas at Maxwell walls at the same
+place, solved by ``studies/kinetic_collisions/comparison.py``: then only the walls are tested.
 """
 
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from dsmc.gas import GASES
@@ -31,6 +33,7 @@ from lightflyer.kinetic_theory.model_gases import gas_model
 from lightflyer.kinetic_theory.walls import Accommodation
 
 SOLVED: Path = FOLDER / "scattering.jsonl"
+MAXWELL: Path = FOLDER.parent / "kinetic_collisions" / "solved.jsonl"
 FORCE_BIAS, HEAT_BIAS = -0.002, 0.0005  # of the simulation: see the README
 Pair = tuple[float, float]
 """Force and heat over those of free molecules."""
@@ -44,6 +47,9 @@ class Compared(NamedTuple):
     solver: Pair
     corrected: Pair  # solver with the force model's factors of collisions
     model: Pair  # the force model
+    # Force by the solver with the collisions that were simulated at Maxwell walls, and its standard
+    # error
+    by_walls: Pair
 
 
 def kind_of(point: Point) -> str:
@@ -134,6 +140,23 @@ def by_model(point: Point) -> Pair:
     return float(force), float(heat * sum(drawn) / sum(case.tac))
 
 
+def by_walls(point: Point, force: float, runs: dict[Point, Any]) -> Pair:
+    """A force of the solver, with collisions as simulated at Maxwell walls at the same place."""
+    maxwell = replace(point, wall="maxwell", tangential=None)
+    solutions = (json.loads(line) for line in MAXWELL.read_text(encoding="utf-8").splitlines())
+    (model,) = (
+        found["force"]
+        for place, found in solutions
+        if place == {name: value for name, value in asdict(maxwell).items() if name in place}
+    )
+    simulated, error = runs[maxwell]["force"]
+    simulated -= FORCE_BIAS
+    factor = (1.0 / simulated - 1.0) / (1.0 / model - 1.0)
+    found = float(with_collisions(force, factor))
+    of_factor = error / simulated**2 / (1.0 / model - 1.0)
+    return found, found * (1.0 - found) / factor * of_factor
+
+
 def compared() -> dict[Point, Compared]:
     """All simulations at walls of Cercignani and Lampis."""
     runs, found = combined(read_runs()), {}
@@ -142,7 +165,8 @@ def compared() -> dict[Point, Compared]:
         pairs = zip(ratios, taken(point), strict=True)
         force, heat = (float(with_collisions(ratio, factor)) for ratio, factor in pairs)
         unbiased = simulated[0] - FORCE_BIAS, simulated[1] - HEAT_BIAS
-        found[point] = Compared(unbiased, error, ratios, (force, heat), by_model(point))
+        walls = by_walls(point, ratios[0], runs)
+        found[point] = Compared(unbiased, error, ratios, (force, heat), by_model(point), walls)
     return found
 
 
@@ -150,6 +174,7 @@ def table() -> Iterator[str]:
     """Simulations and what is beside them, as a table in Markdown."""
     ways = "solver", "with molecules", "force model"
     cells = [f"{name}, {way}" for name in ("F", "Q") for way in ways]
+    cells.append("F, collisions as at Maxwell walls")
     yield "| point | F | Q | " + " | ".join(cells) + " |"
     yield "|---" * (3 + len(cells)) + "|"
     for point, row in compared().items():
@@ -162,6 +187,10 @@ def table() -> Iterator[str]:
             for k in (0, 1)
             for way in (row.solver, row.corrected, row.model)
         ]
+        value, error = row.by_walls
+        off = value - row.simulated[0]
+        sigma = off / float(np.hypot(error, row.error[0]))
+        apart.append(f"{100.0 * off / row.simulated[0]:+.1f} %, {sigma:+.1f} σ")
         tangential = point.tangential or (point.tac_top, point.tac_bottom)
         where = f"{point.gas}, Kn {point.knudsen:.2g}, {point.temperature_ratio:.3g}, "
         yield f"| {where}{tangential[0]:g}/{tangential[1]:g} | {' | '.join(measured + apart)} |"

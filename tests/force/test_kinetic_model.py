@@ -311,7 +311,7 @@ def test_a_chamber_has_its_radius(disk, film):
 @pytest.mark.parametrize(
     ("collisions", "of_force", "of_heat"),
     # of what collisions take, and of the heat itself for the model equation
-    [("vhs", 0.028, None), ("shakhov", 0.165, 0.0035)],
+    [("vhs", 0.036, None), ("shakhov", 0.165, 0.0035)],
 )
 def test_errors_count_in_the_models_own_standard_errors(disk, collisions, of_force, of_heat):
     state, unknowns = state_at(0.2), (0.8,)
@@ -328,7 +328,7 @@ def test_errors_count_in_the_models_own_standard_errors(disk, collisions, of_for
     assert growth == pytest.approx(1.0 + np.hypot(table[0], of_force * (1.0 - ratio)))
     (cold,) = off.heat_loss(disk, state, unknowns)
     if of_heat is None:
-        of_heat = 0.0064 * (1.0 - cold / heat)
+        of_heat = 0.009 * (1.0 - cold / heat)
     growth = on.heat_loss(disk, state, unknowns)[0] / cold
     assert growth == pytest.approx(1.0 - np.hypot(table[1], of_heat), rel=1e-4)
 
@@ -371,11 +371,11 @@ def test_direct_simulations_lie_within_the_stated_error(
         fitted = place.gas != "nitrogen" and place.boundary == comparison.FITTED
         found[fitted].append(off / np.hypot(getattr(one, f"{quantity}_error"), own))
     assert len(found[True]) >= 6
-    assert len(found[False]) >= 17
+    assert len(found[False]) >= 22
     for deviations in found.values():
         assert np.mean(np.square(deviations)) < 2.0
         assert max(map(abs, deviations)) < 3.0
-    assert np.mean(np.abs(found[False]) < 1.96) > 0.93
+    assert np.mean(np.abs(found[False]) < 1.96) >= 0.9
 
 
 def test_simulations_in_reservoirs_lie_within_the_whole_models_error(disk):

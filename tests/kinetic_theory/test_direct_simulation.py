@@ -340,7 +340,7 @@ def test_cells_fill_the_reservoir(dsmc):
 
 
 def test_hot_solver_beside_simulations_of_walls_of_cercignani_and_lampis(study):
-    """Heat with the model's factors of collisions is right; force lacks what the README says."""
+    """With the collisions of Maxwell's walls force is right; with the model's factors heat is."""
     scattering = importlib.import_module("scattering")
     with scattering.float64():
         compared = scattering.compared()
@@ -351,6 +351,8 @@ def test_hot_solver_beside_simulations_of_walls_of_cercignani_and_lampis(study):
         assert abs(heat) < 0.0045, point
         assert -0.045 < force < 0.0 or point.gas == "hard spheres", point
         assert row.solver[0] < row.simulated[0]
+        found, error = row.by_walls
+        assert abs(found - row.simulated[0]) < 2.0 * np.hypot(error, row.error[0]), point
     # the code as it is gives a line of scattering.jsonl again
     point = next(p for p in compared if p.gas == "argon" and p.knudsen > 0.5)
     assert scattering.solve_point(point) == pytest.approx(compared[point].solver, rel=2e-6)

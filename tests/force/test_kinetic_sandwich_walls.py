@@ -1,5 +1,7 @@
 """Walls of a sandwich: free molecules, rows the fit has not seen, the disk, and the bands."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -133,3 +135,10 @@ def test_walls_that_no_face_can_have_are_named():
     assert "no wall has TAC" in said
     with pytest.raises(lf.ParameterError, match="it is for cercignani-lampis"):
         lf.Kinetic(tangential_accommodation=0.9)
+
+
+def test_a_reservoir_nearer_than_its_table_is_taken_as_the_nearest():
+    flyer, model = make(0.8), lf.Kinetic(wall=CL, tangential_accommodation=0.9)
+    state = dataclasses.replace(state_at(0.2), wall_distance=2.0 * RADIUS)
+    near = dataclasses.replace(state, wall_distance=0.3 * RADIUS)
+    assert push(model, flyer, near) == pytest.approx(push(model, flyer, state), rel=1e-9)

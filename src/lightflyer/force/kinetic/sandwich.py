@@ -98,7 +98,8 @@ class KineticSandwich(AbstractWalled):
         fit, ratios, taken = _ratios(flyer, state, unknowns, passed, self.collisions)
         place = rarefaction_of(flyer, state), passed.open_fraction, passed.tac
         if state.wall_distance is not None:
-            taken *= near_walls(place[0], state.wall_distance / flyer.radius)
+            distance = jnp.maximum(state.wall_distance / flyer.radius, fit.nearest_wall)
+            taken *= near_walls(place[0], distance)
         of_walls = force_factors(state.gas.molecules, place, unknowns, self.walls, taken)
         by_temperature, by_tac = ratios.force, ratios.tac_force
         if self.force_error is not None:

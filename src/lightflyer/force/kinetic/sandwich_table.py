@@ -204,8 +204,9 @@ class SandwichFit:
         heating = self._heating(temperature_ratio)
         hot = 1.0 / (1.0 - heating)
         disk = self._disk_resistance(rarefaction, mean, hot, viscosity_exponent)
-        by_force, by_tac, by_heat, by_difference = self._growths(
-            rarefaction, open_fraction, heating
+        by_force, by_tac, by_heat, by_difference = (
+            self._growth(which, rarefaction, open_fraction, heating)
+            for which in range(len(self.hot))
         )
         solid = (1.0 - open_fraction) * rarefaction
 
@@ -225,28 +226,21 @@ class SandwichFit:
         self, rarefaction: Numeric, open_fraction: Numeric, temperature_ratio: Numeric
     ) -> Array:
         r"""What heat does to the resistance :math:`1/\hat F-1` [1]."""
-        heating = self._heating(temperature_ratio)
-        place = place_of(rarefaction, self.hot_range)[0]
-        return jnp.exp(heating * polynomial(self.hot[0], heating, open_fraction, place))
+        return self._growth(0, rarefaction, open_fraction, self._heating(temperature_ratio))
 
     def _heating(self, temperature_ratio: Numeric) -> Array:
         return jnp.clip(1.0 - 1.0 / temperature_ratio, _COLDEST, self.heating_limit)
 
-    def _growths(
-        self, rarefaction: Numeric, open_fraction: Numeric, heating: Numeric
-    ) -> list[Array]:
-        """What heat does to the four resistances, to two of them over that without holes."""
+    def _growth(
+        self, which: int, rarefaction: Numeric, open_fraction: Numeric, heating: Numeric
+    ) -> Array:
+        """What heat does to one of the four resistances, or to it over that without holes."""
+        coefficients = self.hot[which]
         place = place_of(rarefaction, self.hot_range)[0]
-        return [
-            jnp.exp(
-                heating
-                * (
-                    polynomial(one, heating, open_fraction, place)
-                    - (polynomial(one, heating, 0.0, place) if relative else 0.0)
-                )
-            )
-            for one, relative in zip(self.hot, _RELATIVE, strict=True)
-        ]
+        change = polynomial(coefficients, heating, open_fraction, place)
+        if _RELATIVE[which]:
+            change -= polynomial(coefficients, heating, 0.0, place)
+        return jnp.exp(heating * change)
 
     def _disk_resistance(
         self,

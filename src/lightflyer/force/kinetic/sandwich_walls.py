@@ -51,7 +51,6 @@ from lightflyer.numerics.polynomials import least_squares, polynomial
 from lightflyer.program.entry_point import evaluate_once
 
 _DENSITY = 1.8  # δ at which thin gas gives way to dense, for what is fitted only
-_KINDS = ("normal", "tangential", "rotational")
 _DEGREE, _PLACE_DEGREE = 3, 4
 _SHARED_POWERS = [(place, hole, tac) for place in range(5) for hole in range(3) for tac in range(4)]
 _UNKNOWN_TACS = (0.6, 1.0)  # between which unknown walls change with the TAC
@@ -88,7 +87,7 @@ def sandwich_walls_fit(gas: str) -> SandwichWallsFit:
 
 def fit_columns(table: dict[str, np.ndarray], gas: str) -> SandwichWallsFit:
     """Smooth function through a table's columns, (n,)."""
-    names = ("open_fraction", *_KINDS[: kinds_of(gas)])
+    names = ("open_fraction", *Accommodations._fields[: kinds_of(gas)])
     rarefaction, variables = table["rarefaction"], tuple(table[name] for name in names)
     ends, place = ends_and_places(rarefaction)
     tac = mean_tac(table, rotates=gas == "diatomic")

@@ -1,12 +1,14 @@
-"""Many designs at once: a compiled function of the varied numbers, applied in batches."""
+"""Many designs at once: a function of the varied numbers, by NumPy or compiled, in batches."""
 
+import abc
 import itertools
 import math
 import threading
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
+import equinox as eqx
 import jax
 import numpy as np
 
@@ -16,14 +18,20 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.precision import float64
 from lightflyer.core.progress import Counted
 from lightflyer.design.design import AbstractDesign
+from lightflyer.design.setup import Setup
 from lightflyer.design.tables import evaluate
 from lightflyer.numerics.batches import in_batches
+from lightflyer.program.entry_point import entry_point, forced_way
 from lightflyer.study.study import Study
 
 BATCH = 16_384  # Designs evaluated at once: they fit the processor's cache, and one thread
 
 BATCH_OVER_BAND = 128
 """Designs evaluated at once where each is searched over some hundred altitudes."""
+
+FEW, FEW_OVER_BAND = 50_000, 1_000
+"""Designs of a study that NumPy has evaluated before XLA has compiled; see
+``benchmarks/sweep.py``."""
 
 BATCH_ON_GPU, BATCH_OVER_BAND_ON_GPU = 2**18, 2**12
 """The same of all GPUs together: a chunk, whose arrays fit the cache of an H100."""
@@ -48,8 +56,9 @@ class Evaluator:
     """Computes the outputs of any of a study's designs."""
 
     # Designs are numbered in row-major order of the study's dimensions. The result of a design does
-    # not depend on which others are computed with it. Can be pickled; it is compiled where it runs,
-    # once for all studies of equal designs with the same outputs.
+    # not depend on which others are computed with it: all of a study are computed in one way. Can
+    # be pickled; it is compiled where it runs, once for all studies of equal designs with the same
+    # outputs.
 
     counted: Counted | None = None
     """Counts the designs as they are computed, in this process."""
@@ -60,6 +69,8 @@ class Evaluator:
         self.batch = BATCH_OVER_BAND if searched else BATCH
         if device == "gpu":
             self.batch = BATCH_OVER_BAND_ON_GPU if searched else BATCH_ON_GPU
+        few = study.size <= (FEW_OVER_BAND if searched else FEW)
+        self.way = "xla" if device else forced_way() or ("numpy" if few else "xla")
         self._prepared, self._strides = _prepare(study)
 
     def __call__(self, start: int, stop: int) -> tuple[Table, int]:
@@ -69,7 +80,8 @@ class Evaluator:
     def at(self, designs: np.ndarray) -> tuple[Table, int]:
         """Outputs of designs of any numbers; returns ``outputs`` (n,), ``failures``."""
         study = self.study
-        kernel = _kernel(study.design, study.outputs, tuple(study.fixed.items()), self.device)
+        fixed = tuple(study.fixed.items())
+        kernel = _kernel(study.design, study.outputs, fixed, self.way, self.device)
 
         def compute(designs: np.ndarray) -> tuple[Table, np.ndarray]:
             found = kernel(*self.inputs(designs))
@@ -78,6 +90,8 @@ class Evaluator:
             return found
 
         size = math.ceil(self.batch / kernel.parts) * kernel.parts
+        if self.way == "numpy":  # for which any length will do
+            size = min(size, len(designs))
         outputs, converged = in_batches(compute, (designs,), size)
         failed = ~converged
         for values in outputs.values():
@@ -122,22 +136,12 @@ def _outputs_of_one(
     return one
 
 
-class _Kernel:
-    """Outputs of many designs, compiled once for all threads of a process."""
+class _AbstractKernel(abc.ABC):
+    """Outputs of many designs, traced or compiled once for all threads of a process."""
 
-    def __init__(
-        self,
-        design: AbstractDesign,
-        names: tuple[str, ...],
-        fixed: dict[str, float],
-        device: str | None,
-    ):
-        self._devices = OnDevices(device) if device else None
-        self.parts = self._devices.count if self._devices else 1
-        every = jax.vmap(_outputs_of_one(design, names, fixed))
-        if self._devices:
-            every = self._devices.divide_work(every)
-        self._compiled = jit_with_options(every, {} if device == "gpu" else _COMPILATION)
+    parts = 1  # Batches are of a multiple of it
+
+    def __init__(self) -> None:
         self._ready: set[Any] = set()
         self._lock = threading.Lock()
 
@@ -152,6 +156,29 @@ class _Kernel:
                     return found
         return self._run(values, prepared)
 
+    @abc.abstractmethod
+    def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
+        """Outputs, and whether they have converged."""
+
+
+class _Compiled(_AbstractKernel):
+    """Outputs by XLA."""
+
+    def __init__(
+        self,
+        design: AbstractDesign,
+        names: tuple[str, ...],
+        fixed: dict[str, float],
+        device: str | None,
+    ):
+        super().__init__()
+        self._devices = OnDevices(device) if device else None
+        self.parts = self._devices.count if self._devices else 1
+        every = jax.vmap(_outputs_of_one(design, names, fixed))
+        if self._devices:
+            every = self._devices.divide_work(every)
+        self._compiled = jit_with_options(every, {} if device == "gpu" else _COMPILATION)
+
     def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
         with float64():
             if self._devices:
@@ -162,14 +189,61 @@ class _Kernel:
             )
 
 
+class _Interpreted(_AbstractKernel):
+    """Outputs by NumPy, from a program that later processes find again."""
+
+    def __init__(self, design: AbstractDesign, names: tuple[str, ...], fixed: dict[str, float]):
+        super().__init__()
+        self._design, self._names, self._fixed = design, names, fixed
+        self._every = entry_point(jax.vmap(_outputs_of_one(design, names, fixed)), way="numpy")
+        self._leaves = entry_point(self._leaves_at, way="numpy")
+
+    def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
+        if prepared is not None:  # tables of each design
+            return self._every(values, prepared)
+        nominal, structure = jax.tree.flatten(self._design.setup)
+        leaves = self._leaves(values)
+        varies = [
+            np.shape(one) != np.shape(other) for one, other in zip(leaves, nominal, strict=True)
+        ]
+        varied, shared = eqx.partition(
+            jax.tree.unflatten(structure, leaves), jax.tree.unflatten(structure, varies)
+        )
+        count = max(map(len, values.values()))
+        place = (self._fixed | values).get(self._design.coordinate_name)
+        places = None if place is None else np.broadcast_to(place, count)
+        return _evaluate_each(
+            np.arange(count), varied, places, shared, dict.fromkeys(self._names, 0.0)
+        )
+
+    def _leaves_at(self, values: Table) -> list[Any]:
+        return jax.tree.leaves(self._design.build(self._fixed | values))
+
+
+@partial(entry_point, way="numpy")
+def _evaluate_each(
+    number: Any, varied: Setup, places: Any, shared: Setup, names: dict[str, Any]
+) -> tuple[dict[str, Any], Any]:
+    """Outputs of designs (n,), by what varies among them, with an axis for them, and what not."""
+
+    def one(number: Any, varied: Setup, place: Any) -> tuple[dict[str, Any], Any]:
+        del number  # which there is whatever varies
+        return evaluate(eqx.combine(varied, shared), tuple(names), place)
+
+    return jax.vmap(one)(number, varied, places)
+
+
 @lru_cache(maxsize=16)
 def _kernel(
     design: AbstractDesign,
     names: tuple[str, ...],
     fixed: tuple[tuple[str, float], ...],
+    way: str,
     device: str | None,
-) -> _Kernel:
-    return _Kernel(design, names, dict(fixed), device)
+) -> _AbstractKernel:
+    if way == "numpy":
+        return _Interpreted(design, names, dict(fixed))
+    return _Compiled(design, names, dict(fixed), device)
 
 
 def _prepare(study: Study) -> tuple[Any, list[int]]:

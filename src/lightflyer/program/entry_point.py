@@ -86,7 +86,8 @@ def _require_way(way: str) -> str:
     return way
 
 
-def _forced_way() -> str | None:
+def forced_way() -> str | None:
+    """The way in which the user wants functions to be run, if any."""
     chosen, setting = _way.get(), os.environ.get(SETTING, "")
     return chosen or (_require_way(setting) if setting else None)
 
@@ -243,7 +244,7 @@ class _Runner:
         if jax.config.jax_disable_jit or is_traced(leaves):  # type: ignore[attr-defined]
             return self._compiled(*args, **kwargs)
         arrays = [_in_double(leaf) for leaf in leaves]
-        way = _forced_way() or self._way
+        way = forced_way() or self._way
         found = None if way == "xla" else self._by_numpy(arrays, structure, way)
         if found is None:
             found = self._by_xla(arrays, structure)

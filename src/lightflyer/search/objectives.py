@@ -1,4 +1,4 @@
-"""Objectives and constraints as compiled functions with derivatives."""
+"""Objectives and constraints as functions with derivatives."""
 
 import copy
 from collections.abc import Callable, Mapping
@@ -64,8 +64,7 @@ class ObjectiveFunction:
     """Objectives and constraints of a problem over the unit cube of its free numbers."""
 
     # A point has one fraction from 0 to 1 for each free number; see
-    # :class:`~lightflyer.search.problem.Bounds`. What is called often is compiled when it is first
-    # used.
+    # :class:`~lightflyer.search.problem.Bounds`.
 
     def __init__(self, problem: Problem):
         self.problem = problem
@@ -116,8 +115,8 @@ class ObjectiveFunction:
 
     @cached_property
     def _quick_films(self) -> Callable[[Mapping[str, Any]], Any]:
-        compiled = _compile(lambda values, tables: self._quick(values, tables))  # type: ignore[misc]
-        return lambda values: compiled(values, self._context.tables)
+        films = entry_point(lambda values, tables: self._quick(values, tables))  # type: ignore[misc]
+        return lambda values: films(values, self._context.tables)
 
     def all_values(self, point: Any, changed: Mapping[str, Any] | None = None) -> dict[str, Any]:
         """Values of all numbers that are free, fixed or uncertain, at a point; may be traced."""
@@ -267,12 +266,11 @@ class ObjectiveFunction:
     @cached_property
     def _many(self) -> Callable[..., np.ndarray]:
         def many(designs: Mapping[str, Any], context: Context) -> Any:
-            # one film after the other stays in the processor's cache
-            films = jax.lax.map(lambda one: self._films(one, context), designs)
-            return jax.vmap(lambda one, film: self._scores(one, film, context))(designs, films)
+            return jax.vmap(lambda one: self._scores(one, self._films(one, context), context))(
+                designs
+            )
 
-        # films are computed one by one, for which NumPy is slow; the rest is called a few times
-        return _compile(many) if self.is_quick else entry_point(many)
+        return entry_point(many)
 
     def whatever_films_bear(self) -> "ObjectiveFunction":
         """The same function without the limits of its films; what is compiled, it shares."""
@@ -292,7 +290,7 @@ class ObjectiveFunction:
         return function
 
     def scores_and_jacobian(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """:meth:`scores` at a point and their derivatives, shape (m, k); compiled."""
+        """:meth:`scores` at a point and their derivatives, shape (m, k)."""
         found: tuple[np.ndarray, np.ndarray] = self._both(point, self._context)
         return found
 
@@ -310,7 +308,7 @@ class ObjectiveFunction:
             found, push = jax.linearize(scores, point)
             return found, jax.vmap(push, out_axes=1)(jnp.eye(count))
 
-        return _compile(both)
+        return entry_point(both)
 
     def parameter_gradient(
         self, point: np.ndarray, multipliers: np.ndarray
@@ -331,7 +329,7 @@ class ObjectiveFunction:
             scores = self.scores(point, changed, context)
             return scores[0] + jnp.dot(multipliers, scores[1:])
 
-        return entry_point(jax.grad(lagrangian))  # called once
+        return entry_point(jax.grad(lagrangian))
 
     def _parameters(self) -> dict[str, float]:
         """Numbers of the design that are neither free nor zero nor costly, by dotted name."""
@@ -356,17 +354,6 @@ class ObjectiveFunction:
 def _scales(limits: Any) -> Any:
     """Sizes of limits, by which violations of constraints are measured."""
     return abs(limits) + (limits == 0.0)
-
-
-def _compile(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function compiled for NumPy arrays in double precision."""
-    compiled: Any = jax.jit(function)
-
-    def call(*arguments: Any) -> Any:
-        with float64():
-            return jax.tree.map(np.asarray, compiled(*arguments))
-
-    return call
 
 
 def _smooth_share(margins: Any) -> Any:

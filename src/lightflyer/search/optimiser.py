@@ -278,7 +278,7 @@ def _require_some(satisfying: Sequence[LocalOptimum], searches: Sequence[LocalOp
 def _screen(function: ObjectiveFunction) -> tuple[np.ndarray, float]:
     """Good starts that are apart, and the scale of the objective."""
     problem = function.problem
-    report("screening designs (compiling the model first)")
+    report("screening designs")
     count = SCREENED_FILMS if function.is_quick else SCREENED
     points = qmc.Sobol(len(problem.bounds), rng=problem.seed).random(count)
     scores = function.scores_of_many(points)

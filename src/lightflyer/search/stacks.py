@@ -1,7 +1,7 @@
 """The best stack of layers: which materials, how many, in which order, and how thick.
 
 All stacks are enumerated. A Sobol sample of thicknesses sorts out most; gradients improve the
-thicknesses of the rest; the best few are computed on full grids. One compiled program serves all
+thicknesses of the rest; the best few are computed on full grids. One program serves all
 stacks, as a stack is no more than its tables of n and k.
 """
 

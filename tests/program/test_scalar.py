@@ -10,6 +10,7 @@ import pytest
 from lightflyer.core.precision import float64
 from lightflyer.numerics.system import solve_system
 from lightflyer.program.operations import UnsupportedError
+from lightflyer.program.scalar import python
 from lightflyer.program.scalar.javascript import Tables, number, write_function
 from lightflyer.program.scalar.python import compile_numbers
 from lightflyer.program.tracing import trace, trace_numbers
@@ -305,3 +306,40 @@ def test_numbers_keep_every_bit():
     values = [0.1, 1 / 3, -2.5e-308, 5e-324, 1.7976931348623157e308, -0.0, 123456789.0, 1e22]
     assert [float(number(value)) for value in values] == values
     assert number(-0.0) == "-0"
+
+
+def test_python_is_written_once_for_all_that_may_be_given(monkeypatch):
+    """Numbers, small arrays and tables; but where a number is 0 or 1, or a loop has more steps."""
+    count, original = [], python.write_graph
+    monkeypatch.setattr(python, "write_graph", lambda *given: count.append(1) or original(*given))
+
+    def function(x, factor, axis, table):
+        place = jnp.searchsorted(axis, x)
+        return factor * x + axis[place], table[place] + jnp.sum(axis) / factor
+
+    with float64():
+        shapes = [(), (), (5,), (2000,)]
+        program, _ = trace(lambda leaves: function(*leaves), shapes, ["<f8"] * 4)
+    rng = np.random.default_rng(1)
+    for factor in (2.5, -7.0, 0.5):
+        axis, table = np.sort(rng.random(5)), rng.random(2000)
+        call = compile_numbers(program, {1: factor, 2: axis, 3: table}, {})
+        for x in (0.25, axis[2], 2.0):
+            found = call([np.float64(x)])
+            place = min(int(np.searchsorted(axis, x)), 4)
+            own = table[int(np.searchsorted(axis, x))]
+            assert found == pytest.approx([factor * x + axis[place], own + axis.sum() / factor])
+    assert len(count) == 1
+    compile_numbers(program, {1: 1.0, 2: axis, 3: table}, {})
+    assert len(count) == 2
+
+
+def test_python_that_raises_is_written_anew(monkeypatch):
+    call = _compiled(lambda x, y: jnp.where(y == 0.0, x, x / y) + jnp.log(y), {0: 3.0})
+    (found,) = call([2.0])
+    assert found == 1.5 + np.log(2.0)
+    monkeypatch.setattr(python, "_QuickPython", None)  # from the first on that raises
+    for y in (0.0, 2.0, np.inf, np.nan, -1.0):
+        with np.errstate(all="ignore"):
+            wanted = np.where(y == 0.0, 3.0, np.divide(3.0, y)) + np.log(y)
+        assert call([y])[0] == pytest.approx(wanted, rel=1e-15, nan_ok=True)

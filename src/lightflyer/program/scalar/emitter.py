@@ -9,14 +9,15 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial, reduce
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lightflyer.program.operations import RULES as MOVES
 from lightflyer.program.operations import UnsupportedError
 from lightflyer.program.program import LOOKED_UP, Block, Operation, Program
-from lightflyer.program.scalar.graph import FOLDS, Graph, Node, Scope
+from lightflyer.program.scalar.graph import FOLDS, Graph, Node, Scope, Table
 
 MOST_STEPS = 256
 """Steps up to which a loop of a known number of steps is written out."""
@@ -40,25 +41,60 @@ _RULES: dict[str, Callable[..., Any]] = {}
 """What is neither one operation on each element nor a move, by the operation's name."""
 
 
-def graph_of(
-    program: Program, known: Mapping[int, Any], shapes: Mapping[int, tuple[int, ...]]
-) -> tuple[list[Node], list[np.ndarray]]:
-    """Arguments and results of a program in one graph.
+class GraphOf(NamedTuple):
+    """A program as a graph of numbers."""
 
-    ``known``: inputs that are known, by their places; ``shapes``: those of the others, which have
-    no axes where none is given.
+    arguments: list[Node]
+    parameters: list[Node]  # Numbers that are given before
+    tables: list[Table]  # The same of arrays
+    results: list[np.ndarray]  # Of nodes
+
+
+def graph_of(
+    program: Program,
+    known: Mapping[int, Any],
+    shapes: Mapping[int, tuple[int, ...]],
+    given: Mapping[int, np.ndarray] = MappingProxyType({}),
+) -> GraphOf:
+    """The graph of a program.
+
+    ``known``: inputs that are known, by their places; ``given``: those that will be known before
+    the function is used, numbers and arrays like these; ``shapes``: those of the others, which
+    have no axes where none is given.
     """
-    emitter, arguments = _Emitter(Graph()), []
+    emitter = _Emitter(Graph())
+    found = GraphOf([], [], [], [])
     emitter.values.update(program.constants)
     for place, number in enumerate(program.body.arguments):
         if place in known:
             emitter.values[number] = np.asarray(known[place])
             continue
-        nodes = np.empty(shapes.get(place, ()), object)
-        nodes.ravel()[:] = [emitter.graph.variable("f") for _ in range(nodes.size)]
+        if place in given and is_table(program, place, given[place]):
+            emitter.values[number] = array = given[place]
+            found.tables.append(emitter.table_to_come(array))
+            continue
+        if place in given:
+            shape, make, listed = given[place].shape, emitter.graph.parameter, found.parameters
+        else:
+            shape, make, listed = shapes.get(place, ()), emitter.graph.variable, found.arguments
+        nodes = np.empty(shape, object)
+        nodes.ravel()[:] = [make("f") for _ in range(nodes.size)]
         emitter.values[number] = nodes
-        arguments += list(nodes.ravel())
-    return arguments, [emitter.nodes(array) for array in emitter.run(program.body)]
+        listed.extend(nodes.ravel())
+    found.results.extend(map(emitter.nodes, emitter.run(program.body)))
+    return found
+
+
+def is_table(program: Program, place: int, array: np.ndarray) -> bool:
+    """Whether elements of an input are looked up, and nothing else is done with it."""
+    return bool(array.ndim) and program.tables[place]
+
+
+def elements_of(array: np.ndarray) -> Sequence[Any]:
+    """The elements of an array of numbers, to be looked up one by one."""
+    # numbers of Python are found a little sooner, and need four times the memory
+    flat = array.ravel()
+    return tuple(flat.tolist()) if flat.size < _LARGE else flat.data
 
 
 class _Emitter:
@@ -66,7 +102,7 @@ class _Emitter:
         self.graph = graph
         self.scope: Scope | None = None
         self.values: dict[int, np.ndarray] = {}
-        self._tables: dict[int, tuple[np.ndarray, Sequence[Any]]] = {}
+        self._tables: dict[int, tuple[np.ndarray, Sequence[Any] | Table]] = {}
 
     def run(self, block: Block) -> list[np.ndarray]:
         """Results of a block whose arguments are set."""
@@ -102,17 +138,24 @@ class _Emitter:
 
     def filled(self, array: np.ndarray, shape: Sequence[int]) -> np.ndarray:
         """An array that fills its axes: a constant that is the same everywhere need not."""
-        return array if array.shape == tuple(shape) else np.broadcast_to(array, shape)
+        if array.shape == tuple(shape):
+            return array
+        if id(array) in self._tables and isinstance(self.table(array), Table):
+            raise UnsupportedError("a table that fills axes is not written as one to come")
+        return np.broadcast_to(array, shape)
 
-    def table(self, array: np.ndarray) -> Sequence[Any]:
+    def table(self, array: np.ndarray) -> Sequence[Any] | Table:
         """The elements of an array of numbers."""
         # what is kept keeps the array, too: another one may not come to its place in memory
         if id(array) not in self._tables:
-            flat = array.ravel()
-            # numbers of Python are found a little sooner, and need four times the memory
-            elements = tuple(flat.tolist()) if flat.size < _LARGE else flat.data
-            self._tables[id(array)] = array, elements
+            self._tables[id(array)] = array, elements_of(array)
         return self._tables[id(array)][1]
+
+    def table_to_come(self, array: np.ndarray) -> Table:
+        """What stands for the elements of an array like this one."""
+        table = Table("b" if array.dtype == bool else "f")
+        self._tables[id(array)] = array, table
+        return table
 
     def constants(self, value: Any) -> np.ndarray:
         """Nodes of an array that is known."""

@@ -51,7 +51,7 @@ _SAME = {"add": -0.0, "sub": 0.0, "mul": 1, "div": 1}  # right operands that cha
 
 @dataclass(frozen=True, eq=False)
 class Scope:
-    """The body of a loop, or the function itself, at depth 0."""
+    """The body of a loop, the function itself, at depth 1, or what is known before it, at 0."""
 
     depth: int
 
@@ -60,7 +60,8 @@ class Scope:
 class Node:
     """One scalar."""
 
-    # A key of :data:`FOLDS`, or ``constant``, ``choice``, ``table``, ``variable``, ``result``
+    # A key of :data:`FOLDS`, or ``constant``, ``choice``, ``table``, ``listing``, ``pick``,
+    # ``variable``, ``result``
     operation: str
     operands: "tuple[Node, ...]"
     data: Any  # Value of a constant, values of a table, place of a loop's result
@@ -71,6 +72,13 @@ class Node:
     def is_constant(self) -> bool:
         """Whether its value is known."""
         return self.operation == "constant"
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A table whose numbers are given before the function is used."""
+
+    kind: str  # Of its numbers, as of a node
 
 
 @dataclass(eq=False)
@@ -88,7 +96,7 @@ class Graph:
     """All nodes of one function."""
 
     def __init__(self) -> None:
-        self._root = Scope(0)
+        self._before, self._root = Scope(0), Scope(1)
         self._nodes: dict[Any, Node] = {}
         self._tables: dict[tuple[Any, ...], tuple[Any, ...]] = {}
 
@@ -101,6 +109,10 @@ class Graph:
     def variable(self, kind: str, scope: Scope | None = None) -> Node:
         """A number that a caller gives, or that a loop changes."""
         return Node("variable", (), None, scope or self._root, kind)
+
+    def parameter(self, kind: str) -> Node:
+        """A number that is given before the function is used."""
+        return self.variable(kind, self._before)
 
     def real(self, node: Node) -> Node:
         """A whole number as a real one."""
@@ -137,15 +149,17 @@ class Graph:
         if all(value.is_constant for value in values):
             table = tuple(value.data for value in values)
             return self.row(self._tables.setdefault(table, table), index)
+        if all(value.scope is self._before for value in values):
+            return self._node("pick", (self._node("listing", tuple(values)), index))
         found = values[-1]
         for place in reversed(range(len(values) - 1)):
             here = self.operation("eq", index, self.constant(place))
             found = self.choice(here, values[place], found)
         return found
 
-    def row(self, table: Sequence[Any], index: Node) -> Node:
+    def row(self, table: Sequence[Any] | Table, index: Node) -> Node:
         """A number of a table that lives on, by an index that is within range."""
-        if index.is_constant:
+        if index.is_constant and not isinstance(table, Table):
             return self.constant(table[int(index.data)])
         return self._node("table", (index,), table, key=id(table))
 
@@ -168,7 +182,7 @@ class Graph:
         key = operation, *map(id, operands), data if key is None else key
         if key not in self._nodes:
             scopes = (operand.scope for operand in operands)
-            scope = max(scopes, key=lambda scope: scope.depth, default=self._root)
+            scope = max(scopes, key=lambda scope: scope.depth, default=self._before)
             self._nodes[key] = Node(
                 operation, operands, data, scope, _kind(operation, operands, data)
             )
@@ -177,6 +191,8 @@ class Graph:
 
 def _kind(operation: str, operands: tuple[Node, ...], data: Any) -> str:
     """Kind of the number that an operation gives."""
+    if isinstance(data, Table):
+        return data.kind
     if operation in ("constant", "table"):
         value = data[0] if operation == "table" else data
         return "b" if isinstance(value, bool) else "i" if isinstance(value, int) else "f"
@@ -186,5 +202,7 @@ def _kind(operation: str, operands: tuple[Node, ...], data: Any) -> str:
         return "i"
     if operation == "choice":
         return operands[1].kind
+    if operation in ("listing", "pick"):
+        return operands[0].kind
     whole = operation in _OF_OPERANDS and all(operand.kind == "i" for operand in operands)
     return "i" if whole else "f"

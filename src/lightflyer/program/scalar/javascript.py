@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from lightflyer.program.program import Program
 from lightflyer.program.scalar.emitter import graph_of
-from lightflyer.program.scalar.graph import PREFIX
+from lightflyer.program.scalar.graph import PREFIX, Table
 from lightflyer.program.scalar.writer import Language, Written, write_graph
 
 
@@ -43,10 +43,9 @@ def _table(name: str, values: tuple[Any, ...]) -> str:
 
 def write_function(name: str, program: Program, tables: Tables) -> str:
     """A function of numbers that returns an array of them; ``tables``: where constants go."""
-    arguments, results = graph_of(program, {}, {})
-    return write_graph(
-        name, arguments, [node for array in results for node in array.ravel()], _JavaScript(tables)
-    )
+    graph = graph_of(program, {}, {})
+    results = [node for array in graph.results for node in array.ravel()]
+    return write_graph(name, graph.arguments, results, _JavaScript(tables))
 
 
 class _JavaScript(Language):
@@ -77,7 +76,8 @@ class _JavaScript(Language):
     def negation(self, operand: str) -> Written:
         return f"!{operand}", PREFIX
 
-    def table(self, values: Sequence[Any]) -> str:
+    def table(self, values: Sequence[Any] | Table) -> str:
+        assert not isinstance(values, Table), "its functions have no parameters"
         return self._tables.name(tuple(values))
 
     def definition(self, name: str, text: str) -> str:

@@ -1,57 +1,117 @@
 """Programs written in Python: for one number at a time the fastest way without a compiler.
 
 An operation on Python's own numbers takes a tenth of what NumPy takes for it. Python raises where a
-division or a function has no finite result; here it is what NumPy gives.
+division or a function has no finite result. Then the function is written anew, of operations that
+give what NumPy gives.
 """
 
 import itertools
 import keyword
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from typing import Any, ClassVar
 
 import numpy as np
 
 from lightflyer.program.operations import ELEMENTWISE
 from lightflyer.program.program import Program
-from lightflyer.program.scalar.emitter import graph_of
-from lightflyer.program.scalar.graph import FOLDS, PRIMARY
+from lightflyer.program.scalar.emitter import elements_of, graph_of, is_table
+from lightflyer.program.scalar.graph import FOLDS, PRIMARY, Table
 from lightflyer.program.scalar.writer import Language, Written, write_graph
 
-_NAME = "_program"
+_NAME, _MAKER = "_program", "_make"
+_FEW = 64  # Numbers of an array that are written one by one
+_MOST_KEPT = 16  # Functions of one program
+
+_Call = Callable[[Sequence[Any]], list[np.ndarray]]
+_Make = Callable[[Mapping[int, np.ndarray]], _Call]
 
 
 def compile_numbers(
     program: Program, given: Mapping[int, Any], shapes: Mapping[int, tuple[int, ...]]
-) -> Callable[[Sequence[Any]], list[np.ndarray]]:
+) -> _Call:
     """A function of those inputs of a program that are not given, in their order.
 
     ``given``: inputs that are known, by their places; ``shapes``: those of the others, which have
     no axes where none is given. Raises
     :class:`~lightflyer.program.operations.UnsupportedError` where the program has an operation
-    that is not one on numbers.
+    that is not one on numbers. It is written once for all numbers and tables that may be given.
     """
-    arguments, found = graph_of(program, given, shapes)
-    language = _Python()
-    nodes = [node for array in found for node in array.ravel()]
-    text = write_graph(_NAME, arguments, nodes, language)
-    names = {**_FUNCTIONS, **language.tables}
-    # the text is written above, of a graph of numbers: nothing in it comes from outside
-    exec(compile(text, _NAME, "exec"), names)
-    function = names[_NAME]
-    shapes_found = [array.shape for array in found]
-    ends = [0, *itertools.accumulate(array.size for array in found)]
+    arrays = {place: np.asarray(value) for place, value in given.items()}
+    open_ones = {
+        place: array
+        for place, array in arrays.items()
+        if is_table(program, place, array) or _are_any_numbers(array)
+    }
+    fixed = {place: array for place, array in arrays.items() if place not in open_ones}
+    kind = (
+        *((place, array.shape, array.dtype.str) for place, array in open_ones.items()),
+        *((place, array.shape, array.tobytes()) for place, array in fixed.items()),
+        *shapes.items(),
+    )
+    known: dict[Any, Any] = program.prepare_once("python", lambda _: {})
+    if kind not in known:
+        for oldest in [*known][: 1 + len(known) - _MOST_KEPT]:
+            known.pop(oldest, None)
+        known[kind] = _write(program, fixed, shapes, open_ones)
+    make: _Make = known[kind]
+    return make(open_ones)
+
+
+def _are_any_numbers(array: np.ndarray) -> bool:
+    """Whether they are not so many, and none with which less has to be computed."""
+    special = array.dtype == bool or np.isin(array, (0.0, 1.0))
+    return array.size <= _FEW and not np.all(special)
+
+
+def _write(
+    program: Program,
+    fixed: Mapping[int, Any],
+    shapes: Mapping[int, tuple[int, ...]],
+    open_ones: Mapping[int, np.ndarray],
+) -> _Make:
+    """What makes the function, of numbers and tables."""
+    graph = graph_of(program, fixed, shapes, open_ones)
+    shapes_found = [array.shape for array in graph.results]
+    ends = [0, *itertools.accumulate(array.size for array in graph.results)]
     parts = [slice(*pair) for pair in itertools.pairwise(ends)]
 
-    def call(inputs: Sequence[Any]) -> list[np.ndarray]:
-        numbers = [number for one in inputs for number in np.ravel(one).tolist()]
-        results = function(*numbers)
-        return [
-            np.array(results[part], kind).reshape(shape)[()]
-            for part, kind, shape in zip(parts, program.output_types, shapes_found, strict=True)
-        ]
+    @cache
+    def written(kind: type[_Python]) -> Callable[..., Any]:
+        language = kind(graph.tables)
+        nodes = [node for array in graph.results for node in array.ravel()]
+        text = write_graph(_NAME, graph.arguments, nodes, language, graph.parameters)
+        names = {**_FUNCTIONS, **_QUICK, **language.tables}
+        # the text is written above, of a graph of numbers: nothing in it comes from outside
+        exec(compile(text, _NAME, "exec"), names)
+        return names[_MAKER]
 
-    return call
+    written(_QuickPython)  # or say at once what cannot be
+
+    def make(given: Mapping[int, np.ndarray]) -> _Call:
+        tables = [place for place in sorted(given) if is_table(program, place, given[place])]
+        numbers = [given[place].ravel().tolist() for place in sorted(given) if place not in tables]
+        known = *itertools.chain(*numbers), *(elements_of(given[place]) for place in tables)
+        function: Callable[..., list[Any]] | None = None
+
+        def call(inputs: Sequence[Any]) -> list[np.ndarray]:
+            nonlocal function
+            values = [number for one in inputs for number in np.ravel(one).tolist()]
+            try:
+                function = function or written(_QuickPython)(*known)
+                results = function(*values)
+            except (ArithmeticError, ValueError):  # from now on what never raises, and is slower
+                function = written(_Python)(*known)
+                results = function(*values)
+            return [
+                np.array(results[part], kind).reshape(shape)[()]
+                for part, kind, shape in zip(parts, program.output_types, shapes_found, strict=True)
+            ]
+
+        return call
+
+    return make
 
 
 # --- operations that Python's own do not serve for ---
@@ -137,9 +197,10 @@ class _Python(Language):
     signs: ClassVar = _SIGNS
     functions: ClassVar = {name.removeprefix("_"): name for name in _FUNCTIONS}
 
-    def __init__(self) -> None:
+    def __init__(self, tables: Sequence[Table]) -> None:
         self.tables: dict[str, Sequence[Any]] = {}
-        self._names: dict[int, str] = {}
+        self._names = {id(table): f"T{number}" for number, table in enumerate(tables)}
+        self._parameters = [*self._names.values()]
 
     def number(self, value: Any) -> str:
         if isinstance(value, float) and not math.isfinite(value):
@@ -152,9 +213,10 @@ class _Python(Language):
     def negation(self, operand: str) -> Written:
         return f"(not {operand})", PRIMARY
 
-    def table(self, values: Sequence[Any]) -> str:
+    def table(self, values: Sequence[Any] | Table) -> str:
         name = self._names.setdefault(id(values), f"T{len(self._names)}")
-        self.tables[name] = values
+        if not isinstance(values, Table):
+            self.tables[name] = values
         return name
 
     def definition(self, name: str, text: str) -> str:
@@ -174,3 +236,21 @@ class _Python(Language):
     ) -> str:
         lines = "".join(f" {line}\n" for line in body)
         return f"def {name}({','.join(arguments)}):\n{lines} return [{','.join(results)}]\n"
+
+    def maker(self, parameters: Sequence[str], body: list[str], name: str, function: str) -> str:
+        lines = "".join(f" {line}\n" for line in (*body, *function.splitlines()))
+        given = ",".join((*parameters, *self._parameters))
+        return f"def {_MAKER}({given}):\n{lines} return {name}\n"
+
+
+_QUICK = {f"_quick_{name}": getattr(math, name) for name in (*_OF_MATH, "sqrt")}
+
+
+class _QuickPython(_Python):
+    """Operations that raise where they have no finite result."""
+
+    signs: ClassVar = _SIGNS | {"div": "/"}
+    functions: ClassVar = {
+        **{name: text for name, text in _Python.functions.items() if name != "div"},
+        **{name.removeprefix("_quick_"): name for name in _QUICK},
+    }

@@ -4,12 +4,21 @@ import itertools
 import string
 import sys
 from abc import ABC, abstractmethod
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, ClassVar
 
 from lightflyer.program.operations import UnsupportedError
-from lightflyer.program.scalar.graph import CHOICE, INFIX, PREFIX, PRIMARY, Loop, Node, Scope
+from lightflyer.program.scalar.graph import (
+    CHOICE,
+    INFIX,
+    PREFIX,
+    PRIMARY,
+    Loop,
+    Node,
+    Scope,
+    Table,
+)
 
 Written = tuple[str, int]
 """An expression, and how closely it binds."""
@@ -41,7 +50,7 @@ class Language(ABC):
         """Logical negation of an operand that binds more closely than a prefix."""
 
     @abstractmethod
-    def table(self, values: Sequence[Any]) -> str:
+    def table(self, values: Sequence[Any] | Table) -> str:
         """Name of an array of constants."""
 
     @abstractmethod
@@ -66,6 +75,13 @@ class Language(ABC):
     ) -> str:
         """The whole function."""
 
+    def maker(self, parameters: Sequence[str], body: list[str], name: str, function: str) -> str:
+        """A function of parameters that makes the function; where there are none, that alone."""
+        del body, name
+        if parameters:
+            raise UnsupportedError(f"parameters are not written in {self.name} yet")
+        return function
+
 
 def names(reserved: frozenset[str]) -> Iterator[str]:
     """Short names, in order."""
@@ -79,32 +95,49 @@ def names(reserved: frozenset[str]) -> Iterator[str]:
                 yield name
 
 
-def write_graph(name: str, arguments: list[Node], results: list[Node], language: Language) -> str:
-    """A function of numbers that returns a list of them."""
+def write_graph(
+    name: str,
+    arguments: list[Node],
+    results: list[Node],
+    language: Language,
+    parameters: Sequence[Node] = (),
+) -> str:
+    """A function of numbers that returns a list of them; of parameters, one that makes it."""
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _DEEPEST))
     try:
-        return _Writer(arguments, results, language).function(name)
+        return _Writer(arguments, results, language, parameters).function(name)
     finally:
         sys.setrecursionlimit(limit)
 
 
 class _Writer:
-    def __init__(self, arguments: list[Node], results: list[Node], language: Language):
+    def __init__(
+        self,
+        arguments: list[Node],
+        results: list[Node],
+        language: Language,
+        parameters: Sequence[Node],
+    ):
         self._arguments, self._results, self._language = arguments, results, language
+        self._parameters = parameters
         self._fresh = names(language.reserved)
         self._live = _Live(results)
-        self._lines: dict[Scope, list[str]] = {}
+        self._lines: defaultdict[Scope, list[str]] = defaultdict(list)
         self._texts: dict[Node, Written] = {
-            node: (next(self._fresh), PRIMARY) for node in arguments
+            node: (next(self._fresh), PRIMARY) for node in (*arguments, *parameters)
         }
 
     def function(self, name: str) -> str:
         root = self._arguments[0].scope
-        lines = self._lines[root] = []
         found = [self._text(node) for node in self._results]
-        given = [self._texts[node][0] for node in self._arguments]
-        return self._language.function(name, given, lines, found)
+        given, known = (
+            [self._texts[node][0] for node in nodes]
+            for nodes in (self._arguments, self._parameters)
+        )
+        before = [lines for scope, lines in self._lines.items() if scope.depth == 0]
+        function = self._language.function(name, given, self._lines[root], found)
+        return self._language.maker(known, before[0] if before else [], name, function)
 
     def _text(self, node: Node, least: int = 0) -> str:
         """A node in an expression that binds as closely as ``least``."""
@@ -138,8 +171,11 @@ class _Writer:
             return language.choice(*parts), CHOICE
         if operation == "real":
             return self._expression(node.operands[0])
-        if operation == "table":
-            return f"{language.table(node.data)}[{self._text(node.operands[0])}]", PRIMARY
+        if operation == "listing":
+            return f"({','.join(map(self._text, node.operands))},)", PRIMARY
+        if operation in ("table", "pick"):
+            *listing, place = map(self._text, node.operands)
+            return f"{listing[0] if listing else language.table(node.data)}[{place}]", PRIMARY
         if operation == "not":
             return language.negation(self._text(node.operands[0], PREFIX + 1))
         if operation in language.functions:
@@ -166,7 +202,7 @@ class _Writer:
         start = [
             (self._text(loop.variables[place]), self._text(loop.start[place])) for place in kept
         ]
-        lines = self._lines[loop.scope] = []
+        lines = self._lines[loop.scope]
         assert loop.condition is not None
         lines.append(self._language.stop(self._text(loop.condition, PREFIX + 1)))
         changed = [place for place in kept if loop.following[place] is not loop.variables[place]]

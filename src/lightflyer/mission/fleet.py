@@ -40,7 +40,7 @@ BATCH = 256
 
 MEMBERS = 200  # of an ensemble, unless it says otherwise
 FEW = 4  # Flights up to which each is followed by itself, whatever that takes
-COMPILATION, BEGINNING = 16_000, 300
+COMPILATION, BEGINNING = 50_000, 30
 """Steps of single flights that take as long as XLA's compiler, and as what comes before the first
 step of one of them."""
 _A_DAY = 86_400.0

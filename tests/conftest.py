@@ -32,6 +32,7 @@ from lightflyer.program.entry_point import entry_point
 # own.
 SHARED = Path(__file__).parents[1] / ".pytest_cache"
 os.environ.setdefault("LIGHTFLYER_CACHE", str(SHARED / "traces"))
+os.environ.setdefault("NUMBA_CACHE_DIR", str(SHARED / "numba"))
 jax.config.update("jax_compilation_cache_dir", str(SHARED / "programs"))
 jax.config.update("jax_compilation_cache_max_size", 2 * 10**9)
 jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)

@@ -16,6 +16,7 @@ from lightflyer.statics.grid_refinement import (
     crossing,
     first_largest,
     peak,
+    rows_around,
     with_point,
 )
 
@@ -26,7 +27,10 @@ Names: TypeAlias = tuple[str, ...] | None
 """Outputs that are asked for; None for all that are reported."""
 
 Tabulate: TypeAlias = Callable[[np.ndarray, Names], Table]
-"""Takes places of shape (n, k, m), gives outputs of that shape: of m flyers at k places each."""
+"""Takes places of shape (n, k, m), gives outputs of that shape: of m flyers at k places each.
+
+NaN where a place is NaN, which costs nothing.
+"""
 
 
 class Found(NamedTuple):
@@ -68,10 +72,14 @@ def find_edges_and_optima(
 
     around = []
     for name, rows in zip(_SEARCHED, (place, place if lit is None else lit), strict=True):
-        _, before, after = best_of(_objective(name, table[name]))
-        around.append((rows[before], rows[after]))
-    low, high = (np.stack(ends) for ends in zip(*around, strict=True))
-    optima, heights = peak(objectives, low, high, flat=flat)
+        values = _objective(name, table[name])
+        best, before, after = best_of(values)
+        near = np.stack([before, best, after])
+        around.append((rows[near], np.take_along_axis(values, near, axis=0)))
+    known = [np.stack(part, axis=1) for part in zip(*around, strict=True)]  # (3, 2, m)
+    optima, heights = peak(
+        objectives, known[0][0], known[0][2], flat=flat, known=tuple(known), leaves_out=True
+    )
     there = {name: values[0] for name, values in tabulate(optima[None], None).items()}
     optima = np.where(heights > -np.inf, optima, np.nan)
     best, easiest = (
@@ -84,7 +92,7 @@ def find_edges_and_optima(
     def margins(places: np.ndarray) -> np.ndarray:
         return _of_spread(tabulate, places, (_LIFT,))[_LIFT] - 1.0
 
-    edges = _edges(margins, places, lifts >= 1.0, widest=widest, tolerance=tolerance)
+    edges = _edges(margins, places, lifts - 1.0, lifts >= 1.0, widest=widest, tolerance=tolerance)
     return Found(edges, optima[0], optima[1], at_best=best, at_easiest=easiest)
 
 
@@ -116,8 +124,9 @@ def find_usable(
     columns = [np.concatenate(column) for column in zip(rows, more, strict=True)]
     order = np.argsort(columns[0], axis=0, kind="stable")
     places, lifts, heats = (np.take_along_axis(column, order, axis=0) for column in columns)
+    known = np.minimum(lifts - 1.0, coolness(heats, highest))
     usable = (lifts >= 1.0) & (coolness(heats, highest) >= 0.0)
-    parts = _edges(margins, places, usable, settled=bands, tolerance=tolerance)
+    parts = _edges(margins, places, known, usable, settled=bands, tolerance=tolerance)
 
     def payloads(places: np.ndarray) -> np.ndarray:
         return _of_spread(tabulate, places, ("payload",))["payload"]
@@ -127,7 +136,7 @@ def find_usable(
         return Usable(parts, *best)
     exists = ~np.isnan(parts[0])
     low, high = np.where(exists, parts, place[0])
-    tops, heights = peak(payloads, low, high, flat=flat)
+    tops, heights = peak(payloads, low, high, flat=flat, leaves_out=True)
     top, some = at(tops, first_largest(np.where(exists, heights, -np.inf))), exists.any(axis=0)
     place_of_most = np.where(within, best[0], np.where(some, top, np.nan))
     values = _of_spread(tabulate, top[None], None).items()
@@ -147,6 +156,7 @@ def _of_spread(tabulate: Tabulate, places: np.ndarray, names: Names) -> Table:
 def _edges(
     margins: Callable[[np.ndarray], np.ndarray],
     places: np.ndarray,
+    known: np.ndarray,
     inside: np.ndarray,
     *,
     widest: bool = False,
@@ -154,7 +164,7 @@ def _edges(
     tolerance: float,
 ) -> np.ndarray:
     """Edges of the bands inside of which a margin is positive, shape (2, bands, m)."""
-    # places that are settled are edges already
+    # ``known``: margins at the places of a table; places that are settled are edges already
     count = int(band_count(inside).max())
     brackets = [band_brackets(places, inside, 1 + number) for number in range(max(count, 1))]
     outside, within, exists, is_open = (np.stack(part, 1) for part in zip(*brackets, strict=True))
@@ -165,7 +175,9 @@ def _edges(
             at(part.swapaxes(0, 1), chosen)[:, None] for part in (outside, within, exists, is_open)
         )
     sought = exists & ~is_open & ~np.isin(within, settled)
-    edges = crossing(margins, outside, within, sought, tolerance)
+    ends = np.stack([outside, within])
+    around = tuple(rows_around(table, places, ends) for table in (places, known))
+    edges = crossing(margins, outside, within, sought, tolerance, around, leaves_out=True)
     return np.where(exists, edges, np.nan)
 
 

@@ -72,9 +72,13 @@ class Rows:
         return found
 
     def tabulate(self, places: np.ndarray, names: tuple[str, ...] | None = None) -> Table:
-        """Outputs at places of any shape."""
-        found = self._evaluate(self.coordinates(places).ravel(), names=names)
-        return {name: values.reshape(places.shape) for name, values in found.items()}
+        """Outputs at places of any shape; NaN at those that are NaN."""
+        names = names or tuple(self.columns)
+        found, asked = np.full((len(names), *places.shape), np.nan), ~np.isnan(places)
+        if asked.any():
+            table = self._evaluate(self.coordinates(places[asked]), names=names)
+            found[:, asked] = [table[name] for name in names]
+        return dict(zip(names, found, strict=True))
 
     def place(self, place: np.ndarray, outputs: Table) -> Place:
         """One place, shape (1,), with its outputs."""

@@ -8,9 +8,9 @@ import numpy as np
 from lightflyer.design.diagnostics import shape_failures
 from lightflyer.design.operating_point import sinks_at_night
 from lightflyer.design.tables import NIGHT_SPEED
-from lightflyer.prediction.edges_and_optima import coolness, find_usable
+from lightflyer.prediction.edges_and_optima import find_usable
 from lightflyer.prediction.evaluator import Evaluator, Place, Rows
-from lightflyer.statics.grid_refinement import crossing
+from lightflyer.statics.grid_refinement import crossing, rows_around
 from lightflyer.statics.sinking import night_length, night_places
 
 if TYPE_CHECKING:
@@ -205,7 +205,7 @@ def _strongest_light(
         return evaluate(places.ravel(), names=(name,))[name].reshape(places.shape)
 
     def cool(places: np.ndarray) -> np.ndarray:
-        return coolness(at(places, "levitation_temperature"), highest)
+        return 1.0 - at(places, "levitation_temperature") / highest
 
     grid, light = prediction.coordinates, "levitation_irradiance"
     band = prediction.bands[prediction.widest or 0]
@@ -215,8 +215,11 @@ def _strongest_light(
     within = places[places <= band[1]]
     start = within.size - 1 if survives else int(np.argmin(at(within, light)))
     places = places[start:]
-    first = int(np.argmin([*(cool(places) >= 0.0), False]))
+    margins = cool(places)
+    first = int(np.argmin([*(margins >= 0.0), False]))
     if first in (0, places.size):
         return (np.inf if first else 0.0), None
-    place = crossing(cool, places[first], places[first - 1])
+    ends, column = places[[[first], [first - 1]]], places[:, None]
+    known = rows_around(column, column, ends), rows_around(margins[:, None], column, ends)
+    place = crossing(cool, *ends, known=known)
     return float(at(place, light)[0]), float(place[0])

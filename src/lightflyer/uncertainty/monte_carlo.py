@@ -20,7 +20,7 @@ from lightflyer.prediction.edges_and_optima import (
 )
 from lightflyer.prediction.evaluator import Table
 from lightflyer.program.entry_point import entry_point
-from lightflyer.statics.grid_refinement import at, crossing
+from lightflyer.statics.grid_refinement import crossing, rows_around
 from lightflyer.statics.sinking import night_length, night_places
 from lightflyer.uncertainty.inputs import Inputs
 
@@ -45,24 +45,38 @@ def tabulate_samples(
     inputs: Inputs, samples: np.ndarray, coordinate: np.ndarray, names: Sequence[str]
 ) -> Table:
     """Outputs of many flyers, shape (samples, n); ``coordinate`` (n,) or (samples, n)."""
+    # NaN where a coordinate is NaN
     setup = inputs.setup_of(samples)
     shape = len(samples), np.shape(coordinate)[-1]
     places = np.broadcast_to(coordinate, shape)
-    light = setup.environment.radiation.irradiance
+    asked, found = ~np.isnan(places), np.full((len(names), *shape), np.nan)
+    if not asked.any():
+        return dict(zip(names, found, strict=True))
     if any(np.ndim(leaf) > 2 for leaf in jax.tree.leaves(setup)):  # tables for each sample
-        found = table_of(setup, places, light, names, _tabulate_each)
+        some = asked.any(axis=1)
+        rows = jax.tree.map(lambda leaf: _rows_of(leaf, some), setup)
+        filled = np.where(asked, places, places[asked][0])[some]
+        light = rows.environment.radiation.irradiance
+        table = table_of(rows, filled, light, names, _tabulate_each)
+        found[:, some] = [np.broadcast_to(table[name], filled.shape) for name in names]
+        found[:, ~asked] = np.nan
     else:
-        rows = jax.tree.map(lambda leaf: _place_in_row(leaf, shape), setup)
-        found = table_of(rows, places.ravel(), np.broadcast_to(light, shape).ravel(), names)
-    return {
-        name: np.broadcast_to(values.reshape(-1, shape[1]), shape) for name, values in found.items()
-    }
+        rows = jax.tree.map(lambda leaf: _place_in_row(leaf, asked), setup)
+        light = setup.environment.radiation.irradiance
+        table = table_of(rows, places[asked], np.broadcast_to(light, shape)[asked], names)
+        found[:, asked] = [table[name] for name in names]
+    return dict(zip(names, found, strict=True))
 
 
-def _place_in_row(leaf: Any, shape: tuple[int, int]) -> Any:
-    """A number of each sample, shape (samples, 1), for each of its coordinates."""
-    own = np.shape(leaf) in ((shape[0], 1), shape)  # and no table of an atmosphere
-    return np.broadcast_to(leaf, shape).ravel() if own else leaf
+def _rows_of(leaf: Any, some: np.ndarray) -> Any:
+    """A number or a table of each sample, shape (samples, 1, ...), for some samples."""
+    return leaf[some] if np.shape(leaf)[:2] == (len(some), 1) else leaf
+
+
+def _place_in_row(leaf: Any, asked: np.ndarray) -> Any:
+    """A number of each sample, shape (samples, 1), for each of its coordinates that are asked."""
+    own = np.shape(leaf) in ((len(asked), 1), asked.shape)  # and no table of an atmosphere
+    return np.broadcast_to(leaf, asked.shape)[asked] if own else leaf
 
 
 def _strongest_light(
@@ -72,18 +86,21 @@ def _strongest_light(
 
     # zero where the film is too hot already in the least light, NaN where no light is too strong
     def cool(there: np.ndarray) -> np.ndarray:
-        return coolness(look(there[:, None], (LEAST_HEAT,))[LEAST_HEAT][:, 0], highest)
+        return 1.0 - look(there[:, None], (LEAST_HEAT,))[LEAST_HEAT][:, 0] / highest
 
     known, never = ~np.isnan(rows[LEAST_LIGHT]), coolness(found.at_easiest[LEAST_HEAT], highest) < 0
     hot = (coolness(rows[LEAST_HEAT], highest) < 0.0) & known & (places[:, None] > found.easiest)
     first, wanted = hot.argmax(axis=0), hot.any(axis=0) & ~never
     before = np.maximum(first - 1, 0)
     easiest_is_inside = found.easiest > places[before]
-    inside = np.where(wanted, np.fmax(places[before], found.easiest), places[0])
-    heats = [at(rows[LEAST_HEAT], place) for place in (first, before)]
-    heats[1] = np.where(easiest_is_inside, found.at_easiest[LEAST_HEAT], heats[1])
-    margins = tuple(coolness(heat, highest) for heat in heats)
-    place = crossing(cool, places[first], inside, wanted, TOLERANCE, margins)
+    columns = np.broadcast_to(places[:, None], hot.shape)
+    margins, ends = 1.0 - rows[LEAST_HEAT] / highest, places[np.stack([first, before])]
+    known = [rows_around(table, columns, ends) for table in (columns, margins)]
+    inside = found.easiest, 1.0 - found.at_easiest[LEAST_HEAT] / highest
+    for around, one in zip(known, inside, strict=True):
+        around[2:] = np.where(easiest_is_inside, [one, around[2]], around[2:])
+    starts = np.where(wanted, known[0][1:3], places[0])
+    place = crossing(cool, *starts, wanted, TOLERANCE, (known[0], known[1]), leaves_out=True)
     light = look(place[None, None], (LEAST_LIGHT,))[LEAST_LIGHT][0, 0]
     return place, {LEAST_LIGHT: np.where(wanted, light, np.where(never, 0.0, np.nan))}
 

@@ -263,8 +263,9 @@ def propagate(
         asked = {target.quantity for target in targets} - {"", NIGHT}
         wanted = tuple(dict.fromkeys((*BANDS, *sorted(asked))))
         whole = search_grid(prediction.setup, _SEARCHED_POINTS)
+        beyond = whole[(whole < near[0]) | (whole > near[-1])]
         # the least light takes longest, and changes slowly from place to place
-        rows = {False: [points, near[::2], whole], True: [points, whole[::2]]}
+        rows = {False: [points, near[::2], beyond], True: [points, whole[::2]]}
         tables = []
         for lit, parts in rows.items():
             names = tuple(name for name in wanted if (group_of(name) == LEVITATION) is lit)

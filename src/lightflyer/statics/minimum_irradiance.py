@@ -2,11 +2,14 @@
 
 The force is looked at in more and more light until it carries the load, and at its peak if it never
 does: where its slope changes its sign, a cubic says where and how high that is. From there on a
-bracketed search goes back to where force and load are equal. All of it is one loop, in which every
-element goes its own way: the force contains a heat balance, and compiling that costs more than
-running it. Each balance begins where the last one leads, by its own derivative.
+bracketed search goes back to where force and load are equal. Light far too dim for a force that
+grows as it begins to in darkness is left out, unless the first look thereafter belies it. All of it
+is one loop, in which every element goes its own way: the force contains a heat balance, and
+compiling that costs more than running it. Each balance begins where the last one leads, by its own
+derivative.
 """
 
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple, TypeAlias, TypeVar
@@ -34,23 +37,24 @@ _DIMMEST = 1e-5  # light looked at after darkness, over the brightest
 _STEPS = 8  # in equal ratios from there to the brightest
 _RATIO = _DIMMEST ** (-1.0 / _STEPS)
 _HOPE = 0.5  # share of the load that a cubic must expect at a peak for a look there
+_NEARLY = 0.2, 2.0  # range of a force's growth, over that of one that is linear, to believe it
 _TOLERANCE = 1e-6  # of a balance: the step after it, which is taken, squares what is left
+_ROUGH = 1e-3  # the same on the way to light that carries the load
 _STEEPEST = 2.0  # power of the light with which an unknown is taken to grow, at most
 
 # what an element looks at: darkness is 0, then come the lights
 _AT_BRIGHTEST = _STEPS + 1
 _AT_PEAK = _AT_BRIGHTEST + 2  # of two looks the last
 _IN_BRACKET = _AT_PEAK + 1
-_AT_ROOT = _IN_BRACKET + 1
-_DONE = _AT_ROOT + 1
+_DONE = _IN_BRACKET + 1
 
 T = TypeVar("T")
 Unknowns: TypeAlias = tuple[Array, ...]
 Balanced: TypeAlias = tuple[Array, Unknowns]
 """Force and unknowns of a heat balance, or their slopes over the light."""
 
-Look = Callable[[Array, Unknowns], tuple[Balanced, Balanced]]
-"""What a light leads to, and its slopes; the unknowns are about those in it."""
+Look = Callable[[Array, Unknowns, Array], tuple[Balanced, Balanced]]
+"""What a light leads to, and its slopes, by unknowns about those in it and a tolerance."""
 
 
 class Knot(eqx.Module):
@@ -73,6 +77,8 @@ class LeastLight(eqx.Module):
     # Of the heat balance in the light looked at last in the end, before that about those in the
     # light to be looked at
     unknowns: Unknowns
+    dark: Knot  # Darkness, with the force's slope over the light itself
+    skipped: Array  # Whether the light to be looked at is the first one after some left out
     rising: Knot  # The last look at which the force grew with the light
     peak: tuple[Knot, Knot]  # Looks on both sides of the highest peak so far
     height: Array  # Force that is expected there [N]
@@ -149,13 +155,14 @@ def _force_in(
     shape: tuple[int, ...],
     light: Array,
     guess: Unknowns,
+    tolerance: Array,
 ) -> tuple[Balanced, Balanced]:
     """Force in a light [N] and the unknowns, and how they change with it; ``guess``: of those."""
     balance = equations.trace_balance(shape)
 
     def force(light: Array) -> Balanced:
         unknowns, _ = solve_balance(
-            equations, balance, equations.powers(light), shape, guess, _TOLERANCE
+            equations, balance, equations.powers(light), shape, guess, tolerance
         )
         return jnp.broadcast_to(equations.upward_force(unknowns), shape), unknowns
 
@@ -189,6 +196,8 @@ def _start(brightest: Array, unknowns: Unknowns) -> LeastLight:
         force=nothing,
         carries=jnp.zeros(brightest.shape, bool),
         unknowns=tuple(jnp.broadcast_to(one, brightest.shape) for one in unknowns),
+        dark=darkness,
+        skipped=jnp.zeros(brightest.shape, bool),
         rising=darkness,
         peak=(darkness, darkness),
         height=jnp.full_like(brightest, -jnp.inf),
@@ -198,41 +207,74 @@ def _start(brightest: Array, unknowns: Unknowns) -> LeastLight:
 
 def _advance(at: LeastLight, look: Look, brightest: Array, load: Array) -> LeastLight:
     """The search after a look at its light."""
-    (force, unknowns), (slope, changes) = look(at.light, at.unknowns)
-    looking, searching = at.stage <= _AT_PEAK, at.stage == _IN_BRACKET
+    scans = (at.stage > 0) & (at.stage <= _AT_BRIGHTEST)
+    tolerance = jnp.where(scans, _ROUGH, _TOLERANCE)
+    (force, unknowns), (slope, changes) = look(at.light, at.unknowns, tolerance)
+    here = Knot(at.light, force, at.light * slope)
+    growth = (force - at.dark.force) / (at.dark.slope * at.light)
+    belied = at.skipped & ~((_NEARLY[0] < growth) & (growth < _NEARLY[1]) & (slope > 0.0))
+    looking, searching = (at.stage <= _AT_PEAK) & ~belied, at.stage == _IN_BRACKET
     carries = looking & (force >= load)
     begins = carries & (at.light > 0.0)
     residual, newton = power_step(force, slope, at.light, load)
+    lower = jnp.where(at.rising.light > 0.0, at.rising.light, SMALLEST_SHARE * at.light)
     bracket = _select(
         begins,
-        BracketSearch.within(SMALLEST_SHARE * at.light, at.light, at.light * load / force),
+        BracketSearch.within(lower, at.light, _between(at.rising, here, load)),
         _select(searching, at.bracket.advance(residual, newton, geometric_middle), at.bracket),
     )
-    rising, peak, height = _peaks(at, Knot(at.light, force, at.light * slope))
+    rising, peak, height = _peaks(at, here)
     vertex, _ = _vertex(*peak)
     # a peak that is far too low is not looked at
     hopeless = (at.stage >= _AT_BRIGHTEST) & ~(height > _HOPE * load)
     goes_on = looking & ~carries & ~hopeless & (at.stage < _AT_PEAK)
-    brighter = jnp.where(at.stage == 0, _DIMMEST * brightest, _RATIO * at.light)
-    brighter = jnp.where(at.stage >= _AT_BRIGHTEST, vertex, brighter)
+    in_the_dark = at.stage == 0
+    dark = _select(in_the_dark, Knot(at.light, force, slope), at.dark)
+    first = jnp.where(belied, 1, jnp.where(in_the_dark, _first_stage(dark, brightest, load), 0))
+    moves = goes_on | belied
     stage = _next_stage(at, carries | (looking & hopeless), begins, bracket.active)
-    light = jnp.where(begins | searching, bracket.point, jnp.where(goes_on, brighter, at.light))
-    ended = stage == _DONE
+    stage = jnp.where(moves, jnp.where(first > 0, first, stage), stage)
+    brighter = jnp.where(at.stage >= _AT_BRIGHTEST, vertex, _RATIO * at.light)
+    brighter = jnp.where(first > 0, _DIMMEST * _RATIO ** (first - 1.0) * brightest, brighter)
+    light = jnp.where(begins | searching, bracket.point, jnp.where(moves, brighter, at.light))
+    # the last step of a bracketed search is so short that nothing has to be looked at thereafter
+    step = jnp.where(searching, light - at.light, 0.0)
+    ends = tuple(one + step * change for one, change in zip(unknowns, changes, strict=True))
+    following = _select(stage == _DONE, ends, _ahead(at.light, light, unknowns, changes))
     return LeastLight(
         stage=stage,
         light=light,
         force=jnp.where(looking, force, at.force),
         carries=at.carries | carries,
-        unknowns=_select(
-            at.stage == _DONE,
-            at.unknowns,
-            _select(ended, unknowns, _ahead(at.light, light, unknowns, changes)),
-        ),
-        rising=rising,
+        unknowns=_select(at.stage == _DONE, at.unknowns, following),
+        dark=dark,
+        skipped=goes_on & (first > 1),
+        rising=_select(belied, at.rising, rising),
         peak=peak,
         height=height,
         bracket=bracket,
     )
+
+
+def _first_stage(dark: Knot, brightest: Array, load: Array) -> Array:
+    """Of lights in equal ratios the last but one that is too dim if the force grows linearly."""
+    grows = dark.slope > 0.0
+    needed = (load - dark.force) / jnp.where(grows, dark.slope, 1.0)
+    ratio = jnp.where(grows & (needed > 0.0), needed / (_DIMMEST * brightest), 1.0)
+    return jnp.clip(jnp.floor(jnp.log(ratio) / math.log(_RATIO)), 1, _STEPS - 1).astype(np.int32)
+
+
+def _between(low: Knot, high: Knot, load: Array) -> Array:
+    """Light between two in which a force carries a load, about."""
+    # by the cubic for the light over the force, in logarithms, else in proportion to the force
+    known = (low.light > 0.0) & (low.force > 0.0) & (low.slope > 0.0) & (high.slope > 0.0)
+    width, gain = jnp.log(high.light / low.light), jnp.log(high.force / low.force)
+    way = jnp.log(load / low.force) / gain
+    first, last = gain * low.force / low.slope, gain * high.force / high.slope
+    turn = 3.0 * width - 2.0 * first - last
+    found = way * (first + way * (turn + way * (first + last - 2.0 * width)))
+    inside = known & (found > 0.0) & (found < width)
+    return jnp.where(inside, low.light * jnp.exp(found), high.light * load / high.force)
 
 
 def _ahead(light: Array, following: Array, unknowns: Unknowns, changes: Unknowns) -> Unknowns:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import jax
@@ -99,13 +99,31 @@ def _directions(
     # those (k + 1, outputs, n)
     setup, tangents = inputs.setup_and_tangents
     still = jax.tree.map(np.zeros_like, setup)
-    directions = [(tangent, 0.0) for tangent in tangents] + [(still, 1.0)]
+    changes, advance = [*tangents, still], np.r_[np.zeros(len(tangents)), 1.0]
     run = only(_along, [*names, *map(_change_of, names)])
-    moves = [run(setup, coordinate, *direction) for direction in directions]
+    if any(np.ndim(leaf) and np.any(leaf) for leaf in jax.tree.leaves(tangents)):  # tables move
+        moves = [run(setup, coordinate, *one) for one in zip(changes, advance, strict=True)]
+        found = {name: np.stack([move[name] for move in moves]) for name in moves[0]}
+    else:  # all directions at once
+        shape = len(changes), coordinate.size
+        base, change = (
+            jax.tree.map(partial(_in_rows, shape, part), setup, *changes) for part in (0, 1)
+        )
+        places, forward = np.tile(coordinate, len(changes)), np.repeat(advance, coordinate.size)
+        found = {
+            name: row.reshape(shape) for name, row in run(base, places, change, forward).items()
+        }
     return (
-        np.stack([moves[0][name] for name in names]),
-        np.stack([[move[_change_of(name)] for name in names] for move in moves]),
+        np.stack([found[name][0] for name in names]),
+        np.stack([found[_change_of(name)] for name in names], axis=1),
     )
+
+
+def _in_rows(shape: tuple[int, int], part: int, number: Any, *changes: Any) -> Any:
+    """A number, or its change in each direction, at each place, unless it never changes."""
+    if not np.any(changes):
+        return (number, changes[0])[part]
+    return np.broadcast_to((number, np.reshape(changes, (-1, 1)))[part], shape).ravel()
 
 
 def derivatives(inputs: Inputs, coordinate: np.ndarray) -> Derivatives:

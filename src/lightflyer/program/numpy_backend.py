@@ -6,7 +6,7 @@ must see the whole of an array is given its shape and fills it.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -91,14 +91,14 @@ class _Prepared:
     def __init__(self, program: Program):
         require_supported(program)
         self._body = program.body
-        self._count = 1 + max(_numbers(program.body), default=0)
+        self._count = 1 + max([*_numbers(program.body)], default=0)
         body = _without_filling(program)
         self._results = body.results
         self._constants = [(number, array[()]) for number, array in program.constants.items()]
         fixed = {number for number, array in program.constants.items() if array.ndim}
         inputs = zip(program.body.arguments, program.input_shapes, strict=True)
         fixed |= {number for number, shape in inputs if shape and shape[0] != ROWS}
-        self._steps = _steps(body, frozenset(fixed), free=True)
+        self._steps = _with_ends(body, _steps(body, frozenset(fixed)), self._count)
 
     def run(self, run: "_Run", inputs: Sequence[Any]) -> list[Any]:
         values: Values = [None] * self._count
@@ -118,14 +118,19 @@ def _without_filling(program: Program) -> Block:
     def rewrite(block: Block) -> Block:
         kept = []
         for operation in block.operations:
-            inputs = tuple(same.get(number, number) for number in operation.inputs)
-            if operation.name == "broadcast_in_dim" and inputs[0] in single:
-                same[operation.outputs[0]] = inputs[0]
+            name, inputs, outputs, _, blocks = operation
+            changed = not same.keys().isdisjoint(inputs)
+            if changed:
+                inputs = tuple(same.get(number, number) for number in inputs)
+            if name == "broadcast_in_dim" and inputs[0] in single:
+                same[outputs[0]] = inputs[0]
                 continue
-            if operation.name in SINGLE and single.issuperset(operation.inputs):
-                single.update(operation.outputs)
-            blocks = tuple(map(rewrite, operation.blocks))
-            kept.append(operation._replace(inputs=inputs, blocks=blocks))
+            if name in SINGLE and single.issuperset(operation.inputs):
+                single.update(outputs)
+            if changed or blocks:
+                blocks = tuple(map(rewrite, blocks))
+                operation = operation._replace(inputs=inputs, blocks=blocks)
+            kept.append(operation)
         results = tuple(same.get(number, number) for number in block.results)
         return block._replace(operations=tuple(kept), results=results)
 
@@ -136,9 +141,10 @@ _Step = tuple[Callable[..., Any], tuple[int, ...], tuple[int, ...], int, tuple[i
 """Function, inputs, outputs, how it is called, and values that nothing needs afterwards."""
 
 _ONE, _TWO, _ANY, _SHAPED, _CONTROL = range(5)
+_BY_COUNT = {1: _ONE, 2: _TWO}
 
 
-def _steps(block: Block, fixed: frozenset[int], *, free: bool = False) -> list[_Step]:
+def _steps(block: Block, fixed: frozenset[int]) -> list[_Step]:
     """What to call, in order; ``fixed`` are tables, which have no row for each element."""
     steps: list[_Step] = []
     for operation in block.operations:
@@ -146,34 +152,34 @@ def _steps(block: Block, fixed: frozenset[int], *, free: bool = False) -> list[_
         if name in CONTROL:
             steps.append((CONTROL[name](operation, fixed), inputs, outputs, _CONTROL, ()))
         elif name in ELEMENTWISE:
-            way = {1: _ONE, 2: _TWO}.get(len(inputs), _ANY)
-            steps.append((ELEMENTWISE[name], inputs, outputs, way, ()))
+            steps.append((ELEMENTWISE[name], inputs, outputs, _BY_COUNT.get(len(inputs), _ANY), ()))
         else:
             steps.append((function_of(operation), inputs, outputs, _SHAPED, ()))
-    return _with_ends(block, steps) if free else steps
+    return steps
 
 
-def _with_ends(block: Block, steps: list[_Step]) -> list[_Step]:
+def _with_ends(block: Block, steps: list[_Step], count: int) -> list[_Step]:
     """Name, for each step, the values that it makes or reads last, so that memory is freed."""
-    needed = set(block.results)
+    needed = bytearray(count)
+    for number in block.results:
+        needed[number] = 1
     found: list[_Step] = []
     for operation, step in zip(reversed(block.operations), reversed(steps), strict=True):
-        used = {*operation.inputs, *operation.outputs}
-        for part in operation.blocks:
-            used |= set(_numbers(part))
-        last = tuple(used - needed)
-        needed |= used
-        found.append((*step[:4], last))
+        used = operation.inputs + operation.outputs
+        if operation.blocks:
+            used = (*used, *(number for part in operation.blocks for number in _numbers(part)))
+        last = tuple([number for number in used if not needed[number]])
+        for number in last:
+            needed[number] = 1
+        found.append((*step[:4], last) if last else step)
     return found[::-1]
 
 
-def _numbers(block: Block) -> Iterable[int]:
-    """All values that a block sets or reads."""
-    yield from block.arguments
-    yield from block.results
+def _numbers(block: Block) -> Iterator[int]:
+    """All values that a block sets or reads, some of them several times."""
+    yield from block.arguments + block.results
     for operation in block.operations:
-        yield from operation.inputs
-        yield from operation.outputs
+        yield from operation.inputs + operation.outputs
         for part in operation.blocks:
             yield from _numbers(part)
 

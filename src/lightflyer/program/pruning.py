@@ -27,7 +27,11 @@ def _prune(block: Block, needed: set[int]) -> Block:
     """Without dead operations; ``needed`` gains what the rest reads."""
     kept: list[Operation] = []
     for operation in reversed(block.operations):
-        if not needed.intersection(operation.outputs):
+        if needed.isdisjoint(operation.outputs):
+            continue
+        if not operation.blocks:
+            needed.update(operation.inputs)
+            kept.append(operation)
             continue
         alive = _live_loop(operation, needed) if operation.name == "while" else operation
         blocks = []
@@ -71,8 +75,8 @@ def _needs(block: Block, results: Sequence[int]) -> set[int]:
     """All values that some results of a block depend on."""
     needed = set(results)
     for operation in reversed(block.operations):
-        if needed.intersection(operation.outputs):
-            needed |= set(operation.inputs)
+        if not needed.isdisjoint(operation.outputs):
+            needed.update(operation.inputs)
             for part in operation.blocks:
                 needed |= part.reads() - part.makes()
     return needed

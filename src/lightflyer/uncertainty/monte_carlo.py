@@ -53,12 +53,17 @@ def tabulate_samples(
     if not asked.any():
         return dict(zip(names, found, strict=True))
     if any(np.ndim(leaf) > 2 for leaf in jax.tree.leaves(setup)):  # tables for each sample
-        some = asked.any(axis=1)
-        rows = jax.tree.map(lambda leaf: _rows_of(leaf, some), setup)
+        some = np.flatnonzero(asked.any(axis=1))
+        # one program serves all of several samples and several places
+        some = np.resize(some, max(some.size, 2))
         filled = np.where(asked, places, places[asked][0])[some]
+        filled = np.resize(filled.T, (max(shape[1], 2), some.size)).T
+        rows = jax.tree.map(lambda leaf: _rows_of(leaf, len(samples), some), setup)
         light = rows.environment.radiation.irradiance
         table = table_of(rows, filled, light, names, _tabulate_each)
-        found[:, some] = [np.broadcast_to(table[name], filled.shape) for name in names]
+        found[:, some] = [
+            np.broadcast_to(table[name], filled.shape)[:, : shape[1]] for name in names
+        ]
         found[:, ~asked] = np.nan
     else:
         rows = jax.tree.map(lambda leaf: _place_in_row(leaf, asked), setup)
@@ -68,9 +73,9 @@ def tabulate_samples(
     return dict(zip(names, found, strict=True))
 
 
-def _rows_of(leaf: Any, some: np.ndarray) -> Any:
+def _rows_of(leaf: Any, samples: int, some: np.ndarray) -> Any:
     """A number or a table of each sample, shape (samples, 1, ...), for some samples."""
-    return leaf[some] if np.shape(leaf)[:2] == (len(some), 1) else leaf
+    return leaf[some] if np.shape(leaf)[:2] == (samples, 1) else leaf
 
 
 def _place_in_row(leaf: Any, asked: np.ndarray) -> Any:

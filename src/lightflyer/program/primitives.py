@@ -1,7 +1,7 @@
 """Parameters of JAX's primitives as plain data."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import jax
@@ -12,7 +12,13 @@ from lightflyer.program.program import Length
 
 def length(given: Any) -> Length:
     """A length of JAX's, which may be symbolic, as a program has it."""
-    return int(given) if isinstance(given, int | np.integer) else str(given)
+    return int(given) if isinstance(given, int | np.integer) else _text(given)
+
+
+@cache
+def _text(symbolic: Any) -> str:
+    """A symbolic length as JAX writes it, which takes long."""
+    return str(symbolic)
 
 
 def lengths_of(shape: Sequence[Any]) -> tuple[Length, ...]:

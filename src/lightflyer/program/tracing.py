@@ -107,6 +107,7 @@ class _Scope:
         self.is_choice = is_choice  # what is here must not run unless it is chosen
         self.operations: list[Operation] = []
         self.known: dict[Any, tuple[int, ...]] = {}
+        self.called: dict[tuple[int, ...], tuple[Any, tuple[int, ...]]] = {}
 
 
 class _Builder:
@@ -163,11 +164,10 @@ class _Builder:
         folded = None if blocks else self._fold(operation, count)
         if folded is not None:
             return folded
-        depth = max((self._depths[number] for number in inputs), default=0)
-        depth = max(depth, max((self._depth_of(block) for block in blocks), default=0))
-        chosen = max((scope.depth for scope in self._scopes if scope.is_choice), default=0)
-        scope = self._scopes[max(depth, chosen)]
-        key = None if blocks else (name, tuple(inputs), repr(parameters))
+        depths = [self._depths[number] for number in inputs] + [*map(self._depth_of, blocks)]
+        depths += [scope.depth for scope in self._scopes if scope.is_choice]
+        scope = self._scopes[max(depths, default=0)]
+        key = None if blocks else (name, tuple(inputs), repr(parameters) if parameters else "")
         if key is not None and key in scope.known:
             return list(scope.known[key])
         outputs = tuple(self._new(scope.depth) for _ in range(count))
@@ -182,13 +182,15 @@ class _Builder:
         return max((self._depths[n] for n in block.reads() - inside), default=0)
 
     def _fold(self, operation: Operation, count: int) -> list[int] | None:
-        known = [self._constants.get(number) for number in operation.inputs]
-        if any(value is None for value in known) or not is_concrete(operation.parameters):
+        known = self._constants
+        if not all(number in known for number in operation.inputs):
+            return None
+        if not is_concrete(operation.parameters):
             return None
         try:
             found = evaluate(
                 operation._replace(outputs=(0,) * count),
-                [value[()] for value in known if value is not None],
+                [known[number][()] for number in operation.inputs],
             )
         except UnsupportedError:
             return None
@@ -220,9 +222,20 @@ class _Builder:
             known.update(zip(equation.outvars, found, strict=True))
         return [read(atom) for atom in jaxpr.outvars]
 
+    def _call(self, called: Any, inputs: list[int]) -> list[int]:
+        """Outputs of a function, which is written out unless it has been with the same inputs."""
+        key = id(getattr(called, "jaxpr", called)), *inputs
+        for scope in self._scopes:  # what is known around is known here
+            if key in scope.called:
+                return list(scope.called[key][1])
+        found = self._run(called, inputs)
+        self._scopes[-1].called[key] = called, tuple(found)  # held, so that no other has its key
+        return found
+
     def _note_rows(self, variables: Sequence[Any], values: Sequence[int]) -> None:
         for variable, value in zip(variables, values, strict=True):
-            if lengths_of(getattr(variable.aval, "shape", ())) == SYMBOLS[:1]:
+            shape = getattr(variable.aval, "shape", ())
+            if len(shape) == 1 and length(shape[0]) == SYMBOLS[0]:
                 self._along.add(value)
 
     def _equation(self, equation: Any, inputs: list[int]) -> list[int]:
@@ -245,7 +258,7 @@ class _Builder:
             return self._run(_expanded(equation), inputs)
         called = next((given[key] for key in _CALLS if key in given), None)
         if called is not None:
-            return self._run(called, inputs)
+            return self._call(called, inputs)
         name = _RENAMED.get(name, name)
         if name == "convert_element_type" and (
             equation.invars[0].aval.dtype == equation.outvars[0].aval.dtype

@@ -22,7 +22,6 @@ from collections.abc import Iterator
 from functools import reduce
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -233,9 +232,7 @@ def solve_equilibrium(equations: FlightEquations) -> Equilibrium:
     """Temperatures and heat flows, converged or not."""
     flyer, state = equations.flyer, equations.state
     powers = equations.powers(state.radiation.irradiance)
-    nothing = equations.unknowns_at(jnp.zeros(()))
-    shape = jax.eval_shape(lambda: total(powers) + total(equations.losses(nothing))).shape
-    balance = equations.trace_balance(shape)
+    balance, shape = equations.trace_whole_balance(powers)
     unknowns, outcome = solve_balance(equations, balance, powers, shape)
     gas, own, _ = balance(*unknowns)
     worst = _furthest(imbalances(balance, unknowns, powers))

@@ -108,6 +108,16 @@ class FlightEquations(eqx.Module):
         traced = jax.jit(balance)
         return lambda *unknowns: traced(*(jnp.broadcast_to(one, shape) for one in unknowns))
 
+    def trace_whole_balance(self, powers: tuple[Array, ...]) -> tuple[Balance, tuple[int, ...]]:
+        """The same in the shape that it gives with the powers, and that shape."""
+        # traced once more only where the shape of the powers is not the whole one
+        nothing = self.unknowns_at(jnp.zeros(()))
+        given = jnp.shape(total(powers))
+        balance = self.trace_balance(given)
+        gas, own, _ = jax.eval_shape(balance, *nothing)
+        shape = jnp.broadcast_shapes(given, *(part.shape for part in (*gas, *own)))
+        return (balance if shape == given else self.trace_balance(shape)), shape
+
     def upward_force(self, unknowns: tuple[Any, ...]) -> Array:
         """Vertical part of the gas's force, and the flyer's buoyancy [N]."""
         force = self.model.force(self.flyer, self.state, unknowns)

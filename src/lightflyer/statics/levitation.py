@@ -139,11 +139,12 @@ def _by_temperature(equations: FlightEquations) -> LiftOff:
 
     state, load = equations.state, equations.weight
     hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
-    shape = jax.eval_shape(lambda: load + pushed(hottest))
     traced = jax.jit(pushed)
+    given = jnp.broadcast_to(hottest, jnp.shape(load + hottest))
+    shape = jnp.broadcast_shapes(given.shape, jax.eval_shape(traced, given).shape)
 
     def force(excess: Array) -> Array:
-        return traced(jnp.broadcast_to(excess, shape.shape))
+        return traced(jnp.broadcast_to(excess, shape))
 
     strongest = force(hottest)
     excess, reaches, outcome = reach(force, hottest, strongest, load)

@@ -47,6 +47,7 @@ from lightflyer.numerics.system import solve_system
 from lightflyer.program.entry_point import elementwise_entry_point
 from lightflyer.statics.equations import Balance, FlightEquations, total
 
+_ROUGH = 1e-2  # Tolerance of a temperature from which a search for several unknowns begins
 ENERGY_TOLERANCE = 1e-10  # Largest imbalance of a converged equilibrium, over the absorbed power
 
 
@@ -155,7 +156,10 @@ def equilibrium(
 
 
 def uniform_excess(
-    equations: FlightEquations, balance: Balance, power: Array
+    equations: FlightEquations,
+    balance: Balance,
+    power: Array,
+    tolerance: float = RELATIVE_TOLERANCE,
 ) -> tuple[Array, RootOutcome]:
     """Excess at which the flyer loses a power if all its nodes are equally warm."""
 
@@ -177,6 +181,7 @@ def uniform_excess(
         lower=highest * SMALLEST_SHARE,
         upper=highest,
         guess=secant,
+        tolerance=tolerance,
     )
     return jnp.where(dark, 0.0, sign * size), outcome
 
@@ -210,8 +215,8 @@ def solve_balance(
     def equation(unknowns: tuple[Array, ...]) -> tuple[Array, ...]:
         return imbalances(balance, unknowns, powers)
 
-    def equally_warm() -> tuple[Array, RootOutcome]:
-        return uniform_excess(equations, balance, total(powers))
+    def equally_warm(tolerance: float = RELATIVE_TOLERANCE) -> tuple[Array, RootOutcome]:
+        return uniform_excess(equations, balance, total(powers), tolerance)
 
     if equations.has_one_unknown:
         excess, outcome = implicit_root(lambda one: equation((one,))[0], equally_warm, shape)
@@ -221,7 +226,7 @@ def solve_balance(
     lower = (-1.0,) * len(flyer.nodes) + (-math.inf,) * len(flyer.flows)
     return solve_system(
         equation,
-        guess or (lambda: flyer.first_guess(equations.state, equally_warm()[0])),
+        guess or (lambda: flyer.first_guess(equations.state, equally_warm(_ROUGH)[0])),
         lower=lower,
         tolerance=tolerance,
     )

@@ -2,7 +2,13 @@ import numpy as np
 import pytest
 
 from lightflyer.prediction.edges_and_optima import find_edges_and_optima
-from lightflyer.statics.grid_refinement import band_brackets, band_count, crossing, peak
+from lightflyer.statics.grid_refinement import (
+    band_brackets,
+    band_count,
+    crossing,
+    peak,
+    rows_around,
+)
 
 
 def bell(places):
@@ -104,3 +110,39 @@ def test_the_widest_band_counts_in_places_not_in_rows():
     found = find_edges_and_optima(tabulate, place, table, widest=True)
     np.testing.assert_allclose(found.edges[:, 0, 0], [6.5, 20.0], rtol=1e-9)
     assert find_edges_and_optima(tabulate, place, table).edges.shape == (2, 2, 1)
+
+
+@pytest.mark.parametrize("columns", [1, 300])
+def test_looks_begin_in_a_table_and_leave_out_what_is_finished(columns):
+    """Edges and tops of curves of all widths, by the closed form of a bell."""
+    width = np.linspace(1.0, 3.0, columns)
+    rows = np.linspace(0.0, 10.0, 21)[:, None]
+    looked = []
+
+    def margin(places):
+        looked.append(np.isfinite(places).sum())
+        return np.exp(1.0 - ((places - 5.2) / width) ** 2) - 1.0
+
+    table = margin(rows)
+    near = np.array([9, 10, 11])
+    known = np.broadcast_to(rows[near], (3, columns)), table[near]
+    looked.clear()
+    place, height = peak(margin, rows[9], rows[11], known=known, leaves_out=True)
+    np.testing.assert_allclose(place, 5.2, atol=1e-4)
+    np.testing.assert_allclose(height, np.e - 1.0, rtol=1e-7)
+    assert sum(looked) <= 9 * columns + 9
+    last = (table > 0.0).sum(axis=0) + (table > 0.0).argmax(axis=0)
+    around = last + np.arange(-2, 2)[::-1, None]
+    columns_of = np.arange(columns)
+    known = np.broadcast_to(rows, table.shape)[around, columns_of], table[around, columns_of]
+    looked.clear()
+    edge = crossing(margin, known[0][1], known[0][2], known=known, leaves_out=True)
+    np.testing.assert_allclose(edge, 5.2 + width, rtol=1e-9)
+    assert sum(looked) <= max(6 * columns, 27)
+
+
+def test_rows_around_an_edge():
+    table = np.arange(10.0).reshape(5, 2)
+    places = np.array([[0.0, 1.0, 2.0, 3.0, 4.0]] * 2).T
+    found = rows_around(table, places, np.array([[1.0, 4.0], [2.0, 3.0]]))
+    np.testing.assert_array_equal(found, [[0.0, np.nan], [2.0, 9.0], [4.0, 7.0], [6.0, 5.0]])

@@ -327,6 +327,35 @@ def test_samples_without_a_solution_are_counted(both, monkeypatch):
     assert not any("missed their tolerance" in text for text in found.warnings)
 
 
+@pytest.mark.parametrize("kind", ["a number", "a table"])
+def test_places_that_are_not_asked_cost_nothing_and_are_unknown(kind):
+    layers = [{"material": "Ge", "thickness": "20 ± 2 nm"}]
+    film = {"absorptance": "0.75 ± 0.01"}
+    file = (
+        configure(**film)
+        if kind == "a number"
+        else lf.FlyerFile(
+            flyer={"diameter": "2 cm"},
+            film={"layers": layers, "tac_top": 0.8, "tac_bottom": 0.9},
+            environment=EARTH,
+            force={"model": "lu2023"},
+        )
+    )
+    inputs = uncertain_inputs(file.design())
+    samples, places = draw(inputs, 100, seed=0), np.linspace(60e3, 80e3, 3)
+    whole = monte_carlo.tabulate_samples(inputs, samples, places, ("lift_over_weight",))
+    some = np.full((100, 3), np.nan)
+    some[7, 1], some[9] = places[1], places
+    found = monte_carlo.tabulate_samples(inputs, samples, some, ("lift_over_weight",))
+    asked = ~np.isnan(some)
+    lifts = found["lift_over_weight"]
+    np.testing.assert_allclose(lifts[asked], whole["lift_over_weight"][asked], rtol=1e-12)
+    assert np.isnan(lifts[~asked]).all()
+    nothing = np.full((100, 1), np.nan)
+    found = monte_carlo.tabulate_samples(inputs, samples, nothing, ("lift_over_weight",))
+    assert np.isnan(found["lift_over_weight"]).all()
+
+
 def test_a_layers_change_on_a_coarse_grid_is_that_of_films_on_the_fine_one():
     layers = [
         {"material": "Ge", "thickness": "20 ± 2 nm"},

@@ -102,7 +102,7 @@ class SafeNewton:
     # Both are one loop because a function takes longer to compile than the rules around it to run.
 
     lower: tuple[float, ...]  # Bounds that the unknowns never reach
-    tolerance: float = RELATIVE_TOLERANCE  # Largest residual at a root
+    tolerance: float | Array = RELATIVE_TOLERANCE  # Largest residual at a root
     plain_steps: int = 30  # Bounds on the steps of each search
     careful_steps: int = MAXIMUM_STEPS  # Bounds on the steps of each search
 

@@ -36,7 +36,7 @@ def solve_system(
     guess: tuple[ArrayLike, ...] | Callable[[], tuple[ArrayLike, ...]],
     *,
     lower: float | tuple[float, ...] = -math.inf,
-    tolerance: float = RELATIVE_TOLERANCE,
+    tolerance: float | Array = RELATIVE_TOLERANCE,
     maximum_steps: int = MAXIMUM_STEPS,
 ) -> tuple[Unknowns, RootOutcome]:
     """Find where several functions of as many unknowns vanish, element by element."""

@@ -221,5 +221,5 @@ def _strongest_light(
         return (np.inf if first else 0.0), None
     ends, column = places[[[first], [first - 1]]], places[:, None]
     known = rows_around(column, column, ends), rows_around(margins[:, None], column, ends)
-    place = crossing(cool, *ends, known=known)
+    place = crossing(cool, ends[0], ends[1], known=known)
     return float(at(place, light)[0]), float(place[0])

@@ -224,7 +224,7 @@ class _Builder:
 
     def _call(self, called: Any, inputs: list[int]) -> list[int]:
         """Outputs of a function, which is written out unless it has been with the same inputs."""
-        key = id(getattr(called, "jaxpr", called)), *inputs
+        key = (id(called), *inputs)
         for scope in self._scopes:  # what is known around is known here
             if key in scope.called:
                 return list(scope.called[key][1])
@@ -234,7 +234,7 @@ class _Builder:
 
     def _note_rows(self, variables: Sequence[Any], values: Sequence[int]) -> None:
         for variable, value in zip(variables, values, strict=True):
-            shape = getattr(variable.aval, "shape", ())
+            shape: tuple[Any, ...] = getattr(variable.aval, "shape", ())
             if len(shape) == 1 and length(shape[0]) == SYMBOLS[0]:
                 self._along.add(value)
 

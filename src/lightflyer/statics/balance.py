@@ -208,7 +208,7 @@ def solve_balance(
     powers: tuple[Array, ...],
     shape: tuple[int, ...],
     guess: tuple[Array, ...] | None = None,
-    tolerance: float = RELATIVE_TOLERANCE,
+    tolerance: float | Array = RELATIVE_TOLERANCE,
 ) -> tuple[tuple[Array, ...], RootOutcome]:
     """Unknowns at which each node loses what it absorbs; ``powers``: that [W]."""
 

@@ -15,6 +15,9 @@ from lightflyer.core.types import Numeric
 Function: TypeAlias = Callable[[np.ndarray], np.ndarray]
 """Takes places of shape (n, ...), returns values of that shape: one function a column."""
 
+Known: TypeAlias = tuple[np.ndarray, ...]
+"""Places at which values are known, and those values."""
+
 EDGE_TOLERANCE = 1e-10  # Of lift over weight at an edge; about a micrometre of altitude
 POINTS = 9  # Places of a look at few functions: there a call costs more than a place
 FLAT = 3e-7  # second difference at a smooth optimum, over its value, that a parabola follows
@@ -157,7 +160,7 @@ def peak(
     high: Numeric,
     points: int = POINTS,
     flat: float = FLAT,
-    known: tuple[Any, Any] | None = None,
+    known: Known = (),
     *,
     leaves_out: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -165,7 +168,7 @@ def peak(
     # ``known``: places in it, its ends included, and values there, both (n, m); else a first look
     # takes ``points`` places. ``leaves_out``: columns that are finished may be given NaN.
     low, high = np.broadcast_arrays(*np.atleast_1d(low, high))
-    if known is None:
+    if not known:
         places = np.linspace(low, high, points)
         known = places, function(places)
     three, narrow = _Three.among(*np.broadcast_arrays(*known)), _STEEP * (high - low)
@@ -213,7 +216,7 @@ def crossing(
     inside: Numeric,
     wanted: np.ndarray | bool = True,
     tolerance: float = EDGE_TOLERANCE,
-    known: tuple[np.ndarray, np.ndarray] | None = None,
+    known: Known = (),
     *,
     leaves_out: bool = False,
 ) -> np.ndarray:
@@ -222,7 +225,7 @@ def crossing(
     # and values there, both (4, m); NaN where there is no first or last one. Columns that are not
     # wanted give the place inside, and so do those that jump over zero. ``leaves_out``: as above.
     outside, inside = np.broadcast_arrays(*np.atleast_1d(outside, inside))
-    if known is None:
+    if not known:
         ends, nothing = np.stack([outside, inside]), np.full((1, *inside.shape), np.nan)
         known = tuple(np.concatenate([nothing, row, nothing]) for row in (ends, function(ends)))
     places, values = known
@@ -233,9 +236,11 @@ def crossing(
         if not np.any(sought):
             break
         guess = _root_between(places, values)
-        expects, ends = ~(np.isnan(guess) | slow), places[1:3]
+        expects, before, after = ~(np.isnan(guess) | slow), places[1], places[2]
         points = _points(sought.sum() if leaves_out else sought.size)
-        looked = np.where(expects, _around(guess, *ends, points), _evenly(*ends, points))
+        looked = np.where(
+            expects, _around(guess, before, after, points), _evenly(before, after, points)
+        )
         looked = np.where(sought | (not leaves_out), looked, np.nan)
         pairs = zip((places, values), (looked, function(looked)), strict=True)
         places, values = (np.concatenate([row[:2], look, row[2:]]) for row, look in pairs)
@@ -245,7 +250,7 @@ def crossing(
         sizes, width = np.nan_to_num(np.abs(values[1:3]), nan=np.inf), np.abs(places[2] - places[1])
         last, level = level, sizes.min(axis=0)
         met = level <= tolerance
-        stays = np.where(slow, level > 0.75 * last, width > 0.5 * np.abs(ends[1] - ends[0]))
+        stays = np.where(slow, level > 0.75 * last, width > 0.5 * np.abs(after - before))
         slow = stays & (level > 0.25 * last)
         found = np.where(
             sought, np.where(met, at(places[1:3], sizes.argmin(axis=0)), places[2]), found
@@ -260,9 +265,8 @@ def _root_between(places: np.ndarray, values: np.ndarray) -> np.ndarray:
     # a line through the last two where nothing is known outside
     low, below, above, high = values
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        first, line, last = places[:-1] - values[:-1] * np.diff(places, axis=0) / np.diff(
-            values, axis=0
-        )
+        slopes = np.diff(values, axis=0) / np.diff(places, axis=0)
+        first, line, last = places[:-1] - values[:-1] / slopes
         left = np.where(low < below, (above * first - low * line) / (above - low), np.nan)
         right = np.where(above < high, (high * line - below * last) / (high - below), np.nan)
         both = (high * left - low * right) / (high - low)

@@ -36,6 +36,7 @@ from lightflyer.statics.equations import FlightEquations, total
 _DIMMEST = 1e-5  # light looked at after darkness, over the brightest
 _STEPS = 8  # in equal ratios from there to the brightest
 _RATIO = _DIMMEST ** (-1.0 / _STEPS)
+_FURTHEST = 4  # of these the last that may be the first one looked at
 _HOPE = 0.5  # share of the load that a cubic must expect at a peak for a look there
 _NEARLY = 0.2, 2.0  # range of a force's growth, over that of one that is linear, to believe it
 _TOLERANCE = 1e-6  # of a balance: the step after it, which is taken, squares what is left
@@ -261,7 +262,7 @@ def _first_stage(dark: Knot, brightest: Array, load: Array) -> Array:
     grows = dark.slope > 0.0
     needed = (load - dark.force) / jnp.where(grows, dark.slope, 1.0)
     ratio = jnp.where(grows & (needed > 0.0), needed / (_DIMMEST * brightest), 1.0)
-    return jnp.clip(jnp.floor(jnp.log(ratio) / math.log(_RATIO)), 1, _STEPS - 1).astype(np.int32)
+    return jnp.clip(jnp.floor(jnp.log(ratio) / math.log(_RATIO)), 1, _FURTHEST).astype(np.int32)
 
 
 def _between(low: Knot, high: Knot, load: Array) -> Array:

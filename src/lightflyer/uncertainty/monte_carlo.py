@@ -100,12 +100,12 @@ def _strongest_light(
     easiest_is_inside = found.easiest > places[before]
     columns = np.broadcast_to(places[:, None], hot.shape)
     margins, ends = 1.0 - rows[LEAST_HEAT] / highest, places[np.stack([first, before])]
-    known = [rows_around(table, columns, ends) for table in (columns, margins)]
+    around = tuple(rows_around(table, columns, ends) for table in (columns, margins))
     inside = found.easiest, 1.0 - found.at_easiest[LEAST_HEAT] / highest
-    for around, one in zip(known, inside, strict=True):
-        around[2:] = np.where(easiest_is_inside, [one, around[2]], around[2:])
-    starts = np.where(wanted, known[0][1:3], places[0])
-    place = crossing(cool, *starts, wanted, TOLERANCE, (known[0], known[1]), leaves_out=True)
+    for table, one in zip(around, inside, strict=True):
+        table[2:] = np.where(easiest_is_inside, [one, table[2]], table[2:])
+    far, near = np.where(wanted, around[0][1:3], places[0])
+    place = crossing(cool, far, near, wanted, TOLERANCE, around, leaves_out=True)
     light = look(place[None, None], (LEAST_LIGHT,))[LEAST_LIGHT][0, 0]
     return place, {LEAST_LIGHT: np.where(wanted, light, np.where(never, 0.0, np.nan))}
 

@@ -18,7 +18,7 @@ FORCES = {
     "saturating": lambda light: 2e-3 * light / (1.0 + 1e-3 * light),
     "quadratic but for a little": lambda light: 1e-6 * light + 1e-8 * light**2,
     "a bump far below where the first slope leads": lambda light: (
-        1e-5 * light + 30.0 * (light / 300.0) ** 2 * jnp.exp(-light / 300.0)
+        1e-5 * light + 30.0 * (light / 60.0) ** 2 * jnp.exp(-light / 60.0)
     ),
 }
 

@@ -388,6 +388,16 @@ def test_reading_a_flyer_file_imports_nothing_to_draw_with():
     printed_without_importing(heavy, code)
 
 
+def test_commands_hide_dask_from_pint_alone():
+    """It takes longer to load than all of Pint."""
+    code = (
+        "import sys\nsys.argv = ['lightflyer', '--version']\n"
+        "from lightflyer.__main__ import main\ntry:\n    main()\nexcept SystemExit:\n    pass\n"
+        "assert sys.modules['dask'] is None\nimport lightflyer.core.quantity"
+    )
+    printed_without_importing({"dask"}, code)
+
+
 def test_runs_as_a_module_with_a_closed_pipe(flyer_file):
     command = f"{sys.executable} -m lightflyer predict {flyer_file()} | head -1"
     result = subprocess.run(

@@ -49,6 +49,7 @@ _DISK = 2.0 * _CENTIMETRE
 _GRAMS = 1e3
 _LAYERS = (("alumina", 50.0), ("germanium", 20.0), ("mylar", 500.0), ("germanium", 20.0))
 _LOOK_POINTS = POINTS // 4
+_FLAT = 1e-8  # closer than usual: a search over diameters compares such maxima
 _MILLIMETRES = 3  # decimals of an optimum's place: further ones are rounding of the payload
 _DIAMETER_DIGITS = 5  # of a diameter in cm, to which it is searched
 
@@ -78,7 +79,7 @@ def bands(
 
 
 def _maximum(function: Function, low: Numeric, high: Numeric) -> tuple[np.ndarray, np.ndarray]:
-    return peak(function, low, high, points=_LOOK_POINTS)
+    return peak(function, low, high, points=_LOOK_POINTS, flat=_FLAT)
 
 
 def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]:

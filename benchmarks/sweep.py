@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,7 @@ from lightflyer.compute.evaluation import BATCH, Evaluator
 from lightflyer.compute.scheduler import processors
 from lightflyer.core.progress import report_to
 from lightflyer.parametric.run import sweep_into
+from lightflyer.program.entry_point import run_by
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem
@@ -100,6 +102,27 @@ def throughput(folder, designs, repeats):
         print(f"{label:34}{wall:10.2f}{cpu:10.2f}{designs / wall:14,.0f}")
     ratios = [kernel / zarr for kernel, zarr in zip(found["kernel"], found["zarr"], strict=True)]
     print(f"throughput to Zarr over the kernel's: {ratios[0]:.2f} (by CPU time {ratios[1]:.2f})")
+
+
+def few():
+    """Designs that NumPy evaluates while XLA compiles: the constants of the evaluator."""
+    print(
+        f"\n{'':34}{'NumPy: first [s]':>18}{'a design [µs]':>16}{'XLA: first [s]':>16}{'few':>10}"
+    )
+    for outputs in (VARIABLES, ["lowest_altitude", "highest_altitude"], ["usable_payload"]):
+        over = {"film.emittance": np.linspace(0.05, 0.15, 8192 if outputs is VARIABLES else 256)}
+        place = {"altitude": "70 km"} if outputs is VARIABLES else {}
+        asked = make_study(DESIGN, over | place, outputs)
+        times = {}
+        for way in ("numpy", "xla"):
+            with run_by(way):
+                evaluate = Evaluator(asked)
+            run = partial(evaluate, 0, asked.size)
+            times[way] = timed(run)[1], timed(run)[1]
+        (ours, again), (theirs, _) = times["numpy"], times["xla"]
+        each = again / asked.size
+        print(f"{', '.join(outputs)[:32]:34}{ours:18.1f}{1e6 * each:16.1f}"
+              f"{theirs:16.1f}{(theirs - ours) / each:10,.0f}")  # fmt: skip
 
 
 class Clock:
@@ -362,7 +385,9 @@ def main():
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--large", action="store_true")
     parser.add_argument("--folder", type=Path, help="where results go; default: a temporary one")
-    parser.add_argument("--only", choices=["kernel", "cluster", "optimiser"], help="one part")
+    parser.add_argument(
+        "--only", choices=["few", "kernel", "cluster", "optimiser"], help="one part"
+    )
     parser.add_argument("--alone", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--thread", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -375,6 +400,7 @@ def main():
     with tempfile.TemporaryDirectory(dir=options.folder) as name:
         folder = Path(name)
         parts = {
+            "few": few,
             "kernel": lambda: throughput(folder, options.designs, options.repeats),
             "cluster": lambda: cluster(folder, options.designs, options.repeats),
             "optimiser": lambda: optimiser(options.repeats),

@@ -60,6 +60,15 @@ def test_numpy_gives_what_a_compiled_sweep_gives(flyer, over, table):
         )
 
 
+def test_a_number_that_the_file_does_not_state_is_varied(flyer):
+    gravity = np.array([9.0, 10.0])
+    over = {"environment.gravity": [f"{value} m/s^2" for value in gravity], "altitude": ["70 km"]}
+    swept = lf.sweep(flyer, over=over, outputs=["lift", "lift_over_weight"])
+    weight = (swept.lift / swept.lift_over_weight).values[:, 0]
+    mass = float(flyer.design().setup.flyer.mass)
+    assert weight == pytest.approx(mass * gravity, rel=1e-12)
+
+
 @pytest.mark.parametrize(("outputs", "few"), [("lift", 50_000), ("lowest_altitude", 1_000)])
 def test_few_designs_are_not_compiled_and_all_of_a_study_run_one_way(flyer, outputs, few):
     place = {"altitude": ["70 km"]} if outputs == "lift" else {}

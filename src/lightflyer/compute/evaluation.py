@@ -10,6 +10,7 @@ from typing import Any
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.compute.compilation import jit_with_options
@@ -196,18 +197,16 @@ class _Interpreted(_AbstractKernel):
         super().__init__()
         self._design, self._names, self._fixed = design, names, fixed
         self._every = entry_point(jax.vmap(_outputs_of_one(design, names, fixed)), way="numpy")
-        self._leaves = entry_point(self._leaves_at, way="numpy")
+        self._setups = entry_point(self._setup_at, way="numpy")
 
     def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
         if prepared is not None:  # tables of each design
             return self._every(values, prepared)
-        nominal, structure = jax.tree.flatten(self._design.setup)
-        leaves = self._leaves(values)
-        varies = [
-            np.shape(one) != np.shape(other) for one, other in zip(leaves, nominal, strict=True)
-        ]
+        setups = self._setups(values)
+        with float64():
+            one = jax.eval_shape(self._setup_at, dict.fromkeys(values, 0.0))
         varied, shared = eqx.partition(
-            jax.tree.unflatten(structure, leaves), jax.tree.unflatten(structure, varies)
+            setups, jax.tree.map(lambda many, one: np.ndim(many) > one.ndim, setups, one)
         )
         count = max(map(len, values.values()))
         place = (self._fixed | values).get(self._design.coordinate_name)
@@ -216,8 +215,9 @@ class _Interpreted(_AbstractKernel):
             np.arange(count), varied, places, shared, dict.fromkeys(self._names, 0.0)
         )
 
-    def _leaves_at(self, values: Table) -> list[Any]:
-        return jax.tree.leaves(self._design.build(self._fixed | values))
+    def _setup_at(self, values: Table) -> Any:
+        setup = self._design.build(self._fixed | values)
+        return jax.tree.map(partial(jnp.asarray, dtype=float), setup)
 
 
 @partial(entry_point, way="numpy")

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from lightflyer.prediction.edges_and_optima import find_edges_and_optima
+from lightflyer.prediction.edges_and_optima import find_edges_and_optima, find_usable
 from lightflyer.statics.grid_refinement import (
     band_brackets,
     band_count,
@@ -96,6 +96,33 @@ def test_flyers_that_need_no_light_need_none_and_some_never_have_enough():
     assert found.at_easiest["levitation_irradiance"][0] == 0.0
     assert np.isnan(found.easiest[1])
     assert np.isnan(found.at_easiest["levitation_irradiance"][1])
+
+
+def test_a_film_that_survives_between_two_rows_beside_an_edge():
+    """Just above the lower edge, 3.2, where it is hotter above, and just below the upper, 7.2."""
+    limit, turns = 500.0, np.array([3.25, 3.9, 7.1, 6.3])
+    warmer = np.array([1.0, 1.0, -1.0, -1.0])
+
+    def curve(places, names):
+        lift = bell(places)
+        known = {
+            "lift_over_weight": lift,
+            "temperature": limit + 10.0 * warmer * (places - turns),
+            "levitation_irradiance": 1000.0 / lift,
+            "payload": lift - 1.0,
+        }
+        return {name: known[name] for name in names or known}
+
+    place = np.arange(11.0)
+    table = curve(np.broadcast_to(place[:, None], (11, 4)), None)
+    found = find_edges_and_optima(curve, place, table)
+    best = found.best, found.at_best
+    usable = find_usable(curve, place, table, found.edges, best, limit)
+    lower, upper = usable.edges[:, 0]
+    assert lower == pytest.approx([3.2, 3.2, 7.1, 6.3], abs=1e-8)
+    assert upper == pytest.approx([3.25, 3.9, 7.2, 7.2], abs=1e-8)
+    assert usable.best == pytest.approx(turns, abs=1e-8)
+    assert usable.at_best["payload"] == pytest.approx(bell(turns) - 1.0, abs=1e-8)
 
 
 def test_the_widest_band_counts_in_places_not_in_rows():

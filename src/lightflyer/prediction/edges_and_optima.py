@@ -114,8 +114,9 @@ def find_usable(
         return np.minimum(table[_LIFT] - 1.0, coolness(table[_HEAT], highest))
 
     # the best place, and the edges of the bands, which levitate, are added to the table's rows
+    # (inside of these the lift suffices: what is sought there is heat)
     added = np.stack([best[0], *bands.reshape(-1, best[0].size)])
-    lifts = np.ones(added.shape)
+    lifts = np.full(added.shape, np.inf)
     lifts[0] = best[1][_LIFT]
     known = ~np.isnan(added)
     added, lifts = np.where(known, added, place[0]), np.where(known, lifts, table[_LIFT][0])
@@ -160,11 +161,12 @@ def _edges(
     inside: np.ndarray,
     *,
     widest: bool = False,
-    settled: Any = (),
+    settled: Any = ((), ()),
     tolerance: float,
 ) -> np.ndarray:
     """Edges of the bands inside of which a margin is positive, shape (2, bands, m)."""
-    # ``known``: margins at the places of a table; places that are settled are edges already
+    # ``known``: margins at the places of a table; lower and upper edges that are settled are such
+    # edges already
     count = int(band_count(inside).max())
     brackets = [band_brackets(places, inside, 1 + number) for number in range(max(count, 1))]
     outside, within, exists, is_open = (np.stack(part, 1) for part in zip(*brackets, strict=True))
@@ -174,7 +176,7 @@ def _edges(
         outside, within, exists, is_open = (
             at(part.swapaxes(0, 1), chosen)[:, None] for part in (outside, within, exists, is_open)
         )
-    sought = exists & ~is_open & ~np.isin(within, settled)
+    sought = exists & ~is_open & ~np.stack([*map(np.isin, within, settled)])
     ends = np.stack([outside, within])
     around = tuple(rows_around(table, places, ends) for table in (places, known))
     edges = crossing(margins, outside, within, sought, tolerance, around, leaves_out=True)

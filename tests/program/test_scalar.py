@@ -309,7 +309,7 @@ def test_numbers_keep_every_bit():
 
 
 def test_python_is_written_once_for_all_that_may_be_given(monkeypatch):
-    """Numbers, small arrays and tables; but where a number is 0 or 1, or a loop has more steps."""
+    """Numbers, small arrays and tables; but where a number is 0 or 1."""
     count, original = [], python.write_graph
     monkeypatch.setattr(python, "write_graph", lambda *given: count.append(1) or original(*given))
 
@@ -332,6 +332,21 @@ def test_python_is_written_once_for_all_that_may_be_given(monkeypatch):
     assert len(count) == 1
     compile_numbers(program, {1: 1.0, 2: axis, 3: table}, {})
     assert len(count) == 2
+
+
+def test_two_tables_that_were_one_may_differ_later():
+    with float64():
+        program, _ = trace(
+            lambda leaves: (
+                leaves[1][leaves[0].astype(int)] - 2.0 * leaves[2][leaves[0].astype(int)]
+            ),
+            [(), (1000,), (1000,)],
+            ["<f8"] * 3,
+        )
+    one, other = np.arange(1000.0), np.arange(1000.0) ** 2
+    for first, second in ((one, one), (one, other), (other, one)):
+        (found,) = compile_numbers(program, {1: first, 2: second}, {})([np.float64(7.0)])
+        assert found == first[7] - 2.0 * second[7]
 
 
 def test_python_that_raises_is_written_anew(monkeypatch):

@@ -70,7 +70,8 @@ def graph_of(
             emitter.values[number] = np.asarray(known[place])
             continue
         if place in given and is_table(program, place, given[place]):
-            emitter.values[number] = array = given[place]
+            # a view: the same array may stand in two places now, and others there later
+            emitter.values[number] = array = given[place].view()
             found.tables.append(emitter.table_to_come(array))
             continue
         if place in given:

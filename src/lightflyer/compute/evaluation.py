@@ -198,17 +198,16 @@ class _Interpreted(_AbstractKernel):
         self._design, self._names, self._fixed = design, names, fixed
         self._every = entry_point(jax.vmap(_outputs_of_one(design, names, fixed)), way="numpy")
         self._setups = entry_point(self._setup_at, way="numpy")
-        self._varies: Any = None  # Which numbers of the setup have an axis for designs
 
     def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
         if prepared is not None:  # tables of each design
             return self._every(values, prepared)
         setups = self._setups(values)
-        if self._varies is None:
-            with float64():
-                one = jax.eval_shape(self._setup_at, dict.fromkeys(values, 0.0))
-            self._varies = jax.tree.map(lambda many, one: np.ndim(many) > one.ndim, setups, one)
-        varied, shared = eqx.partition(setups, self._varies)
+        with float64():
+            one = jax.eval_shape(self._setup_at, dict.fromkeys(values, 0.0))
+        varied, shared = eqx.partition(
+            setups, jax.tree.map(lambda many, one: np.ndim(many) > one.ndim, setups, one)
+        )
         count = max(map(len, values.values()))
         place = (self._fixed | values).get(self._design.coordinate_name)
         places = None if place is None else np.broadcast_to(place, count)

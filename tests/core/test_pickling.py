@@ -6,7 +6,6 @@ import sys
 from typing import ClassVar
 
 import cloudpickle
-import equinox as eqx
 import jax
 import numpy as np
 import pytest
@@ -15,21 +14,22 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.pickling import dumps
 from lightflyer.core.quantity import Checked, Length
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.module import AbstractVar, Module, field
 
 FACTOR = 3.0
 
 
 class Base(Checked):
-    side: eqx.AbstractVar[Length]
+    side: AbstractVar[Length]
 
     def describe(self):
         return f"of {self.side:g} m"
 
 
-class Inner(eqx.Module):
+class Inner(Module):
     rows: np.ndarray
-    words: str = eqx.field(static=True, default="words")
-    more: dict = eqx.field(default_factory=dict)
+    words: str = field(static=True, default="words")
+    more: dict = field(default_factory=dict)
 
     def __init__(self, rows):
         self.rows = FACTOR * rows

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import ClassVar, Literal
 
-import equinox as eqx
 import pydantic
 import pytest
 
@@ -24,6 +23,7 @@ from lightflyer.film.media.dispersion_section import (
     TaucLorentzSection,
 )
 from lightflyer.film.section import MeasuredFilmSection
+from lightflyer.pytree.module import Module, field
 
 DOCS = Path(__file__).parents[2] / "docs"
 TEMPLATES = Path(lf.__file__).parent / "data"
@@ -39,12 +39,12 @@ class Tube(Checked):
     radius: Length
     length: Length = 0.1
     share: float = 0.5
-    end: Literal["open", "closed"] = eqx.field(static=True, default="open")
-    lined: bool = eqx.field(static=True, default=False)
+    end: Literal["open", "closed"] = field(static=True, default="open")
+    lined: bool = field(static=True, default=False)
     error: StandardErrors | None = None
     inner: Length | None = None
     hidden: Length = 1.0
-    part: eqx.Module | None = None
+    part: Module | None = None
 
 
 class TubeSection(Section, of=Tube):
@@ -112,11 +112,11 @@ DESCRIBED = [
 @pytest.mark.parametrize("section", DESCRIBED, ids=lambda section: section.__name__)
 def test_each_number_of_the_package_has_its_key(section):
     """With the unit and the range of the class, also where the section declares it by hand."""
-    for field in dataclasses.fields(section.describes):
-        quantity = quantity_of(field.type)
-        if quantity is None or field.name in section.left_out:
+    for one in dataclasses.fields(section.describes):
+        quantity = quantity_of(one.type)
+        if quantity is None or one.name in section.left_out:
             continue
-        key, _ = section.spelled.get(field.name, Spelling(field.name))
+        key, _ = section.spelled.get(one.name, Spelling(one.name))
         assert section.quantity(key) == quantity, key
 
 

@@ -1,7 +1,6 @@
 """A radio link: the power that a bit rate over a distance takes."""
 
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.core import constants
 from lightflyer.core.quantity import (
@@ -16,6 +15,7 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 REQUIRED_SIGNAL_DB = 9.6
 """Energy per bit over noise density [dB] at which one bit in 1e5 is wrong: coherent detection of
@@ -53,7 +53,7 @@ def free_space_loss(distance: LinkDistance, frequency: Frequency) -> Array:
     >>> print(f"{10.0 * math.log10(free_space_loss(30e3, 434e6)):.2f} dB")
     114.74 dB
     """
-    return (4.0 * jnp.pi * distance * frequency / constants.SPEED_OF_LIGHT) ** 2
+    return (4.0 * np.pi * distance * frequency / constants.SPEED_OF_LIGHT) ** 2
 
 
 class RadioLink(Checked):

@@ -3,15 +3,15 @@
 from collections.abc import Callable
 from typing import ClassVar, NamedTuple
 
-import equinox as eqx
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.budget.link import RadioLink
 from lightflyer.core.quantity import ArealDensity, Checked, Efficiency, Fraction, Mass, Power
 from lightflyer.core.types import Numeric
 from lightflyer.environment.radiation import Attitude, Radiation
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import field
 
 
 class Item(Checked):
@@ -28,7 +28,7 @@ class Item(Checked):
         Share of the time in which it runs [1].
     """
 
-    name: str = eqx.field(static=True)
+    name: str = field(static=True)
     mass: Mass = 0.0
     power: Power = 0.0
     duty: Fraction = 1.0
@@ -109,7 +109,7 @@ class Budget(Checked):
 
     contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
-    items: tuple[Item, ...] = eqx.field(default=())
+    items: tuple[Item, ...] = field(default=())
     cells: SolarCells | None = None
     link: RadioLink | None = None
     reserve: Fraction = 0.0
@@ -150,7 +150,7 @@ def _needs(budget: Budget, light: Numeric) -> Needs:
         return Needs(mass, power, zero, sent)
     dark = light <= 0.0
     per_area = cells.efficiency * cells.conversion * jnp.where(dark, 1.0, light)
-    area = jnp.where(dark & (power > 0.0), jnp.inf, power / per_area)
+    area = jnp.where(dark & (power > 0.0), np.inf, power / per_area)
     return Needs(mass + cells.areal_density * area, power, area, sent)
 
 

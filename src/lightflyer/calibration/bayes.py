@@ -17,8 +17,6 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.calibration.calibration import Calibration
@@ -26,6 +24,7 @@ from lightflyer.core.errors import ConvergenceError, MissingExtraError, Paramete
 from lightflyer.core.precision import float64
 from lightflyer.core.progress import report
 from lightflyer.files.result_text import Parts, PrintedResult
+from lightflyer.pytree.lazy_jax import jax, jnp
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,9 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.calibration.inputs import FitInputs, fit_inputs
@@ -19,6 +16,8 @@ from lightflyer.calibration.targets import Fields, Target, target_of
 from lightflyer.core.errors import ParameterError
 from lightflyer.design.design import AbstractDesign
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import Module, field
 from lightflyer.statics.levitation import levitate
 from lightflyer.uncertainty.inputs import Change
 
@@ -32,14 +31,14 @@ UNREACHABLE = 50.0  # Log-irradiance where no irradiance levitates the flyer
 _INSIDE = 1e-6  # distance of the start from the upper bound, of the log-parameter
 
 
-class LevitationModel(eqx.Module):
+class LevitationModel(Module):
     """Irradiance to levitate of a design at points, as a function of the fitted parameters."""
 
-    design: AbstractDesign = eqx.field(static=True)
+    design: AbstractDesign = field(static=True)
     prepared: Any  # From :meth:`~lightflyer.design.design.AbstractDesign.precompute`
     # For each row of ``stated``, the numbers of the design that have its values, and the factor
     # from the values to the numbers
-    targets: tuple[tuple[Fields, float], ...] = eqx.field(static=True)
+    targets: tuple[tuple[Fields, float], ...] = field(static=True)
     stated: np.ndarray  # shape (rows, n); values at each point before the fit
     # shape (rows, n); number of the parameter that replaces the value at each point, -1 for none
     index: np.ndarray
@@ -48,13 +47,11 @@ class LevitationModel(eqx.Module):
     # shape (k, 2); change of the log-pressure and of the log-irradiance read by one standard
     # uncertainty of each input
     gains: np.ndarray
-    movers: tuple[int, ...] = eqx.field(static=True)  # Inputs that move ``prepared``
+    movers: tuple[int, ...] = field(static=True)  # Inputs that move ``prepared``
     # For each of them, the change of ``prepared``, in its standard uncertainty
     changes: tuple[Change, ...]
 
-    def log_irradiance(
-        self, log_parameters: Any, log_pressure: Any, shifts: Any = None
-    ) -> jax.Array:
+    def log_irradiance(self, log_parameters: Any, log_pressure: Any, shifts: Any = None) -> Array:
         """Log-irradiance to levitate as a light meter reads it; traced in double precision."""
         if shifts is None:
             shifts = jnp.zeros(len(self.gains))
@@ -85,7 +82,7 @@ class LevitationModel(eqx.Module):
 @entry_point
 def _linearise(
     model: LevitationModel, log_parameters: Any, log_pressure: Any, shifts: Any
-) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+) -> tuple[Array, Array, Array, Array]:
     # the root is searched once; a loop over directions compiles faster than vmap
     value, push = jax.linearize(model.log_irradiance, log_parameters, log_pressure, shifts)
     nothing = jnp.zeros_like(log_pressure)
@@ -275,6 +272,6 @@ def _require_separate(design: AbstractDesign, targets: Mapping[Fields, Target]) 
     both = design.conflict(fields)
     if both is not None:
         raise ParameterError(f"{both[0]} and {both[1]} cannot both be given")
-    for field in fields:
-        if fields.count(field) > 1:
-            raise ParameterError(f"{field} is given twice, by itself and for both faces")
+    for one in fields:
+        if fields.count(one) > 1:
+            raise ParameterError(f"{one} is given twice, by itself and for both faces")

@@ -12,7 +12,6 @@ from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
 import numpy as np
 
 from lightflyer.comparison.differences import Difference, differing_models, differing_surroundings
@@ -29,6 +28,7 @@ from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.evaluator import Evaluator, Place, Table
 from lightflyer.prediction.prediction import Prediction, predict_design
+from lightflyer.pytree import tree
 from lightflyer.uncertainty.propagation import (
     DEFAULT_SAMPLES,
     PredictionUncertainty,
@@ -166,7 +166,7 @@ class Comparison(PrintedResult):
         same = tuple(
             f"{first.name} and {second.name} are the same design"
             for first, second in combinations(self.flyers, 2)
-            if eqx.tree_equal(first.setup, second.setup)
+            if tree.equal(first.setup, second.setup)
         )
         return same + unequal + self._unequal_bands() + own
 

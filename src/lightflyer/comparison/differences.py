@@ -4,13 +4,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
-import equinox as eqx
 import numpy as np
 
 from lightflyer.core.quantity import Quantity, quantities_of
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.design import digest
 from lightflyer.design.setup import Setup
+from lightflyer.pytree.module import Module
 
 _RADIATION = "radiation"
 _RANGE = "searched"
@@ -76,7 +76,7 @@ def _differences(
 ) -> Iterator[Difference]:
     """Differences between objects, field by field as far down as they are of one kind."""
     first = next(iter(parts.values()))
-    if isinstance(first, eqx.Module) and len({type(part) for part in parts.values()}) == 1:
+    if isinstance(first, Module) and len({type(part) for part in parts.values()}) == 1:
         known = quantities_of(type(first))
         for field in fields(first):
             if field.name in skipped:
@@ -91,7 +91,7 @@ def _differences(
 
 
 def _text(value: Any, quantity: Quantity) -> str:
-    if isinstance(value, eqx.Module):
+    if isinstance(value, Module):
         return type(value).__name__
     if value is None:
         return "not given"

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-import jax
+from lightflyer.pytree.lazy_jax import jax
 
 
 def jit_with_options(function: Callable[..., Any], options: dict[str, Any]) -> Callable[..., Any]:

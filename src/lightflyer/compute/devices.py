@@ -3,16 +3,14 @@
 from collections.abc import Callable
 from typing import Any, Literal, get_args
 
-import jax
 import numpy as np
-from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.pytree.lazy_jax import jax
 
 Device = Literal["cpu", "gpu"]  # Kinds of devices, by JAX's names
 
 _AXIS = "designs"
-_EACH = PartitionSpec(_AXIS)
 
 
 def find_devices(kind: str) -> list[Any]:
@@ -37,14 +35,15 @@ class OnDevices:
     def __init__(self, kind: str):
         devices = find_devices(kind)
         self.count = len(devices)
-        self._mesh = Mesh(np.array(devices), (_AXIS,))
+        self._mesh = jax.sharding.Mesh(np.array(devices), (_AXIS,))
+        self._each = jax.sharding.PartitionSpec(_AXIS)
 
     def divide_work(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """A function of arrays of designs that is computed part by part."""
         return jax.shard_map(
-            function, mesh=self._mesh, in_specs=_EACH, out_specs=_EACH, check_vma=False
+            function, mesh=self._mesh, in_specs=self._each, out_specs=self._each, check_vma=False
         )
 
     def place(self, arrays: Any) -> Any:
         """Arrays on the devices, a part on each; their length is a multiple of the devices'."""
-        return jax.device_put(arrays, NamedSharding(self._mesh, _EACH))
+        return jax.device_put(arrays, jax.sharding.NamedSharding(self._mesh, self._each))

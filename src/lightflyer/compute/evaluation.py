@@ -8,9 +8,6 @@ from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.compute.compilation import jit_with_options
@@ -23,6 +20,8 @@ from lightflyer.design.setup import Setup
 from lightflyer.design.tables import evaluate
 from lightflyer.numerics.batches import in_batches
 from lightflyer.program.entry_point import entry_point, forced_way
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jax, jnp
 from lightflyer.study.study import Study
 
 BATCH = 16_384  # Designs evaluated at once: they fit the processor's cache, and one thread
@@ -117,7 +116,7 @@ class Evaluator:
         number = arrays.zeros(designs.shape, int)
         for place, stride in zip(places, self._strides, strict=True):
             number = number + stride * place
-        return values, jax.tree.map(lambda leaf: arrays.asarray(leaf)[number], self._prepared)
+        return values, tree.map_leaves(lambda leaf: arrays.asarray(leaf)[number], self._prepared)
 
     @property
     def of_one(self) -> Callable[[Any, Any], Any]:
@@ -205,8 +204,8 @@ class _Interpreted(_AbstractKernel):
         setups = self._setups(values)
         with float64():
             one = jax.eval_shape(self._setup_at, dict.fromkeys(values, 0.0))
-        varied, shared = eqx.partition(
-            setups, jax.tree.map(lambda many, one: np.ndim(many) > one.ndim, setups, one)
+        varied, shared = tree.partition(
+            setups, tree.map_leaves(lambda many, one: np.ndim(many) > one.ndim, setups, one)
         )
         count = max(map(len, values.values()))
         place = (self._fixed | values).get(self._design.coordinate_name)
@@ -217,7 +216,7 @@ class _Interpreted(_AbstractKernel):
 
     def _setup_at(self, values: Table) -> Any:
         setup = self._design.build(self._fixed | values)
-        return jax.tree.map(partial(jnp.asarray, dtype=float), setup)
+        return tree.map_leaves(partial(jnp.asarray, dtype=float), setup)
 
 
 @partial(entry_point, way="numpy")
@@ -228,7 +227,7 @@ def _evaluate_each(
 
     def one(number: Any, varied: Setup, place: Any) -> tuple[dict[str, Any], Any]:
         del number  # which there is whatever varies
-        return evaluate(eqx.combine(varied, shared), tuple(names), place)
+        return evaluate(tree.combine(varied, shared), tuple(names), place)
 
     return jax.vmap(one)(number, varied, places)
 
@@ -272,7 +271,9 @@ def _prepare(study: Study) -> tuple[Any, list[int]]:
         }
         found.append(design.precompute(values))
         counted.add()
-    stacked = jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *found)
+    stacked = tree.map_leaves(
+        lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *found
+    )
     strides = [
         int(np.prod(lengths[number + 1 :])) if length > 1 else 0
         for number, length in enumerate(lengths)

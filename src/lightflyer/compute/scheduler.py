@@ -14,13 +14,12 @@ from pathlib import Path
 from threading import Thread
 from typing import Any, NamedTuple, Protocol
 
-import jax
-
 from lightflyer.compute.chunks import Chunks
 from lightflyer.compute.store import Record, stored_study, versions, write_chunk
 from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.core.extras import extra
 from lightflyer.core.pickling import dumps
+from lightflyer.pytree.lazy_jax import jax
 
 ANSWER_WITHIN = 10.0  # Time within which a scheduler must answer [s]
 

@@ -7,13 +7,13 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any, cast
 
-import jax
 import pydantic
 
 from lightflyer.budget.section import PayloadSection
 from lightflyer.config.discovery import discover
 from lightflyer.config.surrogate_films import SurrogateFilms, part_at
 from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.precision import beside_traces
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
@@ -24,6 +24,7 @@ from lightflyer.files.section import Alternative, Section, any_of
 from lightflyer.film.section import FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
+from lightflyer.pytree import tree
 
 discover()
 
@@ -347,7 +348,7 @@ class FileDesign(AbstractDesign):
     def _own_films(self) -> dict[str, Any]:
         kept = vars(self)  # see setup
         if "_films" not in kept:
-            with jax.ensure_compile_time_eval():  # it stays, so it must not belong to a trace
+            with beside_traces():  # it stays, so it must not belong to a trace
                 kept["_films"] = dict(self.precompute({}))
         return cast(dict[str, Any], kept["_films"])
 
@@ -370,7 +371,7 @@ class FileDesign(AbstractDesign):
                 if entry is not None:
                     described[f"flyer file: {part}.{key}"] = json.dumps(entry)
         # what the sections read from elsewhere: materials, spectra, atmospheres
-        leaves = jax.tree.leaves(self.setup)
+        leaves = tree.leaves(self.setup)
         described["numbers of the flyer file and of its data"] = digest(*leaves)
         return described
 

@@ -6,8 +6,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 import pydantic
 
@@ -24,6 +22,8 @@ from lightflyer.film.layer_section import LayerSection
 from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate, padded_thickness
 from lightflyer.film.properties import PROPERTIES, FilmProperties
 from lightflyer.film.section import FACES, WholeFilm
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import Module
 
 if TYPE_CHECKING:
     from lightflyer.config.flyer_file import FileDesign
@@ -86,7 +86,7 @@ def _explain(mistake: Any, end: str) -> str:
     return format_error(mistake, name)
 
 
-class StackTables(eqx.Module):
+class StackTables(Module):
     """One stack, as arrays of the same shape for all."""
 
     family: ThicknessSurrogate

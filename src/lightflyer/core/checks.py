@@ -3,10 +3,11 @@
 import enum
 from typing import Any, Self
 
-import jax
 import numpy as np
 
 from lightflyer.core.errors import ParameterError
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import is_loaded, is_tracer
 
 
 class Choice(enum.StrEnum):
@@ -25,7 +26,7 @@ class Choice(enum.StrEnum):
 
 def is_traced(*trees: Any) -> bool:
     """Whether any leaf is a JAX tracer, that is, has no concrete value yet."""
-    return any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(trees))
+    return is_loaded() and any(is_tracer(leaf) for leaf in tree.leaves(trees))
 
 
 def is_labelled(value: Any) -> bool:

@@ -1,8 +1,8 @@
 """Sending objects to other processes, those of classes from a script or notebook included.
 
 Other processes cannot import such a class. cloudpickle sends it along: it makes an empty class and
-fills it afterwards. But Equinox learns the fields of a module when its class is made, so here they
-are there from the start, and only methods follow.
+fills it afterwards. But the fields of a record are learned when its class is made, so here they are
+there from the start, and only methods follow.
 """
 
 import abc
@@ -16,7 +16,7 @@ import uuid
 from typing import Any
 from weakref import WeakKeyDictionary, WeakValueDictionary
 
-import equinox as eqx
+from lightflyer.pytree.module import Module
 
 _GENERATED = (
     *("__dict__", "__weakref__", "__annotations__", "_abc_impl", "__abstractmethods__"),
@@ -38,7 +38,7 @@ def dumps(value: Any) -> bytes:
 
     class Pickler(cloudpickle.Pickler):
         def reducer_override(self, thing: Any) -> Any:
-            if isinstance(thing, type) and issubclass(thing, eqx.Module) and _is_own(thing):
+            if isinstance(thing, type) and issubclass(thing, Module) and _is_own(thing):
                 return _make, _beginning(thing), _rest(thing), None, None, _fill
             return super().reducer_override(thing)
 
@@ -115,7 +115,7 @@ def _make(
         for key, value in content.items()
     }
     if own_init:
-        body["__init__"] = _later  # or Equinox would generate one
+        body["__init__"] = _later  # or one would be generated
     made = types.new_class(name, bases, {"metaclass": metaclass}, lambda space: space.update(body))
     _classes[identifier] = made
     _identifiers[made] = identifier

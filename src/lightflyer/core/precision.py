@@ -1,12 +1,16 @@
 """Double precision without touching JAX's process-wide switch."""
 
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from typing import Any
 
-import jax
+import numpy as np
+
+from lightflyer.pytree.lazy_jax import Array, forget, is_loaded, jax, jnp, when_loaded
 
 
-def float64() -> AbstractContextManager[Any]:
+@contextmanager
+def float64() -> Iterator[None]:
     """Context in which JAX computes in double precision; nothing outside it changes.
 
     Returns
@@ -20,4 +24,23 @@ def float64() -> AbstractContextManager[Any]:
     ...     print(jnp.ones(1).dtype)
     float64
     """
-    return jax.enable_x64(True)
+    with ExitStack() as stack:
+
+        def switch() -> None:
+            stack.enter_context(jax.enable_x64(True))
+
+        when_loaded(switch)  # within the context, too
+        try:
+            yield
+        finally:
+            forget(switch)
+
+
+def in_double(value: Any) -> Any:
+    """A number as an array of double precision; one of JAX stays one of JAX."""
+    return jnp.asarray(value, float) if isinstance(value, Array) else np.asarray(value, float)
+
+
+def beside_traces() -> AbstractContextManager[Any]:
+    """Context whose results are numbers, also where it is entered while a function is traced."""
+    return jax.ensure_compile_time_eval() if is_loaded() else nullcontext()

@@ -22,9 +22,6 @@ from functools import cache, partial
 from types import NoneType
 from typing import Annotated, Any, ClassVar, Literal, get_args, get_origin
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pint
 import pydantic
@@ -34,6 +31,8 @@ from lightflyer.core.checks import is_concrete, is_labelled, range_text, require
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured, file_unit, parse, scale_and_offset
+from lightflyer.pytree.lazy_jax import is_tracer, jnp
+from lightflyer.pytree.module import AbstractClassVar, AbstractVar, Module, field
 
 
 @dataclass(frozen=True)
@@ -95,9 +94,9 @@ class Quantity:
 
     def number(self, name: str, value: Any) -> Any:
         """Number or array in the unit, from whatever a script gives; labels of xarray stay."""
-        if isinstance(value, eqx.Module):
+        if isinstance(value, Module):
             return value  # a number that depends on another, such as an emittance on temperature
-        if isinstance(value, jax.core.Tracer):
+        if is_tracer(value):
             return self._possible(value)
         value = self._in_unit(name, value)
         if isinstance(value, int | float) and not isinstance(value, bool):
@@ -117,7 +116,7 @@ class Quantity:
         if (self.lowest, self.highest) == (-math.inf, math.inf):
             return value
         above = value > self.lowest if self.open_below else value >= self.lowest
-        return jnp.where(above & (value <= self.highest), value, jnp.nan)
+        return jnp.where(above & (value <= self.highest), value, np.nan)
 
     def _in_unit(self, name: str, value: Any) -> Any:
         """What has a unit of its own, without it; anything else as it is."""
@@ -389,7 +388,7 @@ def quantity_of(annotation: Any) -> Quantity | None:
     """The :class:`Quantity` in a type annotation, also of an optional value."""
     if isinstance(annotation, Quantity):
         return annotation
-    # an alias such as Length, ``Length | None``, or Equinox's AbstractVar of either
+    # an alias such as Length, ``Length | None``, or an AbstractVar of either
     if get_origin(annotation) is not None or get_args(annotation):
         for part in (*getattr(annotation, "__metadata__", ()), *get_args(annotation)):
             found = quantity_of(part)
@@ -422,13 +421,13 @@ _MISSING = object()
 
 def _converter(name: str, annotation: Any) -> Callable[[Any], Any] | None:
     """What makes a field's value of what a script gives; None for a field that takes anything."""
-    if get_origin(annotation) in (ClassVar, eqx.AbstractVar, eqx.AbstractClassVar):
+    if get_origin(annotation) in (ClassVar, AbstractVar, AbstractClassVar):
         return None
     quantity = quantity_of(annotation)
     if quantity is not None:
         return partial(_as_number, name, quantity, NoneType in get_args(annotation))
     kinds = [kind for kind in (annotation, *get_args(annotation)) if isinstance(kind, type)]
-    if kinds and all(issubclass(kind, eqx.Module | NoneType) for kind in kinds):
+    if kinds and all(issubclass(kind, Module | NoneType) for kind in kinds):
         return partial(require_record, name, tuple(kinds))
     return None
 
@@ -477,13 +476,13 @@ def numbers_in(part: Any, prefix: str = "") -> Iterator[tuple[str, Quantity, Any
     known = quantities_of(part.__class__)
     for name in part.__dataclass_fields__:
         value = getattr(part, name)
-        if isinstance(value, eqx.Module):
+        if isinstance(value, Module):
             yield from numbers_in(value, f"{prefix}{name}.")
         elif name in known:
             yield f"{prefix}{name}", known[name], value
 
 
-class Checked(eqx.Module):
+class Checked(Module):
     """An immutable record whose numbers are checked against their quantities, texts by choices."""
 
     # A field annotated with a quantity takes what :meth:`Quantity.number` reads.
@@ -496,7 +495,7 @@ class Checked(eqx.Module):
             if converter is None or isinstance(default, dataclasses.Field):
                 continue
             given = {} if default is _MISSING else {"default": default}
-            setattr(cls, name, eqx.field(converter=converter, **given))
+            setattr(cls, name, field(converter=converter, **given))
 
     contradiction: ClassVar[Callable[..., str | None] | None] = None
     """How numbers that are possible each by itself contradict each other, in words, or None.
@@ -540,6 +539,6 @@ def require_possible(part: Any) -> None:
         check = vars(kind).get("__check_init__")
         if check is not None:
             check(part)
-    for field in dataclasses.fields(part):
-        if isinstance(value := getattr(part, field.name), eqx.Module):
+    for one in dataclasses.fields(part):
+        if isinstance(value := getattr(part, one.name), Module):
             require_possible(value)

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple, TypeAlias
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.types import Numeric
+from lightflyer.pytree.lazy_jax import jnp
 
 _MOST_DIGITS = 16
 

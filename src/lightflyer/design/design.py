@@ -17,8 +17,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, cast
 
-import equinox as eqx
-import jax
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
@@ -27,6 +25,8 @@ from lightflyer.core.quantity import Correlation, Quantity, quantities_of, quant
 from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured, dataset_unit
 from lightflyer.design.setup import Setup
+from lightflyer.pytree import tree
+from lightflyer.pytree.module import Module
 
 _CORRELATION = quantity_of(Correlation) or Quantity()
 _ROUNDING = 1e-12  # of an eigenvalue of a correlation matrix, whose diagonal is one
@@ -301,7 +301,7 @@ class ObjectDesign(AbstractDesign):
 
     @cached_property
     def _identity(self) -> tuple[Any, ...]:
-        leaves, structure = jax.tree.flatten(self._base)
+        leaves, structure = tree.flatten(self._base)
         stated = tuple(self._uncertainties.items()), tuple(self._correlations.items())
         return structure, digest(*leaves), *stated
 
@@ -338,7 +338,7 @@ class ObjectDesign(AbstractDesign):
         moved = {name: value for name, value in (values or {}).items() if name in self._numbers}
         if not moved:
             return self._base
-        return eqx.tree_at(
+        return tree.replace_at(
             lambda setup: [_at(setup, name) for name in moved], self._base, list(moved.values())
         )
 
@@ -350,9 +350,9 @@ class ObjectDesign(AbstractDesign):
             for name, part in parts.items()
         }
         numbers = {f"object: {name}": repr(value) for name, (_, value) in self._numbers.items()}
-        structure = _ADDRESS.sub("", str(jax.tree.structure(base)))
+        structure = _ADDRESS.sub("", str(tree.structure(base)))
         described = kinds | numbers | _code(base) | {"search range": repr(base.search_range)}
-        described["numbers of the objects and of their data"] = digest(*jax.tree.leaves(base))
+        described["numbers of the objects and of their data"] = digest(*tree.leaves(base))
         described["structure of the objects"] = hashlib.sha256(structure.encode()).hexdigest()[:12]
         return described
 
@@ -365,7 +365,7 @@ def _code(part: Any) -> dict[str, str]:
     """Fingerprint of the source of each class among objects, but for the package's own."""
     found = {}
     for kind in type(part).__mro__:
-        if issubclass(kind, eqx.Module) and kind.__module__.partition(".")[0] not in _PACKAGES:
+        if issubclass(kind, Module) and kind.__module__.partition(".")[0] not in _PACKAGES:
             try:
                 source = inspect.getsource(kind)
             except (OSError, TypeError):
@@ -374,7 +374,7 @@ def _code(part: Any) -> dict[str, str]:
             found[name] = f"sha256 {hashlib.sha256(source.encode()).hexdigest()[:12]}"
     for field in dataclass_fields(part):
         value = getattr(part, field.name)
-        if isinstance(value, eqx.Module):
+        if isinstance(value, Module):
             found |= _code(value)
     return found
 
@@ -386,7 +386,7 @@ def _numbers_in(part: Any) -> Iterator[tuple[str, Quantity, float]]:
         if field.metadata.get("static", False):
             continue
         value = getattr(part, field.name)
-        if isinstance(value, eqx.Module):
+        if isinstance(value, Module):
             for name, quantity, number in _numbers_in(value):
                 yield f"{field.name}.{name}", quantity, number
         elif _is_scalar(value):

@@ -4,9 +4,7 @@ from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
+import numpy as np
 
 from lightflyer.budget.payload import Needs, light_on_cells
 from lightflyer.core.errors import ParameterError
@@ -15,6 +13,8 @@ from lightflyer.core.validity import covers
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.shape import Shape
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jax, jnp
 from lightflyer.statics.balance import Equilibrium, equilibrium
 from lightflyer.statics.bands import Band, levitation_bands, scan, widest
 from lightflyer.statics.equations import FlightEquations
@@ -72,7 +72,7 @@ class OperatingPoint:
         state = self.setup.environment.state(self.coordinate)
         if self._irradiance is None:
             return state
-        return eqx.tree_at(lambda state: state.radiation.irradiance, state, self._irradiance)
+        return tree.replace_at(lambda state: state.radiation.irradiance, state, self._irradiance)
 
     @cached_property
     def equations(self) -> FlightEquations:
@@ -228,14 +228,14 @@ class OperatingPoint:
             for edge in (parts.lower, parts.upper)
         )
         found = self.at(self._place_of_most(low, high), parts.exists)
-        return jnp.nanmax(jnp.where(parts.exists, found.payload, jnp.nan), axis=0)
+        return jnp.nanmax(jnp.where(parts.exists, found.payload, np.nan), axis=0)
 
     @cached_property
     def longest_night(self) -> Any:
         """Time to sink in the dark from its place of rest to the lower edge of the band [s]."""
         setup, band = self.setup, self.band
         if not sinks_at_night(setup):
-            return jnp.nan
+            return np.nan
         low, high = setup.searched
         start, end = (
             jnp.where(self.rest.exists, edge, other)
@@ -243,7 +243,7 @@ class OperatingPoint:
         )
         speed = OperatingPoint(setup, night_places(start, end)).sinking.speed
         night = night_length(start, end, speed)
-        return jnp.where(self.rest.exists, night, jnp.nan)
+        return jnp.where(self.rest.exists, night, np.nan)
 
     def at(self, coordinate: Numeric, exists: Any) -> "OperatingPoint":
         """The same flyer at places, of which only those that exist must converge."""

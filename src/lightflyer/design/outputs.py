@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError, ParameterError
@@ -17,6 +16,7 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel, ModelResult
+from lightflyer.pytree.lazy_jax import jnp
 
 # units for larger values, by the one that is shown otherwise
 _LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
@@ -205,7 +205,7 @@ _VERDICT = (
         "rest_temperature",
         "K",
         "flyer temperature where it comes to rest, the highest_altitude",
-        lambda case: jnp.where(case.rest.exists, case.rest.balance.temperature, jnp.nan),
+        lambda case: jnp.where(case.rest.exists, case.rest.balance.temperature, np.nan),
         less_is_better=True,
         over_band=True,
     ),

@@ -1,14 +1,13 @@
 """A flyer, its environment and a force model, as one object."""
 
-import equinox as eqx
-
 from lightflyer.budget.payload import Budget
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.pytree.module import Module, field
 
 
-class Setup(eqx.Module):
+class Setup(Module):
     """A flyer, its environment and a force model.
 
     Attributes
@@ -30,7 +29,7 @@ class Setup(eqx.Module):
     flyer: AbstractFlyer
     environment: AbstractEnvironment
     model: AbstractForceModel
-    search_range: tuple[float | None, float | None] = eqx.field(static=True, default=(None, None))
+    search_range: tuple[float | None, float | None] = field(static=True, default=(None, None))
     budget: Budget | None = None
 
     def __check_init__(self) -> None:

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.types import Numeric
@@ -12,6 +11,7 @@ from lightflyer.design.outputs import outputs_of
 from lightflyer.design.setup import Setup
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import elementwise_entry_point, only
+from lightflyer.pytree.lazy_jax import jnp
 from lightflyer.statics.balance import require_converged
 
 LEVITATION, NIGHT = "levitation_", "night_"

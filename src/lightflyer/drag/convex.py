@@ -20,9 +20,7 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.drag import free_molecular
@@ -38,6 +36,7 @@ from lightflyer.drag.similarity import (
 )
 from lightflyer.gas.base import AbstractGas
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _SQRT_PI = math.sqrt(math.pi)
 _STOKES = 6.0
@@ -65,7 +64,7 @@ class Outline(NamedTuple):
 @entry_point
 def sphere_outline(radius: Numeric) -> Outline:
     """Outline of a sphere."""
-    square = jnp.pi * jnp.asarray(radius) ** 2
+    square = np.pi * jnp.asarray(radius) ** 2
     return Outline(square, 4.0 * square, 4.0 * square / 3.0)
 
 

@@ -21,9 +21,7 @@ import math
 from collections.abc import Iterator
 from typing import Literal
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.quantity import Length, Pressure, Temperature, Velocity
 from lightflyer.core.types import Numeric
@@ -42,6 +40,7 @@ from lightflyer.drag.similarity import (
 )
 from lightflyer.gas.base import AbstractGas, mean_free_path
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 Direction = Literal["broadside", "edgewise"]  # How a body moves: along its axis or across it
 BROADSIDE = 16.0  # Drag in slow flow over μ, radius and speed, broadside; [HappelBrenner1983] ch. 5

@@ -12,17 +12,15 @@ to one in dense gas, and its term to zero in thin gas, beyond the table as well.
 import math
 from functools import lru_cache
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
-from lightflyer.core.precision import float64
+from lightflyer.core.precision import beside_traces, float64
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
 from lightflyer.drag import free_molecular
 from lightflyer.files.table import shipped_table
 from lightflyer.numerics.spline import Spline
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _OFFSET = 1.5  # any of the size of the rarefaction at which both resistances are alike
 
@@ -63,7 +61,7 @@ def _curves(kind: str) -> tuple[tuple[float, ...], tuple[Spline, ...]]:
     for tac in nodes:
         chosen = columns["tac"] == tac
         delta = columns["rarefaction"][chosen]
-        with float64(), jax.ensure_compile_time_eval():  # also while another function is traced
+        with float64(), beside_traces():  # also while another function is traced
             free = float(free_molecular.broadside_disk(0.0, tac, 1.0))
         share = (1.0 / columns["drag"][chosen] - 1.0 / free) * 16.0 / (math.pi * delta)
         reduced, place = (1.0 - share) * (delta + _OFFSET), np.log(delta)

@@ -10,13 +10,12 @@ with the area :math:`A` seen along the motion. They stay finite at zero speed an
 
 import math
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.numerics.special import erf
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _SQRT_PI = math.sqrt(math.pi)
 _TERMS = 20

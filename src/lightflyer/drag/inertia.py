@@ -6,12 +6,10 @@ have a continuous slope.
 
 import math
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _LN_10 = math.log(10.0)
 

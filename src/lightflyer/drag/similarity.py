@@ -1,11 +1,9 @@
 """Numbers on which drag depends: speed ratio, rarefaction, Reynolds number, heating of the gas."""
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
 from lightflyer.gas.base import AbstractGas
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 SLOW = Validity(
     "the speed over that of molecules, in gas where these collide,",

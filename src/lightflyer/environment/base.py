@@ -4,7 +4,6 @@ import abc
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from lightflyer.core.clock import date_text, seconds_of
@@ -25,6 +24,7 @@ from lightflyer.core.units import scale_and_offset
 from lightflyer.environment.planet import Planet
 from lightflyer.environment.radiation import Radiation
 from lightflyer.gas.base import AbstractGas
+from lightflyer.pytree.module import AbstractVar
 
 _DIGITS = (range(1, 10), (1, 2, 3, 5), (1, 2, 5), (1, 3), (1,))  # of round pressures
 _STEPS = (1.0, 2.0, 5.0, 10.0)  # of round altitudes
@@ -163,7 +163,7 @@ class AbstractEnvironment(Checked):
     planet: ClassVar[Planet | None] = None
     """The planet over which places are; None in a chamber."""
 
-    radiation: eqx.AbstractVar[Radiation]
+    radiation: AbstractVar[Radiation]
 
     @property
     @abc.abstractmethod

@@ -4,7 +4,6 @@ import datetime
 from collections.abc import Mapping
 from typing import ClassVar, Literal
 
-import equinox as eqx
 import pydantic
 
 from lightflyer.core import constants
@@ -34,6 +33,7 @@ from lightflyer.environment.wind.section import AnyWindSection
 from lightflyer.gas.air import AIR, LU2023_AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.registry import AIRS
+from lightflyer.pytree.module import field
 
 _TABLE = "decides the atmosphere's whole table; give each {} a study of its own"
 
@@ -62,7 +62,7 @@ class Earth(Planetary):
 
     atmosphere: AbstractAtmosphere = US1976()
     gas: AbstractGas = AIR
-    planet: Planet = eqx.field(static=True, kw_only=True, default=EARTH_PLANET)  # type: ignore[misc]
+    planet: Planet = field(static=True, kw_only=True, default=EARTH_PLANET)  # type: ignore[misc]
 
     def assumptions(self) -> tuple[str, ...]:
         """Assumptions but those on the air."""

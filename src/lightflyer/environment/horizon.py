@@ -5,15 +5,13 @@ All of it is smooth in the sun's direction and in altitude, as trajectories need
 
 from typing import Final
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.quantity import Altitude, Checked, Length, Refractivity
 from lightflyer.core.types import Numeric
 from lightflyer.numerics.special import erf
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, custom_jvp, jnp
 
 _SMOOTHED = 500.0  # altitude within which the horizon of a flyer near the limb is smoothed [m]
 
@@ -24,24 +22,24 @@ _NODES, _WEIGHTS = (
 )
 
 
-@jax.custom_jvp
+@custom_jvp
 def _share_above(position: Array) -> Array:
     """Share of a unit disk beyond a straight edge at ``-position`` from its centre."""
     half_angle = jnp.arccos(-jnp.clip(position, -1.0, 1.0))
-    return (half_angle - jnp.sin(half_angle) * jnp.cos(half_angle)) / jnp.pi
+    return (half_angle - jnp.sin(half_angle) * jnp.cos(half_angle)) / np.pi
 
 
 @_share_above.defjvp
 def _share_above_slope(primals: tuple[Array], tangents: tuple[Array]) -> tuple[Array, Array]:
     (position,), (change,) = primals, tangents
-    return _share_above(position), 2.0 / jnp.pi * _half_chord(position) * change
+    return _share_above(position), 2.0 / np.pi * _half_chord(position) * change
 
 
-@jax.custom_jvp
+@custom_jvp
 def _mean_above(position: Array) -> Array:
     """Mean of ``max(position + x, 0)`` over the points (x, y) of a unit disk."""
     lens = _half_chord(position) ** 3
-    return position * _share_above(position) + lens * 2.0 / (3.0 * jnp.pi)
+    return position * _share_above(position) + lens * 2.0 / (3.0 * np.pi)
 
 
 @_mean_above.defjvp
@@ -124,16 +122,16 @@ def horizon_depression(limb: Limb, altitude: Numeric, radius: Numeric) -> Array:
     above = radius + altitude - lowest
     clear = 0.5 * (above + jnp.sqrt(above**2 + _SMOOTHED**2))
     dip = jnp.arctan2(jnp.sqrt(clear * (2.0 * lowest + clear)), lowest)
-    bending = limb.refractivity * jnp.sqrt(2.0 * jnp.pi * lowest / limb.scale_height)
+    bending = limb.refractivity * jnp.sqrt(2.0 * np.pi * lowest / limb.scale_height)
     passed = erf(jnp.sqrt(clear / limb.scale_height))
     return dip + 0.5 * bending * (1.0 + passed)
 
 
-@jax.custom_jvp
+@custom_jvp
 def _mean_over_turn(constant: Array, amplitude: Array) -> Array:
     r"""Mean of ``max(constant + amplitude cos x, 0)`` over a turn of x, for amplitude ≥ 0."""
     lit = _lit_angle(constant, amplitude)
-    return (constant * lit + amplitude * jnp.sin(lit)) / jnp.pi
+    return (constant * lit + amplitude * jnp.sin(lit)) / np.pi
 
 
 @_mean_over_turn.defjvp
@@ -142,7 +140,7 @@ def _mean_over_turn_slope(
 ) -> tuple[Array, Array]:
     # the angle's own change has no part, as the function is zero there
     lit = _lit_angle(*primals)
-    change = (lit * tangents[0] + jnp.sin(lit) * tangents[1]) / jnp.pi
+    change = (lit * tangents[0] + jnp.sin(lit) * tangents[1]) / np.pi
     return _mean_over_turn(*primals), change
 
 

@@ -2,9 +2,6 @@
 
 from typing import Final
 
-import equinox as eqx
-from jax import Array
-
 from lightflyer.core import constants
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
@@ -31,6 +28,9 @@ from lightflyer.environment.radiation import SKY_INFRARED, Radiation
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.carbon_dioxide import CARBON_DIOXIDE
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array
+from lightflyer.pytree.module import field
 
 _GAS_CONSTANT = 1e3 * constants.BOLTZMANN * constants.AVOGADRO  # [J/(kmol K)]
 
@@ -48,7 +48,7 @@ def air_of_mars(gas: AbstractGas = CARBON_DIOXIDE) -> AbstractGas:
         Viscosity, conductivity and heat capacity per gas constant stay those of pure carbon
         dioxide; 5 % of nitrogen and argon change them by 1 %.
     """
-    return eqx.tree_at(lambda gas: gas.specific_gas_constant, gas, _GAS_CONSTANT / MOLAR_MASS)
+    return tree.replace_at(lambda gas: gas.specific_gas_constant, gas, _GAS_CONSTANT / MOLAR_MASS)
 
 
 @entry_point
@@ -155,7 +155,7 @@ class Mars(Planetary):
     0.881 Pa, 144.2 K, 3.599 m/s²
     """
 
-    atmosphere: AbstractAtmosphere = eqx.field(default_factory=MarsAtmosphere)
+    atmosphere: AbstractAtmosphere = field(default_factory=MarsAtmosphere)
     gas: AbstractGas = air_of_mars()
-    planet: Planet = eqx.field(static=True, kw_only=True, default=MARS_PLANET)  # type: ignore[misc]
-    dust: Dust | None = eqx.field(default=Dust(), kw_only=True)
+    planet: Planet = field(static=True, kw_only=True, default=MARS_PLANET)  # type: ignore[misc]
+    dust: Dust | None = field(default=Dust(), kw_only=True)

@@ -7,10 +7,6 @@ Another planet is one more :class:`Planet`; with an atmosphere it is a
 import math
 from typing import Any, Final
 
-import equinox as eqx
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core import constants
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
@@ -29,6 +25,8 @@ from lightflyer.environment.horizon import EARTH_LIMB, Limb
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED, SKY_INFRARED, Radiation
 from lightflyer.program.arguments import reads_units
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import field
 
 
 class Planet(Checked):
@@ -73,7 +71,7 @@ class Planet(Checked):
     6378.137 km
     """
 
-    name: str = eqx.field(static=True)
+    name: str = field(static=True)
     radius: PlanetRadius
     rotation_rate: RotationRate
     flattening: Flattening = 0.0
@@ -83,7 +81,7 @@ class Planet(Checked):
     infrared: Irradiance | None = None
     effective_radius: PlanetRadius | None = None
     limb: Limb | None = None
-    highest_searched: float = eqx.field(static=True, default=math.inf)
+    highest_searched: float = field(static=True, default=math.inf)
 
     @property
     def equatorial_radius(self) -> Any:

@@ -4,8 +4,6 @@ import abc
 from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.checks import require_range
@@ -33,6 +31,9 @@ from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.registry import GASES
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import field
 
 _SHADOW_STEPS = 1501  # of the altitudes searched, in which the shadow's edge is looked for
 
@@ -68,13 +69,13 @@ class Planetary(AbstractEnvironment):
     atmosphere: AbstractAtmosphere  # type: ignore[misc]
     gas: AbstractGas  # type: ignore[misc]
     gravity: Acceleration | None = None
-    radiation: Radiation = eqx.field(default=None)
+    radiation: Radiation = field(default=None)
     wind: AbstractWind | None = None
     sky: AbstractSky | None = None
     place: Place | None = None
     floor: Length | None = None
-    planet: Planet = eqx.field(static=True, kw_only=True)  # type: ignore[misc]
-    dust: Dust | None = eqx.field(default=None, kw_only=True)
+    planet: Planet = field(static=True, kw_only=True)  # type: ignore[misc]
+    dust: Dust | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         if self.radiation is None:
@@ -139,7 +140,7 @@ def _state(
     environment: Planetary, radiation: Radiation, altitude: Numeric, place: Place | None
 ) -> EnvironmentState:
     planet, atmosphere = environment.planet, environment.atmosphere
-    gas = eqx.tree_at(
+    gas = tree.replace_at(
         lambda gas: gas.specific_gas_constant,
         environment.gas,
         environment.gas.specific_gas_constant / atmosphere.molar_mass_ratio(altitude, place),

@@ -3,10 +3,7 @@
 from dataclasses import replace
 from typing import NamedTuple
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core import constants
 from lightflyer.core.quantity import (
@@ -22,6 +19,8 @@ from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
 from lightflyer.environment.horizon import facing_share
 from lightflyer.environment.view_factor import ground_view_factor, sphere_view_factor
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 EARTH_ALBEDO = 0.29
 """Share of sunlight that Earth reflects, clouds included: global mean, 99.1 of 340.0 W/m² [1];
@@ -152,12 +151,7 @@ class Radiation(Checked):
         """The same, with this view factor to the ground where none is given."""
         if self.ground_view is not None:
             return self
-        return eqx.tree_at(
-            lambda radiation: radiation.ground_view,
-            self,
-            ground_view,
-            is_leaf=lambda leaf: leaf is None,
-        )
+        return tree.replace_at(lambda radiation: radiation.ground_view, self, ground_view)
 
     def describe(self, view: str = "1") -> tuple[str, ...]:
         """What reaches a flyer, in short texts with units.
@@ -202,7 +196,7 @@ class Radiation(Checked):
         if attitude is None:
             return 0.0, view
         return (
-            ground_view_factor(jnp.pi - attitude.tilt, view),
+            ground_view_factor(np.pi - attitude.tilt, view),
             ground_view_factor(attitude.tilt, view),
         )
 
@@ -236,7 +230,7 @@ class Radiation(Checked):
 
     def dimmed(self, share: Numeric) -> "Radiation":
         """The same with a share of all light, and all of the heat radiation."""
-        return eqx.tree_at(
+        return tree.replace_at(
             lambda radiation: (radiation.irradiance, radiation.diffuse_above),
             self,
             (share * self.irradiance, share * self.diffuse_above),

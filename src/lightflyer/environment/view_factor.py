@@ -5,11 +5,11 @@ With the half-angle :math:`\gamma` of the planet's disk as seen from the flyer,
 :math:`\sin^2\gamma` of it.
 """
 
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _SMALLEST = 1e-12  # of sines and roots below, where a branch that is not taken would divide by zero
 
@@ -39,8 +39,8 @@ def ground_view_factor(angle: Numeric, straight_down: Numeric) -> Array:
     ratio = jnp.clip(far / safe_sine, 0.0, 1.0)
     near = jnp.sqrt(jnp.maximum(straight_down, _SMALLEST))
     cotangents = jnp.clip(-(far / near) * cosine / safe_sine, -1.0, 1.0)
-    part = 0.5 * jnp.pi - jnp.arcsin(ratio) + whole * jnp.arccos(cotangents) - far * root
-    return jnp.where(cut, part / jnp.pi, jnp.maximum(whole, 0.0))
+    part = 0.5 * np.pi - jnp.arcsin(ratio) + whole * jnp.arccos(cotangents) - far * root
+    return jnp.where(cut, part / np.pi, jnp.maximum(whole, 0.0))
 
 
 @entry_point

@@ -21,16 +21,14 @@ as the floor.
 
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
-from jax.scipy.special import i0e
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Radiation
 from lightflyer.gas.base import mean_free_path
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp, special
 
 _RARE = 0.4257  # Of the join of both limits, :math:`c`
 _JUMP = 1.699  # Distance by which walls stand back, in half mean free paths
@@ -78,7 +76,7 @@ def conducted_share(floor: Numeric, lid: Numeric, wall: Numeric) -> Array:
     floor, height, wall = (jnp.asarray(each)[..., None] for each in (floor, height, wall))
     place = np.pi * _MODES / height
     # I0 of large numbers overflows
-    bent = jnp.sin(place * floor) / _MODES * jnp.exp(-place * wall) / i0e(place * wall)
+    bent = jnp.sin(place * floor) / _MODES * jnp.exp(-place * wall) / special.i0e(place * wall)
     return (1.0 - floor / height)[..., 0] - 2.0 / np.pi * jnp.sum(bent, axis=-1)
 
 

@@ -66,7 +66,7 @@ class Section(pydantic.BaseModel):
     # A subclass ``of`` a class has a key for each field of it that is a number, a choice or a text,
     # unless the subclass declares that key itself or leaves it out.
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     describes: ClassVar[type | None] = None
     """Class of what the section describes."""

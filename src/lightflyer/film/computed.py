@@ -4,7 +4,6 @@ import dataclasses
 from functools import reduce
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.checks import is_traced
@@ -29,6 +28,7 @@ from lightflyer.film.optics.integration import POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import Spectrum
 from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.film.properties import PROPERTIES, FilmProperties
+from lightflyer.pytree.lazy_jax import jnp
 
 REPORT_TEMPERATURES = (200.0, 250.0, 300.0, 350.0, 400.0, 450.0, 500.0)
 """Temperatures at which an emittance is reported [K]: those of light-flyers."""

@@ -6,9 +6,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.errors import ParameterError, ParameterWarning
@@ -27,6 +25,7 @@ from lightflyer.film.optics.curve import (
     emittance_at,
     emittance_bounds,
 )
+from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.structure.laminate import Laminate
 
 _WHOLE = 1.0 + 1e-9  # all radiation, and rounding

@@ -4,7 +4,6 @@ import abc
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-import equinox as eqx
 import pydantic
 
 from lightflyer.core.errors import ConfigurationError, ParameterError
@@ -19,12 +18,13 @@ from lightflyer.core.quantity import (
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Alternative
 from lightflyer.film.properties import PROPERTIES, FilmProperties, require_conservation
+from lightflyer.pytree.module import Module
 
 _PASSING = ("transmittance", "transmittance_bottom", "infrared_transmittance")
 FACES = ("tac_top", "tac_bottom")  # Numbers whose errors ``tac_correlation`` is about
 
 
-class WholeFilm(eqx.Module):
+class WholeFilm(Module):
     """All properties of a film, in which a section replaces nothing."""
 
     properties: FilmProperties

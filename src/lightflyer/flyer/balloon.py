@@ -3,10 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal, NamedTuple
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core import constants
 from lightflyer.core.quantity import Distance, Length, Mass, MolarMass, Tension
@@ -21,6 +18,8 @@ from lightflyer.flyer.bodies import AbstractClosedFlyer
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import Shape
 from lightflyer.flyer.shell_shape import OF_SHELLS, Wall, shape_of_sphere
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _MOLAR_GAS_CONSTANT = constants.BOLTZMANN * constants.AVOGADRO  # [J/(mol K)]
 
@@ -113,12 +112,12 @@ class Balloon(AbstractClosedFlyer):
 
     @property
     def area(self) -> Numeric:
-        return jnp.pi * self.radius**2
+        return np.pi * self.radius**2
 
     @property
     def surface(self) -> Numeric:
         """Area of the whole sphere, opening included [m²]."""
-        return 4.0 * jnp.pi * self.radius**2
+        return 4.0 * np.pi * self.radius**2
 
     @property
     def volume(self) -> Numeric:
@@ -214,7 +213,7 @@ class Balloon(AbstractClosedFlyer):
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum, by the outer face alone [1]."""
-        outer = eqx.tree_at(lambda film: film.emittance_bottom, self.film, 0.0)
+        outer = tree.replace_at(lambda film: film.emittance_bottom, self.film, 0.0)
         black = self.film_area * state.radiation.stefan_boltzmann * state.temperature**4
         return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, power / black)))
 

@@ -4,9 +4,6 @@ import abc
 import dataclasses
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import equinox as eqx
-from jax import Array
-
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Checked, Mass
 from lightflyer.core.types import Numeric
@@ -15,6 +12,8 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.film.properties import FilmProperties, lowest_limit
 from lightflyer.flyer.shape import Shape
+from lightflyer.pytree.lazy_jax import Array
+from lightflyer.pytree.module import AbstractClassVar, AbstractVar
 
 HIGHEST_TEMPERATURE = 3000.0
 """Highest temperature of the search [K]: no film survives it, and the gas correlations end
@@ -44,7 +43,7 @@ class AbstractFlyer(Checked):
         How the flyer lies; None stands for level.
     """
 
-    nodes: eqx.AbstractClassVar[tuple[str, ...]]
+    nodes: AbstractClassVar[tuple[str, ...]]
     flows: ClassVar[tuple[str, ...]] = ()
     drag_law: ClassVar[str] = "of its own"
     lifted_by: ClassVar[str] = "the gas around it"
@@ -60,8 +59,8 @@ class AbstractFlyer(Checked):
         def attitude(self) -> Attitude | None: ...
 
     else:
-        payload: eqx.AbstractVar[Mass]
-        attitude: eqx.AbstractVar[Attitude | None]
+        payload: AbstractVar[Mass]
+        attitude: AbstractVar[Attitude | None]
 
     @property
     @abc.abstractmethod

@@ -3,9 +3,7 @@
 import abc
 from typing import TYPE_CHECKING, ClassVar
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.types import Numeric
@@ -23,6 +21,7 @@ from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.hanging import THREE_POINTS, Hanging, Held
 from lightflyer.flyer.shape import Bent
+from lightflyer.pytree.lazy_jax import Array
 
 
 class AbstractThinFlyer(AbstractFlyer):
@@ -58,7 +57,7 @@ class AbstractThinFlyer(AbstractFlyer):
     @property
     def area(self) -> Numeric:
         """Area of the outline, holes included [m²]."""
-        return jnp.pi * self.radius**2
+        return np.pi * self.radius**2
 
     def held(self, state: EnvironmentState) -> Held:
         """Its masses, and how its payload hangs."""

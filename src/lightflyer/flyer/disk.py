@@ -3,10 +3,6 @@
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
-import equinox as eqx
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.quantity import Distance, Mass, Radius
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
@@ -17,6 +13,8 @@ from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.flyer.hanging import Hanging, hangs_wrongly
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import OF_FILMS, Bent, Shape, bent_film, shape_of_film
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import field
 
 
 class Disk(AbstractThinFlyer):
@@ -59,7 +57,7 @@ class Disk(AbstractThinFlyer):
     payload: Mass = 0.0
     attitude: Attitude | None = None
     hanging_radius: Distance | None = None
-    hanging: Hanging = eqx.field(static=True, default="circle")
+    hanging: Hanging = field(static=True, default="circle")
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:

@@ -5,11 +5,10 @@ from collections.abc import Sequence
 from functools import reduce
 from typing import Literal, NamedTuple, TypeAlias
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
+from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.structure.plates import (
     free_plate_profile,
     load_curvatures,

@@ -3,10 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.precision import float64
 from lightflyer.core.quantity import (
@@ -46,6 +43,8 @@ from lightflyer.flyer.sheets import (
     sheet_in_light,
 )
 from lightflyer.flyer.shell_shape import OF_SHELLS, Wall, shape_of_sphere, shape_of_tube
+from lightflyer.pytree.lazy_jax import Array
+from lightflyer.pytree.module import field
 
 _CENTIMETRE = 1e-2
 
@@ -153,7 +152,7 @@ class HollowBody(AbstractClosedFlyer):
     wall_thickness: Length
     sheet_thickness: Length
     sheet_conductivity: Conductivity
-    form: Form = eqx.field(static=True, default="sphere")
+    form: Form = field(static=True, default="sphere")
     channel_aspect: Coefficient = 10.0
     sheet_density: Density | None = None
     payload: Mass = 0.0
@@ -176,7 +175,7 @@ class HollowBody(AbstractClosedFlyer):
     @property
     def outlet_area(self) -> Numeric:
         """Area of the outlet [m²]."""
-        return jnp.pi * self.outlet_radius**2
+        return np.pi * self.outlet_radius**2
 
     @property
     def volume(self) -> Numeric:
@@ -284,7 +283,7 @@ class HollowBody(AbstractClosedFlyer):
             gas = state.gas.density(state.pressure, state.temperature)
             rim = self.outlet_radius
             # as if the wall went on across the outlet
-            whole = self.own_mass * jnp.pi * self.size**2 / self.surface
+            whole = self.own_mass * np.pi * self.size**2 / self.surface
             return shape_of_sphere(wall, 0.5 * self.size, rim, whole, pressure, gas)
         radius, length = tube_sizes(self.form, self.size, self.outlet_radius)
         return shape_of_tube(wall, radius, length, self.outlet_radius, pressure)

@@ -16,11 +16,10 @@ References
 from collections.abc import Callable
 from typing import Literal, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 Form = Literal["cone", "sphere", "rocket"]  # Names of the shapes
 
@@ -44,12 +43,12 @@ class HollowForm(NamedTuple):
 def _cone_surface(size: Numeric, outlet: Numeric) -> Array:
     radius = 0.5 * size
     slant = ((radius - outlet) ** 2 + size**2) ** 0.5
-    return jnp.pi * (radius**2 + (radius + outlet) * slant)
+    return np.pi * (radius**2 + (radius + outlet) * slant)
 
 
 def _cone_volume(size: Numeric, outlet: Numeric) -> Array:
     radius = 0.5 * size
-    return jnp.pi * size * (radius**2 + radius * outlet + outlet**2) / 3.0
+    return np.pi * size * (radius**2 + radius * outlet + outlet**2) / 3.0
 
 
 def _cone_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array:
@@ -59,7 +58,7 @@ def _cone_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array:
     hidden = (radius - outlet) * flat >= apart  # the outlet, behind the wide end
     inner = jnp.where(hidden, 0.0, (radius - outlet) * flat / jnp.where(hidden, 1.0, apart))
     angle = jnp.where(hidden, 0.0, jnp.arccos(inner))
-    ends = radius**2 * (jnp.pi - angle) + outlet**2 * angle
+    ends = radius**2 * (np.pi - angle) + outlet**2 * angle
     return flat * ends + (radius + outlet) * apart * jnp.sin(angle)
 
 
@@ -72,7 +71,7 @@ def _cone_passage(size: Numeric, outlet: Numeric) -> Array:
     wide, low = (0.5 * jnp.asarray(size))[..., None], jnp.asarray(outlet)[..., None]
     slant = jnp.hypot(wide - low, 2.0 * wide)
     there = low + (wide - low) * node
-    above = 1.0 - jnp.pi * (low + there) * slant * node / _cone_surface(2.0 * wide, low)
+    above = 1.0 - np.pi * (low + there) * slant * node / _cone_surface(2.0 * wide, low)
     return size / outlet * jnp.sum(weight * above**2 * (low / there) ** 4, axis=-1)
 
 
@@ -83,13 +82,13 @@ def _sphere_height(size: Numeric, outlet: Numeric) -> Array:
 
 def _sphere_surface(size: Numeric, outlet: Numeric) -> Array:
     radius = 0.5 * size
-    return 4.0 * jnp.pi * radius**2 - 2.0 * jnp.pi * radius * _cap(radius, outlet)
+    return 4.0 * np.pi * radius**2 - 2.0 * np.pi * radius * _cap(radius, outlet)
 
 
 def _sphere_volume(size: Numeric, outlet: Numeric) -> Array:
     radius = 0.5 * size
     height = _cap(radius, outlet)
-    return jnp.pi * (4.0 * radius**3 - height**2 * (3.0 * radius - height)) / 3.0
+    return np.pi * (4.0 * radius**3 - height**2 * (3.0 * radius - height)) / 3.0
 
 
 def _cap(radius: Numeric, outlet: Numeric) -> Array:
@@ -107,7 +106,7 @@ def _sphere_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array
     off_disc = _segment(jnp.where(cut, height / (radius * across), 0.5))
     off_rim = _segment(jnp.where(cut, height * along / (outlet * across), 0.5))
     lacking = radius**2 * off_disc - outlet**2 * along * off_rim
-    return jnp.pi * radius**2 - jnp.where(cut, lacking, 0.0)
+    return np.pi * radius**2 - jnp.where(cut, lacking, 0.0)
 
 
 def _segment(distance: Numeric) -> Array:
@@ -116,16 +115,16 @@ def _segment(distance: Numeric) -> Array:
 
 
 def _rocket_surface(size: Numeric, outlet: Numeric) -> Array:
-    return 2.0 * jnp.pi * outlet * (outlet + size)
+    return 2.0 * np.pi * outlet * (outlet + size)
 
 
 def _rocket_volume(size: Numeric, outlet: Numeric) -> Array:
-    return jnp.pi * outlet**2 * (size + 2.0 * outlet / 3.0)
+    return np.pi * outlet**2 * (size + 2.0 * outlet / 3.0)
 
 
 def _rocket_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array:
     """Half the hemisphere's circle, the cylinder's side and half the outlet's ellipse."""
-    ends = 0.5 * jnp.pi * outlet**2 * (1.0 + jnp.abs(cosine))
+    ends = 0.5 * np.pi * outlet**2 * (1.0 + jnp.abs(cosine))
     return ends + 2.0 * outlet * size * _sine(cosine)
 
 

@@ -1,6 +1,6 @@
 """Outlines of hollow bodies, closed at their outlet, for their drag."""
 
-import jax.numpy as jnp
+import numpy as np
 
 from lightflyer.core.types import Numeric
 from lightflyer.drag.convex import Outline, sphere_outline
@@ -16,16 +16,16 @@ def hollow_outline(
     # has :math:`\oint\nu^2\,dA = n^2 S` along the axis and :math:`\tfrac12(1-n^2)S` across it.
     if form == "sphere":
         return sphere_outline(0.5 * size)
-    lower = jnp.pi * outlet_radius**2
+    lower = np.pi * outlet_radius**2
     if form == "cone":
-        ends = lower + 0.25 * jnp.pi * size**2
+        ends = lower + 0.25 * np.pi * size**2
         side = FORMS[form].surface(size, outlet_radius) - (ends - lower)
         slope = (0.5 * size - outlet_radius) ** 2
         facing_side = slope / (slope + size**2) * side
         along = ends + facing_side
     else:
         ends = lower
-        side = 2.0 * jnp.pi * outlet_radius * size
+        side = 2.0 * np.pi * outlet_radius * size
         along = lower + 2.0 * lower / 3.0  # the hemisphere: 2πr²/3
     surface = FORMS[form].surface(size, outlet_radius) + lower
     across = 0.5 * (surface - along)

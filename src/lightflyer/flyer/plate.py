@@ -3,9 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
-import equinox as eqx
 import numpy as np
-from jax import Array
 
 from lightflyer.core.quantity import (
     ArealDensity,
@@ -30,6 +28,8 @@ from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import OF_SANDWICHES, Bent, Core, Shape
 from lightflyer.flyer.sheets import net_gains, sheet_in_light
 from lightflyer.gas.transmission_probability import slot_transmission
+from lightflyer.pytree.lazy_jax import Array
+from lightflyer.pytree.module import field
 
 SHEAR_MODULUS = 5.6e10  # of alumina, by data/mechanics.toml [Pa]
 
@@ -132,7 +132,7 @@ class Plate(AbstractThinFlyer):
     areal_density: ArealDensity | None = None
     wall_shear_modulus: Modulus | None = None
     hanging_radius: Distance | None = None
-    hanging: Hanging = eqx.field(static=True, default="circle")
+    hanging: Hanging = field(static=True, default="circle")
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:

@@ -3,11 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 import pydantic
-from jax import Array
 
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.errors import ConfigurationError
@@ -50,6 +47,9 @@ from lightflyer.flyer.sheets import (
     sheet_in_light,
 )
 from lightflyer.gas.transmission_probability import coaxial_share
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import field
 from lightflyer.structure.laminate import Laminate
 from lightflyer.structure.sandwich import Ligaments
 
@@ -147,7 +147,7 @@ class Sandwich(AbstractThinFlyer):
     support_density: Density | None = None
     ligaments: Ligaments | None = None
     hanging_radius: Distance | None = None
-    hanging: Hanging = eqx.field(static=True, default="circle")
+    hanging: Hanging = field(static=True, default="circle")
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:
@@ -264,7 +264,7 @@ class Sandwich(AbstractThinFlyer):
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum, by the outer faces alone [1]."""
-        outer = eqx.tree_at(
+        outer = tree.replace_at(
             lambda film: film.emittance_bottom, self.top, self.bottom.emittance_bottom
         )
         black = state.radiation.stefan_boltzmann * state.temperature**4

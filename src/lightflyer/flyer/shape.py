@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from functools import reduce
 from typing import NamedTuple
 
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.core.types import Numeric
 from lightflyer.flyer.hanging import HOLD, HangingPlate, Held, hung
+from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.structure.curl import Curl, curl_of_film, projected_share, tac_within
 from lightflyer.structure.handling import fold_curvature, fold_tension
 from lightflyer.structure.holes import perforated_share, tension_at_holes
@@ -98,7 +98,7 @@ class Bent(NamedTuple):
         )
         same = top == bottom
         change = (within[1] - within[0]) / jnp.where(same, 1.0, bottom - top)
-        return share**2 * jnp.where(same, jnp.nan, change)
+        return share**2 * jnp.where(same, np.nan, change)
 
     def cut(self, at: Numeric) -> tuple[Array, Array]:
         """Heights over the middle at a distance from it that its payload gives it [m].
@@ -279,9 +279,9 @@ def faces_of(films: Sequence[Laminate], open_fraction: Numeric) -> list[Stiffnes
 
 def most(shares: Sequence[Array]) -> Array:
     """The largest of some, NaN where there is none."""
-    return reduce(jnp.maximum, shares) if shares else jnp.full((), jnp.nan)
+    return reduce(jnp.maximum, shares) if shares else jnp.full((), np.nan)
 
 
 def _least_load(loads: Sequence[Array]) -> Array:
-    found = reduce(jnp.minimum, loads) if loads else jnp.full((), jnp.nan)
+    found = reduce(jnp.minimum, loads) if loads else jnp.full((), np.nan)
     return jnp.maximum(found, 0.0)

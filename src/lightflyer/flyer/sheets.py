@@ -13,11 +13,9 @@ faces. All functions take arrays that broadcast, and are differentiable.
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.film.properties import FilmProperties
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 
 class Sheet(NamedTuple):

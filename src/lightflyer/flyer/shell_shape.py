@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.core.types import Numeric
 from lightflyer.flyer.shape import Shape, faces_of, most
+from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.structure.holes import perforated_share
 from lightflyer.structure.laminate import Laminate, Stiffness, flat_load, layer_stresses
 from lightflyer.structure.sandwich import sandwich_stiffness
@@ -71,7 +71,7 @@ def shape_of_sphere(
     """
     stiffness = wall.stiffness
     buckles = sphere_buckling_pressure(radius, stiffness)
-    density = mass / (4.0 * jnp.pi * radius**2)
+    density = mass / (4.0 * np.pi * radius**2)
     frequency = sphere_frequency(
         radius, density, stiffness.membrane, stiffness.poisson, gas_density
     )

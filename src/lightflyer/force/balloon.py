@@ -3,9 +3,7 @@ r"""The balloon's model: natural convection around it; the gas pushes by its buo
 from collections.abc import Iterator, Mapping
 from typing import ClassVar, Literal
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.quantity import StandardErrors
 from lightflyer.core.types import Numeric
@@ -18,6 +16,7 @@ from lightflyer.force.convection import OUTER_RAYLEIGH, sphere_conductance
 from lightflyer.force.lu2023 import rayleigh_number
 from lightflyer.force.section import ForceSection
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _SCATTER = 0.15
 """Standard uncertainty of the law outside, relative [1]: what laws of turbulent convection differ

@@ -11,9 +11,6 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar
 
-import equinox as eqx
-from jax import Array
-
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.precision import float64
 from lightflyer.core.quantity import Checked
@@ -22,6 +19,8 @@ from lightflyer.core.validity import Looks, describe
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.gas.base import AbstractGas
+from lightflyer.pytree.lazy_jax import Array
+from lightflyer.pytree.module import AbstractClassVar
 
 ANY_GAS = ("monatomic", "diatomic", "polyatomic")
 """Kinds of molecules, for a model that holds for all of them."""
@@ -47,7 +46,7 @@ class AbstractForceModel(Checked):
     """
 
     #: Classes of flyers that the model is for
-    flyers: eqx.AbstractClassVar[tuple[type[AbstractFlyer], ...]]
+    flyers: AbstractClassVar[tuple[type[AbstractFlyer], ...]]
     #: Kinds of gas that it is for, of :data:`ANY_GAS`
     molecules: ClassVar[tuple[str, ...]] = ANY_GAS
     #: Results of the model's own by name, which :meth:`own_results` computes. They are among the

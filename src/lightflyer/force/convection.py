@@ -17,8 +17,7 @@ excess of a surface is :math:`\theta = (T - T_c)/T_c`.
 
 import math
 
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
@@ -26,6 +25,7 @@ from lightflyer.force.laws.faces import free_molecular_conductance
 from lightflyer.force.lu2023 import rayleigh_number
 from lightflyer.gas.base import AbstractGas
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _CONDUCTION = 2.0  # Nusselt number of a sphere in endless gas at rest, by the diameter
 _LAMINAR, _TURBULENT = 0.589, 0.150  # [Churchill1983]; [ChurchillChu1975], 0.387²
@@ -118,9 +118,9 @@ def sphere_conductance(
     if wall_distance is not None:
         at_rest = _CONDUCTION / (1.0 - radius / wall_distance)
     nusselt = convection * sphere_nusselt(rayleigh, gas.prandtl_number(mean), at_rest)
-    dense = 2.0 * jnp.pi * radius * nusselt * gas.conductivity(mean) * temperature
+    dense = 2.0 * np.pi * radius * nusselt * gas.conductivity(mean) * temperature
     free_molecular = free_molecular_conductance(
-        4.0 * jnp.pi * radius**2,
+        4.0 * np.pi * radius**2,
         1.0,
         pressure,
         gas.mean_speed(temperature),

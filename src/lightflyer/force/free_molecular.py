@@ -3,8 +3,6 @@
 import math
 from typing import ClassVar, Literal
 
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
@@ -15,6 +13,7 @@ from lightflyer.force.laws.faces import accommodated_force, free_molecular_condu
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import knudsen_number
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array
 
 # by the kinetic force, collisions take 1 % at Kn 10
 _THIN = Validity(

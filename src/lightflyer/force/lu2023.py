@@ -9,11 +9,8 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 import pydantic
-from jax import Array
 
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.quantity import ForceCoefficient, StandardErrors
@@ -28,6 +25,8 @@ from lightflyer.force.section import ForceSection
 from lightflyer.gas.air import AbstractAir
 from lightflyer.gas.base import AbstractGas
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module, field
 
 _THERMAL_CREEP = 1.14  # κ_s of [Lu2023] Eq. (20)
 _DISK_NUSSELT = 8.0 / math.pi  # isothermal disk at rest, [Lu2023] Eq. (7)
@@ -55,20 +54,20 @@ _FITTED_HEATING = Validity(
 )
 
 
-class Reading(eqx.Module):
+class Reading(Module):
     """The conventions in which the two readings of the paper differ.
 
     A weight of 0 stands for the gas temperature, 1 for the mean of gas and disk, 2 for the disk.
     """
 
     #: Temperature at which Eq. (4) takes the molecules' mean speed
-    heat_weight: float = eqx.field(static=True)
+    heat_weight: float = field(static=True)
     #: How often Eq. (5) is counted. The isothermal disk's 8rκΔT is for both faces already
-    continuum_faces: float = eqx.field(static=True)
+    continuum_faces: float = field(static=True)
     #: Temperature that divides the difference in Eq. (19)
-    force_weight: float = eqx.field(static=True)
+    force_weight: float = field(static=True)
     #: Temperature in the numerator of Eq. (20)
-    creep_weight: float = eqx.field(static=True, default=2.0)
+    creep_weight: float = field(static=True, default=2.0)
 
 
 PRINTED = Reading(heat_weight=1.0, continuum_faces=1.0, force_weight=0.0)
@@ -120,7 +119,7 @@ def heat_conductances(
     speed = gas.mean_speed(temperature) / jnp.sqrt(stretch)
     ratio = gas.heat_capacity_ratio_at(_mean_temperature(temperature, excess))
     free_molecular = free_molecular_conductance(
-        2.0 * jnp.pi * radius**2, tac_mean, pressure, speed, ratio
+        2.0 * np.pi * radius**2, tac_mean, pressure, speed, ratio
     )
     rayleigh = rayleigh_number(
         excess, radius=radius, pressure=pressure, temperature=temperature, gravity=gravity, gas=gas
@@ -130,7 +129,7 @@ def heat_conductances(
     fourth_root = jnp.where(still, 0.0, jnp.sqrt(jnp.sqrt(jnp.where(still, 1.0, rayleigh))))
     nusselt = _DISK_NUSSELT + _CONVECTION * fourth_root
     conductivity = gas.conductivity(_mean_temperature(temperature, excess))
-    continuum = nusselt * jnp.pi * radius * conductivity * temperature
+    continuum = nusselt * np.pi * radius * conductivity * temperature
     return free_molecular, reading.continuum_faces * continuum
 
 

@@ -3,9 +3,7 @@
 import math
 from typing import ClassVar
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core import constants
 from lightflyer.core.quantity import Temperature
@@ -21,6 +19,7 @@ from lightflyer.gas.reference import (
 )
 from lightflyer.gas.relaxation import Parker
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 
 def _power(base: Numeric, exponent: float, unit: float = 1.0) -> Array:

@@ -8,10 +8,7 @@ know it once it is in :data:`lightflyer.gas.GASES`.
 import abc
 from typing import ClassVar
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ParameterError
@@ -22,23 +19,25 @@ from lightflyer.core.validity import Looks, describe
 from lightflyer.gas.relaxation import COLLISION_RATE, Parker, vhs_collision_rate
 from lightflyer.program.arguments import reads_units
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import AbstractClassVar, AbstractVar, Module
 
 
-class AbstractGas(eqx.Module):
+class AbstractGas(Module):
     """An ideal gas. Every method takes arrays of any shape and is differentiable for T > 0."""
 
-    name: eqx.AbstractClassVar[str]  #: What messages call it
+    name: AbstractClassVar[str]  #: What messages call it
     #: ``"monatomic"``, ``"diatomic"`` or ``"polyatomic"``: which internal motion takes part in
     #: collisions. Force models that depend on it refuse other gases
-    molecules: eqx.AbstractClassVar[str]
+    molecules: AbstractClassVar[str]
     #: Shares of the rotating molecules and :class:`~lightflyer.gas.relaxation.Parker`'s law of
     #: each, for :meth:`rotational_collision_number`; empty where it is not known
     rotation: ClassVar[tuple[tuple[float, Parker], ...]] = ()
     #: Molar gas constant over molar mass [J/(kg K)]
-    specific_gas_constant: eqx.AbstractVar[Numeric]
+    specific_gas_constant: AbstractVar[Numeric]
     #: Isobaric over isochoric heat capacity [1]. A gas in which it depends on temperature has none;
     #: laws take :meth:`heat_capacity_ratio_at`
-    heat_capacity_ratio: eqx.AbstractVar[Numeric]
+    heat_capacity_ratio: AbstractVar[Numeric]
 
     @abc.abstractmethod
     def viscosity(self, temperature: Temperature) -> Array:
@@ -186,12 +185,12 @@ class AbstractGas(eqx.Module):
     @entry_point
     def mean_speed(self, temperature: Temperature) -> Array:
         r"""Mean molecular speed :math:`\bar v = \sqrt{8RT/\pi}` [m/s]."""
-        return jnp.sqrt(8.0 * self.specific_gas_constant * temperature / jnp.pi)
+        return jnp.sqrt(8.0 * self.specific_gas_constant * temperature / np.pi)
 
 
 @entry_point
 def _mean_free_path(pressure: Pressure, temperature: Temperature, gas: AbstractGas) -> Array:
-    thermal = jnp.sqrt(jnp.pi * gas.specific_gas_constant * temperature / 2.0)
+    thermal = jnp.sqrt(np.pi * gas.specific_gas_constant * temperature / 2.0)
     return gas.viscosity(temperature) / pressure * thermal
 
 

@@ -2,9 +2,7 @@
 
 from typing import ClassVar
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Temperature
@@ -14,6 +12,7 @@ from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.chebyshev_fit import ChebyshevFit
 from lightflyer.gas.reference import BEYOND, GAS_CONSTANT, IdealHeatCapacity
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 MOLAR_MASS = 44.0098  # Molar mass [kg/kmol]; [SpanWagner1996]_
 

@@ -3,11 +3,10 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.quantity import Temperature
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 
 class ChebyshevFit(NamedTuple):

@@ -5,10 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core import constants
 from lightflyer.core.quantity import Temperature
@@ -16,6 +13,8 @@ from lightflyer.core.validity import Looks, Validity
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.chebyshev_fit import ChebyshevFit
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import AbstractClassVar
 
 GAS_CONSTANT: Final = 1e3 * constants.BOLTZMANN * constants.AVOGADRO
 """Molar gas constant [J/(kmol K)]."""
@@ -78,7 +77,7 @@ class AbstractReferenceGas(AbstractGas):
     correlations : Correlations
     """
 
-    correlations: eqx.AbstractClassVar[Correlations]
+    correlations: AbstractClassVar[Correlations]
 
     @entry_point
     def viscosity(self, temperature: Temperature) -> Array:

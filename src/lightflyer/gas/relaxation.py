@@ -3,12 +3,10 @@
 import math
 from typing import NamedTuple
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.quantity import Temperature
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _FIRST, _SECOND = 0.5 * math.pi**1.5, math.pi + 0.25 * math.pi**2  # [Parker1959]
 

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-import jax
 import numpy as np
 
 from lightflyer.core.progress import asked_to_end, report, report_to
@@ -33,6 +32,7 @@ from lightflyer.mission.path.position import latitude_and_longitude, unit_vector
 from lightflyer.mission.path.single import follow
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
 
 _places, _unit_vector = entry_point(latitude_and_longitude), entry_point(unit_vector)
 _STEPS, _APART = 2.5, 1.0
@@ -71,7 +71,7 @@ def fly_many(
             with report_to(lambda _: None):  # stages are reported
                 fleet.advance(rows, setup, limits, times, kept, accuracy, keep)
     if asked_to_end():
-        return jax.tree.map(lambda leaf: leaf[: int(first is not None)], fleet.track)
+        return tree.map_leaves(lambda leaf: leaf[: int(first is not None)], fleet.track)
     return fleet.track
 
 
@@ -132,7 +132,7 @@ class _Fleet:
         self.flying = np.ones(flights.count, bool)
         if first is not None:
             self.flying[0] = False
-            for all_flights, one in zip(*map(jax.tree.leaves, (self.track, first)), strict=True):
+            for all_flights, one in zip(*map(tree.leaves, (self.track, first)), strict=True):
                 all_flights[0] = one
 
     def together(self, left: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, Setup]:
@@ -173,10 +173,10 @@ class _Fleet:
         def fly() -> Track:
             found = fly_all(some, limits, times, accuracy, size=min(BATCH, flights.count))
             if len(found.end_altitude) < rows.size:  # asked to end
-                return jax.tree.map(lambda leaf: leaf[:0], found)
+                return tree.map_leaves(lambda leaf: leaf[:0], found)
             for row in np.flatnonzero(left_their_part(setup, found, self._released[rows])):
                 alone, _ = follow(*one_of(some, int(row)), limits, times, accuracy)
-                for flown, one in zip(*map(jax.tree.leaves, (found, alone)), strict=True):
+                for flown, one in zip(*map(tree.leaves, (found, alone)), strict=True):
                     flown[row] = one
             return found
 
@@ -193,14 +193,14 @@ class _Fleet:
         self.flying[rows] = np.equal(found.termination, TerminationReason.STILL_FLYING)
 
 
-def left_their_part(tree: Any, track: Track, released: Any) -> Any:
+def left_their_part(whole: Any, track: Track, released: Any) -> Any:
     """Whether flights ended though the data of winds from files go on, shape (...).
 
-    ``tree``: that has the winds; ``track``: fields have the shape (...) in front.
+    ``whole``: that has the winds; ``track``: fields have the shape (...) in front.
     """
     place = Place(*_places(track.end_position), released + track.end_elapsed)
     ended = np.equal(track.termination, TerminationReason.NO_DATA)
-    for wind in winds_in_files(tree):
+    for wind in winds_in_files(whole):
         margins = wind.margins(track.end_altitude, place).values()
         ended = ended & (np.min([*margins], axis=0) > _AT_END)
-    return ended & bool(winds_in_files(tree))
+    return ended & bool(winds_in_files(whole))

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
-import jax
 import numpy as np
 
 from lightflyer.core.errors import ParameterError
@@ -32,6 +31,8 @@ from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.single import Way
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jax
 
 _FIRST = 5.0  # seconds after which is first looked whether all are in balance; then twice as many
 _LOOKS = 65  # moments of these seconds that are kept
@@ -73,7 +74,7 @@ class Beginning:
         if self.tracks is None:
             return later
         count = len(later.end_altitude)  # fewer where a user ended it early
-        found = jax.tree.map(lambda leaf: np.array(leaf[:count]), self.tracks)
+        found = tree.map_leaves(lambda leaf: np.array(leaf[:count]), self.tracks)
         flying = np.flatnonzero(found.termination == _FLYING)
         late = np.flatnonzero(self.kept > self.until)
         for name in ("altitude", "position"):
@@ -192,7 +193,7 @@ def _in_batches(
     for start in range(0, count, size):
         rows = np.minimum(np.arange(start, start + size), count - 1)
         parts.append(_throw(take(flights, rows), states[rows], given, inertia))
-    return jax.tree.map(lambda *leaves: np.concatenate(leaves)[:count], *parts)
+    return tree.map_leaves(lambda *leaves: np.concatenate(leaves)[:count], *parts)
 
 
 def _keep(

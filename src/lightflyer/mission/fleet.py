@@ -7,11 +7,7 @@ from functools import partial
 from itertools import takewhile
 from typing import Any, NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.compute.scheduler import processors
 from lightflyer.core.errors import ParameterError
@@ -33,6 +29,9 @@ from lightflyer.mission.path.waves import Tides, Waves, draw_waves
 from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
 from lightflyer.numerics.spline import Spline
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import Module, field
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 
 BATCH = 256
@@ -80,9 +79,9 @@ class Ensemble(Checked):
         eastward [m], of its time [s], and of each component of its velocity [m/s].
     """
 
-    members: int = eqx.field(static=True, default=MEMBERS)
-    seed: int = eqx.field(static=True, default=0)
-    together: bool = eqx.field(static=True, default=False)
+    members: int = field(static=True, default=MEMBERS)
+    seed: int = field(static=True, default=0)
+    together: bool = field(static=True, default=False)
     wind: Speed = 0.0
     vertical_wind: Speed = 0.0
     wind_correlation_time: Duration = _A_DAY
@@ -120,7 +119,7 @@ class Errors(NamedTuple):
     drag: Array | None
 
 
-class Flights(eqx.Module):
+class Flights(Module):
     """Flights that are computed together."""
 
     setup: Setup  # Numbers that are the same in all flights; None in place of the others
@@ -128,7 +127,7 @@ class Flights(eqx.Module):
     starts: Start  # Numbers have a leading axis
     errors: "Errors"  # Fields have a leading axis
     rule: AbstractAttitudeRule
-    together: bool = eqx.field(static=True, default=False)  # Whether members are one swarm
+    together: bool = field(static=True, default=False)  # Whether members are one swarm
 
     @property
     def count(self) -> int:
@@ -169,7 +168,7 @@ def _separate(
     """Setup without the numbers that differ from flight to flight, and those alone."""
     inputs = None if ensemble is None else uncertain_inputs(design)
     if ensemble is None or inputs is None:
-        return design.setup, jax.tree.map(lambda _: None, design.setup)
+        return design.setup, tree.map_leaves(lambda _: None, design.setup)
     stated = inputs.values[None]
     drawn = draw(inputs, ensemble.members, ensemble.seed)
     samples = np.concatenate([stated, drawn, np.repeat(stated, launches, axis=0)])
@@ -178,14 +177,14 @@ def _separate(
             jax.eval_shape(inputs.build, jax.ShapeDtypeStruct(shape, float))
             for shape in ((inputs.values.size,), (inputs.values.size, _ANOTHER))
         ]
-        moved = jax.tree.map(lambda one, many: one.shape != many.shape, *shapes)
-        _, constant = eqx.partition(inputs.build(inputs.values), moved)
+        moved = tree.map_leaves(lambda one, many: one.shape != many.shape, *shapes)
+        _, constant = tree.partition(inputs.build(inputs.values), moved)
 
         def moving(values: Any) -> Setup:
-            found, _ = eqx.partition(inputs.build(values), moved)
-            return jax.tree.map(jnp.asarray, found)
+            found, _ = tree.partition(inputs.build(values), moved)
+            return tree.map_leaves(jnp.asarray, found)
 
-        return constant, jax.tree.map(np.asarray, jax.vmap(moving)(samples))
+        return constant, tree.map_leaves(np.asarray, jax.vmap(moving)(samples))
 
 
 def _wind_errors(ensemble: Ensemble | None, launches: int) -> WindError | None:
@@ -205,7 +204,9 @@ def _wind_errors(ensemble: Ensemble | None, launches: int) -> WindError | None:
 def _of_members(drawn: Any, ensemble: Ensemble, launches: int) -> Any:
     """What members meet, one by one or all the same, and the other flights do not."""
     times = ensemble.members if ensemble.together else 1
-    return jax.tree.map(lambda part: _among_others(np.repeat(part, times, axis=0), launches), drawn)
+    return tree.map_leaves(
+        lambda part: _among_others(np.repeat(part, times, axis=0), launches), drawn
+    )
 
 
 def _waves(
@@ -282,7 +283,7 @@ def each(flights: Flights, function: Callable[..., Any], *more: Any) -> Any:
     """A function of craft, start and ``more`` of each flight; results have a leading axis."""
 
     def one(varied: Setup, start: Start, errors: Errors, *rest: Any) -> Any:
-        craft = Craft(eqx.combine(varied, flights.setup), flights.rule, *errors)
+        craft = Craft(tree.combine(varied, flights.setup), flights.rule, *errors)
         return function(craft, start, *rest)
 
     return jax.vmap(one)(flights.varied, flights.starts, flights.errors, *more)
@@ -323,14 +324,14 @@ def fly_all(
     alone = len(known)
     tracks: list[Track | None] = []
     if known:
-        tracks.append(jax.tree.map(lambda *rows: np.stack(rows), *known))
+        tracks.append(tree.map_leaves(lambda *rows: np.stack(rows), *known))
     size = size or min(BATCH, count - alone)
     starts = range(alone, count, max(size, 1))
 
     def fly_some(start: int) -> Track:
         rows = np.minimum(np.arange(start, start + size), count - 1)  # filled up with the last
         tracks = _tracks(take(flights, rows), limits, elapsed, accuracy)
-        return jax.tree.map(lambda leaf: leaf[: count - start], tracks)
+        return tree.map_leaves(lambda leaf: leaf[: count - start], tracks)
 
     def compute(start: int) -> Track | None:
         return None if asked_to_end() else keep(start, partial(fly_some, start))
@@ -344,7 +345,7 @@ def fly_all(
             tracks.append(some)
     flown = [*takewhile(lambda some: some is not None, tracks)]
     report("flying", count, count, "flights")
-    return jax.tree.map(lambda *parts: np.concatenate(parts), *flown)
+    return tree.map_leaves(lambda *parts: np.concatenate(parts), *flown)
 
 
 def _pays_alone(count: int, known: list[Track]) -> bool:
@@ -358,14 +359,14 @@ def _pays_alone(count: int, known: list[Track]) -> bool:
 def one_of(flights: Flights, row: int) -> tuple[Craft, Start]:
     """Who flies one of the flights, and from where."""
     parts = flights.varied, flights.starts, flights.errors
-    varied, start, errors = jax.tree.map(lambda leaf: np.asarray(leaf)[row], parts)
-    return Craft(eqx.combine(varied, flights.setup), flights.rule, *errors), start
+    varied, start, errors = tree.map_leaves(lambda leaf: np.asarray(leaf)[row], parts)
+    return Craft(tree.combine(varied, flights.setup), flights.rule, *errors), start
 
 
 def take(flights: Flights, rows: Any) -> Flights:
     """Some of the flights."""
     parts = flights.varied, flights.starts, flights.errors
-    varied, starts, errors = jax.tree.map(lambda leaf: np.asarray(leaf)[rows], parts)
+    varied, starts, errors = tree.map_leaves(lambda leaf: np.asarray(leaf)[rows], parts)
     return replace(flights, varied=varied, starts=starts, errors=errors)
 
 
@@ -385,7 +386,7 @@ def around_guide(flights: Flights, guide: Track, elapsed: np.ndarray) -> Flights
     rate = (turned[last] - turned[last - 1]) / (elapsed[last] - elapsed[last - 1]) if last else 0.0
     at = np.minimum(np.arange(elapsed.size), last)
     middle = _unit_vector(latitude[at], turned[at] + rate * (elapsed - elapsed[at]))
-    path = jax.tree.map(
+    path = tree.map_leaves(
         lambda leaf: np.broadcast_to(leaf, (flights.count, *leaf.shape)),
         Spline.through(elapsed, np.asarray(middle)),
     )

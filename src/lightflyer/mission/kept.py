@@ -7,7 +7,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import jax
 import numpy as np
 
 from lightflyer.compute.store import versions
@@ -17,6 +16,7 @@ from lightflyer.design.design import AbstractDesign, digest
 from lightflyer.environment.wind.gridded import winds_in_files
 from lightflyer.mission.path.integration import Track
 from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.pytree import tree
 
 _FLIGHTS = "flights.json"
 
@@ -28,7 +28,7 @@ def describe_work(design: AbstractDesign, parts: Mapping[str, Any]) -> dict[str,
     if winds:
         told["files of the wind"] = ", ".join(str(wind.store.key) for wind in winds if wind.store)
     for name, part in parts.items():
-        told[name] = f"{jax.tree.structure(part)} {digest(*jax.tree.leaves(part))}"
+        told[name] = f"{tree.structure(part)} {digest(*tree.leaves(part))}"
     return told
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import jax
 import numpy as np
 
 import lightflyer
@@ -65,6 +64,7 @@ from lightflyer.mission.report.station import add_station, stay_of
 from lightflyer.mission.telemetry import Receiver, add_telemetry
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
 from lightflyer.statics.balance import ENERGY_TOLERANCE, require_converged
 
 if TYPE_CHECKING:
@@ -362,7 +362,7 @@ def _describe(
         "attitude": mission.rule,
         "altitudes": plan.limits,
         "times": plan.elapsed,
-        "flights": jax.tree.leaves((flights.varied, flights.starts, flights.errors)),
+        "flights": tree.leaves((flights.varied, flights.starts, flights.errors)),
     }
     return describe_work(mission.design, parts) | {"accuracy, batch": f"{plan.accuracy}, {BATCH}"}
 
@@ -377,7 +377,7 @@ def _launch(tracks: Track, launches: Sequence[float], times: np.ndarray) -> Seve
 
 
 def _rows(tracks: Track, rows: Any) -> Track:
-    return jax.tree.map(lambda leaf: leaf[rows], tracks)
+    return tree.map_leaves(lambda leaf: leaf[rows], tracks)
 
 
 def _fly(mission: _Mission, craft: Craft, plan: _Plan, track: Track) -> "xr.Dataset":

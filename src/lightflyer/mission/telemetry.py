@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from lightflyer.budget.link import RadioLink
@@ -14,6 +13,7 @@ from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.quantity import Altitude, Checked, Latitude, Longitude, Steepness
 from lightflyer.mission.areas import units_of
 from lightflyer.mission.path.single import Way
+from lightflyer.pytree.module import field
 from lightflyer.statics.grid_refinement import crossing, peak
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class Receiver(Checked):
         Below which it sees nothing [deg].
     """
 
-    name: str = eqx.field(static=True)
+    name: str = field(static=True)
     latitude: Latitude
     longitude: Longitude
     altitude: Altitude = 0.0

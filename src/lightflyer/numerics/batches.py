@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
-import jax
 import numpy as np
+
+from lightflyer.pytree import tree
 
 
 def in_batches(function: Callable[..., Any], arrays: Sequence[Any], size: int) -> Any:
@@ -15,12 +16,12 @@ def in_batches(function: Callable[..., Any], arrays: Sequence[Any], size: int) -
     count = max(len(array) for array in arrays if np.ndim(array))
     batches = _batches(arrays, count, size)
     running = function(*next(batches))
-    result = jax.tree.map(partial(_allocate, count), running)
+    result = tree.map_leaves(partial(_allocate, count), running)
     for start in range(0, count, size):
         done, batch = running, next(batches, None)
         # JAX already works on the next while this one is copied
         running = None if batch is None else function(*batch)
-        jax.tree.map(partial(_store, start), result, jax.tree.map(np.asarray, done))
+        tree.map_leaves(partial(_store, start), result, tree.map_leaves(np.asarray, done))
     return result
 
 

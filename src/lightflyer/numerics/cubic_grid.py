@@ -3,17 +3,17 @@
 from collections.abc import Sequence
 from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 from numpy.typing import ArrayLike
+
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module, field
 
 _ORDER = 4  # coefficients of a cubic, and nodes that one piece looks at
 _PARABOLA = 3  # nodes that make one
 
 
-class Axis(eqx.Module):
+class Axis(Module):
     """Nodes along one dimension of a table, and the cubic Hermite pieces between them."""
 
     # The slope at a node is that of the parabola through it and its two neighbours; at an end of
@@ -27,7 +27,7 @@ class Axis(eqx.Module):
     # shape (pieces, window, 4); weight of each of these nodes, in powers of the position within the
     # piece, 0 to 1
     powers: Any
-    period: float | None = eqx.field(static=True)
+    period: float | None = field(static=True)
 
     def __init__(self, nodes: ArrayLike, period: float | None = None):
         nodes = np.asarray(nodes, float)

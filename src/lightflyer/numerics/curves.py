@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 
 @dataclass(frozen=True)

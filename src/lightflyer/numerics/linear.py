@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from typing import TypeAlias
 
-import jax.numpy as jnp
-from jax import Array
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 Vector: TypeAlias = Sequence[Array]
 Matrix: TypeAlias = Sequence[Vector]

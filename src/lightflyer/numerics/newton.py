@@ -10,10 +10,7 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import TypeAlias
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.numerics.linear import solve_linear
 from lightflyer.numerics.rootfind import (
@@ -23,6 +20,9 @@ from lightflyer.numerics.rootfind import (
     RootOutcome,
     SolverStatus,
 )
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import Module
 
 Unknowns: TypeAlias = tuple[Array, ...]
 
@@ -48,7 +48,7 @@ _LARGEST_LOSS = 0.9
 _SHRINKAGE = 0.3  # A step that does not help is shortened to this share
 
 
-class _Newton(eqx.Module):
+class _Newton(Module):
     """Residual and Jacobian at a point, and Newton's step from there."""
 
     value: Unknowns
@@ -72,7 +72,7 @@ def _newton(function: Callable[[Unknowns], Unknowns], point: Unknowns) -> _Newto
     return _Newton(value, rows, solve_linear(rows, [-entry for entry in value]))
 
 
-class _Careful(eqx.Module):
+class _Careful(Module):
     """Best point of the careful search, what residuals are measured by, and the largest there."""
 
     base: Unknowns
@@ -80,7 +80,7 @@ class _Careful(eqx.Module):
     level: Array
 
 
-class _State(eqx.Module):
+class _State(Module):
     start: Unknowns
     point: Unknowns
     is_careful: Array
@@ -115,7 +115,7 @@ class SafeNewton:
             start=start,
             point=start,
             is_careful=jnp.zeros(start[0].shape, bool),
-            careful=_Careful(start, scale, jnp.full_like(start[0], jnp.inf)),
+            careful=_Careful(start, scale, jnp.full_like(start[0], np.inf)),
             status=jnp.full(start[0].shape, SolverStatus.STEP_LIMIT, jnp.int8),
             steps=jnp.zeros((), int),
         )
@@ -139,7 +139,7 @@ class SafeNewton:
             return (
                 _select(is_careful, point, plain),
                 jnp.where(is_careful, verdict, plain_verdict),
-                jax.tree.map(lambda a, b: jnp.where(is_careful, a, b), memory, state.careful),
+                tree.map_leaves(lambda a, b: jnp.where(is_careful, a, b), memory, state.careful),
             )
 
         # hardly any element needs care

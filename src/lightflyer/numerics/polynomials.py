@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
+from lightflyer.pytree.lazy_jax import jnp
 
 _ERROR_POWERS = [(0,), (1,), (2,)]
 _MARGIN = 0.02  # how far beyond an end a corner lies, and half of the width of its rounding

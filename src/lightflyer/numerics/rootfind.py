@@ -14,15 +14,12 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
-from jax.custom_derivatives import SymbolicZero
-from jax.typing import ArrayLike
 
 from lightflyer.program.tracing import with_parameters
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, ArrayLike, custom_jvp, jax, jnp
+from lightflyer.pytree.module import Module
 
 RELATIVE_TOLERANCE = 1e-12
 """Default bound on the scaled residual at a root; a hundred times tighter than promised."""
@@ -81,7 +78,7 @@ def describe_status(status: ArrayLike) -> str:
     )
 
 
-class RootOutcome(eqx.Module):
+class RootOutcome(Module):
     """Result of a root-find, element by element."""
 
     status: Array  # Why it ended, values of :class:`SolverStatus`
@@ -93,7 +90,7 @@ class RootOutcome(eqx.Module):
         return self.status == SolverStatus.CONVERGED
 
 
-class BracketSearch(eqx.Module):
+class BracketSearch(Module):
     """Where every element of a bracketed search stands."""
 
     point: Array  # To be looked at next
@@ -284,7 +281,7 @@ def reach(
     return argument, within, outcome
 
 
-@partial(jax.custom_jvp, nondiff_argnums=(0,))
+@partial(custom_jvp, nondiff_argnums=(0,))
 def _attach(
     residual: Callable[..., Array],  # noqa: ARG001
     root: Array,
@@ -308,7 +305,11 @@ def change_with(
     function: Callable[..., Any], parameters: Sequence[Any], changes: Sequence[Any]
 ) -> Any:
     """Change of a function with its parameters; those that do not change are no work."""
-    moving = [n for n, change in enumerate(changes) if not isinstance(change, SymbolicZero)]
+    moving = [
+        n
+        for n, change in enumerate(changes)
+        if not isinstance(change, jax.custom_derivatives.SymbolicZero)
+    ]
 
     def of_moving(*values: Any) -> Any:
         whole = list(parameters)
@@ -318,5 +319,5 @@ def change_with(
 
     values = tuple(parameters[n] for n in moving)
     if not moving:
-        return jax.tree.map(jnp.zeros_like, function(*parameters))
+        return tree.map_leaves(jnp.zeros_like, function(*parameters))
     return jax.jvp(of_moving, values, tuple(changes[n] for n in moving))[1]

@@ -2,12 +2,10 @@
 
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
+from lightflyer.pytree.lazy_jax import Array, custom_jvp, jax, jnp
 
 _STEP, _ODD = 0.25, range(-27, 28, 2)
 
@@ -21,7 +19,7 @@ def dawson(x: Numeric) -> Numeric:
     return total
 
 
-@jax.custom_jvp
+@custom_jvp
 def erf(x: Any) -> Array:
     """The error function, whose derivative is one that NumPy and JavaScript can run."""
     # JAX's derivative works on the bits of numbers since 0.12

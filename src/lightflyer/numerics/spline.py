@@ -2,14 +2,14 @@
 
 from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 from numpy.typing import ArrayLike
 
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module
 
-class Spline(eqx.Module):
+
+class Spline(Module):
     """Piecewise cubic."""
 
     nodes: Any  # shape (n,); increasing abscissae

@@ -10,11 +10,6 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, TypeAlias
 
-import jax
-import jax.numpy as jnp
-from jax import Array
-from jax.typing import ArrayLike
-
 from lightflyer.numerics.linear import solve_linear
 from lightflyer.numerics.newton import SafeNewton
 from lightflyer.numerics.rootfind import (
@@ -24,6 +19,7 @@ from lightflyer.numerics.rootfind import (
     change_with,
 )
 from lightflyer.program.tracing import with_parameters
+from lightflyer.pytree.lazy_jax import Array, ArrayLike, custom_jvp, jax, jnp
 
 Unknowns: TypeAlias = tuple[Array, ...]
 
@@ -79,7 +75,7 @@ def implicit_system(residual: Callable[[Unknowns], Unknowns], root: Unknowns) ->
     return _attach(converted, root, *parameters)
 
 
-@partial(jax.custom_jvp, nondiff_argnums=(0,))
+@partial(custom_jvp, nondiff_argnums=(0,))
 def _attach(
     equations: Callable[..., Unknowns],  # noqa: ARG001
     root: Unknowns,

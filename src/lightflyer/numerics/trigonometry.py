@@ -3,9 +3,7 @@
 import math
 from fractions import Fraction
 
-import jax
-import jax.numpy as jnp
-from jax import Array
+from lightflyer.pytree.lazy_jax import Array, custom_jvp, jnp
 
 _PI = Fraction("3.14159265358979323846264338327950288419716939937510582097494459")
 _TERMS = 8  # of each series: on ±π/4 what follows is below 1e-18
@@ -22,7 +20,7 @@ def _parts_of_quarter_turn() -> tuple[float, float, float]:
 _QUARTER = _parts_of_quarter_turn()
 
 
-@jax.custom_jvp
+@custom_jvp
 def sine_and_cosine(angle: Array) -> tuple[Array, Array]:
     """Sine and cosine of an angle; ``angle``: traced, float64."""
     # XLA calls the scalar functions of the C library for each element in float64, which take ten

@@ -5,10 +5,7 @@ import threading
 from itertools import zip_longest
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.compute.devices import OnDevices
 from lightflyer.compute.evaluation import Evaluator
@@ -16,6 +13,8 @@ from lightflyer.core.precision import float64
 from lightflyer.core.progress import Counted
 from lightflyer.parametric.reduction_plan import Designs, ReductionSpec, plan_reductions, samples_of
 from lightflyer.parametric.reductions import Partial
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
 from lightflyer.study.study import Study
 
 Partials = dict[str, Partial]
@@ -99,9 +98,9 @@ class DeviceReducer:
         self, kept: list[ReductionSpec], done: Any, span: tuple[int, int]
     ) -> tuple[list[Partials], int]:
         """What each device found; where one had no room for all, reduced by NumPy."""
-        every, failures = jax.tree.map(np.asarray, done)
+        every, failures = tree.map_leaves(np.asarray, done)
         found: list[Partials] = [
-            jax.tree.map(lambda leaf, place=place: leaf[place], every)
+            tree.map_leaves(lambda leaf, place=place: leaf[place], every)
             for place in range(len(failures))
         ]
         if all(part.reduction.is_whole(each[part.name]) for part in kept for each in found):
@@ -131,13 +130,13 @@ class _Program:
             given = evaluator.inputs(jnp.minimum(numbers, study.size - 1))
             outputs, converged = jax.vmap(evaluator.of_one)(*given)
             known = {
-                name: jnp.where(inside & converged & jnp.isfinite(column), column, jnp.nan)
+                name: jnp.where(inside & converged & jnp.isfinite(column), column, np.nan)
                 for name, column in outputs.items()
             }
             seen = Designs(study, first[0] // samples, known, numbers)
             found = {part.name: part.partial_on_device(seen, inside) for part in kept}
             failures = jnp.count_nonzero(inside & ~converged)
-            return jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], (found, failures))
+            return tree.map_leaves(lambda leaf: jnp.asarray(leaf)[None], (found, failures))
 
         self._run = jax.jit(self._devices.divide_work(reduced))
 

@@ -11,10 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
+
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
 
 Partial = dict[str, Any]  # Arrays by name
 
@@ -80,7 +79,7 @@ class Best(AbstractReduction):
         known = jnp.isfinite(values)
         # of equals the one with the lower index comes first
         score, places = jax.lax.top_k(
-            jnp.where(known, self._sign * values, -jnp.inf), min(self.count, values.size)
+            jnp.where(known, self._sign * values, -np.inf), min(self.count, values.size)
         )
         designs = jnp.where(jnp.isfinite(score), first + places.astype(jnp.int64), _NONE)
         return {"designs": designs, "values": values[places]}
@@ -135,13 +134,13 @@ class Front(AbstractReduction):
         places = jnp.arange(gain.size, dtype=jnp.int64)
         price_, loss, places = jax.lax.sort(
             (
-                jnp.where(known, price * cost, jnp.inf),
-                jnp.where(known, -worth * gain, jnp.inf),
+                jnp.where(known, price * cost, np.inf),
+                jnp.where(known, -worth * gain, np.inf),
                 places,
             ),
             num_keys=3,
         )
-        before = jnp.concatenate([jnp.full(1, jnp.inf), jax.lax.cummin(loss)[:-1]])
+        before = jnp.concatenate([jnp.full(1, np.inf), jax.lax.cummin(loss)[:-1]])
         unbeaten = loss < before
         size = min(self.capacity, gain.size)
         (kept,) = jnp.nonzero(unbeaten, size=size, fill_value=0)
@@ -253,8 +252,8 @@ class Spread(AbstractReduction):
         counts: Array = jnp.zeros(2 * _CELLS + 3, jnp.int64).at[signed].add(known)
         return {
             "counts": counts,
-            "least": jnp.min(values, where=known, initial=jnp.inf),
-            "largest": jnp.max(values, where=known, initial=-jnp.inf),
+            "least": jnp.min(values, where=known, initial=np.inf),
+            "largest": jnp.max(values, where=known, initial=-np.inf),
             "missing": jnp.count_nonzero(~known & inside),
         }
 

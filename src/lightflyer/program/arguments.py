@@ -8,13 +8,13 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, ParamSpec, TypeVar, Union, get_args, get_origin
 
-import jax
 import numpy as np
 
 from lightflyer.core.checks import is_labelled
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import quantity_of, require_fit
 from lightflyer.core.units import is_si
+from lightflyer.pytree import tree
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -93,14 +93,14 @@ def _is_numeric(value: Any) -> bool:
     return not isinstance(value, np.ndarray) or value.dtype.kind in "biufc"
 
 
-def strip_labels(tree: Any) -> Any:
+def strip_labels(whole: Any) -> Any:
     """The same without names of dimensions."""
-    return jax.tree.map(lambda leaf: leaf.to_numpy() if is_labelled(leaf) else leaf, tree)
+    return tree.map_leaves(lambda leaf: leaf.to_numpy() if is_labelled(leaf) else leaf, whole)
 
 
 def align(arguments: Any) -> tuple[Any, Callable[[Any], Any]]:
     """Arguments without names of dimensions, and what gives results of their shape these names."""
-    labelled = [leaf for leaf in jax.tree.leaves(arguments) if is_labelled(leaf)]
+    labelled = [leaf for leaf in tree.leaves(arguments) if is_labelled(leaf)]
     if not labelled:
         return arguments, _unchanged
     for unit in (leaf.attrs.get("units", "") for leaf in labelled):
@@ -124,13 +124,13 @@ def align(arguments: Any) -> tuple[Any, Callable[[Any], Any]]:
             return template.to_numpy()
         return leaf
 
-    found = jax.tree.map(plain, arguments)
+    found = tree.map_leaves(plain, arguments)
 
     def named(leaf: Any) -> Any:
         fits = template.ndim and isinstance(leaf, np.ndarray) and leaf.shape == template.shape
         return xr.DataArray(leaf, template.coords, template.dims) if fits else leaf
 
-    return found, lambda result: jax.tree.map(named, result)
+    return found, lambda result: tree.map_leaves(named, result)
 
 
 def _unchanged(result: Any) -> Any:

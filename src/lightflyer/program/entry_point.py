@@ -25,15 +25,14 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache, partial, wraps
+from functools import cache, cached_property, partial, wraps
 from typing import Any, Literal, NamedTuple, ParamSpec, TypeVar
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.checks import is_traced
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.precision import float64
 from lightflyer.program import kept
 from lightflyer.program.arguments import Reader, align
 from lightflyer.program.numpy_backend import (
@@ -45,12 +44,14 @@ from lightflyer.program.numpy_backend import (
     run,
 )
 from lightflyer.program.operations import UnsupportedError
-from lightflyer.program.program import Length, Program
+from lightflyer.program.program import SYMBOLS, Length, Program
 from lightflyer.program.pruning import with_outputs
 from lightflyer.program.scalar.python import compile_numbers
 from lightflyer.program.structure import from_data
-from lightflyer.program.tracing import SYMBOLS, trace
+from lightflyer.program.tracing import trace
 from lightflyer.program.widening import serves_many
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import is_loaded, jax, jnp
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -142,8 +143,7 @@ def bind(function: Callable[..., R], *given: Any, example: Sequence[Any]) -> Cal
     number, with the arguments ``given`` in their places.
     """
     runner: _Runner = function.runner  # type: ignore[attr-defined]
-    with jax.enable_x64(True):
-        return runner.bind(given, tuple(example))
+    return runner.bind(given, tuple(example))
 
 
 def evaluate_once(function: Callable[..., Any], *arrays: np.ndarray) -> np.ndarray:
@@ -152,7 +152,7 @@ def evaluate_once(function: Callable[..., Any], *arrays: np.ndarray) -> np.ndarr
     For what is needed once: JAX would compile each of its operations.
     """
     shapes, types = [array.shape for array in arrays], [array.dtype.str for array in arrays]
-    with jax.enable_x64(True):
+    with float64():
         program, _ = trace(lambda leaves: function(*leaves), shapes, types)
     (found,) = run(program, arrays)
     return found
@@ -169,9 +169,8 @@ def _public(function: Callable[P, R], runner: "_Runner") -> Callable[P, R]:
     @wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
         (plain, named), labels = align(read(args, kwargs))
-        with jax.enable_x64(True):
-            result: Any = runner(plain, named)
-        return labels(result)
+        result: Any = labels(runner(plain, named))
+        return result
 
     wrapper.is_entry_point = True  # type: ignore[attr-defined]
     wrapper.runner = runner  # type: ignore[attr-defined]
@@ -182,6 +181,11 @@ def _run_beside(program: Program, known: list[np.ndarray], inputs: Sequence[Any]
     """What a bound function gives where Python cannot be written for it: slower, and the same."""
     found = run(program, [*known, *map(np.asarray, inputs)])
     return [array[()] for array in found]
+
+
+def _is_disabled() -> bool:
+    """Whether JAX runs one operation after another, for whom looks for a fault."""
+    return is_loaded() and bool(jax.config.jax_disable_jit)  # type: ignore[attr-defined]
 
 
 def _in_double(leaf: Any) -> np.ndarray:
@@ -224,7 +228,6 @@ class _Runner:
         self._traced: dict[Any, _Traced | None] = {}
         self._spent: dict[Any, float] = {}  # time that NumPy took, by the shapes of a call
         self._run: dict[Program, tuple[float, float]] = {}  # calls a piece, work an element
-        self._compiled = jax.jit(self._run_in_double)
         self._whole: _Runner | None = None
         self._names: tuple[str, ...] = ()
 
@@ -240,25 +243,31 @@ class _Runner:
         return narrowed
 
     def __call__(self, args: list[Any], kwargs: dict[str, Any]) -> Any:
-        leaves, structure = jax.tree.flatten((tuple(args), kwargs))
-        if jax.config.jax_disable_jit or is_traced(leaves):  # type: ignore[attr-defined]
-            return self._compiled(*args, **kwargs)
+        leaves, structure = tree.flatten((tuple(args), kwargs))
+        if _is_disabled() or is_traced(leaves):
+            with float64():
+                return self._compiled(*args, **kwargs)
         arrays = [_in_double(leaf) for leaf in leaves]
         way = forced_way() or self._way
         found = None if way == "xla" else self._by_numpy(arrays, structure, way)
         if found is None:
-            found = self._by_xla(arrays, structure)
+            with float64():
+                found = self._by_xla(arrays, structure)
             if not is_traced(found):  # as it is within another function's trace
-                found = jax.tree.map(lambda leaf: np.asarray(leaf)[()], found)
+                found = tree.map_leaves(lambda leaf: np.asarray(leaf)[()], found)
         return found
 
+    @cached_property
+    def _compiled(self) -> Any:
+        return jax.jit(self._run_in_double)
+
     def _run_in_double(self, *args: Any, **kwargs: Any) -> Any:
-        args, kwargs = jax.tree.map(_promote, (args, kwargs))
+        args, kwargs = tree.map_leaves(_promote, (args, kwargs))
         return self._function(*args, **kwargs)
 
     def bind(self, given: tuple[Any, ...], example: tuple[Any, ...]) -> Callable[..., Any]:
         """The function of its last arguments alone, run by Python where it can be."""
-        leaves, structure = jax.tree.flatten(((*given, *example), {}))
+        leaves, structure = tree.flatten(((*given, *example), {}))
         arrays = [_in_double(leaf) for leaf in leaves]
         traced = self._program(
             structure,
@@ -268,7 +277,7 @@ class _Runner:
         )
         if traced is None:
             raise UnsupportedError(f"{self._function.__name__} is not among what NumPy runs")
-        first = len(leaves) - len(jax.tree.leaves(example))
+        first = len(leaves) - len(tree.leaves(example))
         known, shapes = arrays[:first], [array.shape for array in arrays[first:]]
         places = range(first, len(leaves))
         try:
@@ -279,13 +288,13 @@ class _Runner:
             )
         except UnsupportedError:
             call = partial(_run_beside, traced.program, known)
-        return lambda *free: traced.assemble(call(jax.tree.leaves(free)))
+        return lambda *free: traced.assemble(call(tree.leaves(free)))
 
     # --- by XLA ---
 
     def _by_xla(self, arrays: list[np.ndarray], structure: Any) -> Any:
         def compiled(leaves: list[Any]) -> Any:
-            args, kwargs = jax.tree.unflatten(structure, leaves)
+            args, kwargs = tree.unflatten(structure, leaves)
             return self._compiled(*args, **kwargs)
 
         shape = self._elements(structure, [array.shape for array in arrays])
@@ -403,10 +412,11 @@ class _Runner:
             numbers = [
                 kept.Number(shape, kind.str) for shape, kind in zip(pattern, types, strict=True)
             ]
-            form = jax.tree.unflatten(structure, numbers)
+            form = tree.unflatten(structure, numbers)
             found = _load_kept(self._function, form)
             if found is None and may_trace:
-                found = self._trace(structure, pattern, types, form)
+                with float64():
+                    found = self._trace(structure, pattern, types, form)
         if found is not None or may_trace:
             self._traced[key] = found
         return found
@@ -419,7 +429,7 @@ class _Runner:
         form: Any,
     ) -> _Traced | None:
         def flat(leaves: list[Any]) -> Any:
-            args, kwargs = jax.tree.unflatten(structure, leaves)
+            args, kwargs = tree.unflatten(structure, leaves)
             return self._compiled(*args, **kwargs)  # JAX keeps its trace, for derivatives of it
 
         symbolic = any(isinstance(length, str) for shape in pattern for length in shape)
@@ -433,7 +443,7 @@ class _Runner:
                 raise
             return None  # it needs to know a length: another pattern serves
         kept.keep(self._function, form, program, result)
-        return _Traced(program, lambda leaves: jax.tree.unflatten(result, leaves))
+        return _Traced(program, lambda leaves: tree.unflatten(result, leaves))
 
 
 def _load_kept(function: Callable[..., Any], form: Any) -> _Traced | None:
@@ -447,7 +457,7 @@ def _load_kept(function: Callable[..., Any], form: Any) -> _Traced | None:
 
 def _beside(structure: Any, count: int) -> set[int]:
     """Places, among the leaves, of arrays that are arguments by themselves."""
-    args, _ = jax.tree.unflatten(structure, range(count))
+    args, _ = tree.unflatten(structure, range(count))
     return {arg for arg in args if isinstance(arg, int)}
 
 
@@ -476,4 +486,4 @@ def _in_pieces(
             return np.asarray(parts[0])
         return np.concatenate([np.asarray(part) for part in parts])[:count].reshape(shape)
 
-    return jax.tree.map(whole, *pieces)
+    return tree.map_leaves(whole, *pieces)

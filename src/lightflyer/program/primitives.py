@@ -4,10 +4,11 @@ from collections.abc import Callable, Sequence
 from functools import cache, partial
 from typing import Any
 
-import jax
 import numpy as np
 
 from lightflyer.program.program import Length
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jax
 
 
 def length(given: Any) -> Length:
@@ -29,7 +30,7 @@ def lengths_of(shape: Sequence[Any]) -> tuple[Length, ...]:
 def is_concrete(parameters: Any) -> bool:
     """Whether no length in parameters is a symbol."""
     symbolic = ("shape", "shapes", "new", "start", "stop", "sizes", "index_shape", "update_shape")
-    flat = jax.tree.leaves([parameters[key] for key in symbolic if key in parameters])
+    flat = tree.leaves([parameters[key] for key in symbolic if key in parameters])
     return "dim" not in parameters and not any(isinstance(leaf, str) for leaf in flat)
 
 

@@ -21,6 +21,8 @@ import numpy as np
 ROWS = "n0"  # Symbol of the axis along which elements lie
 LOOKED_UP = "gather", "dynamic_slice"  # Operations that look up some elements of their first input
 FORMAT = 2  # Version of the form in which programs are written
+SYMBOLS = ("n0", "n1", "n2", "n3")  # Lengths that a program is traced without
+
 Length: TypeAlias = int | str  # Number of elements along an axis, or an expression of symbols
 
 

@@ -4,15 +4,15 @@ import dataclasses
 import importlib
 from typing import Any
 
-import equinox as eqx
-import jax
+from lightflyer.pytree import tree
+from lightflyer.pytree.module import Module
 
 _PACKAGE = "lightflyer"  # whose classes may be named in data
 
 
 def as_data(structure: Any) -> Any:
     """A pytree's structure in lists, dicts, strings and numbers; as JSON has it."""
-    return _encode(jax.tree.unflatten(structure, range(structure.num_leaves)))
+    return _encode(tree.unflatten(structure, range(structure.num_leaves)))
 
 
 def from_data(data: Any, leaves: list[Any]) -> Any:
@@ -41,25 +41,25 @@ def from_data(data: Any, leaves: list[Any]) -> Any:
     raise ValueError(f"not a structure: {kind}")
 
 
-def _encode(tree: Any) -> list[Any]:
-    if type(tree) is int:
-        return ["leaf", tree]
-    if tree is None:
+def _encode(node: Any) -> list[Any]:
+    if type(node) is int:
+        return ["leaf", node]
+    if node is None:
         return ["static", None]
-    if type(tree) in (tuple, list):
-        return [type(tree).__name__, [_encode(part) for part in tree]]
-    if type(tree) is dict and all(isinstance(name, str) for name in tree):
-        return ["dict", {name: _encode(part) for name, part in tree.items()}]
-    kind = type(tree)
+    if type(node) in (tuple, list):
+        return [type(node).__name__, [_encode(part) for part in node]]
+    if type(node) is dict and all(isinstance(name, str) for name in node):
+        return ["dict", {name: _encode(part) for name, part in node.items()}]
+    kind = type(node)
     of_package = kind.__module__.split(".")[0] == _PACKAGE
-    if of_package and isinstance(tree, tuple):
-        return ["named", [f"{kind.__module__}:{kind.__qualname__}", [*map(_encode, tree)]]]
-    if of_package and isinstance(tree, eqx.Module):
+    if of_package and isinstance(node, tuple):
+        return ["named", [f"{kind.__module__}:{kind.__qualname__}", [*map(_encode, node)]]]
+    if of_package and isinstance(node, Module):
         fields = {
             field.name: (_static if field.metadata.get("static") else _encode)(
-                getattr(tree, field.name)
+                getattr(node, field.name)
             )
-            for field in dataclasses.fields(tree)
+            for field in dataclasses.fields(node)
         }
         return ["module", [f"{kind.__module__}:{kind.__qualname__}", fields]]
     raise TypeError(f"{kind.__name__} cannot be put as data")
@@ -81,6 +81,6 @@ def _class_of(name: str) -> Any:
     found: Any = importlib.import_module(module)
     for part in qualified.split("."):
         found = getattr(found, part)
-    if not (isinstance(found, type) and issubclass(found, (eqx.Module, tuple))):
-        raise ValueError(f"{name} is neither a module of Equinox nor a tuple")
+    if not (isinstance(found, type) and issubclass(found, (Module, tuple))):
+        raise ValueError(f"{name} is neither a record nor a tuple")
     return found

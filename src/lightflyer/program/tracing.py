@@ -12,17 +12,14 @@ from contextlib import contextmanager
 from functools import cache, partial, reduce
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax.extend.core import ClosedJaxpr, Jaxpr, Literal, jaxpr_as_fun
 
 from lightflyer.program.operations import UnsupportedError, evaluate
 from lightflyer.program.primitives import PARAMETERS, is_concrete, length, lengths_of
-from lightflyer.program.program import Block, Length, Operation, Program
+from lightflyer.program.program import SYMBOLS, Block, Length, Operation, Program
 from lightflyer.program.pruning import without_dead
-
-SYMBOLS = ("n0", "n1", "n2", "n3")  # Lengths that a program is traced without
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, extend, jax, jnp
 
 _LARGEST_FOLDED = 100_000  # elements: what is larger is computed when it is needed
 
@@ -58,7 +55,7 @@ def trace(
     ]
     with _without_collection():
         closed, result = jax.make_jaxpr(function, return_shape=True)(arguments)
-        return _Builder().build(closed), jax.tree.structure(result)
+        return _Builder().build(closed), tree.structure(result)
 
 
 def trace_numbers(function: Callable[..., Any], count: int) -> Program:
@@ -93,7 +90,7 @@ def with_parameters(
 
     def converted(*given: Any) -> Any:
         args, parameters = given[: len(examples)], given[len(examples) :]
-        run = jaxpr_as_fun(ClosedJaxpr(closed.jaxpr, parameters))
+        run = extend.jaxpr_as_fun(extend.ClosedJaxpr(closed.jaxpr, parameters))
         return jax.tree.unflatten(structure, run(*jax.tree.leaves(args)))
 
     return converted, list(closed.consts)
@@ -121,7 +118,7 @@ class _Builder:
         self._rows: dict[int, list[int]] = {}  # of what was put together from rows
         self._along: set[int] = set()  # values whose one axis is that of the elements
 
-    def build(self, closed: ClosedJaxpr) -> Program:
+    def build(self, closed: "extend.ClosedJaxpr") -> Program:
         inputs = [self._new(0) for _ in closed.jaxpr.invars]
         self._note_rows(closed.jaxpr.invars, inputs)
         outputs = self._run(closed, inputs)
@@ -202,8 +199,8 @@ class _Builder:
 
     def _run(self, closed: Any, inputs: Sequence[int]) -> list[int]:
         if not hasattr(closed, "consts"):
-            closed = ClosedJaxpr(closed, ())
-        jaxpr: Jaxpr = closed.jaxpr
+            closed = extend.ClosedJaxpr(closed, ())
+        jaxpr: extend.Jaxpr = closed.jaxpr
         known: dict[Any, int] = {
             variable: self._constant(value)
             for variable, value in zip(jaxpr.constvars, closed.consts, strict=True)
@@ -211,7 +208,7 @@ class _Builder:
         known.update(zip(jaxpr.invars, inputs, strict=True))
 
         def read(atom: Any) -> int:
-            if isinstance(atom, Literal):
+            if isinstance(atom, extend.Literal):
                 kind: Any = atom.aval
                 return self._constant(np.asarray(atom.val, kind.dtype))
             return known[atom]
@@ -386,7 +383,7 @@ def _fixed_and_carried(given: Any) -> tuple[int, int]:
     return len(fixed), len(carried)
 
 
-def _expanded(equation: Any) -> ClosedJaxpr:
+def _expanded(equation: Any) -> "extend.ClosedJaxpr":
     """An operation that JAX makes of others, such as a search in a table since 0.12."""
     examples = [jax.ShapeDtypeStruct(atom.aval.shape, atom.aval.dtype) for atom in equation.invars]
     if equation.primitive.name == "polynomial":
@@ -399,11 +396,11 @@ def _expanded(equation: Any) -> ClosedJaxpr:
     )
 
 
-def _search_sorted(nodes: jax.Array, values: jax.Array, side: str) -> jax.Array:
+def _search_sorted(nodes: Array, values: Array, side: str) -> Array:
     """Bisection; JAX's own compares the bits of numbers."""
     begins, ends = jnp.zeros(values.shape, np.int32), jnp.full(values.shape, nodes.size, np.int32)
 
-    def halve(_: Any, found: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
+    def halve(_: Any, found: tuple[Array, Array]) -> tuple[Array, Array]:
         low, high = found
         middle = (low + high) // 2
         node = nodes[middle]  # what is no number comes after all nodes
@@ -415,6 +412,6 @@ def _search_sorted(nodes: jax.Array, values: jax.Array, side: str) -> jax.Array:
     return jax.lax.fori_loop(0, steps, halve, (begins, ends))[1]
 
 
-def _horner(x: jax.Array, *coefficients: jax.Array) -> jax.Array:
+def _horner(x: Array, *coefficients: Array) -> Array:
     """A polynomial; ``coefficients``: the lowest first."""
     return reduce(lambda total, one: total * x + one, reversed(coefficients))

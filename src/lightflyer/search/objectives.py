@@ -6,16 +6,15 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax.scipy.special import ndtr
 
 from lightflyer.core.precision import float64
 from lightflyer.design.tables import evaluate
 from lightflyer.numerics.batches import in_batches
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jax, jnp, special
+from lightflyer.pytree.module import Module, field
 from lightflyer.search.problem import PROBABILITY, Constraint, Objective, Problem
 
 SCREENED = 512  # Designs evaluated at once: first over the whole cube, then around the starts
@@ -26,7 +25,7 @@ _ANY_HEAT = 1e6  # above any temperature [K]
 _SILVERMAN = 1.06  # width of a kernel over the spread, times n^(1/5)
 
 
-class Context(eqx.Module):
+class Context(Module):
     """What the films of layers of a search are computed with."""
 
     tables: Any  # See :class:`~lightflyer.design.design.Surrogate`; None where no film changes
@@ -36,13 +35,13 @@ class Context(eqx.Module):
     limits: Any  # shape (constraints,); limits of the constraints, which may depend on the film
 
 
-class _Moving(eqx.Module):
+class _Moving(Module):
     """Films, and how they change with the errors of uncertain thicknesses."""
 
     # shape (1 + 2 n, ...); nominal, then with each error at plus and at minus one standard
     # uncertainty
     films: Any
-    uncertain: tuple[str, ...] = eqx.field(static=True)  # Names of the n numbers
+    uncertain: tuple[str, ...] = field(static=True)  # Names of the n numbers
 
     def at(self, errors: Mapping[str, Any]) -> Any:
         """Films at some errors, in standard uncertainties: of second order in each of them."""
@@ -57,7 +56,7 @@ class _Moving(eqx.Module):
                 found = found + 0.5 * error * (above - below) + 0.5 * error * error * bend
             return found
 
-        return jax.tree.map(moved, self.films)
+        return tree.map_leaves(moved, self.films)
 
 
 class ObjectiveFunction:
@@ -97,7 +96,7 @@ class ObjectiveFunction:
                 self._given_film(middle),
                 self._context.tables,
             )
-        return jax.tree.map(lambda leaf: np.zeros(leaf.shape), shapes)
+        return tree.map_leaves(lambda leaf: np.zeros(leaf.shape), shapes)
 
     def _given_film(self, point: np.ndarray) -> dict[str, float]:
         """Values at a point, without the coordinate."""
@@ -110,7 +109,7 @@ class ObjectiveFunction:
         values = self._given_film(np.asarray(point))
         exact = self._exact(values)
         quick = self._quick_films(values)
-        shift = jax.tree.map(lambda one, other: np.asarray(one - other), exact, quick)
+        shift = tree.map_leaves(lambda one, other: np.asarray(one - other), exact, quick)
         self._context = Context(self._context.tables, shift, self._context.limits)
 
     @cached_property
@@ -160,7 +159,7 @@ class ObjectiveFunction:
             if name != coordinate
         }
         films = jax.lax.map(lambda values: quick(values, context.tables), table)
-        films = jax.tree.map(jnp.add, films, context.shift)
+        films = tree.map_leaves(jnp.add, films, context.shift)
         return _Moving(films, tuple(uncertain))
 
     def _spread(self, name: str, given: Mapping[str, Any]) -> Any:
@@ -360,4 +359,4 @@ def _smooth_share(margins: Any) -> Any:
     """Share of positive margins, by a kernel estimate so that it has a derivative."""
     spread = jax.lax.stop_gradient(jnp.std(margins))
     width = _SILVERMAN * spread * margins.size**-0.2
-    return jnp.mean(ndtr(margins / jnp.maximum(width, np.finfo(float).tiny)))
+    return jnp.mean(special.ndtr(margins / jnp.maximum(width, np.finfo(float).tiny)))

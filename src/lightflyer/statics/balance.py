@@ -21,10 +21,7 @@ import math
 from collections.abc import Iterator
 from functools import reduce
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.checks import is_concrete, is_traced
 from lightflyer.core.errors import ConvergenceError
@@ -45,16 +42,18 @@ from lightflyer.numerics.rootfind import (
 )
 from lightflyer.numerics.system import solve_system
 from lightflyer.program.entry_point import elementwise_entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module, field
 from lightflyer.statics.equations import Balance, FlightEquations, total
 
 _ROUGH = 1e-2  # Tolerance of a temperature from which a search for several unknowns begins
 ENERGY_TOLERANCE = 1e-10  # Largest imbalance of a converged equilibrium, over the absorbed power
 
 
-class Equilibrium(PrintedResult, eqx.Module):
+class Equilibrium(PrintedResult, Module):
     r"""A flyer's thermal equilibrium. Fields have the broadcast shape of the inputs."""
 
-    nodes: tuple[str, ...] = eqx.field(static=True)  #: Names of the temperatures
+    nodes: tuple[str, ...] = field(static=True)  #: Names of the temperatures
     temperatures: tuple[Numeric, ...]  #: Temperature of each node [K]
     #: :math:`\theta_i = (T_i-T_c)/T_c` of each node [1], then the flyer's flows
     unknowns: tuple[Numeric, ...]

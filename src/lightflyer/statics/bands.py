@@ -7,11 +7,7 @@ millimetre. Edges are then roots of their own equation.
 from collections.abc import Callable
 from typing import Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.checks import is_traced
 from lightflyer.core.precision import float64
@@ -29,6 +25,9 @@ from lightflyer.numerics.rootfind import (
     implicit_root,
 )
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import Module, field
 from lightflyer.statics.balance import require_converged, status_lines
 from lightflyer.statics.equations import FlightEquations
 from lightflyer.statics.grid_refinement import (
@@ -47,7 +46,7 @@ _STAGES = 4  # each narrows the search for the peak some fifty times, to millime
 _POINTS = 151  # of the first look where a coordinate has no step of its own
 
 
-class Band(PrintedResult, eqx.Module):
+class Band(PrintedResult, Module):
     """Range of the coordinate in which a flyer levitates. Fields have the inputs' shape."""
 
     #: Edges, in the unit of the environment's coordinate; NaN where the flyer levitates nowhere
@@ -61,7 +60,7 @@ class Band(PrintedResult, eqx.Module):
     upper_open: Numeric
     #: Why the search for the edges ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`
     status: Numeric
-    unit: str = eqx.field(static=True)  #: SI unit of the edges
+    unit: str = field(static=True)  #: SI unit of the edges
 
     def text_parts(self) -> Parts:
         traced = is_traced(self)
@@ -195,14 +194,14 @@ def levitation_bands(
     return bands
 
 
-class _Searched(eqx.Module):
+class _Searched(Module):
     """Function to search, and the coordinate to search along."""
 
     flyer: AbstractFlyer
     environment: AbstractEnvironment
     model: AbstractForceModel
-    logarithmic: bool = eqx.field(static=True)
-    usable: bool = eqx.field(static=True)
+    logarithmic: bool = field(static=True)
+    usable: bool = field(static=True)
 
     def margin(self, place: Array) -> Array:
         """Lift over weight, minus one, at a coordinate or its logarithm."""
@@ -230,7 +229,7 @@ def _levitation_bands(searched: _Searched, grid: Array) -> Band:
     edges, outcome = _edges(searched.margin, outside, inside, exists & ~is_open)
     edges = jnp.where(is_open, inside, edges)
     edges = jnp.exp(edges) if searched.logarithmic else edges
-    edges = jnp.where(exists, edges, jnp.nan)
+    edges = jnp.where(exists, edges, np.nan)
     return Band(
         lower=edges[0],
         upper=edges[1],
@@ -285,7 +284,7 @@ def _edges(
 @entry_point
 def widest(bands: Band) -> Band:
     """The widest of some bands, whose leading axis it lacks."""
-    width = jnp.where(bands.exists, bands.upper - bands.lower, -jnp.inf)
+    width = jnp.where(bands.exists, bands.upper - bands.lower, -np.inf)
     number_of_widest = first_largest(width)
     numbers = np.arange(width.shape[0], dtype=np.int32).reshape(-1, *[1] * (width.ndim - 1))
 
@@ -296,4 +295,4 @@ def widest(bands: Band) -> Band:
             chosen = jnp.where(number == number_of_widest, entry, chosen)
         return chosen
 
-    return jax.tree.map(of_widest, bands)
+    return tree.map_leaves(of_widest, bands)

@@ -4,11 +4,6 @@ from collections.abc import Callable
 from functools import reduce
 from typing import Any, TypeAlias
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import require_fit, require_record, shapes_in
 from lightflyer.core.types import Numeric
@@ -16,6 +11,8 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import Module
 
 
 @entry_point
@@ -38,7 +35,7 @@ Balance: TypeAlias = Callable[..., tuple[tuple[Array, ...], ...]]
 """By the unknowns: what each node loses to the gas and else [W], and the equations of flows [1]."""
 
 
-class FlightEquations(eqx.Module):
+class FlightEquations(Module):
     """Powers and forces of a flyer at rest, by its unknowns: excess of each node, then flows."""
 
     flyer: AbstractFlyer

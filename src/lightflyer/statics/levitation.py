@@ -1,9 +1,6 @@
 """Levitation: the irradiance that it takes."""
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
@@ -13,6 +10,8 @@ from lightflyer.flyer.base import HIGHEST_TEMPERATURE, AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import SolverStatus, reach
 from lightflyer.program.entry_point import elementwise_entry_point
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import Module
 from lightflyer.statics.balance import (
     require_converged,
     status_lines,
@@ -29,7 +28,7 @@ LOAD_TOLERANCE = 1e-10
 """Largest difference of force and weight of a converged levitation, over the weight."""
 
 
-class Levitation(PrintedResult, eqx.Module):
+class Levitation(PrintedResult, Module):
     """Light and temperature at which a flyer just levitates.
 
     Fields have the broadcast shape of the inputs.
@@ -123,8 +122,8 @@ def _levitate(equations: FlightEquations) -> Levitation:
     status = status_within(found.status, residual, LOAD_TOLERANCE)
     status = jnp.where(levitates, status, int(SolverStatus.CONVERGED))
     return Levitation(
-        irradiance=jnp.where(levitates, jnp.maximum(found.irradiance, 0.0), jnp.inf),
-        temperature=jnp.where(levitates, found.temperature, jnp.nan),
+        irradiance=jnp.where(levitates, jnp.maximum(found.irradiance, 0.0), np.inf),
+        temperature=jnp.where(levitates, found.temperature, np.nan),
         levitates=levitates,
         residual=residual,
         status=jnp.where(jnp.isnan(found.strongest), int(SolverStatus.NOT_FINITE), status),

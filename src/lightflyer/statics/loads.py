@@ -1,13 +1,11 @@
 """Loads: force of the gas, and the payload that it carries."""
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.program.entry_point import elementwise_entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.statics.balance import Equilibrium, require_converged, solve_equilibrium
 from lightflyer.statics.equations import FlightEquations
 

@@ -11,14 +11,10 @@ derivative.
 
 import math
 from collections.abc import Callable
-from functools import partial
+from functools import partial, reduce
 from typing import NamedTuple, TypeAlias, TypeVar
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE
 from lightflyer.numerics.rootfind import (
@@ -30,6 +26,9 @@ from lightflyer.numerics.rootfind import (
     power_step,
 )
 from lightflyer.numerics.system import implicit_system
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import Module
 from lightflyer.statics.balance import imbalances, solve_balance
 from lightflyer.statics.equations import FlightEquations, total
 
@@ -58,7 +57,7 @@ Look = Callable[[Array, Unknowns, Array], tuple[Balanced, Balanced]]
 """What a light leads to, and its slopes, by unknowns about those in it and a tolerance."""
 
 
-class Knot(eqx.Module):
+class Knot(Module):
     """A force in a light."""
 
     light: Array  # [W/m²]
@@ -66,7 +65,7 @@ class Knot(eqx.Module):
     slope: Array  # Over the logarithm of the light [N]
 
 
-class LeastLight(eqx.Module):
+class LeastLight(Module):
     """A search for the dimmest light, or its result."""
 
     stage: Array  # What is looked at next
@@ -136,9 +135,7 @@ def find_by_irradiance(equations: FlightEquations) -> LiftOff:
 
     *rest, share = implicit_system(residual, (*found.unknowns, share))
     unknowns = tuple(rest)
-    temperature = state.temperature * (
-        1.0 + jax.tree.reduce(jnp.maximum, unknowns[: len(flyer.nodes)])
-    )
+    temperature = state.temperature * (1.0 + reduce(jnp.maximum, unknowns[: len(flyer.nodes)]))
     off = equations.upward_force(unknowns) / load - 1.0
     levitates = found.carries & collects & (temperature <= HIGHEST_TEMPERATURE)
     return LiftOff(
@@ -201,7 +198,7 @@ def _start(brightest: Array, unknowns: Unknowns) -> LeastLight:
         skipped=jnp.zeros(brightest.shape, bool),
         rising=darkness,
         peak=(darkness, darkness),
-        height=jnp.full_like(brightest, -jnp.inf),
+        height=jnp.full_like(brightest, -np.inf),
         bracket=BracketSearch.within(nothing, brightest, brightest),
     )
 
@@ -325,5 +322,5 @@ def _vertex(left: Knot, right: Knot) -> tuple[Array, Array]:
 
 
 def _select(condition: Array, first: T, second: T) -> T:
-    chosen: T = jax.tree.map(lambda a, b: jnp.where(condition, a, b), first, second)
+    chosen: T = tree.map_leaves(lambda a, b: jnp.where(condition, a, b), first, second)
     return chosen

@@ -3,10 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.errors import ParameterError
@@ -23,6 +20,9 @@ from lightflyer.numerics.rootfind import (
 )
 from lightflyer.program.arguments import reads_units
 from lightflyer.program.entry_point import elementwise_entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module
 from lightflyer.statics.balance import require_converged, solve_equilibrium
 from lightflyer.statics.equations import FlightEquations, weight
 
@@ -35,7 +35,7 @@ _NODES = 64  # Points of Gauss's quadrature over the altitude, for the time of a
 _NODES_OF_NIGHT = 24  # The same within a band of altitudes, good to 1e-4
 
 
-class Sinking(eqx.Module):
+class Sinking(Module):
     """Steady speeds of sinking, converged or not."""
 
     speed: Array  # Downward positive, through the gas [m/s]
@@ -178,7 +178,7 @@ def in_the_dark(state: EnvironmentState) -> EnvironmentState:
     -------
     EnvironmentState
     """
-    return eqx.tree_at(
+    return tree.replace_at(
         lambda state: (state.radiation.irradiance, state.radiation.diffuse_above),
         state,
         (0.0 * state.radiation.irradiance, 0.0),

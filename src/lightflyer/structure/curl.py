@@ -2,11 +2,9 @@
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.structure.laminate import Stiffness
 
 _EDGE_FREE = 192.0  # of a round film with a free edge: its energy of stretching is E t K² πR⁶/384

@@ -2,11 +2,9 @@
 
 import math
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _ROD = math.pi**2  # Euler's load of a rod between hinges: π² EI/L²
 

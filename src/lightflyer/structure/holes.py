@@ -1,10 +1,8 @@
 """Films with round holes: how much stiffness these leave, and how they raise stress."""
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _ALIKE, _APART = -1.2, -1.77  # powers of the solid share, of stresses alike and apart
 

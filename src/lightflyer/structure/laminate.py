@@ -9,10 +9,6 @@ from collections.abc import Callable
 from functools import reduce
 from typing import NamedTuple
 
-import equinox as eqx
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.quantity import (
     Checked,
     Expansion,
@@ -23,6 +19,8 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module, field
 from lightflyer.structure.holes import tension_at_holes
 
 ROOM_TEMPERATURE = 293.15  # at which stresses of layers are stated [K]
@@ -61,10 +59,10 @@ class Lamina(Checked):
     strength: Modulus | None = None
 
 
-class Laminate(eqx.Module):
+class Laminate(Module):
     """A film as a structure: its layers, top to bottom."""
 
-    layers: tuple[Lamina, ...] = eqx.field(converter=tuple)
+    layers: tuple[Lamina, ...] = field(converter=tuple)
 
     @property
     def heights(self) -> list[Array]:

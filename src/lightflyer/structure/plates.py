@@ -2,13 +2,11 @@
 
 import math
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
-from jax.scipy.special import xlogy
 
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp, special
 from lightflyer.structure.laminate import Stiffness
 
 _PLATE = 64.0  # of a clamped round plate: p = 64 D w/b⁴ [TimoshenkoWoinowskyKrieger1959]
@@ -64,9 +62,11 @@ def free_plate_profile(
     inner, way = ring / jnp.asarray(radius), at / jnp.asarray(radius)
     further, square = jnp.maximum(way, inner), way**2
     within = square**2 / 64.0 + 0.5 * _bent(inner, poisson) * square
-    beyond = further**2 - inner**2 - xlogy(inner**2, further) + xlogy(inner**2, inner)
+    beyond = (
+        further**2 - inner**2 - special.xlogy(inner**2, further) + special.xlogy(inner**2, inner)
+    )
     size = load * radius**2 / (math.pi * stiffness)
-    return size * (within + 0.125 * (beyond - xlogy(square, further)))
+    return size * (within + 0.125 * (beyond - special.xlogy(square, further)))
 
 
 @entry_point

@@ -4,14 +4,13 @@ import math
 from collections.abc import Callable
 from typing import ClassVar, Literal
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.quantity import Checked, Length, Modulus, Thickness
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import field
 from lightflyer.structure.laminate import Stiffness
 
 _CLAMPED_BUCKLING = 3.831705970207512**2
@@ -57,7 +56,7 @@ class Ligaments(Checked):
     spacing: Length
     radius: Length
     wall: Thickness
-    pattern: Literal["hexagonal", "square"] = eqx.field(static=True, default="hexagonal")
+    pattern: Literal["hexagonal", "square"] = field(static=True, default="hexagonal")
     modulus: Modulus = 1.4e11  # alumina, as in data/mechanics.toml
 
     @property

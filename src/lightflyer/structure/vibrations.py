@@ -2,12 +2,11 @@
 
 import math
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _LOWEST_MEMBRANE = 2.404825557695773  # the first zero of the Bessel function J₀
 _LOWEST_SHEAR = 3.054236928227140  # the first zero of the derivative of J₂
@@ -106,7 +105,7 @@ def open_sphere_frequency(
     # Rayleigh's displacements tan²(θ/2) (sin θ cos 2φ, -sin θ sin 2φ, (2 + cos θ) cos 2φ), θ from
     # the point opposite the opening [Rayleigh1894]. All strain is change of curvature and twist.
     share = opening / jnp.asarray(radius)
-    end = jnp.pi - jnp.arcsin(share)
+    end = np.pi - jnp.arcsin(share)
     nodes, weights = map(jnp.asarray, _MERIDIAN)
     angle = end[..., None] * nodes
     sine, grows = jnp.sin(angle), jnp.tan(0.5 * angle) ** _SADDLE

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.design.tables import NIGHT_SPEED, predicted_names, tabulate_places
 from lightflyer.program.entry_point import entry_point, only
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jax, jnp
 from lightflyer.statics.sinking import night_change, night_places
 from lightflyer.uncertainty.inputs import Inputs
 
@@ -98,16 +98,16 @@ def _directions(
     """Outputs, shape (outputs, n), and their derivatives in the k inputs and the coordinate."""
     # those (k + 1, outputs, n)
     setup, tangents = inputs.setup_and_tangents
-    still = jax.tree.map(np.zeros_like, setup)
+    still = tree.map_leaves(np.zeros_like, setup)
     changes, advance = [*tangents, still], np.r_[np.zeros(len(tangents)), 1.0]
     run = only(_along, [*names, *map(_change_of, names)])
-    if any(np.ndim(leaf) and np.any(leaf) for leaf in jax.tree.leaves(tangents)):  # tables move
+    if any(np.ndim(leaf) and np.any(leaf) for leaf in tree.leaves(tangents)):  # tables move
         moves = [run(setup, coordinate, *one) for one in zip(changes, advance, strict=True)]
         found = {name: np.stack([move[name] for move in moves]) for name in moves[0]}
     else:  # all directions at once
         shape = len(changes), coordinate.size
         base, change = (
-            jax.tree.map(partial(_in_rows, shape, part), setup, *changes) for part in (0, 1)
+            tree.map_leaves(partial(_in_rows, shape, part), setup, *changes) for part in (0, 1)
         )
         places, forward = np.tile(coordinate, len(changes)), np.repeat(advance, coordinate.size)
         found = {

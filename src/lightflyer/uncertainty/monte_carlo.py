@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-import jax
 import numpy as np
 
 from lightflyer.design.operating_point import sinks_at_night
@@ -20,6 +19,7 @@ from lightflyer.prediction.edges_and_optima import (
 )
 from lightflyer.prediction.evaluator import Table
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
 from lightflyer.statics.grid_refinement import crossing, rows_around
 from lightflyer.statics.sinking import night_length, night_places
 from lightflyer.uncertainty.inputs import Inputs
@@ -52,13 +52,13 @@ def tabulate_samples(
     asked, found = ~np.isnan(places), np.full((len(names), *shape), np.nan)
     if not asked.any():
         return dict(zip(names, found, strict=True))
-    if any(np.ndim(leaf) > 2 for leaf in jax.tree.leaves(setup)):  # tables for each sample
+    if any(np.ndim(leaf) > 2 for leaf in tree.leaves(setup)):  # tables for each sample
         some = np.flatnonzero(asked.any(axis=1))
         # one program serves all of several samples and several places
         some = np.resize(some, max(some.size, 2))
         filled = np.where(asked, places, places[asked][0])[some]
         filled = np.resize(filled.T, (max(shape[1], 2), some.size)).T
-        rows = jax.tree.map(lambda leaf: _rows_of(leaf, len(samples), some), setup)
+        rows = tree.map_leaves(lambda leaf: _rows_of(leaf, len(samples), some), setup)
         light = rows.environment.radiation.irradiance
         table = table_of(rows, filled, light, names, _tabulate_each)
         found[:, some] = [
@@ -66,7 +66,7 @@ def tabulate_samples(
         ]
         found[:, ~asked] = np.nan
     else:
-        rows = jax.tree.map(lambda leaf: _place_in_row(leaf, asked), setup)
+        rows = tree.map_leaves(lambda leaf: _place_in_row(leaf, asked), setup)
         light = setup.environment.radiation.irradiance
         table = table_of(rows, places[asked], np.broadcast_to(light, shape)[asked], names)
         found[:, asked] = [table[name] for name in names]

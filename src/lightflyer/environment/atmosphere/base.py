@@ -3,16 +3,16 @@
 import abc
 from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.core.quantity import Altitude
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module
 
 
-class AbstractAtmosphere(eqx.Module):
+class AbstractAtmosphere(Module):
     """Temperature, pressure and composition over altitude, and over place and time where known.
 
     Methods take altitudes [m] of any shape and a place whose fields broadcast with them. They work
@@ -49,4 +49,4 @@ class AbstractAtmosphere(eqx.Module):
 
     def _nan_outside(self, altitude: Altitude, value: Numeric) -> Array:
         lowest, highest = self.altitude_range
-        return jnp.where((altitude >= lowest) & (altitude <= highest), value, jnp.nan)
+        return jnp.where((altitude >= lowest) & (altitude <= highest), value, np.nan)

@@ -9,9 +9,7 @@ nodes of latitude and altitude, and interpolated between these by local cubics.
 from functools import cache
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude
@@ -20,6 +18,7 @@ from lightflyer.environment.atmosphere.nrlmsis import Indices, evaluate
 from lightflyer.environment.base import Place
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _DAY = 86400.0
 TROPICAL_YEAR = 365.2425 * _DAY  # Length of a year of the Gregorian calendar, on average [s]

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core import constants
@@ -10,6 +9,7 @@ from lightflyer.core.quantity import Altitude
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jnp
 
 # Inverse temperature [1/K] as a polynomial in altitude [km], highest power first. The paper
 # prints three digits of each, which is useless above 20 km; these come with the code of

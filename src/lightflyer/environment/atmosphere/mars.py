@@ -3,10 +3,7 @@
 from functools import cache
 from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 from numpy.typing import ArrayLike
 
 from lightflyer.core import constants
@@ -25,6 +22,8 @@ from lightflyer.environment.planet import MARS_PLANET
 from lightflyer.files.table import shipped_table
 from lightflyer.numerics.spline import Spline
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import field
 
 SURFACE_PRESSURE = 636.0
 """At the areoid, mean of the northern summer [Pa]; [Seiff1982]_ as in [Pitts1990]_ table XI.
@@ -113,12 +112,12 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
     152.2 K, 3.16 Pa
     """
 
-    profile: Spline = eqx.field(default_factory=cospar_profile)
+    profile: Spline = field(default_factory=cospar_profile)
     surface_pressure: Pressure = SURFACE_PRESSURE
     temperature_offset: TemperatureOffset = 0.0
     molar_mass: Numeric = MOLAR_MASS
-    top: float = eqx.field(static=True, default=_TOP)
-    name: str = eqx.field(static=True, default=COSPAR)
+    top: float = field(static=True, default=_TOP)
+    name: str = field(static=True, default=COSPAR)
 
     @classmethod
     def from_table(

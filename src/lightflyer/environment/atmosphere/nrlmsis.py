@@ -3,7 +3,6 @@
 import datetime
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core import constants
@@ -20,6 +19,7 @@ from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.numerics.spline import Spline
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jnp
 
 _VERSION = 2.1
 _TOP = 200e3

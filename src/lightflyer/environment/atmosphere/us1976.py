@@ -4,9 +4,7 @@ from functools import cache
 from types import ModuleType
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core import constants
 from lightflyer.core.quantity import Altitude
@@ -16,6 +14,7 @@ from lightflyer.files.table import shipped_table
 from lightflyer.gas.air import US1976_AIR
 from lightflyer.numerics.spline import Spline
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 # [USSA1976] table 4: bases of the layers below 86 km in geopotential altitude [m'], and the
 # gradients of molecular-scale temperature above them [K/m'].
@@ -204,7 +203,7 @@ class US1976(AbstractAtmosphere):
         """Dynamic viscosity [Pa s]; the standard gives it to 86 km, NaN above."""
         viscosity = US1976_AIR.viscosity(_temperature(altitude))
         return jnp.where(
-            altitude <= _HOMOSPHERE_TOP, self._nan_outside(altitude, viscosity), jnp.nan
+            altitude <= _HOMOSPHERE_TOP, self._nan_outside(altitude, viscosity), np.nan
         )
 
     @entry_point
@@ -214,7 +213,7 @@ class US1976(AbstractAtmosphere):
         #
         # with a fixed collision diameter: 4 % above :func:`lightflyer.gas.mean_free_path` at sea
         # level. The force models use the latter.
-        cross_section = jnp.sqrt(2.0) * jnp.pi * _COLLISION_DIAMETER**2
+        cross_section = jnp.sqrt(2.0) * np.pi * _COLLISION_DIAMETER**2
         number_density = (
             constants.AVOGADRO_US1976
             * _pressure(altitude)

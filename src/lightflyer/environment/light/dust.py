@@ -2,14 +2,13 @@
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.quantity import Checked, Fraction, OpticalDepth
 from lightflyer.core.text import span
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 OPTICAL_DEPTH = 0.3
 """Vertical, of the whole air in visible light [1]: a clear season; the default of Mars-GRAM,

@@ -3,8 +3,7 @@
 import abc
 from typing import Final
 
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.core import constants
 from lightflyer.core.quantity import Checked, Fraction, Irradiance
@@ -13,6 +12,7 @@ from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 
 class AbstractGround(Checked):
@@ -120,5 +120,5 @@ class Knocke1988Ground(AbstractGround):
 def _zonal(coefficients: tuple[float, float, float], place: Place) -> Array:
     mean, seasonal, curved = coefficients
     sine = jnp.sin(place.latitude) + 0.0 * place.longitude
-    season = jnp.cos(2.0 * jnp.pi * (place.time - _MIDWINTER) / SECONDS_PER_YEAR)
+    season = jnp.cos(2.0 * np.pi * (place.time - _MIDWINTER) / SECONDS_PER_YEAR)
     return mean + seasonal * season * sine + curved * 0.5 * (3.0 * sine**2 - 1.0)

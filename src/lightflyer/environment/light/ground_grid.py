@@ -2,10 +2,7 @@
 
 from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.checks import is_traced, require_data
 from lightflyer.core.clock import EPOCH, dates_of
@@ -17,6 +14,8 @@ from lightflyer.environment.base import Place
 from lightflyer.environment.light.ground import AbstractGround, UniformGround
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module
 
 _DAY = 86_400.0
 _YEAR = 365.2425 * _DAY  # of the Gregorian calendar, on average
@@ -33,7 +32,7 @@ _NAMES = {
 }
 
 
-class _Field(eqx.Module):
+class _Field(Module):
     values: Any  # shape (t, y, x)
     time: Axis  # [s], [rad], [rad]
     latitude: Axis  # [s], [rad], [rad]
@@ -46,7 +45,7 @@ class _Field(eqx.Module):
         if self.ends is None:
             return value
         first, last = self.ends
-        return jnp.where((place.time >= first) & (place.time <= last), value, jnp.nan)
+        return jnp.where((place.time >= first) & (place.time <= last), value, np.nan)
 
 
 class GriddedGround(AbstractGround):

@@ -6,9 +6,7 @@ Seasons go by the areocentric longitude of the sun, :math:`L_s`: 0° at the nort
 
 from typing import Final
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core import constants
 from lightflyer.core.quantity import RADIANS_PER_DEGREE
@@ -21,6 +19,7 @@ from lightflyer.environment.light.sun import (
 )
 from lightflyer.environment.planet import MARS_ECCENTRICITY, MARS_SEMI_MAJOR_AXIS
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 PERIHELION: Final = 251.0
 """Areocentric longitude of the sun at perihelion, about 2000 [deg]; [AllisonMcEwen2000]_."""
@@ -65,7 +64,7 @@ def solar_longitude(time: Numeric) -> Array:
     """Areocentric longitude of the sun, which tells the season of Mars [rad]; 0 to 2π."""
     # Source: [AllisonMcEwen2000]_, with the coefficients of its later revision.
     longitude, _, _ = _season(_days(time))
-    return jnp.mod(longitude, 2.0 * jnp.pi)
+    return jnp.mod(longitude, 2.0 * np.pi)
 
 
 @entry_point
@@ -78,7 +77,7 @@ def sun_from_mars(time: Numeric) -> SunPosition:
     days = _days(time)
     longitude, anomaly, centre = _season(days)
     sols = (days - _MIDNIGHT_DAYS) / _DAYS_PER_SOL + _MIDNIGHT
-    east = _HALF_TURN * RADIANS_PER_DEGREE - 2.0 * jnp.pi * sols  # of the mean sun
+    east = _HALF_TURN * RADIANS_PER_DEGREE - 2.0 * np.pi * sols  # of the mean sun
     east = east - _sines(_EQUATION_OF_TIME, 2.0 * longitude) + centre
     height = OBLIQUITY_SINE * jnp.sin(longitude)
     level = jnp.sqrt(1.0 - height**2)
@@ -124,6 +123,6 @@ def distance_in_season(longitude: Numeric) -> Array:
 def zenith_angle_in_season(longitude: Numeric, latitude: Numeric, hour: Numeric) -> Array:
     """Angle between sun and vertical by season, latitude and local true solar time [rad]."""
     sine = OBLIQUITY_SINE * jnp.sin(longitude)
-    turned = (hour - NOON) / NOON * jnp.pi
+    turned = (hour - NOON) / NOON * np.pi
     across = jnp.cos(latitude) * jnp.sqrt(1.0 - sine**2) * jnp.cos(turned)
     return jnp.arccos(jnp.clip(jnp.sin(latitude) * sine + across, -1.0, 1.0))

@@ -4,11 +4,7 @@ import abc
 from dataclasses import replace
 from typing import NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core import constants
 from lightflyer.core.checks import require_data
@@ -29,15 +25,17 @@ from lightflyer.environment.light.sun_table import TabulatedSun
 from lightflyer.environment.planet import EARTH_PLANET, Planet
 from lightflyer.environment.radiation import SKY_INFRARED, Radiation
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import Module
 
 VIEW_OF_PLANET = "(R/(R+h))² at altitude h"  # View factor of the ground, in words
 
 _KILOMETRE = 1e3
-_TURN = 2.0 * jnp.pi
+_TURN = 2.0 * np.pi
 _PASSES = 6  # towards a sunrise; each takes off all but a few percent of what is left
 
 
-class AbstractSky(eqx.Module):
+class AbstractSky(Module):
     """Light and heat radiation by altitude, place and time. Subclasses are final."""
 
     @abc.abstractmethod
@@ -137,17 +135,17 @@ class Daylight(AbstractSky, Checked):
         _, sunset = turn(noon)
         half_day = jnp.arccos(jnp.clip(sunset, -1.0, 1.0))
         first, last = (
-            jnp.where(jnp.abs(sunset) < 1.0, search(side, noon + side * half_day / moving), jnp.nan)
+            jnp.where(jnp.abs(sunset) < 1.0, search(side, noon + side * half_day / moving), np.nan)
             for side in (-1.0, 1.0)
         )
-        return LightHours(first, noon, last, half_day / jnp.pi)
+        return LightHours(first, noon, last, half_day / np.pi)
 
     def _turn_since_noon(self, altitude: Altitude, place: Place) -> tuple[Array, Array]:
         """Angle by which the planet has turned since noon, and the cosine of that at sunset."""
         # A cosine beyond ±1 is that of a sun which stays above or below the horizon.
         sun = self.sun.position(place.time)
         x, y, z = (sun.direction[..., axis] for axis in range(3))
-        angle = jnp.mod(place.longitude - jnp.arctan2(y, x) + jnp.pi, _TURN) - jnp.pi
+        angle = jnp.mod(place.longitude - jnp.arctan2(y, x) + np.pi, _TURN) - np.pi
         seen = sun_in_sky(sun, place.latitude, place.longitude)
         above = jnp.sin(self.depression(altitude, place, seen)) + jnp.sin(place.latitude) * z
         return angle, -above / (jnp.cos(place.latitude) * jnp.hypot(x, y))
@@ -174,7 +172,7 @@ def _daylight(sky: Daylight, altitude: Altitude, place: Place) -> Radiation:
     sun = sky.sun.position_above(place)
     angular_radius = jnp.arcsin(constants.SOLAR_RADIUS / sun.distance)
     ground_view = (sky.planet.radius / (sky.planet.radius + altitude)) ** 2
-    elevation = 0.5 * jnp.pi - sun.zenith_angle + sky.depression(altitude, place, sun)
+    elevation = 0.5 * np.pi - sun.zenith_angle + sky.depression(altitude, place, sun)
     astronomical_units = sun.distance / constants.ASTRONOMICAL_UNIT
     return Radiation(
         irradiance=sky.irradiance / astronomical_units**2,

@@ -7,16 +7,15 @@ Earth's heliocentric longitude and distance are the largest terms of the series 
 import abc
 from typing import Final, NamedTuple
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core import constants
 from lightflyer.core.quantity import RADIANS_PER_DEGREE
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module
 
 SECONDS_PER_DAY: Final = 86_400.0
 DAYS_PER_CENTURY: Final = 36_525.0
@@ -96,7 +95,7 @@ class SunInSky(NamedTuple):
     distance: Array  #: [m]
 
 
-class AbstractSun(eqx.Module):
+class AbstractSun(Module):
     """The sun of a planet. Subclasses are final and give :meth:`position`."""
 
     @abc.abstractmethod
@@ -140,7 +139,7 @@ def sun_from_earth(time: Numeric) -> SunPosition:
     millennia = terrestrial / DAYS_PER_MILLENNIUM
     longitude, distance = _heliocentric(millennia)
     nutation, obliquity = _nutation_and_obliquity(terrestrial / DAYS_PER_CENTURY)
-    apparent = longitude + jnp.pi + nutation + _ABERRATION * _ARC_SECOND / distance
+    apparent = longitude + np.pi + nutation + _ABERRATION * _ARC_SECOND / distance
     # right ascension is where the ecliptic's vector points in the equator's frame
     along, ahead = jnp.cos(apparent), jnp.sin(apparent)
     equatorial = along, jnp.cos(obliquity) * ahead, jnp.sin(obliquity) * ahead

@@ -3,13 +3,13 @@
 import math
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.environment.light.sun import SECONDS_PER_DAY, AbstractSun, SunPosition
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jnp
 
 _SPACING = 2.0 * SECONDS_PER_DAY  # in which cubics follow the sun to 1e-7
 _FEWEST = 4  # points of a cubic spline
@@ -83,5 +83,5 @@ def _position(table: TabulatedSun, time: Numeric) -> SunPosition:
     cosine, sine = jnp.cos(turned), jnp.sin(turned)
     direction = jnp.stack([x * cosine + y * sine, y * cosine - x * sine, z], axis=-1)
     return SunPosition(
-        jnp.where(within[..., None], direction, jnp.nan), jnp.where(within, distance, jnp.nan)
+        jnp.where(within[..., None], direction, np.nan), jnp.where(within, distance, np.nan)
     )

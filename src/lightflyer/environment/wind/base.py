@@ -4,8 +4,7 @@ import abc
 from functools import reduce
 from typing import NamedTuple
 
-import equinox as eqx
-import jax.numpy as jnp
+import numpy as np
 
 from lightflyer.core.checks import is_traced, require_data
 from lightflyer.core.quantity import Altitude
@@ -13,6 +12,8 @@ from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import Module
 
 
 class Air(NamedTuple):
@@ -22,7 +23,7 @@ class Air(NamedTuple):
     pressure: Numeric  # [Pa]
 
 
-class AbstractWind(eqx.Module):
+class AbstractWind(Module):
     """Velocity of the gas over ground, by altitude, place and time. Subclasses are final.
 
     East and north are those of the place's latitude and longitude. At a pole, too, where the
@@ -77,4 +78,4 @@ class AbstractWind(eqx.Module):
 @entry_point
 def _blank_unreached(wind: Wind, margins: tuple[Numeric, ...]) -> Wind:
     reached = reduce(jnp.logical_and, [margin >= 0.0 for margin in margins])
-    return Wind(*(jnp.where(reached, part, jnp.nan) for part in wind))
+    return Wind(*(jnp.where(reached, part, np.nan) for part in wind))

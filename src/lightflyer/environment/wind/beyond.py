@@ -3,10 +3,6 @@
 from functools import partial, reduce
 from typing import Any
 
-import jax
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.quantity import Altitude, require_record
 from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
@@ -15,6 +11,8 @@ from lightflyer.environment.wind.base import AbstractWind, Air
 from lightflyer.environment.wind.gridded import GriddedWind, by_parts
 from lightflyer.environment.wind.reach import TWO_KILOMETRES
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 
 class WindBeyondData(AbstractWind):
@@ -129,7 +127,7 @@ def _velocity(wind: WindBeyondData, altitude: Altitude, place: Place) -> Wind:
     return Wind(*parts)
 
 
-def with_end_of_data(tree: Any) -> WindBeyondData | None:
-    """The wind of a tree, such as an environment, that another one takes over from."""
-    leaves = jax.tree.leaves(tree, is_leaf=lambda leaf: isinstance(leaf, WindBeyondData))
+def with_end_of_data(whole: Any) -> WindBeyondData | None:
+    """The wind of an object, such as an environment, that another one takes over from."""
+    leaves = tree.leaves(whole, is_leaf=lambda leaf: isinstance(leaf, WindBeyondData))
     return next((leaf for leaf in leaves if isinstance(leaf, WindBeyondData)), None)

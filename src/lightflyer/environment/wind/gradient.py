@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 from numpy.polynomial import legendre
 
@@ -15,6 +14,7 @@ from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jnp
 
 HIGHEST = 100e3
 """Altitude above which tides, waves and ions drive more of the wind than the balance holds [m]."""
@@ -172,6 +172,6 @@ def _velocity(wind: GradientWind, altitude: Altitude, place: Place) -> Wind:
         (wind.seasons, wind.latitudes, wind.altitudes),
         (place.time, place.latitude, altitude),
     )
-    distance = EARTH_PLANET.curvature_radius(place.latitude, jnp.pi / 2) + altitude
+    distance = EARTH_PLANET.curvature_radius(place.latitude, np.pi / 2) + altitude
     east = rotation * distance * jnp.cos(place.latitude)
     return Wind(east, jnp.zeros_like(east), jnp.zeros_like(east))

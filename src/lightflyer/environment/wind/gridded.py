@@ -6,9 +6,6 @@ from functools import partial, reduce
 from pathlib import Path
 from typing import Any, TypeVar
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.checks import is_traced
@@ -23,6 +20,9 @@ from lightflyer.environment.wind.reach import Reach, next_to
 from lightflyer.environment.wind.store import Store, open_wind
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import field
 
 T = TypeVar("T")
 
@@ -82,11 +82,11 @@ class GriddedWind(AbstractWind):
     axes: tuple[Axis, Axis, Axis, Axis] | None
     bounds: Any  # shape (4, 2); between which the table is the data's; None for everywhere
     reach: Reach
-    rises: bool = eqx.field(static=True)
-    has_air: bool = eqx.field(static=True)
-    told: str = eqx.field(static=True)
-    store: Store | None = eqx.field(static=True)
-    spacing: float = eqx.field(static=True)  # longest of its times [s]; infinite for one time
+    rises: bool = field(static=True)
+    has_air: bool = field(static=True)
+    told: str = field(static=True)
+    store: Store | None = field(static=True)
+    spacing: float = field(static=True)  # longest of its times [s]; infinite for one time
 
     def __init__(
         self, dataset: Any, atmosphere: AbstractAtmosphere | None = None, *, air: bool = True
@@ -164,12 +164,7 @@ class GriddedWind(AbstractWind):
             return self
         part = self.store.part_at(Place(*map(float, place)))
         found = (*self.store.kept(part, _tabulate), self.store.bounds_of(part))
-        return eqx.tree_at(
-            lambda wind: (wind.table, wind.axes, wind.bounds),
-            self,
-            found,
-            is_leaf=lambda leaf: leaf is None,
-        )
+        return tree.replace_at(lambda wind: (wind.table, wind.axes, wind.bounds), self, found)
 
     def holds(self, place: Place) -> Any:
         """Whether this part of the data is that of a place."""
@@ -204,15 +199,15 @@ def _is_within(bounds: Any, position: tuple[Any, ...]) -> Any:
     return found
 
 
-def parts_at(tree: T, place: Place) -> T:
-    """A tree, such as an environment, whose winds from files are the parts around a place."""
-    found: T = jax.tree.map(
-        lambda leaf: leaf.part(place) if _is_data(leaf) else leaf, tree, is_leaf=_is_data
+def parts_at(whole: T, place: Place) -> T:
+    """An object, such as an environment, whose winds from files are the parts around a place."""
+    found: T = tree.map_leaves(
+        lambda leaf: leaf.part(place) if _is_data(leaf) else leaf, whole, is_leaf=_is_data
     )
     return found
 
 
-def parts_along(tree: T, place: Place, wanted: np.ndarray) -> Iterator[tuple[T, np.ndarray]]:
+def parts_along(whole: T, place: Place, wanted: np.ndarray) -> Iterator[tuple[T, np.ndarray]]:
     """Trees as of :func:`parts_at`, one after the other, and which places each is for.
 
     ``place``: arrays, shape (n,); ``wanted``: which of them there are data for, shape (n,).
@@ -220,22 +215,22 @@ def parts_along(tree: T, place: Place, wanted: np.ndarray) -> Iterator[tuple[T, 
     left = wanted.copy()
     while left.any():
         first = int(np.argmax(left))
-        part = parts_at(tree, Place(*(values[first] for values in place)))
+        part = parts_at(whole, Place(*(values[first] for values in place)))
         here = left & hold(part, place)
         here[first] = True  # whatever rounding says
         yield part, here
         left &= ~here
 
 
-def winds_in_files(tree: Any) -> list[GriddedWind]:
-    """The winds of a tree whose data are in files, or a part of them in memory."""
-    leaves = jax.tree.leaves(tree, is_leaf=_is_data)
+def winds_in_files(whole: Any) -> list[GriddedWind]:
+    """The winds of an object whose data are in files, or a part of them in memory."""
+    leaves = tree.leaves(whole, is_leaf=_is_data)
     return [leaf for leaf in leaves if _is_data(leaf) and leaf.store is not None]
 
 
-def hold(tree: Any, place: Place) -> Any:
+def hold(whole: Any, place: Place) -> Any:
     """Whether the parts of all winds from files are those of a place."""
-    return reduce(np.logical_and, [wind.holds(place) for wind in winds_in_files(tree)], True)
+    return reduce(np.logical_and, [wind.holds(place) for wind in winds_in_files(whole)], True)
 
 
 def _is_data(leaf: Any) -> bool:
@@ -335,7 +330,7 @@ def _interpolate(
     position = (place.time, level, place.latitude, longitude)
     found = interpolate(table, axes, position)
     if bounds is not None:  # beyond a part of the data there are others
-        found = jnp.where(_is_within(bounds, position)[..., None], found, jnp.nan)
+        found = jnp.where(_is_within(bounds, position)[..., None], found, np.nan)
     east, north = _directions(place.latitude, place.longitude)
     horizontal = found[..., :3]
     along = (jnp.sum(horizontal * part, axis=-1) for part in (east, north))

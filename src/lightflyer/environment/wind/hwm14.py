@@ -10,9 +10,7 @@ from math import factorial
 from pathlib import Path
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Altitude
@@ -21,6 +19,7 @@ from lightflyer.environment.atmosphere.global_nrlmsis import TROPICAL_YEAR
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 HIGHEST = 110e3
 """Altitude above which storms of the magnetic field, left out here, change the wind [m]."""
@@ -137,7 +136,7 @@ def _shapes(latitude: Array, longitude: Array, local_time: Array) -> Array:
     # The last axis is V cos, V sin, W sin, W cos of the family's phase; of the zonal mean it is the
     # sine of the degree times the colatitude, and nothing.
     degree = jnp.arange(1, _DEGREE + 1)
-    sine = jnp.sin(degree * (0.5 * jnp.pi - latitude[..., None]))
+    sine = jnp.sin(degree * (0.5 * np.pi - latitude[..., None]))
     nothing = jnp.zeros_like(sine)
     families = [jnp.stack([sine, nothing, nothing, nothing], axis=-1)]
     phases = [(order, longitude) for order in range(1, _STATIONARY + 1)]

@@ -2,9 +2,6 @@
 
 from typing import Any, TypeVar
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.quantity import Altitude
@@ -16,6 +13,9 @@ from lightflyer.environment.wind.gridded import GriddedWind, parts_along
 from lightflyer.environment.wind.reach import Reach
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import field
 
 T = TypeVar("T")
 
@@ -27,7 +27,7 @@ class MetWind(AbstractWind):
     # shape (times, levels, 3 or 5); wind [m/s], and temperature [K] and logarithm of the pressure
     columns: Any
     axes: tuple[Axis, Axis]  # of times and levels
-    has_air: bool = eqx.field(static=True)
+    has_air: bool = field(static=True)
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         level = self.reach.level(altitude, place)
@@ -54,8 +54,8 @@ def _interpolate(columns: Any, axes: tuple[Axis, Axis], time: Numeric, level: Nu
     return tuple(jnp.moveaxis(interpolate(columns, axes, (time, level)), -1, 0))
 
 
-def with_met_winds(tree: T, place: Place) -> T:
-    """A tree, such as an environment, whose winds from files are those over some places.
+def with_met_winds(whole: T, place: Place) -> T:
+    """An object, such as an environment, whose winds from files are those over some places.
 
     ``place``: fields have the shape (n,).
     """
@@ -72,5 +72,5 @@ def with_met_winds(tree: T, place: Place) -> T:
             columns[here] = np.stack(part.at_level(levels, there), axis=-1)
         return MetWind(leaf.reach, columns, (Axis(times), Axis(levels)), leaf.has_air)
 
-    found: T = jax.tree.map(met, tree, is_leaf=lambda leaf: isinstance(leaf, GriddedWind))
+    found: T = tree.map_leaves(met, whole, is_leaf=lambda leaf: isinstance(leaf, GriddedWind))
     return found

@@ -2,8 +2,6 @@
 
 from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude
@@ -12,6 +10,8 @@ from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.environment.wind.dataset import EPOCH
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import Module, field
 
 _TURN = 2.0 * np.pi
 # Units of margins, in which ends compare.
@@ -29,13 +29,13 @@ _SIDES = {
 }
 
 
-class Reach(eqx.Module):
+class Reach(Module):
     """First and last coordinates of data on a grid."""
 
     atmosphere: AbstractAtmosphere | None  # by whose pressure levels are found; None by altitude
     # of time, level, latitude and longitude
-    ends: tuple[tuple[float, float], ...] = eqx.field(static=True)
-    around: bool = eqx.field(static=True)  # Whether longitudes go round the planet
+    ends: tuple[tuple[float, float], ...] = field(static=True)
+    around: bool = field(static=True)  # Whether longitudes go round the planet
 
     def level(self, altitude: Altitude, place: Place) -> Any:
         """Coordinate of an altitude: itself, or the negative logarithm of its pressure in Pa."""

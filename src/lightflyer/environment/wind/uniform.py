@@ -1,6 +1,5 @@
 """A wind that is the same everywhere, and the sum of winds."""
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.quantity import (
@@ -15,6 +14,7 @@ from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind, Air
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jnp
 
 
 class UniformWind(Checked, AbstractWind):

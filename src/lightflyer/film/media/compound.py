@@ -3,14 +3,15 @@
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.checks import is_traced
 from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import Extrapolation, Medium
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import AbstractVar
 
 
 class Compound(Medium):
@@ -24,7 +25,7 @@ class Compound(Medium):
         def parts(self) -> tuple[Medium, ...]: ...
 
     else:
-        parts: eqx.AbstractVar[tuple[Medium, ...]]
+        parts: AbstractVar[tuple[Medium, ...]]
 
     @property
     def wavelength_range(self) -> tuple[float, float]:
@@ -44,7 +45,7 @@ class Compound(Medium):
         return tuple(dict.fromkeys(found))
 
     def _with_field(self, name: str, value: Any) -> Any:
-        return eqx.tree_at(lambda one: getattr(one, name), self, value, is_leaf=_is_none)
+        return tree.replace_at(lambda one: getattr(one, name), self, value)
 
     def with_extrapolation(self, policy: Extrapolation | str) -> Any:
         return self._with_field(
@@ -54,10 +55,6 @@ class Compound(Medium):
     def with_density(self, density: Numeric) -> Any:
         """The same medium with a measured density, not that of its parts [kg/m³]."""
         return self._with_field("measured_density", density)
-
-
-def _is_none(value: Any) -> bool:
-    return value is None
 
 
 def _common(ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:

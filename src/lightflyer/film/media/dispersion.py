@@ -13,8 +13,6 @@ import abc
 import dataclasses
 from typing import Annotated
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -34,6 +32,8 @@ from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, requ
 from lightflyer.film.media.pairs import Pair, root
 from lightflyer.numerics.special import dawson
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import field
 
 _NODES = [0.5 * (1.0 + np.polynomial.legendre.leggauss(80)[0]),
           0.5 * np.polynomial.legendre.leggauss(80)[1]]  # fmt: skip
@@ -135,8 +135,8 @@ def _tauc_lorentz_real(e: Numeric, c: Numeric, g: Numeric) -> Numeric:
     log_part = (g**2 - 1.0) * e**2 + (g * c) ** 2 - (1.0 + 3.0 * g**2)
     angle_part = (e**2 - 1.0) * (1.0 + g**2) + (g * c) ** 2
     ratio = (1.0 + g**2 + alpha * g) / (1.0 + g**2 - alpha * g)
-    angles = jnp.pi - jnp.arctan((2.0 * g + alpha) / c) + jnp.arctan((alpha - 2.0 * g) / c)
-    turn = jnp.pi + 2.0 * jnp.arctan(2.0 * (gamma_squared - g**2) / (alpha * c))
+    angles = np.pi - jnp.arctan((2.0 * g + alpha) / c) + jnp.arctan((alpha - 2.0 * g) / c)
+    turn = np.pi + 2.0 * jnp.arctan(2.0 * (gamma_squared - g**2) / (alpha * c))
     # both logarithms of |E - gap| together: (E - gap)² ln|E - gap| has no pole at the gap
     apart = e - g
     safe = jnp.where(jnp.abs(apart) < _NEAR_GAP, 1.0, jnp.abs(apart))
@@ -152,7 +152,7 @@ def _tauc_lorentz_real(e: Numeric, c: Numeric, g: Numeric) -> Numeric:
         + 2.0 * g * excess / alpha * turn
         + c * logs
     )
-    return terms / (jnp.pi * zeta)
+    return terms / (np.pi * zeta)
 
 
 class Gaussian(Term):
@@ -266,19 +266,19 @@ class Formula(Medium):
     1.464 0
     """
 
-    name: str = eqx.field(static=True)
+    name: str = field(static=True)
     terms: tuple[Term, ...] = ()  #: Added to ``permittivity``; empty where there is a ``cauchy``
     permittivity: Permittivity = 1.0  #: At energies far above all terms [1]
     cauchy: Cauchy | None = None
     density: Numeric | None = None  #: Mass density [kg/m³]
-    density_source: str = eqx.field(static=True, default="")
+    density_source: str = field(static=True, default="")
     #: Wavelengths at which the formula was fitted [m]; by default it is taken to hold at all
-    shortest: float = eqx.field(static=True, default=0.0)
-    longest: float = eqx.field(static=True, default=np.inf)  #: As ``shortest``
+    shortest: float = field(static=True, default=0.0)
+    longest: float = field(static=True, default=np.inf)  #: As ``shortest``
     #: Policy outside of them. ``hold`` goes on with the formula
-    extrapolation: Extrapolation = eqx.field(static=True, default=Extrapolation.ERROR)
+    extrapolation: Extrapolation = field(static=True, default=Extrapolation.ERROR)
     #: Where the parameters come from
-    origin: str = eqx.field(static=True, default="a formula with given parameters")
+    origin: str = field(static=True, default="a formula with given parameters")
 
     def __check_init__(self) -> None:
         if bool(self.terms) is (self.cauchy is not None):

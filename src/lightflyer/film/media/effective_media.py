@@ -8,13 +8,11 @@ A mixture of parts with permittivities :math:`\varepsilon_i=(n_i+ik_i)^2` and vo
 from collections.abc import Callable
 from typing import TypeAlias
 
-import jax.numpy as jnp
-from jax import Array, lax
-
 from lightflyer.core.checks import Choice
 from lightflyer.core.types import Numeric
 from lightflyer.film.media.pairs import Pair, multiply_real, over, plus, root, sum_first_axis, times
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp, lax
 
 SPHERES = 1.0 / 3.0  # Depolarisation factor of spheres
 

@@ -1,6 +1,5 @@
 """Layers whose composition changes with depth."""
 
-import equinox as eqx
 from numpy.typing import ArrayLike
 
 from lightflyer.core.errors import ParameterError
@@ -10,6 +9,8 @@ from lightflyer.film.media.effective_media import Rule, Shape
 from lightflyer.film.media.medium import Medium
 from lightflyer.film.media.mixture import Mixture
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.module import field
 
 SHEETS = 20  # Sheets of a graded layer, unless it says otherwise
 
@@ -44,14 +45,14 @@ class Graded(Compound):
     """
 
     parts: tuple[Medium, ...]
-    top: Numeric = eqx.field(converter=vector)
-    bottom: Numeric = eqx.field(converter=vector)
-    rule: Rule = eqx.field(static=True, default=Rule.BRUGGEMAN, converter=Rule.of)
-    shape: Shape = eqx.field(static=True, default=Shape.SPHERES, converter=Shape.of)
+    top: Numeric = field(converter=vector)
+    bottom: Numeric = field(converter=vector)
+    rule: Rule = field(static=True, default=Rule.BRUGGEMAN, converter=Rule.of)
+    shape: Shape = field(static=True, default=Shape.SPHERES, converter=Shape.of)
     depolarisation: Numeric | None = None
-    grain: float | None = eqx.field(static=True, default=None)
+    grain: float | None = field(static=True, default=None)
     measured_density: Numeric | None = None
-    count: int = eqx.field(static=True, default=SHEETS)
+    count: int = field(static=True, default=SHEETS)
 
     def __check_init__(self) -> None:
         if self.count < 1:
@@ -86,7 +87,7 @@ class Graded(Compound):
         return tuple(self._at((number + 0.5) / self.count) for number in range(self.count))
 
     def flip(self) -> "Graded":
-        return eqx.tree_at(lambda one: (one.top, one.bottom), self, (self.bottom, self.top))
+        return tree.replace_at(lambda one: (one.top, one.bottom), self, (self.bottom, self.top))
 
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
         """Refractive index and extinction coefficient halfway down; see :meth:`Medium.index`."""

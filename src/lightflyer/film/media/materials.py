@@ -11,7 +11,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-import equinox as eqx
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -23,6 +22,7 @@ from lightflyer.core.units import Measured
 from lightflyer.film.media.material_csv import read_index_csv
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, require_covered
 from lightflyer.program.arguments import reads_units
+from lightflyer.pytree.module import field
 
 GIVEN = "given by the user"
 
@@ -50,22 +50,22 @@ class Material(Medium):
         If a density is negative.
     """
 
-    name: str = eqx.field(static=True)
+    name: str = field(static=True)
     #: In order of wavelength. Across a gap between two of them n and k are linear
-    segments: tuple[Segment, ...] = eqx.field(static=True)
+    segments: tuple[Segment, ...] = field(static=True)
     #: Mass density [kg/m³]; None where it depends on the sample and must be given
     density: Numeric | None = None
-    density_source: str = eqx.field(static=True, default="")
-    description: str = eqx.field(static=True, default="")  #: What was measured
+    density_source: str = field(static=True, default="")
+    description: str = field(static=True, default="")  #: What was measured
     #: Thermal accommodation coefficient of its surface in air [1]; None if never measured
-    tac: Measured | None = eqx.field(static=True, default=None)
-    tac_source: str = eqx.field(static=True, default="")
+    tac: Measured | None = field(static=True, default=None)
+    tac_source: str = field(static=True, default="")
     #: Policy outside the range
-    extrapolation: Extrapolation = eqx.field(static=True, default=Extrapolation.ERROR)
+    extrapolation: Extrapolation = field(static=True, default=Extrapolation.ERROR)
     #: What a reader of results must know of the tables, one line each
-    remarks: tuple[str, ...] = eqx.field(static=True, default=())
+    remarks: tuple[str, ...] = field(static=True, default=())
     #: Of the sample, where it is stated [K]
-    temperature: float | None = eqx.field(static=True, default=None)
+    temperature: float | None = field(static=True, default=None)
 
     def __check_init__(self) -> None:
         require_range(f"density of {self.name}", self.density, 0.0)

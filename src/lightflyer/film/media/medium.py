@@ -8,13 +8,13 @@ parameters are its leaves: films are then differentiable in them and fits can fr
 import abc
 from typing import TYPE_CHECKING
 
-import equinox as eqx
 import numpy as np
 from numpy.typing import ArrayLike
 
 from lightflyer.core.checks import Choice
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
+from lightflyer.pytree.module import AbstractVar, Module
 
 MICROMETRE = 1e-6
 
@@ -35,7 +35,7 @@ class Extrapolation(Choice):
     """Keep n of the nearest wavelength with data and set k to zero."""
 
 
-class Medium(eqx.Module):
+class Medium(Module):
     """What a layer is made of.
 
     A subclass gives the attributes and the abstract methods below. Parameters that may be varied,
@@ -68,9 +68,9 @@ class Medium(eqx.Module):
             ...
 
     else:
-        name: eqx.AbstractVar[str]
-        density: eqx.AbstractVar[Numeric | None]
-        density_source: eqx.AbstractVar[str]
+        name: AbstractVar[str]
+        density: AbstractVar[Numeric | None]
+        density_source: AbstractVar[str]
 
     @abc.abstractmethod
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:

@@ -1,7 +1,5 @@
 """Fine mixtures of media: porous, mixed and nanotube layers."""
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -13,6 +11,8 @@ from lightflyer.film.media.effective_media import Rule, Shape
 from lightflyer.film.media.materials import GIVEN, vacuum
 from lightflyer.film.media.medium import MICROMETRE, Medium
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import field
 
 MOST_INCLUSIONS = 0.3
 """Volume fraction of inclusions to which Maxwell Garnett's law is commonly used [1]."""
@@ -73,11 +73,11 @@ class Mixture(Compound):
     """
 
     parts: tuple[Medium, ...]
-    fractions: Numeric = eqx.field(converter=vector)
-    rule: Rule = eqx.field(static=True, default=Rule.BRUGGEMAN, converter=Rule.of)
-    shape: Shape = eqx.field(static=True, default=Shape.SPHERES, converter=Shape.of)
+    fractions: Numeric = field(converter=vector)
+    rule: Rule = field(static=True, default=Rule.BRUGGEMAN, converter=Rule.of)
+    shape: Shape = field(static=True, default=Shape.SPHERES, converter=Shape.of)
     depolarisation: Numeric | None = None
-    grain: float | None = eqx.field(static=True, default=None)
+    grain: float | None = field(static=True, default=None)
     measured_density: Numeric | None = None
 
     def __check_init__(self) -> None:

@@ -6,10 +6,8 @@ computes in single precision, in which it mixes up its two complex types.
 
 from typing import TypeAlias
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 Pair: TypeAlias = tuple[Array, Array]
 

@@ -3,8 +3,6 @@
 import dataclasses
 from collections.abc import Sequence
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -15,6 +13,8 @@ from lightflyer.film.media.compound import Compound, indices
 from lightflyer.film.media.materials import GIVEN, Material
 from lightflyer.film.media.medium import Medium
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import field
 
 
 class TemperatureDependentMedium(Compound):
@@ -45,7 +45,7 @@ class TemperatureDependentMedium(Compound):
     """
 
     parts: tuple[Medium, ...]
-    temperatures: tuple[float, ...] = eqx.field(static=True)
+    temperatures: tuple[float, ...] = field(static=True)
     temperature: Numeric
     measured_density: Numeric | None = None
 

@@ -2,8 +2,6 @@
 
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.checks import is_traced, require_positive, require_range
@@ -20,6 +18,8 @@ from lightflyer.film.optics.spectra import Spectrum, am0
 from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.film.optics.transfer_matrix import Structure, transfer
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jnp
 
 POLARISATIONS = ("s", "p", "mean")  # Names along the axis of polarisation of tables
 
@@ -119,7 +119,7 @@ def _by_angle(film: Film, side: Side, grid: Grid, incidence: Numeric) -> Directi
         blocks = list(whole.reshape(-1, DIRECTIONS))
     pieces = spectral_pieces(film, side, grid.wavelength, grid.mean_weight)
     rows = [
-        jax.tree.map(lambda *parts: sum(parts), *(_directional(*one) for one in arguments))
+        tree.map_leaves(lambda *parts: sum(parts), *(_directional(*one) for one in arguments))
         for arguments in ([(*piece, block) for piece in pieces] for block in blocks)
     ]
     join = jnp.concatenate if is_traced(rows) else np.concatenate

@@ -5,7 +5,6 @@ What a film absorbs, lets through and reflects; its emittance is what it absorbs
 
 from typing import NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from lightflyer.core.checks import require_positive, require_range
@@ -24,9 +23,10 @@ from lightflyer.film.optics.integration import (
 )
 from lightflyer.film.optics.spectra import Spectrum, am0, blackbody_fraction
 from lightflyer.film.optics.stack import GRAZING, Film, Side
+from lightflyer.pytree.module import Module, field
 
 
-class Average(eqx.Module):
+class Average(Module):
     """Mean over a spectrum of what a film absorbs, lets through or reflects."""
 
     #: Mean over the part of the spectrum in which the materials have data or extrapolate [1]
@@ -37,7 +37,7 @@ class Average(eqx.Module):
     #: Share of the spectrum's power at which a material extrapolates [1]
     extrapolated_share: Numeric = 0.0
     #: Those materials, with their policy and range
-    extrapolated: tuple[str, ...] = eqx.field(static=True, default=())
+    extrapolated: tuple[str, ...] = field(static=True, default=())
     #: Mean over the part of the spectrum that has data [1]; None if nothing is extrapolated, when
     #: it is ``value``
     within: Numeric | None = None

@@ -30,12 +30,10 @@ Complex numbers are pairs of real ones here: XLA compiles those into far faster 
 
 from typing import Any, NamedTuple, TypeAlias
 
-import jax
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.numerics.trigonometry import sine_and_cosine
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, custom_jvp, jax, jnp
 
 Complex: TypeAlias = tuple[Array, Array]
 
@@ -70,12 +68,12 @@ class Sheets(NamedTuple):
         return self.decay * cosine, self.decay * sine
 
     def cut(self, start: int, stop: int) -> "Sheets":
-        found: Sheets = jax.tree.map(lambda one: one[start:stop], self)
+        found: Sheets = tree.map_leaves(lambda one: one[start:stop], self)
         return found
 
     def flip(self) -> "Sheets":
         """The layers in reverse order."""
-        found: Sheets = jax.tree.map(lambda one: one[::-1], self)
+        found: Sheets = tree.map_leaves(lambda one: one[::-1], self)
         return found
 
 
@@ -188,7 +186,7 @@ def _sweep(
 ) -> tuple[_Pair, Any]:
     """The recursion from the bottom up, and the ratios below each interface, top to bottom."""
     full = jnp.zeros(shape)
-    lowest = jax.tree.map(lambda part: part + full, below)
+    lowest = tree.map_leaves(lambda part: part + full, below)
     waves = tuple(_Wave(one, (full, full), full + 1.0) for one in lowest.admittances)
     rows = (layers.half, layers.round_trip, layers.decay)
     damped = None if roughness is None else roughness[1:]
@@ -205,7 +203,7 @@ def _sweep(
             _Wave(one, _product(ratio, round_trip), wave.power * gain * decay)
             for one, wave, (ratio, gain) in zip(half.admittances, waves, met, strict=True)
         )
-        widened = jax.tree.map(lambda part: part + full, (half, risen))
+        widened = tree.map_leaves(lambda part: part + full, (half, risen))
         return widened, (met if inside else None, tuple(wave.ratio for wave in widened[1]))
 
     under: HalfSpace = lowest
@@ -274,7 +272,7 @@ def _slopes(
     return found, (slopes[0], slopes[1])
 
 
-_smooth: Any = jax.custom_jvp(_smooth_sweep, nondiff_argnums=(0, 1))
+_smooth: Any = custom_jvp(_smooth_sweep, nondiff_argnums=(0, 1))
 _smooth.defjvp(_slopes)
 
 
@@ -305,7 +303,7 @@ def _faces(
     shape: tuple[int, ...], above: HalfSpace, layers: Sheets, below: HalfSpace
 ) -> tuple[tuple[Complex, Complex], tuple[Complex, Complex]]:
     """Admittances above each interface, and below each, for s and p polarisation."""
-    first, last = (jax.tree.map(lambda part: part[None], one) for one in (above, below))
+    first, last = (tree.map_leaves(lambda part: part[None], one) for one in (above, below))
     upper, lower = _stack(shape, first, layers.half), _stack(shape, layers.half, last)
     return upper.admittances, lower.admittances
 
@@ -338,7 +336,7 @@ def _stack(shape: tuple[int, ...], *parts: Any) -> Any:
         rows = part.reshape(part.shape[:1] + ones + part.shape[1:])
         return jnp.broadcast_to(rows, (part.shape[0], *shape))
 
-    return jax.tree.map(lambda *rows: jnp.concatenate([wide(one) for one in rows]), *parts)
+    return tree.map_leaves(lambda *rows: jnp.concatenate([wide(one) for one in rows]), *parts)
 
 
 def _absorption(layers: Sheets, number: int, risen: _Risen) -> Array:
@@ -353,7 +351,7 @@ def _absorption(layers: Sheets, number: int, risen: _Risen) -> Array:
     return beam * (entering - decay * net_power(admittance, ratio))
 
 
-@jax.custom_jvp
+@custom_jvp
 def _root(real: Array, imaginary: Array) -> Complex:
     """Square root in the first quadrant of a number in the upper half-plane."""
     modulus = jnp.sqrt(real * real + imaginary * imaginary)
@@ -384,7 +382,7 @@ def _inverse(one: Complex) -> Complex:
     return one[0] * scale, -one[1] * scale
 
 
-@jax.custom_jvp
+@custom_jvp
 def _quotient(over: Complex, under: Complex) -> Complex:
     (a, b), (c, d) = over, under
     scale = 1.0 / (c * c + d * d)

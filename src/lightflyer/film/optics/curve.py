@@ -7,15 +7,13 @@ whose radiation passes.
 from functools import cache
 from typing import Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.checks import is_traced
 from lightflyer.core.types import Numeric
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import Module
 
 LOWEST_TEMPERATURE, HIGHEST_TEMPERATURE = 100.0, 1500.0
 """Temperatures between which curves are made [K]."""
@@ -28,7 +26,7 @@ _UNROLLED = 5  # terms of a step of the loop: twice as fast as one, and compiles
 _BETWEEN_NODES = 0.1  # margin for what a curve does between its nodes
 
 
-class EmittanceCurve(eqx.Module):
+class EmittanceCurve(Module):
     r"""Total emittance of a face, a polynomial of the logarithm of temperature.
 
     A single polynomial has derivatives of every order, needs few operations, and its difference

@@ -3,9 +3,7 @@
 import dataclasses
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array, lax
 
 from lightflyer.core.checks import is_traced
 from lightflyer.core.errors import ParameterError
@@ -15,6 +13,7 @@ from lightflyer.film.optics.spectra import Spectrum, planck
 from lightflyer.film.optics.stack import Film, Side
 from lightflyer.film.optics.transfer_matrix import Structure, transfer
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp, lax
 
 DIRECTIONS = 16  # Directions in a hemispherical average, Gauss-Legendre in the cosine
 

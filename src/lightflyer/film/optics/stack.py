@@ -4,8 +4,6 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any, Literal, TypeAlias, get_args
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.checks import is_traced, require_positive, require_range
@@ -29,6 +27,8 @@ from lightflyer.film.optics.transfer_matrix import (
     structured_optics,
 )
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import field
 
 Side: TypeAlias = Literal["top", "bottom"]
 
@@ -66,7 +66,7 @@ class Layer(Checked):
 
     material: Medium
     thickness: Thickness
-    coherent: bool = eqx.field(static=True, default=True)
+    coherent: bool = field(static=True, default=True)
     roughness: Roughness | None = None
 
     def __check_init__(self) -> None:
@@ -123,7 +123,7 @@ class Film(Checked):
     0.801 g/m²
     """
 
-    layers: tuple[Layer, ...] = eqx.field()  # a field: "Checked" reads no sequences
+    layers: tuple[Layer, ...] = field()  # a field: "Checked" reads no sequences
     above: Medium | None = None
     below: Medium | None = None
     roughness_below: Roughness | None = None

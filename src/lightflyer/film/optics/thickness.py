@@ -4,12 +4,12 @@ import dataclasses
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
-import jax
 import numpy as np
 
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.film.optics.stack import Film
+from lightflyer.pytree import tree
 
 T = TypeVar("T")
 
@@ -73,15 +73,15 @@ def thickness_uncertainty(
     """
     _check(film, uncertainty)
     middle = quantity(film)
-    total = jax.tree.map(lambda one: np.zeros_like(one, float), middle)
+    total = tree.map_leaves(lambda one: np.zeros_like(one, float), middle)
     pairs = [
         (_change(film, number, spread), _change(film, number, -spread))
         for number, spread in enumerate(uncertainty)
         if spread > 0.0
     ]
     for above, below in (*pairs, *others):
-        total = jax.tree.map(_add, total, middle, quantity(above), quantity(below))
-    return jax.tree.map(lambda one: np.sqrt(one)[()], total)
+        total = tree.map_leaves(_add, total, middle, quantity(above), quantity(below))
+    return tree.map_leaves(lambda one: np.sqrt(one)[()], total)
 
 
 def _add(total: np.ndarray, middle: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:

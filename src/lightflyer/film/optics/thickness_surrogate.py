@@ -8,10 +8,7 @@ takes the rest out by computing its best film on the full grids.
 
 from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
@@ -25,6 +22,8 @@ from lightflyer.film.optics.integration import (
 from lightflyer.film.optics.spectra import Spectrum, am0
 from lightflyer.film.optics.stack import GRAZING, Film
 from lightflyer.film.optics.transfer_matrix import transfer
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module
 
 DIRECTIONS = 4  # Directions of a hemispherical average, Gauss-Legendre in the cosine
 
@@ -36,7 +35,7 @@ _LEAST_EMITTANCE = 1e-9
 _ABSENT = 1e-16  # [m], thickness of a layer that is not there; its phase is lost in rounding
 
 
-class Sampled(eqx.Module):
+class Sampled(Module):
     """Index of each layer at some wavelengths, and the weights of means over them."""
 
     n: Numeric  # shape (layers, w); [1]
@@ -68,7 +67,7 @@ class Sampled(eqx.Module):
         return cls(n, k, np.pad(ends, missing, mode="edge"), np.pad(weight, [(0, 0), missing]))
 
 
-class ThicknessSurrogate(eqx.Module):
+class ThicknessSurrogate(Module):
     """Films of the same media in the same order, whose thicknesses may be anything."""
 
     # Over the light, and over the radiation of black bodies at the nodes of an

@@ -9,11 +9,7 @@ and pass shares of them.
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.film.optics.coherent import (
@@ -28,9 +24,12 @@ from lightflyer.film.optics.coherent import (
     sheets,
 )
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module, field
 
 
-class StackOptics(eqx.Module):
+class StackOptics(Module):
     """Shares of the light on a stack that are reflected, transmitted, absorbed and scattered.
 
     The first axis of each field is the polarisation: s, then p.
@@ -82,7 +81,7 @@ def _sum(groups: Numeric, parts: Numeric) -> Numeric:
     return jnp.tensordot(groups, parts, axes=1)
 
 
-class Structure(eqx.Module):
+class Structure(Module):
     """What a stack is besides its layers: by default free-standing, smooth and coherent."""
 
     # Refractive index of the medium that the light comes from, which absorbs nothing [1]
@@ -91,7 +90,7 @@ class Structure(eqx.Module):
     # shape (layers + 1, ...); standard deviation of the height of each interface, top to bottom [m]
     roughness: Numeric | None = None
     # Whether light interferes in each layer; empty where it does in all
-    coherent: tuple[bool, ...] = eqx.field(static=True, default=())
+    coherent: tuple[bool, ...] = field(static=True, default=())
 
 
 def stack_optics(
@@ -238,10 +237,10 @@ def _grouped(
     above, (below_n, below_k) = jnp.asarray(structure.above), structure.below
     beam = Beam(above, jnp.cos(incidence))
     outside, substrate = beam.half, beam.into(jnp.asarray(below_n), jnp.asarray(below_k))
-    layers = sheets(beam, n, k, (4.0 * jnp.pi) * thickness / wavelength)
+    layers = sheets(beam, n, k, (4.0 * np.pi) * thickness / wavelength)
     roughness = structure.roughness
     inside = inside or roughness is not None
-    kappa = None if roughness is None else (2.0 * jnp.pi) * jnp.asarray(roughness) / wavelength
+    kappa = None if roughness is None else (2.0 * np.pi) * jnp.asarray(roughness) / wavelength
     shape = jnp.broadcast_shapes(
         layers.exponent[0].shape[1:], outside.magnetic[0].shape, substrate.normal[0].shape,
         wavelength.shape, () if kappa is None else kappa.shape[1:],
@@ -301,7 +300,7 @@ class _Grouped(NamedTuple):
         return respond(self.outside, part, below, kappa, self.shape, inside=False)
 
     def _medium(self, number: int) -> HalfSpace:
-        one: HalfSpace = jax.tree.map(lambda part: part[number], self.layers.half)
+        one: HalfSpace = tree.map_leaves(lambda part: part[number], self.layers.half)
         return one
 
 

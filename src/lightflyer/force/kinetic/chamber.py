@@ -16,9 +16,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
@@ -28,6 +26,7 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force.kinetic.collisions import HEATED_RANGE
 from lightflyer.force.kinetic.ratios import denseness, heating_of, thinness
 from lightflyer.numerics.polynomials import hold_within, place_between, polynomial
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 # powers of floor, lid and side wall: floor and lid may be exchanged, with the same or the
 # opposite result

@@ -17,15 +17,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic.ratios import heating_of
 from lightflyer.gas.base import AbstractGas
 from lightflyer.numerics.polynomials import hold_within, least_squares, place_between, polynomial
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _REFERENCE_TAC = 0.9
 _TACS = (0.3, 1.0)  # little beyond those of the table, 0.4 and 0.9

@@ -3,10 +3,6 @@
 import math
 from typing import Any, ClassVar, Literal
 
-import equinox as eqx
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import StandardErrors
 from lightflyer.core.types import Numeric
@@ -47,6 +43,8 @@ from lightflyer.force.kinetic.warm_floor import push_of_floor
 from lightflyer.force.membranes.schafer2025_table import internal_factors
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import field
 
 Polyatomic = Literal["refused", "scaled"]
 """What becomes of a gas of neither kind that the tables are for."""
@@ -82,9 +80,9 @@ class KineticDisk(AbstractWalled):
 
     force_error: StandardErrors | None
     heat_error: StandardErrors | None
-    polyatomic: Polyatomic = eqx.field(static=True)
-    collisions: Collisions = eqx.field(static=True)
-    film_balance: FilmBalance = eqx.field(static=True)
+    polyatomic: Polyatomic = field(static=True)
+    collisions: Collisions = field(static=True)
+    film_balance: FilmBalance = field(static=True)
 
     def require_gas(self, gas: AbstractGas) -> None:
         if self.polyatomic == "refused" and gas.molecules not in self.molecules:

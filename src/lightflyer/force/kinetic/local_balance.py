@@ -18,9 +18,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
@@ -30,6 +28,7 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic.ratios import heating_of, thinness
 from lightflyer.numerics.polynomials import least_squares, place_between, polynomial
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 FilmBalance = Literal["isothermal", "local"]
 """One temperature of the whole film, or one that follows from each spot's balance of heat."""

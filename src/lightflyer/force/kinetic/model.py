@@ -4,9 +4,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
-import equinox as eqx
 import pydantic
-from jax import Array
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Fraction, StandardErrors
@@ -27,6 +25,8 @@ from lightflyer.force.laws.membrane_transmission import Transmission
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import AbstractGas
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array
+from lightflyer.pytree.module import field
 
 _IDLE = {
     "transmission": "transmission = {0.transmission} has no effect: a disk has no holes",
@@ -145,15 +145,15 @@ class Kinetic(AbstractForceModel):
 
     force_error: StandardErrors | None = None
     heat_error: StandardErrors | None = None
-    transmission: Transmission = eqx.field(static=True, default="aligned")
-    polyatomic: Polyatomic = eqx.field(static=True, default="refused")
-    wall: Wall = eqx.field(static=True, default="unknown")
+    transmission: Transmission = field(static=True, default="aligned")
+    polyatomic: Polyatomic = field(static=True, default="refused")
+    wall: Wall = field(static=True, default="unknown")
     wall_error: StandardErrors | None = None
     sharing_error: StandardErrors | None = None
     tangential_accommodation: Fraction | None = None
     rotational_accommodation: Fraction | None = None
-    collisions: Collisions = eqx.field(static=True, default="vhs")
-    film_balance: FilmBalance = eqx.field(static=True, default="isothermal")
+    collisions: Collisions = field(static=True, default="vhs")
+    film_balance: FilmBalance = field(static=True, default="isothermal")
 
     def __check_init__(self) -> None:
         super().__check_init__()

@@ -17,12 +17,11 @@ can be continued beyond the table that :mod:`~lightflyer.force.kinetic.table_fit
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.numerics.polynomials import hold_within, place_between, polynomial
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 BOUNDARY_TAC = 0.85  # Mean TAC in the table of walls
 

@@ -3,10 +3,6 @@
 import math
 from typing import Any, ClassVar
 
-import equinox as eqx
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import StandardErrors
 from lightflyer.core.types import Numeric
@@ -44,6 +40,8 @@ from lightflyer.force.membranes.sandwich import (
 )
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import field
 
 _DENSE = "the table of kinetic ends there, and the force is extrapolated by a power law"
 _APART = 0.3  # TACs further apart change the heat by 1 % at Kn 0.1, which the table leaves out
@@ -61,8 +59,8 @@ class KineticSandwich(AbstractWalled):
 
     force_error: StandardErrors | None
     heat_error: StandardErrors | None
-    transmission: Transmission = eqx.field(static=True)
-    collisions: Collisions = eqx.field(static=True)
+    transmission: Transmission = field(static=True)
+    collisions: Collisions = field(static=True)
 
     def require_gas(self, gas: AbstractGas) -> None:
         if gas.molecules not in self.molecules:

@@ -29,9 +29,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
@@ -47,6 +45,7 @@ from lightflyer.numerics.polynomials import (
     place_between,
     polynomial,
 )
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 HIGHEST_OPEN_FRACTION = 0.99  # Where the table ends [1]
 RAREFACTION_OF_KNUDSEN = np.sqrt(np.pi) / 4.0  # δ Kn, with the Knudsen number of the diameter

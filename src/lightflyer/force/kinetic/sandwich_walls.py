@@ -23,9 +23,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.types import Numeric
@@ -49,6 +47,7 @@ from lightflyer.force.kinetic.walls import (
 )
 from lightflyer.numerics.polynomials import least_squares, polynomial
 from lightflyer.program.entry_point import evaluate_once
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _DENSITY = 1.8  # δ at which thin gas gives way to dense, for what is fitted only
 _DEGREE, _PLACE_DEGREE = 3, 4

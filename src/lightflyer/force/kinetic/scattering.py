@@ -14,14 +14,13 @@ table over the Knudsen number and the three mean coefficients; in thin gas they 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.kinetic_theory.walls import normal_accommodation
 from lightflyer.numerics.polynomials import least_squares, place_between, polynomial
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _KINDS = ("normal", "tangential", "rotational")
 _KNUDSEN_0 = 0.25  # where thin gas gives way to dense, for what is fitted only

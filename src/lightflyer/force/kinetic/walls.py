@@ -30,10 +30,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
@@ -59,6 +56,8 @@ from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.laws.faces import accommodated_force, maxwell_force
 from lightflyer.numerics.polynomials import hold_within, least_squares, place_between, polynomial
 from lightflyer.program.entry_point import evaluate_once
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import field
 
 Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
 """What becomes of molecules at a face; unknown is the middle of the next two."""
@@ -127,7 +126,7 @@ class Walls(NamedTuple):
 class AbstractWalled(AbstractForceModel):
     """A kinetic model with a choice of walls, as :class:`lightflyer.Kinetic` explains them."""
 
-    wall: Wall = eqx.field(static=True)
+    wall: Wall = field(static=True)
     wall_error: StandardErrors | None
     sharing_error: StandardErrors | None
     tangential_accommodation: Fraction | None

@@ -14,13 +14,11 @@ solutions behind :mod:`lightflyer.environment.warm_floor`, for TACs of 0.85; the
 0.003 and 5 % (r.m.s.).
 """
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.warm_floor import distances, middle_distance
 from lightflyer.flyer.disk import Disk
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _FIRST, _SECOND, _STEEPNESS = 0.1679, 0.0516, 1.1198  # a, b, c
 

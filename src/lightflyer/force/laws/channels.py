@@ -38,14 +38,13 @@ import math
 from functools import lru_cache
 from typing import ClassVar, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.files.table import shipped_table
 from lightflyer.gas.transmission_probability import coaxial_share, slot_transmission
 from lightflyer.numerics.curves import Curves
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _ROOT_PI = math.sqrt(math.pi)
 _SLIP = 1.018  # viscous slip σ_P of the Shakhov equation, diffuse walls, [SharipovSeleznev1998]

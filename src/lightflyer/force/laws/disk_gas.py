@@ -7,11 +7,9 @@ one face faster than the other. All take arrays that broadcast, and are differen
 
 import math
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.force.laws.channels import Surroundings
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _PATH = 2.0 / math.sqrt(math.pi)  # length over the mean free path, per δ of the length
 _CONDUCTION = 15.0 / (2.0 * math.sqrt(math.pi))

@@ -5,10 +5,8 @@ excess of a face is :math:`\theta = (T_h - T_c)/T_c`, which stays exact where fa
 a millikelvin.
 """
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 
 def free_molecular_conductance(

@@ -17,11 +17,9 @@ energy on a membrane. Two limits are known:
 
 from typing import Literal, NamedTuple
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.force.laws.gap import accommodation_between
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 Transmission = Literal["aligned", "wide"]
 """How the holes and the gap of a sandwich let molecules pass."""

@@ -15,11 +15,11 @@ through it face on. The rest is fitted to solutions of the Navier–Stokes equat
 (``studies/outer_flow``).
 """
 
-import jax.numpy as jnp
-from jax import Array, lax
+import numpy as np
 
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
+from lightflyer.pytree.lazy_jax import Array, jnp, lax
 
 CREEPING = 16.0
 """Force on a disk in creeping flow, face on, over μ, radius and velocity; [HappelBrenner1983]."""
@@ -73,7 +73,7 @@ def pumped_velocity(
     # Exact to rounding for any resistance of wall and gas. First derivatives are exact.
     scale = density * radius / viscosity
     free = scale * conductance * stopping_pressure  # Reynolds number without resistance outside
-    outside = conductance * viscosity / (jnp.pi * radius)
+    outside = conductance * viscosity / (np.pi * radius)
 
     # between creeping flow and a jet, the root of a quadratic equation
     slope = 1.0 + outside * creeping

@@ -2,9 +2,7 @@
 
 from collections.abc import Iterator
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
@@ -13,6 +11,7 @@ from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force.laws.gap import gap_conductance
 from lightflyer.force.laws.membrane_transmission import MembraneTransmission, Transmission
 from lightflyer.gas.base import AbstractGas, mean_free_path
+from lightflyer.pytree.lazy_jax import Array
 
 WIDE_GAP = 2.0
 """Gap over hole radius up to which holes count as being above each other: one hole diameter."""
@@ -30,8 +29,7 @@ def rarefaction(
 ) -> Array:
     r"""Rarefaction parameter of a disk [1]."""
     # .. math:: \delta = \frac{p\,a}{\mu\sqrt{2RT}} = \frac{\sqrt\pi}{2}\,\frac{a}{\lambda}
-    speed = jnp.sqrt(2.0 * gas.specific_gas_constant * temperature)
-    return pressure * radius / (gas.viscosity(temperature) * speed)
+    return 0.5 * np.sqrt(np.pi) * radius / mean_free_path(pressure, temperature, gas)
 
 
 def rarefaction_of(flyer: Sandwich, state: EnvironmentState) -> Array:

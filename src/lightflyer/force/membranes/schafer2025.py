@@ -2,10 +2,7 @@ r"""The sandwich's model of Schafer et al.: a perforated disk in a reservoir, tw
 
 from typing import ClassVar, Literal
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.quantity import StandardErrors
@@ -38,6 +35,8 @@ from lightflyer.force.membranes.schafer2025_table import (
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import AbstractGas
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import field
 
 _DENSE = Validity(
     "the rarefaction parameter",
@@ -124,7 +123,7 @@ class Schafer2025(AbstractForceModel):
     flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (Sandwich,)
     feels_walls: ClassVar[bool] = False
 
-    transmission: Transmission = eqx.field(static=True, default="aligned")
+    transmission: Transmission = field(static=True, default="aligned")
     force_error: StandardErrors | None = None
 
     @entry_point

@@ -29,13 +29,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.files.table import shipped_table
 from lightflyer.numerics.curves import Curves
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 TEMPERATURE_EXCESS = 1.0 / 3.0
 """Relative temperature excess of the hot face in the table: 400 K in gas at 300 K."""

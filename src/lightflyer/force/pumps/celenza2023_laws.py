@@ -9,13 +9,11 @@ References
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.gas.air import AbstractAir
 from lightflyer.gas.base import AbstractGas
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 PI = 3.14  # As in the published code, 0.05 % too small
 DENSITY_CONSTANT = 287.0  # Specific gas constant of air in the density [J/(kg K)]

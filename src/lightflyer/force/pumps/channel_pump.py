@@ -13,9 +13,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.quantity import StandardErrors
 from lightflyer.core.types import Numeric
@@ -41,6 +39,7 @@ from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.transmission_probability import slot_transmission
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _PATH = 2.0 / np.sqrt(np.pi)  # length over the mean free path, per δ of the length
 _DISK_DRAG = 16.0 / np.pi  # Stokes' drag of a disk 16μau, over its area, times a/(μu)
@@ -129,11 +128,11 @@ def through_flow(
         "radius": radius,
         "density": density,
         "viscosity": viscosity,
-        "creeping": jnp.pi * radius * outer_resistance / viscosity,
+        "creeping": np.pi * radius * outer_resistance / viscosity,
     }
     velocity = pumped_velocity(1.0 / wall_resistance, stopping, **outside)
     force = through_flow_force(velocity=velocity, **outside)
-    return ThroughFlow(velocity, stopping, force / (jnp.pi * radius**2))
+    return ThroughFlow(velocity, stopping, force / (np.pi * radius**2))
 
 
 def outer_resistance(

@@ -16,8 +16,7 @@ the outlet holds by itself, and the pressure :math:`\Delta p_b` by which warm ga
 import math
 from typing import NamedTuple
 
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
@@ -38,6 +37,7 @@ from lightflyer.force.laws.channels import (
 from lightflyer.force.laws.faces import free_molecular_conductance
 from lightflyer.force.pumps import celenza2023_laws as published
 from lightflyer.gas.base import mean_free_path
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _RAREFIED_DRAG = 1.264  # Stokes' drag of a broad disk over that of free molecules, 16/(4/√π + √π)
 _NO_LENGTH = 1e-9  # of a hole in a thin wall, over its width or radius
@@ -103,7 +103,7 @@ class _Areas(NamedTuple):
 
 
 def _areas(flyer: HollowBody, corrections: Corrections) -> _Areas:
-    rounded = 1.0 if corrections.gas_properties else published.PI / jnp.pi
+    rounded = 1.0 if corrections.gas_properties else published.PI / np.pi
     return _Areas(rounded * flyer.surface, rounded * flyer.outlet_area)
 
 
@@ -177,14 +177,14 @@ def _gas_outside(flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Arr
 
 def share_at_wall(flyer: HollowBody, state: EnvironmentState) -> Array:
     """Share of the outer film's excess that the gas at it has: 0 to free molecules, 1 if dense."""
-    dense = 4.0 * jnp.pi * radius(flyer) * state.gas.conductivity(state.temperature)
+    dense = 4.0 * np.pi * radius(flyer) * state.gas.conductivity(state.temperature)
     free = free_molecular(state, flyer.surface)
     return free / (free + dense * state.temperature)
 
 
 def radius(flyer: HollowBody) -> Array:
     """Of the sphere that has the wall's area [m]."""
-    return jnp.sqrt(flyer.surface / (4.0 * jnp.pi))
+    return jnp.sqrt(flyer.surface / (4.0 * np.pi))
 
 
 def free_molecular(state: EnvironmentState, area: Numeric) -> Array:

@@ -2,9 +2,6 @@
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.hollow import HollowBody
@@ -24,6 +21,7 @@ from lightflyer.force.pumps.hollow_flow import (
     share_at_wall,
 )
 from lightflyer.gas.transmission_probability import slot_transmission
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _DISK_CONDUCTION = 4.0  # conductance of a disk's one face to a half-space, over κ and its radius
 _HELD = 1e9  # conductance that holds the outer film at the gas temperature, over the wall's

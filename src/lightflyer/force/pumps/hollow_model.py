@@ -4,8 +4,6 @@ import abc
 from collections.abc import Mapping
 from typing import ClassVar
 
-from jax import Array
-
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks
 from lightflyer.environment.base import EnvironmentState
@@ -23,6 +21,7 @@ from lightflyer.force.pumps.hollow_flow import (
 )
 from lightflyer.force.pumps.hollow_heat import pump_heat
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array
 
 
 class AbstractHollowModel(AbstractForceModel):

@@ -2,15 +2,14 @@
 
 from typing import Literal
 
-import equinox as eqx
-import jax.numpy as jnp
-
 from lightflyer.core.quantity import StandardErrors
 from lightflyer.force.pumps.celenza2023_laws import require_air
 from lightflyer.force.pumps.hollow_flow import Corrections, Errors
 from lightflyer.force.pumps.hollow_model import AbstractHollowModel
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import AbstractGas
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import field
 
 _SCATTER = Errors(wall=0.10, outlet=0.25, force=0.15, heat=0.10)
 """Standard errors, relative [1].
@@ -75,15 +74,15 @@ class HollowPump(AbstractHollowModel):
     [Celenza2023]_ for the equations that are corrected.
     """
 
-    short_channels: bool = eqx.field(static=True, default=True)
-    projected_light: bool = eqx.field(static=True, default=True)
-    energy_balance: bool = eqx.field(static=True, default=True)
-    viscous_outlet: bool = eqx.field(static=True, default=True)
-    rarefied_force: bool = eqx.field(static=True, default=True)
-    channel_coefficients: bool = eqx.field(static=True, default=True)
-    gas_properties: bool = eqx.field(static=True, default=True)
-    jet_density: bool = eqx.field(static=True, default=True)
-    buoyant_flow: bool = eqx.field(static=True, default=True)
+    short_channels: bool = field(static=True, default=True)
+    projected_light: bool = field(static=True, default=True)
+    energy_balance: bool = field(static=True, default=True)
+    viscous_outlet: bool = field(static=True, default=True)
+    rarefied_force: bool = field(static=True, default=True)
+    channel_coefficients: bool = field(static=True, default=True)
+    gas_properties: bool = field(static=True, default=True)
+    jet_density: bool = field(static=True, default=True)
+    buoyant_flow: bool = field(static=True, default=True)
     wall_error: StandardErrors | None = None
     outlet_error: StandardErrors | None = None
     force_error: StandardErrors | None = None

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.calibration.gauge import Gauge
@@ -27,6 +26,7 @@ from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.gas.pure import ARGON
 from lightflyer.lab.estimate import Estimate, central_interval
 from lightflyer.program.arguments import reads_units
+from lightflyer.pytree.lazy_jax import jnp
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-import jax
 import numpy as np
 
 from lightflyer.core.errors import ParameterError
@@ -23,6 +22,7 @@ from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample
 from lightflyer.lab.optics.ellipsometry import ORDINATES
 from lightflyer.lab.spectrum_noise import point_noise
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import jax
 
 LEAST_ERROR = 1e-4  # Least standard error of a point [1]: no photometer is better
 

@@ -4,7 +4,6 @@ import abc
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core import constants
@@ -17,6 +16,7 @@ from lightflyer.force.laws.faces import free_molecular_conductance
 from lightflyer.force.lu2023 import READINGS, Reading, heat_conductances
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.program.entry_point import elementwise_entry_point
+from lightflyer.pytree.lazy_jax import jnp
 
 KINETIC = "kinetic"  # Name of the reading by the kinetic equation
 

@@ -16,13 +16,13 @@ without the error of a short series [Kendall1954]_. The number's interval is Stu
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from lightflyer.core.progress import asked_to_end, report
 from lightflyer.mission.path.integration import Accuracy, Limits, Start
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.single import follow
+from lightflyer.pytree import tree
 
 TELLING = 6.0
 """Twice the logarithm of a ratio of likelihoods above which one explanation is preferred; strong
@@ -79,12 +79,12 @@ def with_mass(craft: Craft, added: float) -> Craft:
     """A craft that weighs more by a mass [kg]."""
     # not by its constructor: a mass may be taken away from a flyer without payload
     payload = np.asarray(craft.setup.flyer.payload, float) + added
-    return eqx.tree_at(lambda one: one.setup.flyer.payload, craft, payload)
+    return tree.replace_at(lambda one: one.setup.flyer.payload, craft, payload)
 
 
 def with_vertical_wind(craft: Craft, upwards: float) -> Craft:
     """A craft in the wind of a track, stronger upwards by a speed [m/s]."""
-    return eqx.tree_at(lambda one: one.wind_error.upwards, craft, upwards)
+    return tree.replace_at(lambda one: one.wind_error.upwards, craft, upwards)
 
 
 def explain(question: Question, stated: np.ndarray) -> dict[str, Explanation] | None:

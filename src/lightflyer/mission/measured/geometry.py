@@ -2,7 +2,6 @@
 
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.environment.planet import Planet
@@ -71,7 +70,7 @@ def moved(track: MeasuredTrack, moments: np.ndarray, planet: Planet) -> Moved:
 @entry_point
 def _curvature_radii(planet: Planet, latitude: Any) -> tuple[Any, Any]:
     """Radii of the planet's curvature towards east and north [m], shape (n,)."""
-    return planet.curvature_radius(latitude, 0.5 * jnp.pi), planet.curvature_radius(latitude, 0.0)
+    return planet.curvature_radius(latitude, 0.5 * np.pi), planet.curvature_radius(latitude, 0.0)
 
 
 def _at(track: MeasuredTrack, places: np.ndarray, time: np.ndarray) -> np.ndarray:

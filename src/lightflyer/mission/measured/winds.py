@@ -2,8 +2,6 @@
 
 from typing import NamedTuple
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.types import Numeric
@@ -13,6 +11,8 @@ from lightflyer.mission.measured.track import MeasuredTrack
 from lightflyer.mission.path.moments import Course, moments
 from lightflyer.mission.path.motion import Craft
 from lightflyer.numerics.cubic_grid import Axis, interpolate
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import Module
 
 _STEP = 300.0  # over which a velocity is taken: receivers are off by metres [s]
 _MOST_STEPS = 2000
@@ -32,7 +32,7 @@ class WindDifference(NamedTuple):
     altitude: np.ndarray  # Mean [m]
 
 
-class WindOfTrack(eqx.Module):
+class WindOfTrack(Module):
     """What a track adds to the wind in use, over time; in place of a random error of the wind."""
 
     axis: Axis  # Of the time since the release [s]

@@ -3,8 +3,7 @@
 import abc
 from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
+import numpy as np
 
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Checked, Fraction, LargestTilt
 from lightflyer.core.types import Numeric
@@ -12,12 +11,15 @@ from lightflyer.environment.base import AbstractEnvironment, Place, Wind
 from lightflyer.environment.radiation import Attitude, Radiation
 from lightflyer.mission.areas import Circle
 from lightflyer.mission.path.position import angles_towards
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import Module
 
 _NEAR = 10e3
 """Distance from a station at which a flyer tilts by half of the largest tilt [m]."""
 
 
-class Moment(eqx.Module):
+class Moment(Module):
     """What a rule sees: a flyer at one moment of its flight."""
 
     elapsed: Numeric  #: Time since the release [s]
@@ -113,7 +115,7 @@ class FollowSun(AbstractAttitudeRule):
     """
 
     share: Fraction = 0.5
-    largest: LargestTilt = 0.25 * jnp.pi
+    largest: LargestTilt = 0.25 * np.pi
 
     @property
     def tilts(self) -> bool:
@@ -126,7 +128,7 @@ class FollowSun(AbstractAttitudeRule):
         return _attitude(tilt, light.azimuth)
 
     def describe(self) -> str:
-        degrees = float(self.largest) * 180.0 / jnp.pi
+        degrees = float(self.largest) * 180.0 / np.pi
         return (
             f"tilted towards the sun by {float(self.share):g} of its zenith angle, at most "
             f"{degrees:g}°; level at night"
@@ -169,6 +171,6 @@ class TowardsStation(AbstractAttitudeRule):
 
 def _attitude(tilt: Any, azimuth: Any) -> Attitude:
     """An attitude of traced numbers, which need no check."""
-    return eqx.tree_at(
+    return tree.replace_at(
         lambda attitude: (attitude.tilt, attitude.azimuth), Attitude(), (tilt, azimuth)
     )

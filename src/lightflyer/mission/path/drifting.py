@@ -17,10 +17,7 @@ buoyancy :math:`W`. Slow, with :math:`D = kU`, that is
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.config.designs import as_design
 from lightflyer.core.checks import is_concrete
@@ -42,10 +39,12 @@ from lightflyer.mission.path.motion import (
 )
 from lightflyer.program.arguments import strip_labels
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module, field
 from lightflyer.statics.balance import require_converged
 
 
-class Drift(PrintedResult, eqx.Module):
+class Drift(PrintedResult, Module):
     """Steady motion of a flyer through the air."""
 
     speed: Array  #: Horizontal, towards the azimuth to which the top face is tilted [m/s]
@@ -54,7 +53,7 @@ class Drift(PrintedResult, eqx.Module):
     #: Vertical force of the gas on the flyer at rest, with buoyancy, over its weight [1]
     lift_over_weight: Array
     #: Where model or drag are beyond their range; none under JAX's transformations
-    warnings: tuple[str, ...] = eqx.field(static=True, default=())
+    warnings: tuple[str, ...] = field(static=True, default=())
 
     def text_parts(self) -> Parts:
         yield rows_of(

@@ -6,10 +6,6 @@ From a rocket or an aircraft a flyer starts with their velocity. It is also a ch
 
 from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked, SpecificHeat
 from lightflyer.environment.base import Place, Wind
@@ -31,6 +27,8 @@ from lightflyer.mission.path.integration import (
 from lightflyer.mission.path.motion import INERTIA, Craft, Surroundings, in_balance, velocity
 from lightflyer.mission.path.position import directions, unit_vector
 from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module
 from lightflyer.statics.equations import FlightEquations
 
 SPECIFIC_HEAT = 1000.0
@@ -66,7 +64,7 @@ class Inertia(Checked):
     specific_heat: SpecificHeat = SPECIFIC_HEAT
 
 
-class Thrown(eqx.Module):
+class Thrown(Module):
     """A trajectory with inertia."""
 
     track: Track

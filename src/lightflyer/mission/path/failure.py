@@ -2,12 +2,10 @@
 
 from typing import Any
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.mission.path.motion import Craft, Surroundings
 from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.statics.balance import Equilibrium
 
 _STRESS = "stress_over_strength"

@@ -8,10 +8,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
-from jax import Array
+import numpy as np
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
@@ -20,6 +17,8 @@ from lightflyer.mission.path.failure import failures_of, loads
 from lightflyer.mission.path.motion import Craft, settle, steady_speeds, velocity
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import Module, field
 
 if TYPE_CHECKING:
     import diffrax  # a third of a second, and the flight of one flyer does without
@@ -39,7 +38,7 @@ _SECONDS_AN_HOUR = 3600.0
 _EVENT_TOLERANCE = 1e-10  # of the conditions below, which are altitudes in ALTITUDE_SCALE
 
 
-class Start(eqx.Module):
+class Start(Module):
     """Where and when a flyer is released."""
 
     altitude: Numeric  # [m]
@@ -48,7 +47,7 @@ class Start(eqx.Module):
     velocity: Numeric | None = None
 
 
-class Track(eqx.Module):
+class Track(Module):
     """A trajectory."""
 
     altitude: Array  #: shape (times,); [m]; infinite after the end
@@ -60,7 +59,7 @@ class Track(eqx.Module):
     steps: Array  #: Steps taken, the rejected ones included
 
 
-class Limits(eqx.Module):
+class Limits(Module):
     """Altitudes between which a mission goes on."""
 
     lowest: Numeric  # [m]
@@ -71,14 +70,14 @@ class Limits(eqx.Module):
         return jnp.clip(altitude, self.lowest, self.highest)
 
 
-class Accuracy(eqx.Module):
+class Accuracy(Module):
     """How a trajectory is integrated."""
 
-    steps: int = eqx.field(static=True)  # Limit of their number
+    steps: int = field(static=True)  # Limit of their number
     # Error of a step; see :data:`TOLERANCE`
-    tolerance: float = eqx.field(static=True, default=TOLERANCE)
+    tolerance: float = field(static=True, default=TOLERANCE)
     # Step that is not exceeded; see :data:`LONGEST_STEP`
-    longest: float = eqx.field(static=True, default=LONGEST_STEP)
+    longest: float = field(static=True, default=LONGEST_STEP)
 
     @classmethod
     def for_duration(
@@ -179,7 +178,7 @@ def rate_of(moving: Wind, place: Place, altitude: Array, planet: Planet) -> Arra
     """Rate of a scaled state [1/s], shape (4,); ``moving``: velocity over ground."""
     to_east, to_north = directions(place.latitude, place.longitude)
     along = moving.north / (planet.curvature_radius(place.latitude, 0.0) + altitude)
-    across = moving.east / (planet.curvature_radius(place.latitude, 0.5 * jnp.pi) + altitude)
+    across = moving.east / (planet.curvature_radius(place.latitude, 0.5 * np.pi) + altitude)
     return jnp.append(across * to_east + along * to_north, moving.up / ALTITUDE_SCALE)
 
 

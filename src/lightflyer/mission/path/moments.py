@@ -3,11 +3,7 @@
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
@@ -16,6 +12,8 @@ from lightflyer.environment.wind.met import with_met_winds
 from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import Module
 
 
 class Variable(NamedTuple):
@@ -61,7 +59,7 @@ _DEGREES = 180.0 / np.pi
 _places = entry_point(latitude_and_longitude)
 
 
-class Course(eqx.Module):
+class Course(Module):
     """Where a flyer is over time."""
 
     elapsed: Numeric  # shape (times,); since the release [s]

@@ -17,10 +17,6 @@ those of a flyer at rest.
 from collections.abc import Callable
 from dataclasses import replace
 
-import equinox as eqx
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.design.setup import Setup
@@ -33,6 +29,9 @@ from lightflyer.mission.path.attitude import AbstractAttitudeRule, Moment
 from lightflyer.mission.path.waves import Waves
 from lightflyer.mission.path.wind_error import WindError
 from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
+from lightflyer.pytree import tree
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module
 from lightflyer.statics.balance import Equilibrium, equilibrium
 from lightflyer.statics.equations import weight
 
@@ -53,7 +52,7 @@ there over that in which it falls through a scale height of the gas."""
 _BLEND = 4  # how sharply the way to a balance that is near takes over from a steady speed
 
 
-class Surroundings(eqx.Module):
+class Surroundings(Module):
     """A flyer as it lies at one moment, and what is around it."""
 
     flyer: AbstractFlyer  # With its attitude of the moment
@@ -70,7 +69,7 @@ class Surroundings(eqx.Module):
         return replace(self.state, radiation=self.state.radiation.dimmed(self.share))
 
 
-class Forces(eqx.Module):
+class Forces(Module):
     """Forces on a flyer."""
 
     # Force that drag has to balance, along the normal of the top face and down its slope [N]
@@ -80,7 +79,7 @@ class Forces(eqx.Module):
     weight: Array  # [N]
 
 
-class Craft(eqx.Module):
+class Craft(Module):
     """What flies, where, and by which rule it lies."""
 
     setup: Setup
@@ -133,9 +132,7 @@ class Craft(eqx.Module):
 
 def with_attitude(flyer: AbstractFlyer, attitude: Attitude | None) -> AbstractFlyer:
     """A flyer with another attitude."""
-    return eqx.tree_at(
-        lambda flyer: flyer.attitude, flyer, attitude, is_leaf=lambda leaf: leaf is None
-    )
+    return tree.replace_at(lambda flyer: flyer.attitude, flyer, attitude)
 
 
 def steady_speeds(

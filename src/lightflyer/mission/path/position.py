@@ -7,10 +7,8 @@ pole.
 import sys
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
-from jax import Array
-
 from lightflyer.core.types import Numeric
+from lightflyer.pytree.lazy_jax import Array, jnp
 
 _SMALLEST = sys.float_info.min
 

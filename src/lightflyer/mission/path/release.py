@@ -3,13 +3,11 @@
 from types import NoneType
 from typing import Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.clock import seconds_of
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.precision import in_double
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Altitude,
@@ -24,6 +22,8 @@ from lightflyer.environment.radiation import Attitude
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Moment
 from lightflyer.mission.path.integration import Limits, Start
 from lightflyer.mission.path.motion import Craft
+from lightflyer.pytree.lazy_jax import jax
+from lightflyer.pytree.module import field
 
 _PACKAGE = __name__.partition(".")[0]
 _YEARS = 1950, 2050  # in which the algorithm of the sun's place is good to 0.002°
@@ -49,7 +49,7 @@ class Release(Checked):
     #: Seconds since 2000-01-01 12:00 UTC [s]. Constructors take a date too: a
     #: :class:`datetime.datetime`, or a text such as ``"2026-06-21T12:00:00Z"``; without a time zone
     #: it is UTC
-    time: Any = eqx.field(converter=seconds_of)
+    time: Any = field(converter=seconds_of)
     #: Over ground, to the east, north and up [m/s], shape (3,), such as that of a rocket or an
     #: aircraft; None for at rest in the air
     velocity: Velocity | None = None
@@ -63,12 +63,12 @@ class Release(Checked):
     def start(self) -> Start:
         """The same in the units of the integration."""
         place = Place(
-            jnp.asarray(self.latitude * RADIANS_PER_DEGREE, float),
-            jnp.asarray(self.longitude * RADIANS_PER_DEGREE, float),
-            jnp.asarray(self.time, float),
+            in_double(self.latitude * RADIANS_PER_DEGREE),
+            in_double(self.longitude * RADIANS_PER_DEGREE),
+            in_double(self.time),
         )
-        moving = None if self.velocity is None else jnp.asarray(self.velocity, float)
-        return Start(jnp.asarray(self.altitude, float), place, moving)
+        moving = None if self.velocity is None else in_double(self.velocity)
+        return Start(in_double(self.altitude), place, moving)
 
 
 def limits_of(environment: AbstractEnvironment, lowest: Any, highest: Any) -> Limits:

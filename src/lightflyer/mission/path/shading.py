@@ -8,17 +8,15 @@ takes from below.
 
 import abc
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.quantity import Altitude, Checked, Duration, GroundDistance
 from lightflyer.core.types import Numeric
 from lightflyer.environment.radiation import Attitude
 from lightflyer.mission.areas import Circle
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Level, Moment
+from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.pytree.module import field
 
 _LEVELS = 21  # Altitudes of which the wind is compared
 _ALIKE = 2e3
@@ -149,7 +147,7 @@ class Shaded(AbstractAttitudeRule):
     """
 
     shading: AbstractShading
-    rule: AbstractAttitudeRule = eqx.field(default_factory=Level)
+    rule: AbstractAttitudeRule = field(default_factory=Level)
 
     @property
     def tilts(self) -> bool:

@@ -27,16 +27,15 @@ the flyer as it is stated, which goes with the same wind and waves.
 from dataclasses import replace
 from typing import NamedTuple
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState, Place, Wind
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.mission.path.position import directions, unit_vector
 from lightflyer.numerics.spline import Spline
+from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.module import Module
 
 _LOWEST, _HIGHEST = (20e3, 0.5), (100e3, 8.0)  # Altitude [m] and temperature by gravity waves [K]
 _WAVELENGTHS = 10e3, 20e3  # Vertical, of gravity waves [m]
@@ -66,7 +65,7 @@ class Tides(NamedTuple):
 NO_TIDES = Tides()
 
 
-class Waves(eqx.Module):
+class Waves(Module):
     """Waves along one flight; zeros are still air."""
 
     frequencies: Numeric  # shape (waves,); [rad/s]

@@ -6,18 +6,18 @@ width :math:`1/\tau`, and whose amplitudes are normal too. Over an ensemble it i
 covariance :math:`\sigma^2\exp(-t^2/2\tau^2)` [RahimiRecht2007]_.
 """
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 
 from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place, Wind
 from lightflyer.mission.path.position import directions
+from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.pytree.module import Module
 
 _WAVES = 6  # Frequencies of one flight
 
 
-class WindError(eqx.Module):
+class WindError(Module):
     """Difference of the wind from the environment's, along one flight."""
 
     frequencies: Numeric  # shape (waves,); [rad/s]

@@ -3,7 +3,6 @@
 from dataclasses import fields
 from typing import Any
 
-import equinox as eqx
 import numpy as np
 
 from lightflyer.design.setup import Setup
@@ -14,6 +13,7 @@ from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.dynamics import Inertia
 from lightflyer.mission.path.motion import planet_of
 from lightflyer.mission.path.waves import describe_waves
+from lightflyer.pytree.module import Module
 
 _SECONDS_AN_HOUR = 3600.0
 
@@ -25,7 +25,7 @@ def describe_object(part: Any) -> str:
         value = getattr(part, field.name)
         if isinstance(value, Reading):
             told.append(f"{field.name}={_reading(value)}")
-        elif isinstance(value, eqx.Module):
+        elif isinstance(value, Module):
             told.append(f"{field.name}={describe_object(value)}")
         elif isinstance(value, str | bool | int) or np.ndim(value) == 0:
             told.append(f"{field.name}={value}")

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from lightflyer.core import constants
@@ -27,6 +26,7 @@ from lightflyer.mission.report.shares import binomial_interval, interval_of
 from lightflyer.mission.report.station import time_within
 from lightflyer.numerics.batches import in_batches
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree.module import field
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,8 +56,8 @@ class Landing(Checked):
         inHg) at its zero.
     """
 
-    objects: int = eqx.field(static=True, default=1)
-    flight_levels: tuple[int, ...] = eqx.field(static=True, default=FLIGHT_LEVELS)
+    objects: int = field(static=True, default=1)
+    flight_levels: tuple[int, ...] = field(static=True, default=FLIGHT_LEVELS)
 
     def __check_init__(self) -> None:
         levels = np.asarray(self.flight_levels, float)

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax
 import numpy as np
 
 import lightflyer
@@ -38,6 +37,7 @@ from lightflyer.mission.report.assumptions import assumptions_of
 from lightflyer.mission.report.dataset import ELAPSED, degrees_of
 from lightflyer.mission.report.shares import binomial_interval
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -99,7 +99,7 @@ class _Swarm:
             begun = begin(flights, self.limits, self.elapsed, self.accuracy)
             tracks = begun.join(fly_many(begun.flights, self.limits, begun.elapsed, self.accuracy))
         # without the flyer as it is stated
-        return batch, _counts_of(jax.tree.map(lambda leaf: leaf[1:], tracks), self)
+        return batch, _counts_of(tree.map_leaves(lambda leaf: leaf[1:], tracks), self)
 
     remotely = __call__
 

@@ -1,0 +1,115 @@
+"""JAX, loaded when something is traced: what runs kept programs by NumPy goes without.
+
+``from lightflyer.pytree.lazy_jax import Array, jax, jnp`` stands for imports of JAX, which take as
+long as a prediction does.
+"""
+
+import functools
+import importlib
+import importlib.util
+import sys
+from collections.abc import Callable
+from importlib.abc import MetaPathFinder
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+__all__ = ["Array", "ArrayLike", "custom_jvp", "extend", "forget", "is_loaded", "is_tracer", "jax",
+           "jnp", "lax", "special", "when_loaded"]  # fmt: skip
+
+_waiting: list[Callable[[], None]] = []
+
+
+def is_loaded() -> bool:
+    """Whether JAX is loaded, as it is wherever a value is traced."""
+    return hasattr(sys.modules.get("jax"), "core")
+
+
+def is_tracer(value: Any) -> bool:
+    """Whether a value is traced by JAX, that is, has no concrete value yet."""
+    return is_loaded() and isinstance(value, jax.core.Tracer)
+
+
+def when_loaded(action: Callable[[], None]) -> None:
+    """Do something as soon as JAX is loaded, by whomever."""
+    if is_loaded():
+        action()
+        return
+    if not any(isinstance(finder, _Watch) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _Watch())
+    _waiting.append(action)
+
+
+def forget(action: Callable[[], None]) -> None:
+    """Leave out what was to be done as soon as JAX is loaded."""
+    if action in _waiting:
+        _waiting.remove(action)
+
+
+class _Watch(MetaPathFinder):
+    """Sees JAX being loaded."""
+
+    def find_spec(self, name: str, path: Any, target: Any = None) -> Any:
+        if name != "jax":
+            return None
+        others = [finder for finder in sys.meta_path if finder is not self]
+        specs = (finder.find_spec(name, path, target) for finder in others)
+        spec: Any = next(filter(None, specs), None)
+        if spec is not None:
+            load = spec.loader.exec_module
+
+            def load_and_tell(module: ModuleType) -> None:
+                load(module)
+                while _waiting:
+                    _waiting.pop(0)()
+
+            spec.loader.exec_module = load_and_tell
+        return spec
+
+
+if TYPE_CHECKING:
+    import jax
+    import jax.numpy as jnp
+    from jax import Array, custom_jvp, lax
+    from jax.extend import core as extend
+    from jax.scipy import special
+    from jax.typing import ArrayLike
+else:
+
+    class _Lazy(ModuleType):
+        def __getattr__(self, name: str) -> Any:
+            found = getattr(importlib.import_module(self.__name__), name)
+            vars(self)[name] = found
+            return found
+
+    jax, jnp, lax = _Lazy("jax"), _Lazy("jax.numpy"), _Lazy("jax.lax")
+    extend, special = _Lazy("jax.extend.core"), _Lazy("jax.scipy.special")
+    ArrayLike = Any
+
+    class _ArrayType(type):
+        def __instancecheck__(cls, value: Any) -> bool:
+            return is_loaded() and isinstance(value, jax.Array)
+
+    class Array(metaclass=_ArrayType):
+        """JAX's array, in annotations and for ``isinstance``."""
+
+    Array.__module__ = "jax"
+
+    class custom_jvp:  # noqa: N801
+        """JAX's decorator of the same name."""
+
+        def __init__(self, function: Callable[..., Any], nondiff_argnums: tuple[int, ...] = ()):
+            functools.update_wrapper(self, function)
+            self._function, self._nondiff = function, nondiff_argnums
+
+        def defjvp(self, rule: Callable[..., Any], **options: Any) -> Callable[..., Any]:
+            self._rule, self._options = rule, options
+            return rule
+
+        @functools.cached_property
+        def _made(self) -> Any:
+            made = jax.custom_jvp(self._function, nondiff_argnums=self._nondiff)
+            made.defjvp(self._rule, **self._options)
+            return made
+
+        def __call__(self, *args: Any, **kwargs: Any) -> Any:
+            return self._made(*args, **kwargs)

@@ -54,11 +54,11 @@ def main() -> None:
             stream.reconfigure(errors=_SPELLED_OUT)
     gc.set_threshold(50_000, 20, 100)  # collecting the garbage of imports takes time, saves none
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait on matrices as small as ours
-    if "dask" not in sys.modules:  # Pint, which would load it though we need it seldom, finds none
-        sys.modules["dask"] = None  # type: ignore[assignment]
     from lightflyer.cli import main as run  # takes a while
     from lightflyer.cli.code_cache import keep_code
+    from lightflyer.core.extras import hide_dask
 
+    hide_dask()  # until an extra or a plug-in may need it
     keep_code()
     run()
 

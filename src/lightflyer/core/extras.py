@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.metadata
+import sys
 import warnings
 from functools import cache
 from typing import Any
@@ -14,8 +15,19 @@ ENTRY_POINTS = "lightflyer"  # Group of the entry points of plug-ins
 # imported. One that names something in a module, "module:function", is a command.
 
 
+def hide_dask() -> None:
+    """Let no library load Dask, which Pint and xarray would wherever it is installed."""
+    sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
+
+
+def _show_dask() -> None:
+    if sys.modules.get("dask", sys) is None:
+        del sys.modules["dask"]
+
+
 def extra(module: str, what: str, extra_name: str) -> Any:
     """Import a module of an optional dependency."""
+    _show_dask()
     try:
         return importlib.import_module(module)
     except ImportError as error:
@@ -44,6 +56,7 @@ def load_plugins() -> None:
 
 def load_plugin(entry: importlib.metadata.EntryPoint) -> Any:
     """What an entry names; a warning and None where its author made a mistake."""
+    _show_dask()
     try:
         return entry.load()
     except Exception as error:

@@ -19,9 +19,6 @@ import pint
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import in_toml
 
-if sys.modules.get("dask", pint) is None:  # hidden from Pint alone, by the command line
-    del sys.modules["dask"]
-
 
 class Measured(NamedTuple):
     """A value in SI units and its standard uncertainty, or None where none is stated.

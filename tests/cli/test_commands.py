@@ -388,12 +388,13 @@ def test_reading_a_flyer_file_imports_nothing_to_draw_with():
     printed_without_importing(heavy, code)
 
 
-def test_commands_hide_dask_from_pint_alone():
-    """It takes longer to load than all of Pint."""
+def test_commands_hide_dask_until_an_extra_may_need_it():
+    """It takes longer to load than all of Pint, and xarray loads it for nothing."""
     code = (
         "import sys\nsys.argv = ['lightflyer', '--version']\n"
         "from lightflyer.__main__ import main\ntry:\n    main()\nexcept SystemExit:\n    pass\n"
-        "assert sys.modules['dask'] is None\nimport lightflyer.core.quantity"
+        "import lightflyer.core.quantity, xarray\nassert sys.modules['dask'] is None\n"
+        "from lightflyer.core.extras import extra\nextra('json', 'a test', 'all')"
     )
     printed_without_importing({"dask"}, code)
 

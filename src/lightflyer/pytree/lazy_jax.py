@@ -77,9 +77,9 @@ else:
 
     class _Lazy(ModuleType):
         def __getattr__(self, name: str) -> Any:
-            found = getattr(importlib.import_module(self.__name__), name)
-            vars(self)[name] = found
-            return found
+            if "_module" not in vars(self):
+                self._module = importlib.import_module(self.__name__)
+            return getattr(self._module, name)
 
     jax, jnp, lax = _Lazy("jax"), _Lazy("jax.numpy"), _Lazy("jax.lax")
     extend, special = _Lazy("jax.extend.core"), _Lazy("jax.scipy.special")

@@ -4,16 +4,17 @@ import abc
 import itertools
 import math
 import threading
+import warnings
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import numpy as np
 
 from lightflyer.compute.compilation import jit_with_options
 from lightflyer.compute.devices import OnDevices
-from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.precision import float64
+from lightflyer.core.errors import ConfigurationError, ParameterError, ParameterWarning
+from lightflyer.core.precision import float64, in_double
 from lightflyer.core.progress import Counted
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
@@ -21,7 +22,7 @@ from lightflyer.design.tables import evaluate
 from lightflyer.numerics.batches import in_batches
 from lightflyer.program.entry_point import entry_point, forced_way
 from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import jax, jnp
+from lightflyer.pytree.lazy_jax import jax
 from lightflyer.study.study import Study
 
 BATCH = 16_384  # Designs evaluated at once: they fit the processor's cache, and one thread
@@ -195,15 +196,20 @@ class _Interpreted(_AbstractKernel):
     def __init__(self, design: AbstractDesign, names: tuple[str, ...], fixed: dict[str, float]):
         super().__init__()
         self._design, self._names, self._fixed = design, names, fixed
-        self._every = entry_point(jax.vmap(_outputs_of_one(design, names, fixed)), way="numpy")
-        self._setups = entry_point(self._setup_at, way="numpy")
+
+    @cached_property
+    def _every(self) -> Callable[..., tuple[Table, np.ndarray]]:
+        one = _outputs_of_one(self._design, self._names, self._fixed)
+        return entry_point(jax.vmap(one), way="numpy")
+
+    @cached_property
+    def _traced_setups(self) -> Callable[..., Any]:
+        return entry_point(self._setup_at, way="numpy")
 
     def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
         if prepared is not None:  # tables of each design
             return self._every(values, prepared)
-        setups = self._setups(values)
-        with float64():
-            one = jax.eval_shape(self._setup_at, dict.fromkeys(values, 0.0))
+        setups, one = self._setups(values)
         varied, shared = tree.partition(
             setups, tree.map_leaves(lambda many, one: np.ndim(many) > one.ndim, setups, one)
         )
@@ -214,9 +220,20 @@ class _Interpreted(_AbstractKernel):
             np.arange(count), varied, places, shared, dict.fromkeys(self._names, 0.0)
         )
 
+    def _setups(self, values: Table) -> tuple[Any, Any]:
+        """Setups of the designs, and one like that of a single design."""
+        first = {name: column[0] for name, column in values.items()}
+        try:
+            with float64(), warnings.catch_warnings():
+                warnings.simplefilter("ignore", ParameterWarning)
+                return self._setup_at(values), self._setup_at(first)
+        except ParameterError:  # some designs are impossible, and nothing checks what is traced
+            with float64():
+                return self._traced_setups(values), jax.eval_shape(self._setup_at, first)
+
     def _setup_at(self, values: Table) -> Any:
         setup = self._design.build(self._fixed | values)
-        return tree.map_leaves(partial(jnp.asarray, dtype=float), setup)
+        return tree.map_leaves(in_double, setup)
 
 
 @partial(entry_point, way="numpy")

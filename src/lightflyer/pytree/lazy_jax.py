@@ -51,7 +51,7 @@ class _Watch(MetaPathFinder):
     def find_spec(self, name: str, path: Any, target: Any = None) -> Any:
         if name != "jax":
             return None
-        others = [finder for finder in sys.meta_path if finder is not self]
+        others = (finder for finder in sys.meta_path if finder is not self)
         specs = (finder.find_spec(name, path, target) for finder in others)
         spec: Any = next(filter(None, specs), None)
         if spec is not None:

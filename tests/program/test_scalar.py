@@ -9,7 +9,7 @@ import pytest
 
 from lightflyer.core.precision import float64
 from lightflyer.numerics.system import solve_system
-from lightflyer.program.operations import UnsupportedError
+from lightflyer.program.operations import RULES, UnsupportedError
 from lightflyer.program.scalar import python
 from lightflyer.program.scalar.javascript import Tables, number, write_function
 from lightflyer.program.scalar.python import compile_numbers
@@ -358,3 +358,9 @@ def test_python_that_raises_is_written_anew(monkeypatch):
         with np.errstate(all="ignore"):
             wanted = np.where(y == 0.0, 3.0, np.divide(3.0, y)) + np.log(y)
         assert call([y])[0] == pytest.approx(wanted, rel=1e-15, nan_ok=True)
+
+
+def test_parts_of_a_row_of_objects_are_arrays():
+    """As JAX since 0.12 takes rows apart; Python's iteration gives the objects themselves."""
+    parts = RULES["unstack"]({}, np.array([{}, {}], object), shape=[2], axis=0)
+    assert [(part.shape, part.dtype) for part in parts] == [((), object)] * 2

@@ -260,7 +260,8 @@ def _stack(lengths: Lengths, *values: Any, shape: list[Length], axis: int) -> An
 
 @_rule("unstack")
 def _unstack(lengths: Lengths, value: Any, *, shape: list[Length], axis: int) -> Any:
-    parts = [*np.moveaxis(fill_axes(value, shape, lengths), axis, 0)]
+    rows = np.moveaxis(fill_axes(value, shape, lengths), axis, 0)
+    parts = [rows[number, ...] for number in range(len(rows))]  # arrays, also of single objects
     return parts if len(parts) > 1 else parts[0]
 
 

@@ -1,4 +1,5 @@
 import dataclasses
+from importlib import resources
 from typing import Literal
 
 import numpy as np
@@ -6,11 +7,13 @@ import pytest
 import scipy.stats
 
 import lightflyer as lf
+from lightflyer.config.designs import as_design
 from lightflyer.core.quantity import Fraction
 from lightflyer.design.design import ObjectDesign
 from lightflyer.environment.earth import Lu2023Section
 from lightflyer.film.section import MeasuredFilmSection
 from lightflyer.force.lu2023 import Lu2023ForceSection
+from lightflyer.pytree import tree
 from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
 
@@ -374,3 +377,21 @@ def test_a_layers_change_on_a_coarse_grid_is_that_of_films_on_the_fine_one():
     # of the derivatives, where the film radiates
     np.testing.assert_allclose(nodes[0] * 4e-9, thick - thin, rtol=0.01)
     np.testing.assert_allclose(nodes[1] * 8e-18, thick + thin - 2.0 * middle, rtol=0.05)
+
+
+@pytest.mark.parametrize("kind", ["layers", "mars", "ligaments", "at an end"])
+def test_tangents_of_a_setup_are_its_derivatives(kind):
+    """By differences, of films whose data leave them open and at an end of a range, too."""
+    if kind == "at an end":
+        told = configure(absorptance="1 ± 0.1", tac_top="0.8 ± 0.02").design()
+    else:
+        told = as_design(resources.files("lightflyer") / "data" / f"flyer-{kind}.toml")
+    inputs = uncertain_inputs(told)
+    base = [np.asarray(leaf, float) for leaf in tree.leaves(inputs.build(inputs.values))]
+    both = zip(inputs._differences(base), inputs._derivatives(), strict=True)
+    moved = 0
+    for ours, exact in both:
+        size = np.max(np.abs(exact))
+        np.testing.assert_allclose(ours, exact, rtol=0.0, atol=1e-9 * size)
+        moved += size > 0.0
+    assert moved >= 2

@@ -13,7 +13,7 @@ from lightflyer.core.quantity import require_possible
 from lightflyer.design.design import AbstractDesign
 from lightflyer.program.entry_point import entry_point
 from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import jax, jnp
+from lightflyer.pytree.lazy_jax import is_tracer, jax, jnp
 from lightflyer.pytree.module import Module, field
 from lightflyer.uncertainty.correlation import correlation_matrix
 
@@ -49,7 +49,9 @@ class Change(Module):
 
     def apply(self, prepared: Any, shift: Any) -> Any:
         """The costly part after a shift of the input."""
-        bent = abs(shift) if self.bounded else shift * shift
+        # a size whose slope at zero is that of neither side, also where JAX differentiates it
+        sign = jnp.sign(shift) if is_tracer(shift) else np.sign(shift)
+        bent = shift * (sign if self.bounded else shift)
         return tree.map_leaves(
             lambda base, slope, bend: base + _beside(shift, slope) + _beside(bent, bend),
             prepared,

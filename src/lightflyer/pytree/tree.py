@@ -12,7 +12,7 @@ _Take = Callable[[Any], tuple[Any, Sequence[Any]]]  # what a node is beside its 
 _Make = Callable[[type, Any, Sequence[Any]], Any]
 
 _LEAF: tuple[Any, ...] = ()
-_KNOWN: dict[type, tuple[_Take, _Make] | None] = {
+_NODES: dict[type, tuple[_Take, _Make]] = {
     type(None): (lambda _: (None, ()), lambda *_: None),
     tuple: (lambda node: (None, node), lambda _, __, parts: tuple(parts)),
     list: (lambda node: (None, node), lambda _, __, parts: list(parts)),
@@ -21,8 +21,9 @@ _KNOWN: dict[type, tuple[_Take, _Make] | None] = {
         lambda _, names, parts: dict(zip(names, parts, strict=True)),
     ),
 }
-"""How nodes are taken apart and put together; None for leaves."""
-_KNOWN |= dict.fromkeys((float, int, bool, complex, str, np.ndarray, np.float64, np.bool_))
+"""How nodes are taken apart and put together."""
+
+_LEAVES: set[type] = {float, int, bool, complex, str, np.ndarray, np.float64, np.bool_}
 
 
 class Structure:
@@ -65,7 +66,7 @@ def register(kind: type, fixed: tuple[str, ...], parts: tuple[str, ...], make: _
             lambda node: take(node)[::-1],
         )  # fmt: skip
 
-    _KNOWN[kind] = take, make
+    _NODES[kind] = take, make
     when_loaded(for_jax)
 
 
@@ -166,11 +167,10 @@ def _flatten(node: Any, found: list[Any], is_leaf: Predicate | None) -> tuple[An
         found.append(node)
         return _LEAF
     kind = type(node)
-    known = _KNOWN[kind] if kind in _KNOWN else _find(node)
-    if known is None:
+    if kind in _LEAVES or not (kind in _NODES or _is_node(node)):
         found.append(node)
         return _LEAF
-    beside, parts = known[0](node)
+    beside, parts = _NODES[kind][0](node)
     return kind, beside, tuple([_flatten(part, found, is_leaf) for part in parts])
 
 
@@ -178,9 +178,7 @@ def _unflatten(form: tuple[Any, ...], values: Iterator[Any]) -> Any:
     if form is _LEAF:
         return next(values)
     kind, beside, parts = form
-    known = _KNOWN.get(kind) or _find_kind(kind)
-    assert known is not None
-    return known[1](kind, beside, [_unflatten(part, values) for part in parts])
+    return _NODES[kind][1](kind, beside, [_unflatten(part, values) for part in parts])
 
 
 def _flatten_up_to(form: tuple[Any, ...], node: Any, found: list[Any]) -> None:
@@ -191,30 +189,24 @@ def _flatten_up_to(form: tuple[Any, ...], node: Any, found: list[Any]) -> None:
     kind, beside, parts = form
     if type(node) is not kind:
         raise ValueError(f"{type(node).__name__} where another pytree has {kind.__name__}")
-    known = _KNOWN.get(kind) or _find(node)
-    assert known is not None
-    theirs, values = known[0](node)
+    theirs, values = _NODES[kind][0](node)
     if theirs != beside or len(values) != len(parts):
         raise ValueError(f"two pytrees have a different {kind.__name__}")
     for part, value in zip(parts, values, strict=True):
         _flatten_up_to(part, value, found)
 
 
-def _find(node: Any) -> tuple[_Take, _Make] | None:
-    """How to take apart what is not known by its class yet."""
+def _is_node(node: Any) -> bool:
+    """Whether what is not known by its class yet has parts; it is known from then on."""
     kind = type(node)
-    found = _find_kind(kind)
-    if found is None and is_loaded() and not jax.tree_util.all_leaves([node]):
-        found = _take_by_jax, lambda _, beside, parts: beside.unflatten(parts)
-    if found is not None or is_loaded():
-        _KNOWN[kind] = found
-    return found
-
-
-def _find_kind(kind: type) -> tuple[_Take, _Make] | None:
     if issubclass(kind, tuple) and hasattr(kind, "_fields"):
-        return (lambda node: (None, node)), (lambda made, _, parts: made(*parts))
-    return None
+        _NODES[kind] = (lambda node: (None, node)), (lambda made, _, parts: made(*parts))
+    elif is_loaded():
+        if jax.tree_util.all_leaves([node]):
+            _LEAVES.add(kind)
+        else:
+            _NODES[kind] = _take_by_jax, lambda _, beside, parts: beside.unflatten(parts)
+    return kind in _NODES
 
 
 def _take_by_jax(node: Any) -> tuple[Any, Sequence[Any]]:

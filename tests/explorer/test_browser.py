@@ -120,18 +120,58 @@ def test_address_holds_the_design(page, browser, site):
     assert (page.input_value(DIAMETER), page.input_value("#at")) == ("3.3 cm", "76 km")
 
 
+SHOWS = "document.getElementById('field-flyer.diameter').value === '{}'".format
+
+
+def step_to(page, diameter):
+    """A move that is a step of the history."""
+    page.fill(DIAMETER, diameter)
+    until(page, f"location.hash.includes('flyer.diameter={diameter.replace(' ', '+')}')")
+    settled(page)
+
+
 def test_a_move_is_undone_by_button_and_browser(page):
     until(page, "location.hash.includes('flyer.diameter=2+cm')")  # a step of its own
-    for diameter in ("3 cm", "4 cm"):
-        type_into(page, DIAMETER, diameter)
-        until(page, f"location.hash.includes('flyer.diameter={diameter.replace(' ', '+')}')")
-    shows = "document.getElementById('field-flyer.diameter').value === '{}'".format
+    step_to(page, "3 cm")
+    step_to(page, "4 cm")
     page.click("#undo")
-    until(page, shows("3 cm"))
+    until(page, SHOWS("3 cm"))
     settled(page)
     assert "flyer.diameter=3+cm" in page.url
     page.go_back()
-    until(page, shows("2 cm"))
+    until(page, SHOWS("2 cm"))
+    settled(page)
+
+
+def test_a_move_after_an_undone_one_is_undone(page):
+    until(page, "location.hash.includes('flyer.diameter=2+cm')")
+    for diameter in ("3 cm", "4 cm"):
+        step_to(page, diameter)
+        page.click("#undo")
+        until(page, SHOWS("2 cm"))
+        settled(page)
+
+
+DELAY = """() => {
+  globalThis.fetchAtOnce = fetch;
+  globalThis.fetch = async (path, ...rest) => {
+    await new Promise((go) => setTimeout(go, path.endsWith("open") ? 900 : 300));
+    return fetchAtOnce(path, ...rest);
+  };
+}"""
+
+
+def test_late_answers_leave_the_history_alone(page):
+    until(page, "location.hash.includes('flyer.diameter=2+cm')")
+    step_to(page, "3 cm")
+    page.evaluate(DELAY)
+    page.fill(DIAMETER, "4 cm")  # no step yet when the page goes back
+    page.go_back()
+    until(page, SHOWS("2 cm"))
+    settled(page)
+    page.evaluate("void (globalThis.fetch = fetchAtOnce)")  # a function would be called
+    page.go_forward()
+    until(page, SHOWS("3 cm"))
     settled(page)
 
 

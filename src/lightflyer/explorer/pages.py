@@ -124,6 +124,7 @@ def _form_of(document: Document, at: str = "", pins: tuple[Document, ...] = ()) 
     shape = document.get("flyer")
     kind = FlyerSection.alternatives.get(FlyerSection.tag_of(shape))
     return {
+        "url": to_url(View(document, at, pins)),
         "document": document,
         "at": at,
         "pins": list(pins),

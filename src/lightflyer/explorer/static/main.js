@@ -23,7 +23,6 @@ class Explorer {
     });
     for (const figure of document.querySelectorAll(".figures figure")) frame(figure, (what) => this.tabs.download(what));
     this.figures.dark = new Map(grammar.palette);
-    this.steps = 0; // of the history that are this page's
     this.tabs = new Tabs(this);
     this.figures.onTap = (x, y) => this.goTo(x, y);
   }
@@ -33,8 +32,12 @@ class Explorer {
   // The address is that of the design, then what the page looks at: see "address".
   async open(question) {
     const { url = "", looked } = apart(question.url);
+    const mine = this.opening = {};
     const answer = await ask("open", { ...question, ...(question.url === undefined ? {} : { url }) });
+    if (this.opening !== mine) return; // another was opened meanwhile
+    this.opening = undefined;
     if (looked) this.tabs.look(looked);
+    if (question.url !== undefined && answer.url !== undefined) this.write(answer.url, "replaceState"); // no step of its own
     await this.take(answer, answer.errors ?? []);
   }
 
@@ -121,7 +124,7 @@ class Explorer {
     this.wrong = !answer.figures;
     this.lost = answer.lost === true;
     document.body.classList.toggle("stale", this.wrong);
-    if (answer.url !== undefined) this.address(answer.url);
+    if (answer.url !== undefined && !this.again) this.address(answer.url);
     if (!answer.figures) return;
     this.coordinate = answer.coordinate;
     if (await this.figures.prepare(answer.coordinate.logarithmic)) this.tabs.clear();
@@ -180,31 +183,31 @@ class Explorer {
   // back, which the browser's own button and "Undo" take.
   address(url) {
     this.url = url;
+    if (this.opening) return; // another's address follows
     clearTimeout(this.addressing);
     this.addressing = setTimeout(() => {
-      const here = `#${url}${this.tabs.looked()}`;
-      if (here === location.hash) return;
-      const isDesign = apart(location.hash.slice(1)).url !== url;
-      if (isDesign && this.began && !this.returning) {
-        history.pushState(null, "", here);
-        this.steps += 1;
-      } else history.replaceState(null, "", here);
-      this.began = true;
-      this.returning = false;
-      at("undo").disabled = this.steps === 0;
+      const isStep = apart(location.hash.slice(1)).url !== url;
+      this.write(url, isStep ? "pushState" : "replaceState");
     }, REST);
   }
 
-  undo() {
-    if (!this.steps) return;
-    this.steps -= 1;
-    history.back();
+  write(url, how) {
+    this.url = url;
+    clearTimeout(this.addressing);
+    const here = `#${url}${this.tabs.looked()}`;
+    if (here !== location.hash) history[how]({ step: steps() + Number(how === "pushState") }, "", here);
+    at("undo").disabled = steps() === 0;
   }
 
+  undo() {
+    if (steps()) history.back();
+  }
+
+  // The address is another than the design's: by the browser's buttons, or by hand.
   returned() {
+    at("undo").disabled = steps() === 0;
     const url = location.hash.slice(1);
     if (apart(url).url === this.url) return;
-    this.returning = true;
     this.open({ url });
   }
 
@@ -373,6 +376,9 @@ function slidePlace(explorer) {
   at("at").value = `${Number(place.toPrecision(4))} ${unit}`;
   explorer.moved(performance.now());
 }
+
+// Steps of the history that are this page's, up to the address.
+function steps() { return history.state?.step ?? 0; }
 
 // What an address has: the design, and after it what the page looks at.
 function apart(text = "") {

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.pytree.lazy_jax import Array, forget, is_loaded, jax, jnp, when_loaded
+from lightflyer.pytree.lazy_jax import Array, forget, is_loaded, jax, jnp, when_used
 
 
 @contextmanager
@@ -29,7 +29,7 @@ def float64() -> Iterator[None]:
         def switch() -> None:
             stack.enter_context(jax.enable_x64(True))
 
-        when_loaded(switch)  # within the context, too
+        when_used(switch)  # within the context, too
         try:
             yield
         finally:

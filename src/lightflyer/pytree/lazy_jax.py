@@ -8,15 +8,33 @@ import functools
 import importlib
 import importlib.util
 import sys
+import threading
 from collections.abc import Callable
 from importlib.abc import MetaPathFinder
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 __all__ = ["Array", "ArrayLike", "custom_jvp", "extend", "forget", "is_loaded", "is_tracer", "jax",
-           "jnp", "lax", "special", "when_loaded"]  # fmt: skip
+           "jnp", "lax", "special", "when_loaded", "when_used"]  # fmt: skip
 
 _waiting: list[Callable[[], None]] = []
+_lock = threading.Lock()
+
+
+class _Own(threading.local):
+    """What waits for JAX in one thread alone."""
+
+    def __init__(self) -> None:
+        self.waiting: list[Callable[[], None]] = []
+
+    def catch_up(self) -> None:
+        """Do what has waited, now that JAX is loaded."""
+        waiting, self.waiting = self.waiting, []
+        for action in waiting:
+            action()
+
+
+_own = _Own()
 
 
 def is_loaded() -> bool:
@@ -31,18 +49,33 @@ def is_tracer(value: Any) -> bool:
 
 def when_loaded(action: Callable[[], None]) -> None:
     """Do something as soon as JAX is loaded, by whomever."""
-    if is_loaded():
-        action()
+    with _lock:
+        if not is_loaded():
+            _watch()
+            _waiting.append(action)
+            return
+    action()
+
+
+def when_used(action: Callable[[], None]) -> None:
+    """Do something in this thread before it uses JAX, whichever thread loads it."""
+    if not is_loaded():
+        _watch()
+        _own.waiting.append(action)
         return
-    if not any(isinstance(finder, _Watch) for finder in sys.meta_path):
-        sys.meta_path.insert(0, _Watch())
-    _waiting.append(action)
+    _own.catch_up()
+    action()
 
 
 def forget(action: Callable[[], None]) -> None:
-    """Leave out what was to be done as soon as JAX is loaded."""
-    if action in _waiting:
-        _waiting.remove(action)
+    """Leave out what this thread was to do before it uses JAX."""
+    if action in _own.waiting:
+        _own.waiting.remove(action)
+
+
+def _watch() -> None:
+    if not any(isinstance(finder, _Watch) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _Watch())
 
 
 class _Watch(MetaPathFinder):
@@ -59,8 +92,12 @@ class _Watch(MetaPathFinder):
 
             def load_and_tell(module: ModuleType) -> None:
                 load(module)
-                while _waiting:
-                    _waiting.pop(0)()
+                with _lock:
+                    waiting = _waiting[:]
+                    _waiting.clear()
+                for action in waiting:
+                    action()
+                _own.catch_up()
 
             spec.loader.exec_module = load_and_tell
         return spec
@@ -79,6 +116,8 @@ else:
         def __getattr__(self, name: str) -> Any:
             if "_module" not in vars(self):
                 self._module = importlib.import_module(self.__name__)
+            if _own.waiting:
+                _own.catch_up()
             return getattr(self._module, name)
 
     jax, jnp, lax = _Lazy("jax"), _Lazy("jax.numpy"), _Lazy("jax.lax")

@@ -1,7 +1,6 @@
 """Tables in every encoding and in workbooks, as laboratories have them."""
 
 import datetime
-import time
 import zipfile
 
 import numpy as np

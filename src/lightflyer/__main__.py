@@ -7,6 +7,7 @@ keeps a journal, so nothing is lost that an orderly end would keep. A flight is 
 """
 
 import codecs
+import ctypes
 import gc
 import io
 import os
@@ -16,6 +17,8 @@ import threading
 from typing import Any
 
 EXIT_INTERRUPTED = 130
+
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # of malloc.h
 
 _SPELLED_OUT = "lightflyer.spelled_out"
 _ASCII = {
@@ -53,6 +56,7 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_SPELLED_OUT)
     gc.set_threshold(50_000, 20, 100)  # collecting the garbage of imports takes time, saves none
+    _keep_memory()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait on matrices as small as ours
     from lightflyer.cli import main as run  # takes a while
     from lightflyer.cli.code_cache import keep_code
@@ -61,6 +65,16 @@ def main() -> None:
     hide_dask()  # until an extra or a plug-in may need it
     keep_code()
     run()
+
+
+def _keep_memory() -> None:
+    """Let arrays that are freed stay with the process, which soon asks for as much again."""
+    # The C library gives 128 KiB and more back to the system each time, and up to a sixth of an
+    # answer goes into getting them again.
+    library: Any = ctypes.CDLL(None) if sys.platform == "linux" else None
+    if hasattr(library, "mallopt"):  # it is not in every such library
+        for parameter, size in ((_M_TRIM_THRESHOLD, 64 * 2**20), (_M_MMAP_THRESHOLD, 16 * 2**20)):
+            library.mallopt(parameter, size)
 
 
 def _spell_out(error: UnicodeError) -> tuple[str, int]:

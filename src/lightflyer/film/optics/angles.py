@@ -117,7 +117,7 @@ def _by_angle(film: Film, side: Side, grid: Grid, incidence: Numeric) -> Directi
     else:  # of one length, so that one compilation serves all
         whole = np.pad(angles, (0, -count % DIRECTIONS), mode="edge")
         blocks = list(whole.reshape(-1, DIRECTIONS))
-    pieces = spectral_pieces(film, side, grid.wavelength, grid.mean_weight)
+    pieces = spectral_pieces(film, side, grid.wavelength, DIRECTIONS, grid.mean_weight)
     rows = [
         tree.map_leaves(lambda *parts: sum(parts), *(_directional(*one) for one in arguments))
         for arguments in ([(*piece, block) for piece in pieces] for block in blocks)

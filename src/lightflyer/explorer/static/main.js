@@ -182,8 +182,8 @@ class Explorer {
   // Browsers refuse to change the address at every move of a slider. A row of moves is one step
   // back, which the browser's own button and "Undo" take.
   address(url) {
-    this.url = url;
     if (this.opening) return; // another's address follows
+    this.url = url;
     clearTimeout(this.addressing);
     this.addressing = setTimeout(() => {
       const isStep = apart(location.hash.slice(1)).url !== url;
@@ -191,6 +191,7 @@ class Explorer {
     }, REST);
   }
 
+  // At once; what is pushed is a step of the history.
   write(url, how) {
     this.url = url;
     clearTimeout(this.addressing);

@@ -5,7 +5,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.core.precision import float64
-from lightflyer.mission import fleet
+from lightflyer.mission import first_seconds, fleet
 from lightflyer.mission.path.attitude import Own
 from lightflyer.mission.path.integration import Accuracy, Limits, Start
 from lightflyer.mission.path.motion import Craft
@@ -59,6 +59,33 @@ def test_an_ensemble_changes_no_flight(disk, monkeypatch):
     np.testing.assert_allclose(alone["ensemble_altitude"], beside["ensemble_altitude"], atol=1.0)
     ends = beside["ensemble_altitude"].isel(elapsed=-1)
     assert abs(float(ends.mean() - beside["altitude"][-1])) < 1000.0
+
+
+def test_the_first_seconds_are_those_of_diffrax(disk, monkeypatch):
+    release = lf.Release(
+        "75 km",
+        latitude=45.0,
+        longitude=10.0,
+        time="2026-06-21T12:00Z",
+        velocity=(0.0, 120.0, 350.0),
+    )
+    ensemble = lf.mission.Ensemble(members=6, velocity=20.0, waves=0.0)
+
+    def fly():
+        return lf.fly(
+            disk, EARTH, lf.FreeMolecular(), release=release, duration="30 s", every="2 s",
+            ensemble=ensemble,
+        )  # fmt: skip
+
+    with monkeypatch.context() as patch:
+        patch.setattr(first_seconds, "_throw", None)  # nothing is compiled for so few
+        alone = fly()
+    monkeypatch.setattr(fleet, "COMPILATION", 0)
+    beside = fly()
+    for name in ("altitude", "ensemble_altitude"):
+        np.testing.assert_allclose(alone[name], beside[name], atol=0.1)
+    assert np.ptp(alone["altitude"].values) > 10.0
+    np.testing.assert_allclose(alone["latitude"], beside["latitude"], atol=1e-6)
 
 
 def test_the_end_is_where_a_limit_is_reached(disk):

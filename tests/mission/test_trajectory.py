@@ -23,6 +23,7 @@ from lightflyer.mission.path.integration import (
 )
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.position import unit_vector
+from lightflyer.mission.path.single import follow_with_inertia
 from lightflyer.mission.path.termination import TerminationReason
 
 HALF_DAY = 43_200.0
@@ -216,15 +217,12 @@ def test_velocity_and_temperature_follow_at_once(afternoon):
     with lf.float64():
         steady, _ = afternoon.value_and_slope(np.array([0.08, afternoon.begin]))
         craft = Craft(setup, Level())
-        found = jax.jit(track_with_inertia)(
-            craft,
-            start,
-            state_at_release(craft, start, Inertia()),
-            Limits(0.0, 200e3),
-            times,
-            Accuracy.for_duration(afternoon.duration),
-            Inertia(),
-        ).track
+        accuracy = Accuracy.for_duration(afternoon.duration)
+        state = np.asarray(state_at_release(craft, start, Inertia()))
+        course = Limits(0.0, 200e3), times, accuracy, Inertia()
+        found = jax.jit(track_with_inertia)(craft, start, state, *course).track
+    alone = follow_with_inertia(craft, start, state, *course).track
+    assert float(alone.end_altitude) == pytest.approx(float(found.end_altitude), abs=1e-3)
     assert int(found.termination) == TerminationReason.STILL_FLYING
     assert abs(float(steady) - altitude) > 200.0
     assert 1e-3 < abs(float(found.end_altitude - steady)) < 1.0

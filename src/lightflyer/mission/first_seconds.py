@@ -15,7 +15,7 @@ from lightflyer.core.progress import report
 from lightflyer.environment.base import Place
 from lightflyer.environment.wind.gridded import parts_at
 from lightflyer.mission.by_parts import left_their_part, unflown
-from lightflyer.mission.fleet import BATCH, Flights, each, one_of, take
+from lightflyer.mission.fleet import BATCH, Flights, each, one_of, pays_alone, take
 from lightflyer.mission.path.dynamics import (
     PLACE,
     Inertia,
@@ -28,7 +28,7 @@ from lightflyer.mission.path.dynamics import (
 from lightflyer.mission.path.integration import ALTITUDE_SCALE, Accuracy, Limits, Start, Track
 from lightflyer.mission.path.motion import INERTIA, Craft, in_balance
 from lightflyer.mission.path.position import latitude_and_longitude
-from lightflyer.mission.path.single import Way
+from lightflyer.mission.path.single import Way, follow_with_inertia
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.program.entry_point import entry_point
 from lightflyer.pytree import tree
@@ -39,6 +39,8 @@ _LOOKS = 65  # moments of these seconds that are kept
 _STEPS = 200_000  # of a flight between two looks, at most
 _FLYING = int(TerminationReason.STILL_FLYING)
 _ENDS = "end_elapsed", "end_altitude", "end_position", "termination"
+
+_Course = tuple[Limits, Any, Accuracy]  # With the times to keep [s], shape (n,)
 
 _places = entry_point(latitude_and_longitude)
 
@@ -121,7 +123,7 @@ def begin(
         since, until = until, last if inertia is not None else min(2.0 * until or _FIRST, last)
         report("flying with inertia", int(until), int(last), "s")
         looks = elapsed if inertia is not None else np.linspace(since, until, _LOOKS)
-        now = _in_batches(near, states, (limits, looks, steps), inertia)
+        now = _throw_all(near, states, (limits, looks, steps), inertia)
         if np.any(left_their_part(near.setup, now.track, released)):
             raise ParameterError(
                 "with inertia a flight stays in the part of the wind's file around its release, "
@@ -168,11 +170,9 @@ def _balanced(flights: Flights, states: Any, limits: Limits, elapsed: Any) -> An
 
 
 @partial(entry_point, way="xla")
-def _throw(
-    flights: Flights, states: Any, given: tuple[Any, Any, Any], inertia: Inertia | None
-) -> Any:
+def _throw(flights: Flights, states: Any, course: _Course, inertia: Inertia | None) -> Any:
     def one(craft: Craft, start: Start, state: Any) -> Thrown:
-        return track_with_inertia(craft, start, state, *given, inertia)
+        return track_with_inertia(craft, start, state, *course, inertia)
 
     return each(flights, one, states)
 
@@ -186,13 +186,20 @@ def _feel(
     )
 
 
-def _in_batches(
-    flights: Flights, states: np.ndarray, given: tuple[Any, ...], inertia: Inertia | None
+def _throw_all(
+    flights: Flights, states: np.ndarray, course: _Course, inertia: Inertia | None
 ) -> Thrown:
-    count, size, parts = flights.count, min(BATCH, flights.count), []
-    for start in range(0, count, size):
-        rows = np.minimum(np.arange(start, start + size), count - 1)
-        parts.append(_throw(take(flights, rows), states[rows], given, inertia))
+    """Few one by one, more compiled and together, as in :func:`~.fleet.fly_all`."""
+    count, alone = flights.count, list[Thrown]()
+    while not alone or (len(alone) < count and pays_alone(count - 1, [one.track for one in alone])):
+        row = len(alone)
+        craft, start = one_of(flights, row)
+        alone.append(follow_with_inertia(craft, start, states[row], *course, inertia))
+    parts = [tree.map_leaves(lambda *rows: np.stack(rows), *alone)]
+    size = min(BATCH, count - len(alone))
+    for first in range(len(alone), count, max(size, 1)):
+        rows = np.minimum(np.arange(first, first + size), count - 1)
+        parts.append(_throw(take(flights, rows), states[rows], course, inertia))
     return tree.map_leaves(lambda *leaves: np.concatenate(leaves)[:count], *parts)
 
 

@@ -39,7 +39,7 @@ BATCH = 256
 
 MEMBERS = 200  # of an ensemble, unless it says otherwise
 FEW = 4  # Flights up to which each is followed by itself, whatever that takes
-COMPILATION, BEGINNING = 50_000, 30
+COMPILATION, BEGINNING = 80_000, 30
 """Steps of single flights that take as long as XLA's compiler, and as what comes before the first
 step of one of them."""
 _A_DAY = 86_400.0
@@ -318,7 +318,7 @@ def fly_all(
     def follow_one(row: int) -> Track:
         return follow(*one_of(flights, row), limits, elapsed, accuracy)[0]
 
-    while len(known) < count and _pays_alone(others, known) and not asked_to_end():
+    while len(known) < count and pays_alone(others, known) and not asked_to_end():
         row = len(known)
         known.append(keep(row, partial(follow_one, row)))
     alone = len(known)
@@ -348,7 +348,7 @@ def fly_all(
     return tree.map_leaves(lambda *parts: np.concatenate(parts), *flown)
 
 
-def _pays_alone(count: int, known: list[Track]) -> bool:
+def pays_alone(count: int, known: list[Track]) -> bool:
     """Whether flights are followed one by one, by what those that are known took."""
     if count <= FEW:
         return True

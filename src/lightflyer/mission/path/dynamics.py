@@ -100,28 +100,12 @@ def track_with_inertia(
 
     Without ``inertia`` heat is in balance, and steps are explicit: for minutes.
     """
-    # The mass of gas that moves with the flyer is left out, and so are the turning of the flyer
-    # and what its speed does to heat.
-    if craft.setup.flyer.flows:
-        raise ParameterError(
-            f"{type(craft.setup.flyer).__name__} has flows of gas, whose inertia is not known"
-        )
     import diffrax
 
-    failures = failures_of(craft.setup.flyer)
-    if inertia is not None:  # tension depends on the flyer's balance, which is not followed here
-        failures = tuple(end for end in failures if end is TerminationReason.TOO_HOT)
-
-    def spare(time: Any, flown: Array) -> Array:
-        if inertia is None:
-            return 1.0 - loads_of_state(craft, start, limits, time, flown[PLACE])
-        hottest = jnp.max(flown[_HEAT]) * _TEMPERATURE_SCALE
-        return 1.0 - jnp.stack([hottest / jnp.asarray(craft.setup.flyer.highest_temperature)])
-
+    given = craft, start, limits, inertia
+    failures = failures_with_inertia(craft, inertia)
     solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(
-            lambda time, flown, _: rate_with_inertia(craft, start, limits, time, flown, inertia)
-        ),
+        diffrax.ODETerm(lambda time, flown, _: rate_with_inertia(*given, time, flown)),
         diffrax.Tsit5() if inertia is None else diffrax.Kvaerno5(),
         t0=elapsed[0],
         t1=elapsed[-1],
@@ -129,7 +113,9 @@ def track_with_inertia(
         y0=state,
         saveat=save_at(elapsed),
         stepsize_controller=controller(accuracy, _SHORTEST_STEP),
-        event=events(limits, failures, spare),
+        event=events(
+            limits, failures, lambda time, flown: 1.0 - loads_with_inertia(*given, time, flown)
+        ),
         max_steps=accuracy.steps,
         throw=False,
     )
@@ -138,8 +124,33 @@ def track_with_inertia(
     return Thrown(track_of(solution, failures), states, last[0])
 
 
+def failures_with_inertia(craft: Craft, inertia: Inertia | None) -> tuple[TerminationReason, ...]:
+    """What :func:`loads_with_inertia` has, in its order."""
+    # The mass of gas that moves with the flyer is left out, and so are the turning of the flyer
+    # and what its speed does to heat.
+    if craft.setup.flyer.flows:
+        raise ParameterError(
+            f"{type(craft.setup.flyer).__name__} has flows of gas, whose inertia is not known"
+        )
+    failures = failures_of(craft.setup.flyer)
+    if inertia is None:
+        return failures
+    # tension depends on the flyer's balance, which is not followed
+    return tuple(end for end in failures if end is TerminationReason.TOO_HOT)
+
+
+def loads_with_inertia(
+    craft: Craft, start: Start, limits: Limits, inertia: Inertia | None, elapsed: Any, flown: Array
+) -> Array:
+    """Loads over what is borne in a scaled state [1], shape (failures,)."""
+    if inertia is None:
+        return loads_of_state(craft, start, limits, elapsed, flown[PLACE])
+    hottest = jnp.max(flown[_HEAT]) * _TEMPERATURE_SCALE
+    return jnp.stack([hottest / jnp.asarray(craft.setup.flyer.highest_temperature)])
+
+
 def rate_with_inertia(
-    craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array, inertia: Inertia | None
+    craft: Craft, start: Start, limits: Limits, inertia: Inertia | None, elapsed: Any, flown: Array
 ) -> Array:
     """Rate of a scaled state [1/s], shape (n,)."""
     altitude, place, around = _around(craft, start, limits, elapsed, flown)
@@ -176,7 +187,7 @@ def feel(
     ground, state = jnp.stack(velocity_over_ground(flown, place)), around.state
     speed = jnp.linalg.norm(ground - jnp.stack(around.wind))
     density = state.gas.density(state.pressure, state.temperature)
-    rate = rate_with_inertia(craft, start, limits, elapsed, flown, inertia)
+    rate = rate_with_inertia(craft, start, limits, inertia, elapsed, flown)
     speeding = SPEED_SCALE * jnp.linalg.norm(rate[MOVING])
     return ground, speed, density, state.gas.heat_capacity(state.temperature), speeding
 

@@ -13,6 +13,14 @@ import numpy as np
 from lightflyer.core.progress import asked_to_end, report
 from lightflyer.environment.base import Place
 from lightflyer.environment.wind.gridded import hold, parts_at
+from lightflyer.mission.path.dynamics import (
+    PLACE,
+    Inertia,
+    Thrown,
+    failures_with_inertia,
+    loads_with_inertia,
+    rate_with_inertia,
+)
 from lightflyer.mission.path.failure import failures_of
 from lightflyer.mission.path.integration import (
     ALTITUDE_SCALE,
@@ -35,9 +43,9 @@ _SHORTEST = 1e-3  # seconds: how closely the end of data is found
 
 _LOOKS_APART = 300.0  # Longest time between looks at what may fail [s]
 
-_rate = entry_point(steady_rate)
+_rate, _rate_with_inertia = entry_point(steady_rate), entry_point(rate_with_inertia)
 _there = entry_point(altitude_and_place)
-_loads = entry_point(loads_of_state)
+_loads, _loads_with_inertia = entry_point(loads_of_state), entry_point(loads_with_inertia)
 _scaled = entry_point(scale_state)
 
 
@@ -49,24 +57,64 @@ class Way(NamedTuple):
 
     def __call__(self, elapsed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Altitudes [m], shape (times,), and unit vectors, shape (times, 3)."""
-        place = np.clip(np.searchsorted(self.times, elapsed) - 1, 0, len(self.pieces) - 1)
-        states = np.empty((len(elapsed), 4))
-        for piece in np.unique(place):
-            states[place == piece] = self.pieces[piece](elapsed[place == piece]).T
+        states = self.states(elapsed)
         length = np.linalg.norm(states[:, :3], axis=1, keepdims=True)
         return states[:, 3] * ALTITUDE_SCALE, states[:, :3] / length
+
+    def states(self, elapsed: np.ndarray) -> np.ndarray:
+        """Scaled states, shape (times, n)."""
+        place = np.clip(np.searchsorted(self.times, elapsed) - 1, 0, len(self.pieces) - 1)
+        states = np.empty((len(elapsed), len(self.pieces[0](self.times[:1]))))
+        for piece in np.unique(place):
+            states[place == piece] = self.pieces[piece](elapsed[place == piece]).T
+        return states
 
 
 def follow(
     craft: Craft, start: Start, limits: Limits, elapsed: Any, accuracy: Accuracy
 ) -> tuple[Track, Way]:
     """Flight of one flyer whose numbers are known; ``elapsed``: times to keep, shape (times,)."""
-    state = np.asarray(_scaled(start))
-    rate = _Rate(craft, start, limits, float(elapsed[0]), state)
+    laws = _Laws(_rate, _loads, failures_of(craft.setup.flyer))
+    return _follow(laws, (craft, start, limits), np.asarray(_scaled(start)), elapsed, accuracy)
+
+
+def follow_with_inertia(
+    craft: Craft,
+    start: Start,
+    state: np.ndarray,
+    limits: Limits,
+    elapsed: np.ndarray,
+    accuracy: Accuracy,
+    inertia: Inertia | None,
+) -> Thrown:
+    """What :func:`~lightflyer.mission.path.dynamics.track_with_inertia` gives."""
+    laws = _Laws(_rate_with_inertia, _loads_with_inertia, failures_with_inertia(craft, inertia))
+    given = craft, start, limits, inertia
+    track, way = _follow(laws, given, state, elapsed, accuracy)
+    states: Any = np.full((len(elapsed), state.size), np.inf)
+    flown = elapsed <= track.end_elapsed
+    states[flown] = way.states(elapsed[flown])
+    end: Any = way.states(way.times[-1:])[0]
+    return Thrown(track, states, end)
+
+
+class _Laws(NamedTuple):
+    """What a flight follows: entry points of what is known, then of time and scaled state."""
+
+    rate: Callable[..., Any]
+    loads: Callable[..., Any]
+    failures: tuple[TerminationReason, ...]  # By the loads
+
+
+def _follow(
+    laws: _Laws, given: tuple[Any, ...], state: np.ndarray, elapsed: Any, accuracy: Accuracy
+) -> tuple[Track, Way]:
+    """Flight from a scaled state on; ``given``: craft, start, limits and what else is known."""
+    rate = _Rate(laws.rate, given, float(elapsed[0]), state)
     last = until = float(elapsed[-1])
     solver = _solver(rate, float(elapsed[0]), state, last, accuracy)
     steps, times, pieces = 0, [float(elapsed[0])], []
-    watch = _watch(rate.craft, start, limits, last)
+    watch = _watch(laws, (rate.craft, *given[1:]), state, last)
     end = watch(lambda _: state, times[0], times[0])
     while solver.t < last and steps < accuracy.steps and end is None:
         if solver.status != "running":  # before something that is not known: closer to it
@@ -83,7 +131,8 @@ def follow(
             until = 0.5 * (solver.t + until)
             continue
         steps += 1
-        report("flying", int(solver.t / _AN_HOUR), int(last / _AN_HOUR), "h")
+        if last > _AN_HOUR:  # seconds are not worth a line
+            report("flying", int(solver.t / _AN_HOUR), int(last / _AN_HOUR), "h")
         between = solver.dense_output()
         end = watch(between, solver.t_old, solver.t)
         times.append(solver.t if end is None else end[0])
@@ -116,19 +165,18 @@ class _Rate:
     """Rate of a scaled state, whose winds from files are the parts around it."""
 
     def __init__(
-        self, craft: Craft, start: Start, limits: Limits, elapsed: float, state: np.ndarray
+        self, rate: Callable[..., Any], given: tuple[Any, ...], elapsed: float, state: np.ndarray
     ):
-        self._given = craft, start, limits
+        self._rate, self._given = rate, given
         self._read(elapsed, state)
 
     def _read(self, elapsed: float, state: np.ndarray) -> None:
         craft, *others = self._given
         self.craft = parts_at(craft, self._place(elapsed, state))
-        self._bound = bind(_rate, self.craft, *others, example=(elapsed, state))
+        self._bound = bind(self._rate, self.craft, *others, example=(elapsed, state))
 
     def _place(self, elapsed: float, state: np.ndarray) -> Place:
-        _, start, _ = self._given
-        return _there(start, state, elapsed)[1]  # type: ignore[arg-type]
+        return _there(self._given[1], state[PLACE], elapsed)[1]  # type: ignore[arg-type]
 
     def __call__(self, elapsed: float, state: np.ndarray) -> Any:
         found = self._bound(np.float64(elapsed), state)
@@ -169,17 +217,16 @@ _Between = Callable[[float], np.ndarray]
 
 
 def _watch(
-    craft: Craft, start: Start, limits: Limits, last: float
+    laws: _Laws, given: tuple[Any, ...], state: np.ndarray, last: float
 ) -> Callable[[_Between, float, float], _End | None]:
     """What says when and how a flight ends in a step, or None where it does not."""
-    failures = failures_of(craft.setup.flyer)
-    example = (0.0, np.asarray(_scaled(start)))
-    load = bind(_loads, craft, start, limits, example=example) if failures else None
+    limits: Limits = given[2]
+    load = bind(laws.loads, *given, example=(0.0, state)) if laws.failures else None
 
     def look(between: _Between, begin: float, end: float) -> _End | None:
         ends = _leaves(between, begin, end, limits)
         if load is not None:
-            ends += _fails(load, failures, between, begin, end)
+            ends += _fails(load, laws.failures, between, begin, end)
         if asked_to_end() and end < last:
             ends.append((end, TerminationReason.INTERRUPTED))
         return min(ends, default=None)

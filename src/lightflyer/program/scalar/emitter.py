@@ -165,6 +165,10 @@ class _Emitter:
 
     def map(self, function: Callable[..., Node], *arrays: np.ndarray) -> np.ndarray:
         """Apply a function to each element."""
+        if not any(array.ndim for array in arrays):
+            found = np.empty((), object)
+            found[()] = function(*(array.item() for array in arrays))
+            return found
         shape = np.broadcast_shapes(*(array.shape for array in arrays))
         found = np.empty(shape, object)
         flat = [np.broadcast_to(array, shape).ravel() for array in arrays]

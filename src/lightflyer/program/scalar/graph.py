@@ -49,16 +49,16 @@ _OF_OPERANDS = {"add", "sub", "mul", "rem", "neg", "abs", "sign", "max", "min"}
 _SAME = {"add": -0.0, "sub": 0.0, "mul": 1, "div": 1}  # right operands that change nothing
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False, slots=True)
 class Scope:
     """The body of a loop, the function itself, at depth 1, or what is known before it, at 0."""
 
     depth: int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False, slots=True)
 class Node:
-    """One scalar."""
+    """One scalar; nothing changes it."""
 
     # A key of :data:`FOLDS`, or ``constant``, ``choice``, ``table``, ``listing``, ``pick``,
     # ``variable``, ``result``
@@ -180,13 +180,15 @@ class Graph:
         self, operation: str, operands: tuple[Node, ...], data: Any = None, key: Any = None
     ) -> Node:
         key = operation, *map(id, operands), data if key is None else key
-        if key not in self._nodes:
-            scopes = (operand.scope for operand in operands)
-            scope = max(scopes, key=lambda scope: scope.depth, default=self._before)
-            self._nodes[key] = Node(
-                operation, operands, data, scope, _kind(operation, operands, data)
-            )
-        return self._nodes[key]
+        known = self._nodes.get(key)
+        if known is None:
+            scope = self._before
+            for operand in operands:
+                if operand.scope.depth > scope.depth:
+                    scope = operand.scope
+            known = Node(operation, operands, data, scope, _kind(operation, operands, data))
+            self._nodes[key] = known
+        return known
 
 
 def _kind(operation: str, operands: tuple[Node, ...], data: Any) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 
 from lightflyer.program.operations import ELEMENTWISE
 from lightflyer.program.program import Program
-from lightflyer.program.scalar.emitter import elements_of, graph_of, is_table
+from lightflyer.program.scalar.emitter import GraphOf, elements_of, graph_of, is_table
 from lightflyer.program.scalar.graph import FOLDS, PRIMARY, Table
 from lightflyer.program.scalar.writer import Language, Written, write_graph
 
@@ -76,18 +76,12 @@ def _write(
     shapes_found = [array.shape for array in graph.results]
     ends = [0, *itertools.accumulate(array.size for array in graph.results)]
     parts = [slice(*pair) for pair in itertools.pairwise(ends)]
+    quick = _compiled(graph, _QuickPython)
 
     @cache
-    def written(kind: type[_Python]) -> Callable[..., Any]:
-        language = kind(graph.tables)
-        nodes = [node for array in graph.results for node in array.ravel()]
-        text = write_graph(_NAME, graph.arguments, nodes, language, graph.parameters)
-        names = {**_FUNCTIONS, **_QUICK, **language.tables}
-        # the text is written above, of a graph of numbers: nothing in it comes from outside
-        exec(compile(text, _NAME, "exec"), names)
-        return names[_MAKER]
-
-    written(_QuickPython)  # or say at once what cannot be
+    def safe() -> Callable[..., Any]:
+        # few functions need it: the graph is made again rather than kept for it
+        return _compiled(graph_of(program, fixed, shapes, open_ones), _Python)
 
     def make(given: Mapping[int, np.ndarray]) -> _Call:
         tables = [place for place in sorted(given) if is_table(program, place, given[place])]
@@ -99,10 +93,10 @@ def _write(
             nonlocal function
             values = [number for one in inputs for number in np.ravel(one).tolist()]
             try:
-                function = function or written(_QuickPython)(*known)
+                function = function or quick(*known)
                 results = function(*values)
             except (ArithmeticError, ValueError):  # from now on what never raises, and is slower
-                function = written(_Python)(*known)
+                function = safe()(*known)
                 results = function(*values)
             return [
                 np.array(results[part], kind).reshape(shape)[()]
@@ -112,6 +106,18 @@ def _write(
         return call
 
     return make
+
+
+def _compiled(graph: GraphOf, kind: "type[_Python]") -> Callable[..., Any]:
+    """The function that makes the function."""
+    language = kind(graph.tables)
+    nodes = [node for array in graph.results for node in array.ravel()]
+    text = write_graph(_NAME, graph.arguments, nodes, language, graph.parameters)
+    names = {**_FUNCTIONS, **_QUICK, **language.tables}
+    # the text is written above, of a graph of numbers: nothing in it comes from outside
+    exec(compile(text, _NAME, "exec"), names)
+    made: Callable[..., Any] = names[_MAKER]
+    return made
 
 
 # --- operations that Python's own do not serve for ---
@@ -132,6 +138,10 @@ def _largest(one: Any, other: Any) -> Any:
 
 def _smallest(one: Any, other: Any) -> Any:
     return one if one <= other or one != one else other
+
+
+def _sign(value: Any) -> Any:
+    return value if value != value else type(value)((value > 0) - (value < 0))
 
 
 def _square_root(value: float) -> float:
@@ -182,6 +192,7 @@ _FUNCTIONS: dict[str, Any] = {
     "_div": _divide,
     "_max": _largest,
     "_min": _smallest,
+    "_sign": _sign,
     "_sqrt": _square_root,
     "_abs": abs,
     "_is_finite": math.isfinite,

@@ -12,6 +12,7 @@ from lightflyer.film.optics.diffraction import (
     MEDIAN_WAVELENGTH_BY_TEMPERATURE,
     MEDIAN_WAVELENGTH_OF_SUNLIGHT,
     diffraction_deficit,
+    largest_deficit,
     narrow_channels,
     narrow_holes,
 )
@@ -37,6 +38,10 @@ def test_limits_of_wide_and_narrow_holes():
     falling = diffraction_deficit(np.geomspace(1e-7, 1e-4, 200), 10e-6)
     assert np.all((falling > 0.0) & (falling < 1.0))
     assert falling[-1] < LARGEST_DEFICIT < falling[0]
+    radius = np.geomspace(1e-7, 1e-3, 2000)
+    share = diffraction_deficit(radius, 10e-6) / largest_deficit(radius, 10e-6)
+    assert share.max() == pytest.approx(1.0, abs=1e-5)
+    assert np.all(share < 1.0)
 
 
 def test_what_is_missing_goes_with_the_edge_of_a_channel():

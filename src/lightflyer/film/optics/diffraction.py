@@ -33,8 +33,18 @@ def diffraction_deficit(hole_radius: Numeric, wavelength: Numeric) -> np.ndarray
     # The mean of J₀ up to x by Struve functions: itj0y0 of SciPy is wrong before 1.17.
     from scipy.special import j0, j1, struve  # slow to import
 
-    x = 4.0 * np.pi * np.asarray(hole_radius) / wavelength
+    x = _size(hole_radius, wavelength)
     return np.asarray(j0(x) + 0.5 * np.pi * (j1(x) * struve(0, x) - j0(x) * struve(1, x)))
+
+
+def largest_deficit(hole_radius: Numeric, wavelength: Numeric) -> np.ndarray:
+    """What :func:`diffraction_deficit` does not exceed [1], without SciPy; close for wide holes."""
+    x = _size(hole_radius, wavelength)
+    return np.asarray((1.0 + np.sqrt(2.0 / (np.pi * x))) / x)
+
+
+def _size(hole_radius: Numeric, wavelength: Numeric) -> np.ndarray:
+    return 4.0 * np.pi * np.asarray(hole_radius) / wavelength
 
 
 def narrow_holes(hole_radius: Numeric, temperature: Numeric) -> Iterator[str]:
@@ -59,6 +69,8 @@ def _narrow(what: str, radius: float, temperature: Numeric) -> Iterator[str]:
     infrared = MEDIAN_WAVELENGTH_BY_TEMPERATURE / float(np.min(temperature))
     kinds = {"light": MEDIAN_WAVELENGTH_OF_SUNLIGHT, "heat radiation": infrared}
     for name, wavelength in kinds.items():
+        if largest_deficit(radius, wavelength) <= LARGEST_DEFICIT:
+            continue
         deficit = float(diffraction_deficit(radius, wavelength))
         if deficit > LARGEST_DEFICIT:
             yield (

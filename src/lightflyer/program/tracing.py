@@ -207,8 +207,10 @@ class _Builder:
         }
         known.update(zip(jaxpr.invars, inputs, strict=True))
 
+        literal = extend.Literal
+
         def read(atom: Any) -> int:
-            if isinstance(atom, extend.Literal):
+            if isinstance(atom, literal):
                 kind: Any = atom.aval
                 return self._constant(np.asarray(atom.val, kind.dtype))
             return known[atom]

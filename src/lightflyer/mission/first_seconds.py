@@ -15,7 +15,7 @@ from lightflyer.core.progress import report
 from lightflyer.environment.base import Place
 from lightflyer.environment.wind.gridded import parts_at
 from lightflyer.mission.by_parts import left_their_part, unflown
-from lightflyer.mission.fleet import BATCH, Flights, each, one_of, pays_alone, take
+from lightflyer.mission.fleet import BATCH, Flights, each, one_of, pays_alone, take, work_of
 from lightflyer.mission.path.dynamics import (
     PLACE,
     Inertia,
@@ -118,12 +118,12 @@ def begin(
     released, alive = np.asarray(flights.starts.place.time), np.ones(flights.count, bool)
     states, tracks, first = np.asarray(_release(near, inertia)), unflown(flights, elapsed), []
     steps = accuracy if inertia is not None else replace(accuracy, steps=_STEPS)
-    until, last, settled = 0.0, float(elapsed[-1]), False
+    until, last, settled, spent = 0.0, float(elapsed[-1]), False, 0
     while until < last and not settled:
         since, until = until, last if inertia is not None else min(2.0 * until or _FIRST, last)
         report("flying with inertia", int(until), int(last), "s")
         looks = elapsed if inertia is not None else np.linspace(since, until, _LOOKS)
-        now = _throw_all(near, states, (limits, looks, steps), inertia)
+        now, spent = _throw_all(near, states, (limits, looks, steps), inertia, spent)
         if np.any(left_their_part(near.setup, now.track, released)):
             raise ParameterError(
                 "with inertia a flight stays in the part of the wind's file around its release, "
@@ -187,20 +187,25 @@ def _feel(
 
 
 def _throw_all(
-    flights: Flights, states: np.ndarray, course: _Course, inertia: Inertia | None
-) -> Thrown:
-    """Few one by one, more compiled and together, as in :func:`~.fleet.fly_all`."""
-    count, alone = flights.count, list[Thrown]()
-    while not alone or (len(alone) < count and pays_alone(count - 1, [one.track for one in alone])):
+    flights: Flights, states: np.ndarray, course: _Course, inertia: Inertia | None, spent: int
+) -> tuple[Thrown, int]:
+    """Few one by one, more compiled and together, as in :func:`~.fleet.fly_all`.
+
+    ``spent``: steps of single flights until now; returns those with the new ones, too.
+    """
+    count, alone, tracks = flights.count, list[Thrown](), list[Track]()
+    while not alone or (len(alone) < count and pays_alone(count - 1, tracks, spent)):
         row = len(alone)
         craft, start = one_of(flights, row)
         alone.append(follow_with_inertia(craft, start, states[row], *course, inertia))
+        tracks.append(alone[row].track)
     parts = [tree.map_leaves(lambda *rows: np.stack(rows), *alone)]
     size = min(BATCH, count - len(alone))
     for first in range(len(alone), count, max(size, 1)):
         rows = np.minimum(np.arange(first, first + size), count - 1)
         parts.append(_throw(take(flights, rows), states[rows], course, inertia))
-    return tree.map_leaves(lambda *leaves: np.concatenate(leaves)[:count], *parts)
+    found: Thrown = tree.map_leaves(lambda *leaves: np.concatenate(leaves)[:count], *parts)
+    return found, spent + work_of(tracks)
 
 
 def _keep(

@@ -348,12 +348,19 @@ def fly_all(
     return tree.map_leaves(lambda *parts: np.concatenate(parts), *flown)
 
 
-def pays_alone(count: int, known: list[Track]) -> bool:
-    """Whether flights are followed one by one, by what those that are known took."""
+def pays_alone(count: int, known: list[Track], spent: int = 0) -> bool:
+    """Whether flights are followed one by one, by what those that are known took.
+
+    ``spent``: steps of single flights that were taken for the same before.
+    """
     if count <= FEW:
         return True
-    steps = [BEGINNING + int(track.steps) for track in known]
-    return bool(steps) and count * sum(steps) <= COMPILATION * len(steps)
+    return bool(known) and spent + count * work_of(known) / len(known) <= COMPILATION
+
+
+def work_of(tracks: list[Track]) -> int:
+    """Steps of single flights that some took, or that take as long."""
+    return sum(BEGINNING + int(track.steps) for track in tracks)
 
 
 def one_of(flights: Flights, row: int) -> tuple[Craft, Start]:

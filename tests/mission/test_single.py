@@ -1,5 +1,7 @@
 """One flight, by SciPy, is the same as by diffrax, whatever is kept of it or flies beside it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -62,13 +64,7 @@ def test_an_ensemble_changes_no_flight(disk, monkeypatch):
 
 
 def test_the_first_seconds_are_those_of_diffrax(disk, monkeypatch):
-    release = lf.Release(
-        "75 km",
-        latitude=45.0,
-        longitude=10.0,
-        time="2026-06-21T12:00Z",
-        velocity=(0.0, 120.0, 350.0),
-    )
+    release = dataclasses.replace(RELEASE, velocity=np.array([0.0, 120.0, 350.0]))
     ensemble = lf.mission.Ensemble(members=6, velocity=20.0, waves=0.0)
 
     def fly():

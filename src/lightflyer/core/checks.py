@@ -7,7 +7,7 @@ import numpy as np
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import is_loaded, jax
+from lightflyer.pytree.lazy_jax import is_loaded, is_tracer
 
 
 class Choice(enum.StrEnum):
@@ -26,10 +26,7 @@ class Choice(enum.StrEnum):
 
 def is_traced(*trees: Any) -> bool:
     """Whether any leaf is a JAX tracer, that is, has no concrete value yet."""
-    if not is_loaded():
-        return False
-    tracer = jax.core.Tracer
-    return any(isinstance(leaf, tracer) for leaf in tree.leaves(trees))
+    return is_loaded() and any(is_tracer(leaf) for leaf in tree.leaves(trees))
 
 
 def is_labelled(value: Any) -> bool:

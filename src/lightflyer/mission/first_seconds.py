@@ -200,8 +200,8 @@ def _throw_all(
         alone.append(follow_with_inertia(craft, start, states[row], *course, inertia))
         tracks.append(alone[row].track)
     parts = [tree.map_leaves(lambda *rows: np.stack(rows), *alone)]
-    size = min(BATCH, count - len(alone))
-    for first in range(len(alone), count, max(size, 1)):
+    size = max(min(BATCH, count - 1), 1)  # whichever were alone: of one size it compiles once
+    for first in range(len(alone), count, size):
         rows = np.minimum(np.arange(first, first + size), count - 1)
         parts.append(_throw(take(flights, rows), states[rows], course, inertia))
     found: Thrown = tree.map_leaves(lambda *leaves: np.concatenate(leaves)[:count], *parts)

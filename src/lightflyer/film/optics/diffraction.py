@@ -39,7 +39,7 @@ def diffraction_deficit(hole_radius: Numeric, wavelength: Numeric) -> np.ndarray
 
 def largest_deficit(hole_radius: Numeric, wavelength: Numeric) -> np.ndarray:
     """What :func:`diffraction_deficit` does not exceed [1], without SciPy; close for wide holes."""
-    x = _size(hole_radius, wavelength)
+    x = _size(hole_radius, wavelength)  # beyond x the integral of J₀ is at most √(2/(πx))
     return np.asarray((1.0 + np.sqrt(2.0 / (np.pi * x))) / x)
 
 

@@ -120,8 +120,8 @@ class OperatingPoint:
     @cached_property
     def sinking(self) -> Sinking:
         """How fast it sinks in the dark."""
-        dark = in_the_dark(self.setup.environment.state(self.coordinate))
-        found: Sinking = sinking(FlightEquations(self.flyer, dark, self.setup.model))
+        equations = FlightEquations(self.flyer, in_the_dark(self.state), self.setup.model)
+        found: Sinking = sinking(equations)
         return found
 
     @cached_property

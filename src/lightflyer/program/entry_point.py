@@ -195,7 +195,8 @@ def _in_double(leaf: Any) -> np.ndarray:
 
 def _promote(leaf: Any) -> Any:
     array = jnp.asarray(leaf)
-    return array if array.dtype == bool else array.astype(jnp.float64)
+    # strongly typed, or a function would be traced twice
+    return array if array.dtype == bool else jax.lax.convert_element_type(array, jnp.float64)
 
 
 class _Traced(NamedTuple):

@@ -21,7 +21,7 @@ from lightflyer.numerics.rootfind import (
 from lightflyer.program.arguments import reads_units
 from lightflyer.program.entry_point import elementwise_entry_point
 from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.pytree.lazy_jax import Array, is_tracer, jnp
 from lightflyer.pytree.module import Module
 from lightflyer.statics.balance import require_converged, solve_equilibrium
 from lightflyer.statics.equations import FlightEquations, weight
@@ -161,7 +161,7 @@ def sinking(equations: FlightEquations) -> Sinking:
 def _steady(
     flyer: AbstractFlyer, state: EnvironmentState, unknowns: tuple[Array, ...], lift: Numeric
 ) -> tuple[Array, Array]:
-    slow = flyer.drag(state, unknowns, jnp.asarray(_SLOW))
+    slow = flyer.drag(state, unknowns, jnp.full_like(lift, _SLOW))
     force = weight(flyer, state) - lift + jnp.zeros_like(slow)
     speed, outcome = steady_speed(lambda speed: flyer.drag(state, unknowns, speed), force)
     return speed, outcome.status
@@ -178,10 +178,11 @@ def in_the_dark(state: EnvironmentState) -> EnvironmentState:
     -------
     EnvironmentState
     """
+    light = state.radiation.irradiance
     return tree.replace_at(
         lambda state: (state.radiation.irradiance, state.radiation.diffuse_above),
         state,
-        (0.0 * state.radiation.irradiance, 0.0),
+        (jnp.zeros_like(light) if is_tracer(light) else 0.0 * light, 0.0),
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lightflyer.design.tables import NIGHT_SPEED, predicted_names, tabulate_places
-from lightflyer.program.entry_point import entry_point, only
+from lightflyer.program.entry_point import elementwise_entry_point, only
 from lightflyer.pytree import tree
 from lightflyer.pytree.lazy_jax import jax, jnp
 from lightflyer.statics.sinking import night_change, night_places
@@ -20,7 +20,7 @@ Table = dict[str, np.ndarray]
 _COORDINATE_STEP = 1e-4  # relative, over which slopes are compared for second derivatives
 
 
-@entry_point
+@elementwise_entry_point
 def _along(setup: Any, coordinate: Any, change: Any, coordinate_change: Any) -> Any:
     """Outputs, and how they change with the setup and the coordinate in one direction."""
 

@@ -16,9 +16,10 @@ concrete values against the range when it is made. The section reads a text with
 import dataclasses
 import inspect
 import math
+import operator
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache, partial, reduce
 from types import NoneType
 from typing import Annotated, Any, ClassVar, Literal, get_args, get_origin
 
@@ -31,7 +32,7 @@ from lightflyer.core.checks import is_concrete, is_labelled, range_text, require
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured, file_unit, parse, scale_and_offset
-from lightflyer.pytree.lazy_jax import is_tracer, jnp
+from lightflyer.pytree.lazy_jax import is_tracer, jnp, lax
 from lightflyer.pytree.module import AbstractClassVar, AbstractVar, Module, field
 
 
@@ -113,10 +114,15 @@ class Quantity:
 
     def _possible(self, value: Any) -> Any:
         """A traced number, NaN where it is out of range: nothing can be raised there."""
-        if (self.lowest, self.highest) == (-math.inf, math.inf):
+        outside = []  # NaN stays as it is
+        if self.lowest > -math.inf:
+            outside.append(value <= self.lowest if self.open_below else value < self.lowest)
+        if self.highest < math.inf:
+            outside.append(value > self.highest)
+        if not outside:
             return value
-        above = value > self.lowest if self.open_below else value >= self.lowest
-        return jnp.where(above & (value <= self.highest), value, np.nan)
+        number = jnp.asarray(value, float)
+        return lax.select(reduce(operator.or_, outside), jnp.full_like(number, np.nan), number)
 
     def _in_unit(self, name: str, value: Any) -> Any:
         """What has a unit of its own, without it; anything else as it is."""

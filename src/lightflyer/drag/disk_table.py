@@ -19,7 +19,7 @@ from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
 from lightflyer.drag import free_molecular
 from lightflyer.files.table import shipped_table
-from lightflyer.numerics.spline import Spline
+from lightflyer.numerics.curves import Curves
 from lightflyer.pytree.lazy_jax import Array, jnp
 
 _OFFSET = 1.5  # any of the size of the rarefaction at which both resistances are alike
@@ -36,35 +36,29 @@ TAC_RANGE = Validity(
 def dense_share(rarefaction: Numeric, tac: Numeric, molecules: str) -> Array:
     """Share of the resistance of dense gas that a slow disk meets, broadside [1]."""
     kind = "monatomic" if molecules == "monatomic" else "diatomic"
-    nodes, splines = _curves(kind)
-    place = jnp.log(rarefaction)
-    inside = jnp.clip(place, splines[0].nodes[0], splines[0].nodes[-1])
+    nodes, curves = _curves(kind)
     tac = jnp.clip(tac, nodes[0], nodes[-1])
     reduced: Array = jnp.zeros(())
-    for node, spline in zip(nodes, splines, strict=True):
+    for node, value in zip(nodes, curves(jnp.log(rarefaction)), strict=True):
         others = [other for other in nodes if other != node]
         weight = math.prod((tac - other) / (node - other) for other in others)
-        reduced = reduced + weight * spline(inside)
+        reduced = reduced + weight * value
     return 1.0 - reduced / (rarefaction + _OFFSET)
 
 
 @lru_cache
-def _curves(kind: str) -> tuple[tuple[float, ...], tuple[Spline, ...]]:
+def _curves(kind: str) -> tuple[tuple[float, ...], Curves]:
     """TACs of the table, and the reduced share over ln δ for each."""
-    from scipy.interpolate import CubicSpline
-
     table = shipped_table("drag_disk.csv")
     of_kind = np.array(table.texts["gas"]) == kind
     columns = {name: values[of_kind] for name, values in table.numbers.items()}
     nodes = tuple(float(tac) for tac in np.unique(columns["tac"]))
-    splines = []
+    delta = np.unique(columns["rarefaction"])
+    reduced = []
     for tac in nodes:
-        chosen = columns["tac"] == tac
-        delta = columns["rarefaction"][chosen]
         with float64(), beside_traces():  # also while another function is traced
             free = float(free_molecular.broadside_disk(0.0, tac, 1.0))
-        share = (1.0 / columns["drag"][chosen] - 1.0 / free) * 16.0 / (math.pi * delta)
-        reduced, place = (1.0 - share) * (delta + _OFFSET), np.log(delta)
-        smooth = CubicSpline(place, reduced, bc_type="clamped")  # level where it is held
-        splines.append(Spline.hermite(place, reduced, smooth(place, 1)))
-    return nodes, tuple(splines)
+        drag = columns["drag"][columns["tac"] == tac]
+        share = (1.0 / drag - 1.0 / free) * 16.0 / (math.pi * delta)
+        reduced.append((1.0 - share) * (delta + _OFFSET))
+    return nodes, Curves.through(np.log(delta), np.stack(reduced, axis=1))

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lightflyer.core.quantity import Temperature
+from lightflyer.program.horner import polynomial
 from lightflyer.pytree.lazy_jax import Array, jnp
 
 
@@ -15,7 +16,7 @@ class ChebyshevFit(NamedTuple):
     # The formulas have up to seven exponentials and powers; a heat balance, which evaluates them in
     # every step, would take a quarter longer.
 
-    coefficients: np.ndarray  # shape (n,); highest power first
+    coefficients: tuple[float, ...]  # Lowest power first
     coldest: float  # Range of the formula [K]
     hottest: float  # Range of the formula [K]
     middle: float  # [K]
@@ -35,10 +36,10 @@ class ChebyshevFit(NamedTuple):
             degree,
             domain=domain / (domain + middle),
         )
-        coefficients = fit.convert(kind=np.polynomial.Polynomial).coef[::-1]
-        return cls(coefficients, *ends, middle)
+        coefficients = fit.convert(kind=np.polynomial.Polynomial).coef
+        return cls(tuple(coefficients.tolist()), *ends, middle)
 
     def __call__(self, temperature: Temperature) -> Array:
         """Value at temperatures [K]; beyond the range of the formula its value at the end."""
         within = jnp.clip(temperature, self.coldest, self.hottest)
-        return jnp.polyval(jnp.asarray(self.coefficients), within / (within + self.middle))
+        return polynomial(self.coefficients, within / (within + self.middle))

@@ -5,14 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from lightflyer.core.types import Numeric
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.program.spline import spline
+from lightflyer.pytree.lazy_jax import Array, lax
 
 
 @dataclass(frozen=True)
 class Curves:
     """Several cubic splines with the same knots, level at both ends and beyond."""
-
-    # They are sums of cubes, which vectorise; looking up pieces in a table takes longer.
 
     knots: tuple[float, ...]
     # Value and half the second derivative at the first knot, one for each curve
@@ -40,13 +39,9 @@ class Curves:
 
     def __call__(self, x: Numeric) -> list[Array]:
         """Values of all curves at ``x``, any shape."""
-        inside = jnp.clip(x, self.knots[0], self.knots[-1])
-        distances = [jnp.maximum(inside - knot, 0.0) for knot in self.knots[:-1]]
-        powers = [distance**3 for distance in distances]
+        inside = lax.clamp(self.knots[0], x, self.knots[-1])
         curves = zip(self.constants, self.squares, self.cubes, strict=True)
         return [
-            constant
-            + square * distances[0] ** 2
-            + sum(factor * power for factor, power in zip(factors, powers, strict=True))
-            for constant, square, factors in curves
+            spline(self.knots[:-1], (constant, 0.0, square, cubes[0]), cubes[1:], 3, inside)
+            for constant, square, cubes in curves
         ]

@@ -1,4 +1,4 @@
-"""Polynomials in several variables, fitted by least squares and evaluated by JAX."""
+"""Polynomials in several variables, fitted by least squares."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
-from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.program.horner import as_tuples, polynomial
+from lightflyer.pytree.lazy_jax import jnp, lax
 
 _ERROR_POWERS = [(0,), (1,), (2,)]
 _MARGIN = 0.02  # how far beyond an end a corner lies, and half of the width of its rounding
+_ROUNDED = (0.0, 0.0, 0.0, 0.25 / _MARGIN**2, -0.0625 / _MARGIN**3)
 
 
 def place_between(value: Any, low: float, high: float) -> Any:
@@ -17,36 +19,16 @@ def place_between(value: Any, low: float, high: float) -> Any:
     return (2.0 * value - low - high) / (high - low)
 
 
-def polynomial(coefficients: Any, *variables: Any) -> Any:
-    """Polynomial in several variables by Horner's rule; the first one's powers come last."""
-    if not variables:
-        return coefficients
-    first, *others = variables
-    *lower, highest = (polynomial(coefficient, *others) for coefficient in coefficients)
-    result: Any = highest  # not from zero, which XLA would multiply and add
-    for value in reversed(lower):
-        result = result * first + value
-    return result
-
-
 def hold_within(value: Any, low: float, high: float) -> Any:
     """A value within two ends, and a little beyond the nearer one where it lies outside."""
     # The corners are round: a kink would stop Newton's method where a solution lies at it. Up to
     # the ends the value is itself. Twice differentiable, without transcendental functions, which
     # would cost more than all else in a heat balance.
-    return (
-        low
-        - _MARGIN
-        + _positive_part(value - low + _MARGIN)
-        - _positive_part(value - high - _MARGIN)
-    )
-
-
-def _positive_part(value: Any) -> Any:
-    """The value where it is positive, else zero; a polynomial within the margin of zero."""
-    place = jnp.clip(value / _MARGIN, -1.0, 1.0)
-    rounded = _MARGIN * (1.0 + place) ** 3 * (3.0 - place) / 16.0
-    return jnp.where(value < _MARGIN, rounded, value)
+    from_middle = value - (low + high) / 2.0
+    beyond = jnp.abs(from_middle) - (high - low) / 2.0
+    rounded = polynomial(_ROUNDED, lax.clamp(0.0, beyond, 2.0 * _MARGIN))
+    excess = lax.select(beyond < 2.0 * _MARGIN, rounded, beyond - _MARGIN)
+    return value - jnp.sign(from_middle) * excess
 
 
 def least_squares(
@@ -65,21 +47,6 @@ def least_squares(
     coefficients = np.zeros(np.max(powers, axis=0) + 1)
     coefficients[tuple(np.transpose(powers))] = fitted
     return as_tuples(coefficients)
-
-
-def as_tuples(array: np.ndarray) -> Any:
-    """An array as nested tuples of float, which can be hashed."""
-    return tuple(map(as_tuples, array)) if array.ndim else float(array)
-
-
-def trim_zeros(coefficients: Any) -> Any:
-    """Coefficients without zeros of the highest powers, which cost time."""
-    if not isinstance(coefficients, tuple):
-        return coefficients
-    kept = [trim_zeros(part) for part in coefficients]
-    while len(kept) > 1 and kept[-1] in (0.0, (0.0,)):
-        kept.pop()
-    return tuple(kept)
 
 
 def error_fit(bounds: np.ndarray, position: np.ndarray) -> Any:

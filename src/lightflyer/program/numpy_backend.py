@@ -7,17 +7,17 @@ must see the whole of an array is given its shape and fills it.
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lightflyer.program.indexing import fill_axes
 from lightflyer.program.operations import (
     ELEMENTWISE,
-    RULES,
     SINGLE,
     UnsupportedError,
     function_of,
+    is_known,
 )
 from lightflyer.program.program import ROWS, Block, Operation, Program, length_of
 
@@ -73,7 +73,7 @@ def run(
 def require_supported(program: Program) -> None:
     """Raise :class:`UnsupportedError` unless NumPy can run a program."""
     for name in program.names:
-        if name not in ELEMENTWISE and name not in RULES and name not in CONTROL:
+        if name not in CONTROL and not is_known(name):
             raise UnsupportedError(f'operation "{name}" is not among those that NumPy runs')
 
 
@@ -140,12 +140,20 @@ def _without_filling(program: Program) -> Block:
 _Step = tuple[Callable[..., Any], tuple[int, ...], tuple[int, ...], int, tuple[int, ...]]
 """Function, inputs, outputs, how it is called, and values that nothing needs afterwards."""
 
+
+class _Steps(NamedTuple):
+    """What to call, in order."""
+
+    calls: list[_Step]
+    weight: int  # in steps as small as a multiplication
+
+
 _ONE, _TWO, _ANY, _SHAPED, _CONTROL = range(5)
 _BY_COUNT = {1: _ONE, 2: _TWO}
 
 
-def _steps(block: Block, fixed: frozenset[int]) -> list[_Step]:
-    """What to call, in order; ``fixed`` are tables, which have no row for each element."""
+def _steps(block: Block, fixed: frozenset[int]) -> _Steps:
+    """What a block calls; ``fixed`` are tables, which have no row for each element."""
     steps: list[_Step] = []
     for operation in block.operations:
         name, inputs, outputs = operation.name, operation.inputs, operation.outputs
@@ -155,16 +163,16 @@ def _steps(block: Block, fixed: frozenset[int]) -> list[_Step]:
             steps.append((ELEMENTWISE[name], inputs, outputs, _BY_COUNT.get(len(inputs), _ANY), ()))
         else:
             steps.append((function_of(operation), inputs, outputs, _SHAPED, ()))
-    return steps
+    return _Steps(steps, block.steps)
 
 
-def _with_ends(block: Block, steps: list[_Step], count: int) -> list[_Step]:
+def _with_ends(block: Block, steps: _Steps, count: int) -> _Steps:
     """Name, for each step, the values that it makes or reads last, so that memory is freed."""
     needed = bytearray(count)
     for number in block.results:
         needed[number] = 1
     found: list[_Step] = []
-    for operation, step in zip(reversed(block.operations), reversed(steps), strict=True):
+    for operation, step in zip(reversed(block.operations), reversed(steps.calls), strict=True):
         used = operation.inputs + operation.outputs
         if operation.blocks:
             used = (*used, *(number for part in operation.blocks for number in _numbers(part)))
@@ -172,7 +180,7 @@ def _with_ends(block: Block, steps: list[_Step], count: int) -> list[_Step]:
         for number in last:
             needed[number] = 1
         found.append((*step[:4], last) if last else step)
-    return found[::-1]
+    return steps._replace(calls=found[::-1])
 
 
 def _numbers(block: Block) -> Iterator[int]:
@@ -184,9 +192,9 @@ def _numbers(block: Block) -> Iterator[int]:
             yield from _numbers(part)
 
 
-def _call_all(steps: list[_Step], values: Values, lengths: _Run) -> None:
-    lengths.meter.count(len(steps), lengths.get(ROWS, 1))
-    for function, inputs, outputs, way, last in steps:
+def _call_all(steps: _Steps, values: Values, lengths: _Run) -> None:
+    lengths.meter.count(steps.weight, lengths.get(ROWS, 1))
+    for function, inputs, outputs, way, last in steps.calls:
         if way == _TWO:
             values[outputs[0]] = function(values[inputs[0]], values[inputs[1]])
         elif way == _ONE:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.program import horner, spline
 from lightflyer.program.indexing import (
     Lengths,
     dynamic_slice,
@@ -149,11 +150,34 @@ ELEMENTWISE: dict[str, Callable[..., Any]] = {
 }
 """Operations on each element by itself, without parameters."""
 
-SINGLE = {*ELEMENTWISE, "convert_element_type", "integer_pow"}
+SINGLE = {*ELEMENTWISE, "convert_element_type", "integer_pow", horner.NAME, spline.NAME}
 """Operations that make a value without axes of such values, element by element."""
 
 RULES: dict[str, Callable[..., Any]] = {}
 """Functions of lengths, inputs and an operation's parameters, by the operation's name."""
+
+
+def _hashable(operation: Operation) -> dict[str, Any]:
+    """Parameters with tuples for the lists that a kept program has."""
+    return {name: _tuples(value) for name, value in operation.parameters.items()}
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(map(_tuples, value)) if isinstance(value, list | tuple) else value
+
+
+_MADE: dict[str, Callable[[Operation], Callable[..., Any]]] = {
+    horner.NAME: lambda operation: horner.evaluator(
+        count=len(operation.inputs), **_hashable(operation)
+    ),
+    spline.NAME: lambda operation: spline.evaluator(**_hashable(operation)),
+}
+"""What makes a function of the inputs alone, once for all calls."""
+
+
+def is_known(name: str) -> bool:
+    """Whether NumPy runs an operation, which is neither a loop nor a choice."""
+    return name in ELEMENTWISE or name in RULES or name in _MADE
 
 
 def function_of(operation: Operation) -> Callable[..., Any]:
@@ -162,7 +186,10 @@ def function_of(operation: Operation) -> Callable[..., Any]:
     if name in ELEMENTWISE:
         plain = ELEMENTWISE[name]
         return lambda _, *inputs: plain(*inputs)
-    if name not in RULES:
+    if name in _MADE:
+        made = _MADE[name](operation)
+        return lambda _, *inputs: made(*inputs)
+    if not is_known(name):
         raise UnsupportedError(f'operation "{name}" is not among those that NumPy runs')
     return partial(RULES[name], **operation.parameters)
 

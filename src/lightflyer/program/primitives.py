@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.program import horner, spline
 from lightflyer.program.program import Length
 from lightflyer.pytree import tree
 from lightflyer.pytree.lazy_jax import jax
@@ -160,6 +161,7 @@ PARAMETERS: dict[str, Callable[[Any], dict[str, Any]]] = {
         "sizes": _shape_of(equation, 1),
     },
     "gather": _gather,
+    horner.NAME: lambda equation: equation.params,
     "integer_pow": lambda equation: {"y": int(equation.params["y"])},
     "iota": lambda equation: {
         "dtype": str(np.dtype(equation.params["dtype"])),
@@ -186,6 +188,7 @@ PARAMETERS: dict[str, Callable[[Any], dict[str, Any]]] = {
         "num_keys": int(equation.params["num_keys"]),
         "shape": _shape_of(equation),
     },
+    spline.NAME: lambda equation: equation.params,
     "split": lambda equation: (
         _along_axis(equation) | {"sizes": list(lengths_of(equation.params["sizes"]))}
     ),

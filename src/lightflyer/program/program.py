@@ -18,10 +18,17 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from lightflyer.program import horner, spline
+
 ROWS = "n0"  # Symbol of the axis along which elements lie
 LOOKED_UP = "gather", "dynamic_slice"  # Operations that look up some elements of their first input
 FORMAT = 2  # Version of the form in which programs are written
 SYMBOLS = ("n0", "n1", "n2", "n3")  # Lengths that a program is traced without
+
+_STEP_COUNTS: dict[str, Callable[..., int]] = {
+    horner.NAME: horner.step_count,
+    spline.NAME: spline.step_count,
+}
 
 Length: TypeAlias = int | str  # Number of elements along an axis, or an expression of symbols
 
@@ -35,6 +42,12 @@ class Operation(NamedTuple):
     parameters: Mapping[str, Any]  # Of strings, numbers, lists and None
     blocks: "tuple[Block, ...]" = ()  # Bodies of a loop or of a choice
 
+    @property
+    def steps(self) -> int:
+        """How many multiplications, or other steps as small, it takes."""
+        count = _STEP_COUNTS.get(self.name)
+        return 1 if count is None else count(**self.parameters)
+
 
 class Block(NamedTuple):
     """Operations that run together, such as the body of a loop."""
@@ -43,6 +56,11 @@ class Block(NamedTuple):
     arguments: tuple[int, ...]
     operations: tuple[Operation, ...]
     results: tuple[int, ...]  # Values that are read after it
+
+    @property
+    def steps(self) -> int:
+        """Steps of its operations, without those of blocks in them."""
+        return sum(operation.steps for operation in self.operations)
 
     def reads(self) -> set[int]:
         """Values that it reads, its own included."""
@@ -74,7 +92,7 @@ class Program:
 
     @cached_property
     def size(self) -> int:
-        """Number of operations, those of loops and choices included."""
+        """Number of steps, those of loops and choices included."""
         return _size(self.body)
 
     @cached_property
@@ -166,7 +184,7 @@ def _read_whole(block: Block) -> set[int]:
 
 def _size(block: Block) -> int:
     inner = (part for operation in block.operations for part in operation.blocks)
-    return len(block.operations) + sum(map(_size, inner))
+    return block.steps + sum(map(_size, inner))
 
 
 def _names(block: Block) -> set[str]:

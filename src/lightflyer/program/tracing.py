@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.program import horner
 from lightflyer.program.operations import UnsupportedError, evaluate
 from lightflyer.program.primitives import PARAMETERS, is_concrete, length, lengths_of
 from lightflyer.program.program import SYMBOLS, Block, Length, Operation, Program
@@ -250,6 +251,7 @@ class _Builder:
             "scan": self._scan,
             "cond": self._cond,
             "custom_linear_solve": self._linear_solve,
+            horner.NAME: self._polynomial,
         }
         if name in special:
             return special[name](equation, inputs)
@@ -280,6 +282,23 @@ class _Builder:
         begin = lengths.matvec + lengths.vecmat
         sides = inputs[sum(lengths) :]
         return self._run(functions.solve, [*inputs[begin : begin + lengths.solve], *sides])
+
+    def _polynomial(self, equation: Any, inputs: list[int]) -> list[int]:
+        return [self._horner(equation.params["coefficients"], inputs)]
+
+    def _horner(self, coefficients: horner.Coefficients, variables: Sequence[int]) -> int:
+        """One operation, or several where some of it does not change in a loop."""
+        coefficients, places = horner.needed(coefficients, len(variables))
+        if not places:
+            return self._constant(coefficients)
+        first, *others = (variables[place] for place in places)
+        if max((self._depths[other] for other in others), default=math.inf) >= self._depths[first]:
+            return self._add(horner.NAME, [first, *others], coefficients=coefficients)[0]
+        total, *factors = (self._horner(part, others) for part in reversed(coefficients))
+        for factor in factors:
+            (product,) = self._add("mul", [total, first])
+            (total,) = self._add("add", [product, factor])
+        return total
 
     # --- blocks ---
 

@@ -9,32 +9,31 @@ from lightflyer.core.quantity import Altitude
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.program.entry_point import entry_point
+from lightflyer.program.horner import as_tuples, polynomial
 from lightflyer.pytree.lazy_jax import jnp
 
-# Inverse temperature [1/K] as a polynomial in altitude [km], highest power first. The paper
+# Inverse temperature [1/K] as a polynomial in altitude [km], lowest power first. The paper
 # prints three digits of each, which is useless above 20 km; these come with the code of
 # [Celenza2020].
-_INVERSE_TEMPERATURE = np.array(
-    [
-        -4.59195520629687e-29,
-        4.02322550536528e-27,
-        1.49047601370574e-23,
-        -7.94159585089666e-21,
-        2.02100883624221e-18,
-        -3.15169237730408e-16,
-        3.27061799378819e-14,
-        -2.33217472878003e-12,
-        1.14960632799406e-10,
-        -3.86235307877923e-9,
-        8.52520967699876e-8,
-        -1.14955512755429e-6,
-        8.15422681932410e-6,
-        -2.28247698757490e-5,
-        9.91066193190049e-5,
-        3.47312785053852e-3,
-    ]
+_INVERSE_TEMPERATURE = (
+    3.47312785053852e-3,
+    9.91066193190049e-5,
+    -2.28247698757490e-5,
+    8.15422681932410e-6,
+    -1.14955512755429e-6,
+    8.52520967699876e-8,
+    -3.86235307877923e-9,
+    1.14960632799406e-10,
+    -2.33217472878003e-12,
+    3.27061799378819e-14,
+    -3.15169237730408e-16,
+    2.02100883624221e-18,
+    -7.94159585089666e-21,
+    1.49047601370574e-23,
+    4.02322550536528e-27,
+    -4.59195520629687e-29,
 )
-_INTEGRAL = np.polyint(_INVERSE_TEMPERATURE)
+_INTEGRAL = as_tuples(np.polynomial.polynomial.polyint(_INVERSE_TEMPERATURE))
 _METRES_PER_KILOMETRE = 1000.0
 _TOP = 120e3  # the polynomial has a pole at about 125 km
 
@@ -71,12 +70,12 @@ class Lu2023Atmosphere(AbstractAtmosphere):
     @entry_point
     def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         altitude_km = altitude / _METRES_PER_KILOMETRE
-        return self._nan_outside(altitude, 1.0 / jnp.polyval(_INVERSE_TEMPERATURE, altitude_km))
+        return self._nan_outside(altitude, 1.0 / polynomial(_INVERSE_TEMPERATURE, altitude_km))
 
     @entry_point
     def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         altitude_km = altitude / _METRES_PER_KILOMETRE
-        integral = _METRES_PER_KILOMETRE * jnp.polyval(_INTEGRAL, altitude_km)
+        integral = _METRES_PER_KILOMETRE * polynomial(_INTEGRAL, altitude_km)
         exponent = constants.GRAVITY_LU2023 / constants.GAS_CONSTANT_LU2023 * integral
         return self._nan_outside(altitude, constants.SEA_LEVEL_PRESSURE * jnp.exp(-exponent))
 

@@ -25,7 +25,8 @@ from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.kinetic.collisions import HEATED_RANGE
 from lightflyer.force.kinetic.ratios import denseness, heating_of, thinness
-from lightflyer.numerics.polynomials import hold_within, place_between, polynomial
+from lightflyer.numerics.polynomials import hold_within, place_between
+from lightflyer.program.horner import polynomial
 from lightflyer.pytree.lazy_jax import Array, jnp
 
 # powers of floor, lid and side wall: floor and lid may be exchanged, with the same or the

@@ -23,7 +23,9 @@ from lightflyer.core.types import Numeric
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic.ratios import heating_of
 from lightflyer.gas.base import AbstractGas
-from lightflyer.numerics.polynomials import hold_within, least_squares, place_between, polynomial
+from lightflyer.numerics.polynomials import hold_within, least_squares, place_between
+from lightflyer.numerics.special import root_sum_square
+from lightflyer.program.horner import polynomial
 from lightflyer.pytree.lazy_jax import Array, jnp
 
 _REFERENCE_TAC = 0.9
@@ -162,15 +164,15 @@ def force_error(
 ) -> Array:
     """Relative standard error of a force, with the table's [1]."""
     # ``heated``: logarithm of what heating does to the factor
-    molecules = jnp.hypot(FORCE_ERROR, HEATED_ERROR * heated)
+    molecules = root_sum_square(FORCE_ERROR, HEATED_ERROR * heated)
     taken = molecules if collisions == "vhs" else MODEL_FORCE_ERROR
-    return jnp.hypot(of_table, taken * (1.0 - ratio))
+    return root_sum_square(of_table, taken * (1.0 - ratio))
 
 
 def heat_error(of_table: Array, ratio: Array, collisions: Collisions) -> Array:
     """Relative standard error of a heat loss; as :func:`force_error`."""
     own = HEAT_ERROR * (1.0 - ratio) if collisions == "vhs" else MODEL_HEAT_ERROR
-    return jnp.hypot(of_table, own)
+    return root_sum_square(of_table, own)
 
 
 def with_collisions(ratio: Numeric, factor: Numeric) -> Array:

@@ -42,6 +42,7 @@ from lightflyer.force.kinetic.walls import AbstractWalled
 from lightflyer.force.kinetic.warm_floor import push_of_floor
 from lightflyer.force.membranes.schafer2025_table import internal_factors
 from lightflyer.gas.base import AbstractGas, knudsen_number
+from lightflyer.numerics.special import root_sum_square
 from lightflyer.program.entry_point import entry_point
 from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.pytree.module import field
@@ -113,7 +114,7 @@ class KineticDisk(AbstractWalled):
         if self.heat_error is not None:
             own = heat_error(fit.table_errors(knudsen)[1], ratio, self.collisions)
             if around.heat_error:
-                own = jnp.hypot(own, around.heat_error)
+                own = root_sum_square(own, around.heat_error)
             ratio *= 1.0 + self.heat_error * _with_scaling(own, _SCALED_HEAT_ERROR, state.gas)
         return (ratio * disk_conductance(flyer, state, excess) * excess,)
 
@@ -135,7 +136,7 @@ class KineticDisk(AbstractWalled):
             heated = FORCE_HEATED.logarithm(_kind(state.gas), place[0], place[-1])
             own = force_error(fit.table_errors(knudsen)[0], ratio, self.collisions, heated)
             if around.force_error:
-                own = jnp.hypot(own, around.force_error)
+                own = root_sum_square(own, around.force_error)
             found *= 1.0 + self.force_error * _with_scaling(own, _SCALED_FORCE_ERROR, state.gas)
             push *= 1.0 + self.force_error * PUSH_ERROR
         if state.floor_excess is not None:
@@ -256,7 +257,7 @@ def _keep(
 
 def _with_scaling(error: Array, of_scaling: float, gas: AbstractGas) -> Array:
     """Relative standard error, with that of taking the gas for a diatomic one [1]."""
-    return error if gas.molecules in GASES else jnp.hypot(error, of_scaling)
+    return error if gas.molecules in GASES else root_sum_square(error, of_scaling)
 
 
 def _resistance(state: EnvironmentState, excess: Numeric) -> Numeric:

@@ -27,7 +27,8 @@ from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic.ratios import heating_of, thinness
-from lightflyer.numerics.polynomials import least_squares, place_between, polynomial
+from lightflyer.numerics.polynomials import least_squares, place_between
+from lightflyer.program.horner import polynomial
 from lightflyer.pytree.lazy_jax import Array, jnp
 
 FilmBalance = Literal["isothermal", "local"]

@@ -20,7 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lightflyer.core.types import Numeric
-from lightflyer.numerics.polynomials import hold_within, place_between, polynomial
+from lightflyer.numerics.polynomials import hold_within, place_between
+from lightflyer.program.horner import polynomial
 from lightflyer.pytree.lazy_jax import Array, jnp
 
 BOUNDARY_TAC = 0.85  # Mean TAC in the table of walls

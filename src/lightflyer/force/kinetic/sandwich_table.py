@@ -38,13 +38,9 @@ from lightflyer.force.kinetic.collisions import MODEL_FORCE_ERROR, MODEL_HEAT_ER
 from lightflyer.force.kinetic.ratios import KineticFit
 from lightflyer.force.kinetic.table import GASES
 from lightflyer.force.kinetic.table_fit import kinetic_fit
-from lightflyer.numerics.polynomials import (
-    as_tuples,
-    error_fit,
-    least_squares,
-    place_between,
-    polynomial,
-)
+from lightflyer.numerics.polynomials import error_fit, least_squares, place_between
+from lightflyer.numerics.special import root_sum_square
+from lightflyer.program.horner import as_tuples, polynomial
 from lightflyer.pytree.lazy_jax import Array, jnp
 
 HIGHEST_OPEN_FRACTION = 0.99  # Where the table ends [1]
@@ -265,13 +261,13 @@ class SandwichFit:
         """Relative standard error of the force: the table's and the equation's [1]."""
         # That of the equation stays for molecules, too: around holes they have not been compared.
         of_table = jnp.exp(polynomial(self.force_error, self._place(rarefaction)[0]))
-        of_numbers = jnp.hypot(of_table, _FIT_ERROR[0])
-        return jnp.hypot(of_numbers, MODEL_FORCE_ERROR * (1.0 - force_ratio))
+        of_equation = MODEL_FORCE_ERROR * (1.0 - force_ratio)
+        return root_sum_square(of_table, _FIT_ERROR[0], of_equation)
 
     def relative_heat_error(self, rarefaction: Numeric) -> Array:
         """Relative standard error of the heat loss; as :meth:`relative_force_error`."""
         of_table = jnp.exp(polynomial(self.heat_error, self._place(rarefaction)[0]))
-        return jnp.hypot(jnp.hypot(of_table, _FIT_ERROR[1]), MODEL_HEAT_ERROR)
+        return root_sum_square(of_table, _FIT_ERROR[1], MODEL_HEAT_ERROR)
 
     def wall_factors(
         self, rarefaction: Numeric, open_fraction: Numeric, distance: Numeric

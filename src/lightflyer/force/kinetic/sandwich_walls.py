@@ -45,8 +45,9 @@ from lightflyer.force.kinetic.walls import (
     uncertain,
     wall_fit,
 )
-from lightflyer.numerics.polynomials import least_squares, polynomial
+from lightflyer.numerics.polynomials import least_squares
 from lightflyer.program.entry_point import evaluate_once
+from lightflyer.program.horner import polynomial
 from lightflyer.pytree.lazy_jax import Array, jnp
 
 _DENSITY = 1.8  # δ at which thin gas gives way to dense, for what is fitted only

@@ -19,7 +19,8 @@ import numpy as np
 from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.kinetic_theory.walls import normal_accommodation
-from lightflyer.numerics.polynomials import least_squares, place_between, polynomial
+from lightflyer.numerics.polynomials import least_squares, place_between
+from lightflyer.program.horner import polynomial
 from lightflyer.pytree.lazy_jax import Array, jnp
 
 _KINDS = ("normal", "tangential", "rotational")

@@ -16,13 +16,8 @@ from lightflyer.force.kinetic.ratios import (
 )
 from lightflyer.force.kinetic.table import Table, WallTable, kinetic_table, wall_table
 from lightflyer.kinetic_theory.model_gases import GasModel, gas_model
-from lightflyer.numerics.polynomials import (
-    as_tuples,
-    least_squares,
-    place_between,
-    polynomial,
-    trim_zeros,
-)
+from lightflyer.numerics.polynomials import least_squares, place_between
+from lightflyer.program.horner import as_tuples, polynomial, trim_zeros
 
 SMALL = 0.1  # Differences of TACs up to this stand for the limit of small ones
 

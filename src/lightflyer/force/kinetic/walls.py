@@ -54,8 +54,9 @@ from lightflyer.force.kinetic.scattering import fit_columns as fit_scattering
 from lightflyer.force.kinetic.scattering import ranges as scattering_ranges
 from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.laws.faces import accommodated_force, maxwell_force
-from lightflyer.numerics.polynomials import hold_within, least_squares, place_between, polynomial
+from lightflyer.numerics.polynomials import hold_within, least_squares, place_between
 from lightflyer.program.entry_point import evaluate_once
+from lightflyer.program.horner import polynomial
 from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.pytree.module import field
 

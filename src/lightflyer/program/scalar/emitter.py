@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.program import horner, spline
 from lightflyer.program.operations import RULES as MOVES
 from lightflyer.program.operations import UnsupportedError
 from lightflyer.program.program import LOOKED_UP, Block, Operation, Program
@@ -239,6 +240,20 @@ def _integer_pow(to: _Emitter, base: Any, *, y: int) -> Any:
         result = to.apply("mul", result, square) if left % 2 else result
         square, left = to.apply("mul", square, square), left // 2
     return to.apply("div", to.constants(1.0), result) if y < 0 else result
+
+
+def _written_out(function: Callable[..., Any]) -> Callable[..., Any]:
+    def applied(to: _Emitter, *variables: Any, **parameters: Any) -> Any:
+        def apply(name: str, *values: Any) -> Any:
+            return to.apply(name, *(to.nodes(np.asarray(value)) for value in values))
+
+        return function(apply, *variables, **parameters)
+
+    return applied
+
+
+_RULES[horner.NAME] = _written_out(horner.written_out)
+_RULES[spline.NAME] = _written_out(spline.written_out)
 
 
 @_rule("square")

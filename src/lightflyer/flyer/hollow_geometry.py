@@ -42,7 +42,7 @@ class HollowForm(NamedTuple):
 
 def _cone_surface(size: Numeric, outlet: Numeric) -> Array:
     radius = 0.5 * size
-    slant = jnp.sqrt((radius - outlet) ** 2 + size**2)
+    slant = ((radius - outlet) ** 2 + size**2) ** 0.5  # plain numbers stay in double precision
     return np.pi * (radius**2 + (radius + outlet) * slant)
 
 
@@ -93,7 +93,7 @@ def _sphere_volume(size: Numeric, outlet: Numeric) -> Array:
 
 def _cap(radius: Numeric, outlet: Numeric) -> Array:
     """Height of the cap that a sphere lacks, without cancellation [m]."""
-    return outlet**2 / (radius + jnp.sqrt(radius**2 - outlet**2))
+    return outlet**2 / (radius + (radius**2 - outlet**2) ** 0.5)
 
 
 def _sphere_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array:

@@ -25,8 +25,6 @@ from lightflyer.program.tracing import trace
 from lightflyer.program.widening import serves_many
 
 AGREEMENT = 1e-10
-LOOSER = {"earth by lu2023 in its air": 1e-8}
-"""Above 100 km the paper's polynomial air, of degree 16, is known no better in double precision."""
 PLACES = 40  # random designs of each kind, each at a place of its own
 SPREAD = 0.1  # of each number of a design
 KINDS = [name for name, template in templates().items() if template.is_flyer]
@@ -91,8 +89,7 @@ def test_random_designs_of_every_kind_are_those_of_xla(flyers, kind, rng):
     for name in ours:
         if name.endswith("residual"):
             continue  # rounding
-        tolerance = LOOSER.get(kind, AGREEMENT)
-        np.testing.assert_allclose(ours[name], theirs[name], rtol=tolerance, err_msg=name)
+        np.testing.assert_allclose(ours[name], theirs[name], rtol=AGREEMENT, err_msg=name)
 
 
 FUNCTIONS = {

@@ -1,15 +1,16 @@
 """The paper's atmosphere: a polynomial, for the reproduction of its figures."""
 
+import math
+from collections.abc import Sequence
+from fractions import Fraction
 from typing import Any
-
-import numpy as np
 
 from lightflyer.core import constants
 from lightflyer.core.quantity import Altitude
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.program.entry_point import entry_point
-from lightflyer.program.horner import as_tuples, polynomial
+from lightflyer.program.horner import polynomial
 from lightflyer.pytree.lazy_jax import jnp
 
 # Inverse temperature [1/K] as a polynomial in altitude [km], lowest power first. The paper
@@ -33,9 +34,28 @@ _INVERSE_TEMPERATURE = (
     4.02322550536528e-27,
     -4.59195520629687e-29,
 )
-_INTEGRAL = as_tuples(np.polynomial.polynomial.polyint(_INVERSE_TEMPERATURE))
 _METRES_PER_KILOMETRE = 1000.0
 _TOP = 120e3  # the polynomial has a pole at about 125 km
+_MIDDLE = 60  # km, from which altitudes are counted: from the ground, nine digits are left of 16
+
+
+def _from_middle(coefficients: Sequence[Fraction]) -> tuple[float, ...]:
+    """Coefficients of the same polynomial in (altitude / middle) − 1; computed without rounding."""
+    powers = range(len(coefficients))
+    return tuple(
+        float(sum(math.comb(power, kept) * coefficients[power] * _MIDDLE**power
+                  for power in powers[kept:]))
+        for kept in powers
+    )  # fmt: skip
+
+
+_EXACT = [*map(Fraction, _INVERSE_TEMPERATURE)]
+_CENTRED = _from_middle(_EXACT)
+_INTEGRAL = _from_middle([Fraction(0), *(one / (power + 1) for power, one in enumerate(_EXACT))])
+
+
+def _place(altitude: Altitude) -> Any:
+    return altitude / (_MIDDLE * _METRES_PER_KILOMETRE) - 1.0
 
 
 class Lu2023Atmosphere(AbstractAtmosphere):
@@ -69,13 +89,11 @@ class Lu2023Atmosphere(AbstractAtmosphere):
 
     @entry_point
     def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
-        altitude_km = altitude / _METRES_PER_KILOMETRE
-        return self._nan_outside(altitude, 1.0 / polynomial(_INVERSE_TEMPERATURE, altitude_km))
+        return self._nan_outside(altitude, 1.0 / polynomial(_CENTRED, _place(altitude)))
 
     @entry_point
     def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
-        altitude_km = altitude / _METRES_PER_KILOMETRE
-        integral = _METRES_PER_KILOMETRE * polynomial(_INTEGRAL, altitude_km)
+        integral = _METRES_PER_KILOMETRE * polynomial(_INTEGRAL, _place(altitude))
         exponent = constants.GRAVITY_LU2023 / constants.GAS_CONSTANT_LU2023 * integral
         return self._nan_outside(altitude, constants.SEA_LEVEL_PRESSURE * jnp.exp(-exponent))
 

@@ -86,10 +86,12 @@ def send(address, path, content, wait=0.1):
 
 
 @pytest.fixture
-def explorer():
+def explorer(tmp_path):
     """A process of its own: its number, and the address that it prints."""
+    # with an empty cache: it loads JAX, larger than the growth that is allowed, at its first answer
+    own = os.environ | {"LIGHTFLYER_CACHE": str(tmp_path)}
     command = [sys.executable, "-m", "lightflyer", "explore", "--no-browser", "--port", "0"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=own) as process:
         address = process.stdout.readline().split()[2]
         yield process.pid, address
         process.terminate()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lightflyer.core.types import Numeric
-from lightflyer.program.spline import spline
+from lightflyer.program.spline import Sums, spline
 from lightflyer.pytree.lazy_jax import Array, lax
 
 
@@ -42,6 +42,6 @@ class Curves:
         inside = lax.clamp(self.knots[0], x, self.knots[-1])
         curves = zip(self.constants, self.squares, self.cubes, strict=True)
         return [
-            spline(self.knots[:-1], (constant, 0.0, square, cubes[0]), cubes[1:], 3, inside)
+            spline(Sums(self.knots[:-1], (constant, 0.0, square, cubes[0]), cubes[1:], 3), inside)
             for constant, square, cubes in curves
         ]

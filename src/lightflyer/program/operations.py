@@ -157,20 +157,18 @@ RULES: dict[str, Callable[..., Any]] = {}
 """Functions of lengths, inputs and an operation's parameters, by the operation's name."""
 
 
-def _hashable(operation: Operation) -> dict[str, Any]:
-    """Parameters with tuples for the lists that a kept program has."""
-    return {name: _tuples(value) for name, value in operation.parameters.items()}
-
-
 def _tuples(value: Any) -> Any:
+    """Tuples, which can be hashed, for the lists that a kept program has."""
     return tuple(map(_tuples, value)) if isinstance(value, list | tuple) else value
 
 
 _MADE: dict[str, Callable[[Operation], Callable[..., Any]]] = {
     horner.NAME: lambda operation: horner.evaluator(
-        count=len(operation.inputs), **_hashable(operation)
+        _tuples(operation.parameters["coefficients"]), len(operation.inputs)
     ),
-    spline.NAME: lambda operation: spline.evaluator(**_hashable(operation)),
+    spline.NAME: lambda operation: spline.evaluator(
+        spline.Sums(*_tuples(operation.parameters["sums"]))
+    ),
 }
 """What makes a function of the inputs alone, once for all calls."""
 

@@ -11,7 +11,7 @@ Compilers see these sums, which vectorise; NumPy looks up the piece in which a v
 import math
 from collections.abc import Callable
 from functools import lru_cache, partial, reduce
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,47 +21,48 @@ from lightflyer.program.elementwise import OwnPrimitive, apply_jax
 NAME = "spline"  # of the primitive, and of the operation of a program
 
 
-def spline(
-    knots: tuple[float, ...],
-    start: tuple[float, ...],
-    jumps: tuple[float, ...],
-    degree: int,
-    x: Any,
-) -> Any:
-    """Value at ``x``, not below the first knot; ``start``: :math:`a_i`; ``jumps``: :math:`f_j`."""
-    parameters = {"knots": knots, "start": start, "jumps": jumps, "degree": degree}
-    return _PRIMITIVE(x, **parameters) if is_traced(x) else evaluator(**parameters)(x)
+class Sums(NamedTuple):
+    """A spline as sums of powers."""
+
+    knots: tuple[float, ...]  # Increasing; all but the last point that it goes through
+    start: tuple[float, ...]  # :math:`a_i`, at most to the power of the degree
+    jumps: tuple[float, ...]  # :math:`f_j`, one for each knot but the first
+    degree: int
+
+    @property
+    def slope(self) -> "Sums":
+        """The derivative, of a degree from two on."""
+        start = tuple(power * factor for power, factor in enumerate(self.start))[1:]
+        jumps = tuple(self.degree * jump for jump in self.jumps)
+        return Sums(self.knots, start, jumps, self.degree - 1)
+
+
+def spline(sums: Sums, x: Any) -> Any:
+    """Value at ``x``, not below the first knot."""
+    return _PRIMITIVE(x, sums=sums) if is_traced(x) else evaluator(sums)(x)
 
 
 @lru_cache(maxsize=1024)
-def evaluator(
-    knots: tuple[float, ...], start: tuple[float, ...], jumps: tuple[float, ...], degree: int
-) -> Callable[[Any], Any]:
+def evaluator(sums: Sums) -> Callable[[Any], Any]:
     """The spline as a function of NumPy's numbers and arrays."""
-    places = np.array(knots)
+    knots = np.array(sums.knots)
+    start = np.zeros(sums.degree + 1)
+    start[: len(sums.start)] = sums.start
     # of each piece, lowest power of the distance to its left knot first
-    pieces = _moved(np.array([*start, *[0.0] * (degree + 1 - len(start))]), places - places[0])
-    distances = places[:, None] - places[1:]
-    for factor, distance in zip(jumps, distances.T, strict=True):
-        one = np.zeros(degree + 1)
-        one[-1] = factor
-        pieces += np.where(distance >= 0.0, _moved(one, distance), 0.0)
-    return partial(_evaluate, places, pieces)
+    pieces = _moved(start, knots - knots[0])
+    for knot, jump in zip(knots[1:], sums.jumps, strict=True):
+        power = np.eye(sums.degree + 1)[-1] * jump
+        pieces += np.where(knots >= knot, _moved(power, knots - knot), 0.0)
+    return partial(_evaluate, knots, pieces)
 
 
 def _moved(polynomial: np.ndarray, distances: np.ndarray) -> np.ndarray:
     """Coefficients, in powers of x − d, of a polynomial in x; shape (powers, distances)."""
-    return np.stack(
-        [
-            sum(
-                math.comb(power, kept) * factor * distances ** (power - kept)
-                for power, factor in enumerate(polynomial)
-                if power >= kept
-            )
-            + np.zeros_like(distances)
-            for kept in range(len(polynomial))
-        ]
-    )
+    moved = np.zeros((polynomial.size, distances.size))
+    for power, factor in enumerate(polynomial):
+        for kept in range(power + 1):
+            moved[kept] += math.comb(power, kept) * factor * distances ** (power - kept)
+    return moved
 
 
 def _evaluate(knots: np.ndarray, pieces: np.ndarray, x: Any) -> Any:
@@ -74,21 +75,15 @@ def _evaluate(knots: np.ndarray, pieces: np.ndarray, x: Any) -> Any:
     return total
 
 
-def step_count(jumps: tuple[float, ...], degree: int, **_: Any) -> int:
+def step_count(sums: Sums) -> int:
     """How many multiplications, and steps as small, the spline takes."""
+    _, _, jumps, degree = sums
     return 2 * degree + 4 * len(jumps)
 
 
-def written_out(
-    apply: Callable[..., Any],
-    x: Any,
-    *,
-    knots: tuple[float, ...],
-    start: tuple[float, ...],
-    jumps: tuple[float, ...],
-    degree: int,
-) -> Any:
+def written_out(apply: Callable[..., Any], x: Any, *, sums: Sums) -> Any:
     """The sums; ``apply(name, one, other)``: does an operation by its name."""
+    knots, start, jumps, degree = sums
     distance = apply("sub", x, knots[0])
     total: Any = start[-1]
     for factor in reversed(start[:-1]):
@@ -100,21 +95,11 @@ def written_out(
     return total
 
 
-def _slope(
-    _: int,
-    x: Any,
-    *,
-    knots: tuple[float, ...],
-    start: tuple[float, ...],
-    jumps: tuple[float, ...],
-    degree: int,
-) -> Any:
-    if degree == 1:
-        return start[1] + sum(
-            jump * (x >= knot) for knot, jump in zip(knots[1:], jumps, strict=True)
-        )
-    start = tuple(power * factor for power, factor in enumerate(start))[1:]
-    return spline(knots, start, tuple(degree * jump for jump in jumps), degree - 1, x)
+def _slope(_: int, x: Any, *, sums: Sums) -> Any:
+    if sums.degree > 1:
+        return spline(sums.slope, x)
+    beyond = zip(sums.knots[1:], sums.jumps, strict=True)
+    return sums.start[1] + sum(jump * (x >= knot) for knot, jump in beyond)
 
 
 _PRIMITIVE = OwnPrimitive(NAME, partial(written_out, apply_jax), _slope)

@@ -178,7 +178,7 @@ def in_the_dark(state: EnvironmentState) -> EnvironmentState:
     -------
     EnvironmentState
     """
-    light = state.radiation.irradiance
+    light = state.radiation.irradiance  # where it is traced, none is a constant
     return tree.replace_at(
         lambda state: (state.radiation.irradiance, state.radiation.diffuse_above),
         state,

@@ -119,7 +119,7 @@ def test_a_payload_keeps_a_disk_low_enough_for_its_film(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["earth", "laden", "mars"])
-def test_sweeps_have_the_verdict(kind, tmp_path):
+def test_sweeps_have_the_verdict(kind, tmp_path, by_numpy):
     """The search with derivatives finds what the search of predictions finds."""
     setup = setup_of(kind, tmp_path)
     prediction = lf.predict(setup)
@@ -133,14 +133,12 @@ def test_sweeps_have_the_verdict(kind, tmp_path):
         "afloat_payload": best["payload"],
         "afloat_temperature": best["temperature"],
     }
-    with float64():
-        found, converged = evaluate(setup, tuple(expected))
+    found, converged = by_numpy(lambda setup: evaluate(setup, tuple(expected)))(setup)
     assert converged
     for name, value in expected.items():
         assert float(found[name]) == pytest.approx(value, rel=1e-6), name
     places = np.array([0.5, 0.999, 1.001, 1.5]) * verdict.usable[0][1]
-    with float64():
-        here, _ = evaluate(setup, ("usable",), places)
+    here, _ = by_numpy(lambda setup, places: evaluate(setup, ("usable",), places))(setup, places)
     inside = (places > verdict.usable[0][0]) & (places < verdict.usable[0][1])
     assert here["usable"].tolist() == inside.tolist()
 

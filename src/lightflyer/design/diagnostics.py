@@ -1,6 +1,6 @@
 """What a reader of a result must know: where the force model, or the film, is beyond its range."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Any
 
@@ -14,6 +14,7 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.program.entry_point import entry_point
+from lightflyer.pytree import tree
 from lightflyer.statics.balance import equilibrium
 from lightflyer.statics.bands import levitation_band
 
@@ -69,17 +70,45 @@ def diagnose_in_light(setup: Setup, coordinate: Numeric) -> tuple[str, ...]:
 
 def diagnose_design(design: AbstractDesign, values: Mapping[str, float]) -> tuple[str, ...]:
     """Diagnostics of a design with some numbers replaced; those of the design itself first."""
-    setup = design.build(values)
-    coordinate = values.get(design.coordinate_name)
-    places: Numeric = np.empty(0) if coordinate is None else coordinate
-    if coordinate is None:
-        band = levitation_band(
-            setup.flyer, setup.environment, setup.model, setup.searched, throw=False
+    (found,) = diagnose_designs(design, [values])
+    return found
+
+
+def diagnose_designs(
+    design: AbstractDesign, several: Sequence[Mapping[str, float]]
+) -> list[tuple[str, ...]]:
+    """The same with several values of the same numbers; their bands are found at once."""
+    setups = [design.build(values) for values in several]
+    whole, name = _together(setups), design.coordinate_name
+    if name in several[0]:
+        places = np.array([[values[name] for values in several]])
+    else:
+        places = _within_bands(whole, setups[0].searched, len(setups))
+    flies = ~np.isnan(places[0])
+    state = whole.environment.state(np.where(flies, places, setups[0].searched[0]))
+    found = equilibrium(whole.flyer, state, whole.model, throw=False).temperature
+    return [
+        (*design.warnings_for(values), *(diagnose_at(setup, *columns) if there else ()))
+        for values, setup, there, *columns in zip(
+            several, setups, flies, places.T, np.broadcast_to(found, places.shape).T, strict=True
         )
-        if band.exists:
-            places = np.linspace(band.lower, band.upper, _LOOKS)
-    found = diagnose_in_light(setup, places) if np.size(places) else ()
-    return (*design.warnings_for(values), *found)
+    ]
+
+
+def _together(setups: Sequence[Setup]) -> Setup:
+    """Setups as one, with arrays where they differ; a table that they share stays whole."""
+
+    def joined(first: Numeric, *rest: Numeric) -> Numeric:
+        return np.array([first, *rest]) if any(np.any(one != first) for one in rest) else first
+
+    return tree.map_leaves(joined, *setups)
+
+
+def _within_bands(whole: Setup, searched: tuple[float, float], count: int) -> np.ndarray:
+    """Places within the band of each of some setups, shape (n, count); NaN where one has none."""
+    band = levitation_band(whole.flyer, whole.environment, whole.model, searched, throw=False)
+    lower, upper = (np.broadcast_to(end, count) for end in (band.lower, band.upper))
+    return np.linspace(lower, upper, _LOOKS)
 
 
 def _number_diagnostics(setup: Setup) -> Iterator[str]:

@@ -1,8 +1,8 @@
 """Whether designs that a search finds are within the range of their force model and film."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from lightflyer.design.diagnostics import TOO_HOT, diagnose_design
+from lightflyer.design.diagnostics import TOO_HOT, diagnose_design, diagnose_designs
 from lightflyer.search.problem import Problem
 
 
@@ -11,15 +11,17 @@ def diagnose_solution(problem: Problem, design: Mapping[str, float]) -> tuple[st
     return diagnose_design(problem.design, _values(problem, design))
 
 
-def range_passed(problem: Problem, design: Mapping[str, float]) -> tuple[str, ...]:
-    """Diagnostics that another design of the search might not have; of heat the search knows."""
-    # what is said of data that end holds for every thickness: no other design would avoid it
-    own = problem.design.warnings_for(_values(problem, design))
-    return tuple(
-        text
-        for text in diagnose_solution(problem, design)
-        if text not in own and not text.startswith(TOO_HOT)
-    )
+def range_passed(problem: Problem, designs: Sequence[Mapping[str, float]]) -> list[tuple[str, ...]]:
+    """Diagnostics of designs that others of the search might not have; of heat the search knows."""
+    several = [_values(problem, design) for design in designs]
+    found = []
+    for values, said in zip(several, diagnose_designs(problem.design, several), strict=True):
+        # what is said of data that end holds for every thickness: no other design would avoid it
+        own = problem.design.warnings_for(values)
+        found.append(
+            tuple(text for text in said if text not in own and not text.startswith(TOO_HOT))
+        )
+    return found
 
 
 def _values(problem: Problem, design: Mapping[str, float]) -> dict[str, float]:

@@ -11,6 +11,8 @@ from lightflyer.search.diagnostics import range_passed
 from lightflyer.search.local_search import AGREEMENT, FEASIBLE, LocalOptimum, maximise_from
 from lightflyer.search.objectives import SCREENED, ObjectiveFunction
 
+_AT_ONCE = 32  # designs whose bands are found at once
+
 
 @dataclass(frozen=True)
 class Rival:
@@ -30,7 +32,7 @@ def rivals_of(function: ObjectiveFunction, best: LocalOptimum, scale: float) -> 
         if found.violation <= FEASIBLE and found.score - best.score > AGREEMENT * scale:
             design = problem.free_numbers(found.point)
             yield Rival("whatever the film bears", sign * found.score, design)
-    passed = range_passed(problem, problem.free_numbers(best.point))
+    (passed,) = range_passed(problem, [problem.free_numbers(best.point)])
     if function.is_quick or problem.beyond_range or not passed:
         return
     report("designs within the range of the force model")
@@ -38,9 +40,12 @@ def rivals_of(function: ObjectiveFunction, best: LocalOptimum, scale: float) -> 
     scores = function.scores_of_many(points)
     satisfying = np.isfinite(scores).all(axis=1) & (scores[:, 1:] >= -FEASIBLE).all(axis=1)
     points, scores = points[satisfying], scores[satisfying, 0]
-    for number in np.argsort(-scores):
-        design = problem.free_numbers(points[number])
-        if not range_passed(problem, design):
-            words = f"the best of {SCREENED} designs within the force model's range"
-            yield Rival(words, sign * float(scores[number]), design)
-            return
+    order = np.argsort(-scores)
+    for first in range(0, order.size, _AT_ONCE):
+        chosen = order[first : first + _AT_ONCE]
+        designs = [problem.free_numbers(point) for point in points[chosen]]
+        for number, passed in enumerate(range_passed(problem, designs)):
+            if not passed:
+                words = f"the best of {SCREENED} designs within the force model's range"
+                yield Rival(words, sign * float(scores[chosen[number]]), designs[number])
+                return

@@ -1,5 +1,6 @@
 """Programs: NumPy gives what XLA gives, arrays have any shape, and what is kept is never stale."""
 
+import gc
 import tomllib
 from dataclasses import replace
 from functools import partial, wraps
@@ -174,6 +175,30 @@ def test_a_trace_for_single_numbers_serves_arrays_of_them():
         lambda x, part: x + jnp.sum(part * jnp.arange(3.0)),
     ):
         assert not serves_many(traced(mixing, ("n0",), ()), [False, True])
+
+
+def test_programs_unused_for_longest_make_room(monkeypatch):
+    monkeypatch.setattr(entry_points, "_at_hand", entry_points._AtHand())
+    monkeypatch.setattr(entry_points, "MOST_STEPS", 8)
+    functions = [entry_point(lambda x, n=n: jnp.sin(x) + n * x) for n in range(2, 12)]
+
+    def at_hand():
+        traced = [found for one in functions for found in one.runner._traced.values()]
+        assert sum(found.program.size for found in traced) <= 8
+        return [bool(one.runner._traced) for one in functions]
+
+    for n, function in enumerate(functions, 2):
+        for _ in range(2):
+            assert function(1.0) == pytest.approx(np.sin(1.0) + n)
+    assert at_hand() == [False] * 8 + [True] * 2
+    functions[8](1.0)  # used again, so that the other one makes room
+    assert functions[0](1.0) == pytest.approx(np.sin(1.0) + 2)
+    assert at_hand() == [True] + [False] * 7 + [True, False]
+    del functions[8]  # a program whose function is gone is in nobody's way
+    gc.collect()
+    for function in functions:
+        function(1.0)
+    assert at_hand() == [False] * 7 + [True] * 2
 
 
 def test_what_a_backend_lacks_is_named():

@@ -21,12 +21,14 @@ itself belongs to the caller. To keep all digits::
 
 import math
 import os
-from collections import Counter
+from collections import Counter, OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache, cached_property, partial, wraps
+from threading import Lock
 from typing import Any, Literal, NamedTuple, ParamSpec, TypeVar
+from weakref import ref
 
 import numpy as np
 
@@ -67,6 +69,9 @@ PIECE = 50_000
 
 ROWS = 8192
 """Elements that NumPy works on at a time: their arrays stay within the processor's cache."""
+
+MOST_STEPS = 500_000
+"""Steps of all programs that a process has at hand, some 100 MB; those unused for longest go."""
 
 _way: ContextVar[str | None] = ContextVar("way", default=None)
 
@@ -216,6 +221,30 @@ class _Traced(NamedTuple):
         return not any(widened) or self.program.prepare_once(
             widened, lambda program: serves_many(program, widened)
         )
+
+
+class _AtHand:
+    """Programs in the order of their last use, of which the first make room for new ones."""
+
+    def __init__(self) -> None:
+        self._lock, self._steps = Lock(), 0
+        self._uses: OrderedDict[int, tuple[ref[_Runner], Any, int]] = OrderedDict()
+
+    def use(self, runner: "_Runner", key: Any, traced: _Traced) -> None:
+        """Note that a runner uses one of its programs, which may end the use of others."""
+        with self._lock:
+            _, _, before = self._uses.pop(id(traced), (None, None, 0))
+            self._uses[id(traced)] = ref(runner), key, traced.program.size
+            self._steps += traced.program.size - before
+            while self._steps > MOST_STEPS and len(self._uses) > 1:
+                owner, other, steps = self._uses.popitem(last=False)[1]
+                self._steps -= steps
+                forgetful = owner()
+                if forgetful is not None:
+                    forgetful.forget(other)
+
+
+_at_hand = _AtHand()
 
 
 class _Runner:
@@ -404,8 +433,11 @@ class _Runner:
     ) -> _Traced | None:
         """The program for some shapes; None where there is none, or none yet."""
         key = structure, pattern, types
-        if key in self._traced:
-            return self._traced[key]
+        known = self._traced.get(key, ...)
+        if known is not ...:
+            if known is not None:
+                _at_hand.use(self, key, known)
+            return known
         if self._whole is not None:
             whole = self._whole._program(structure, pattern, types, may_trace=may_trace)
             found = None if whole is None else whole.only(self._names)
@@ -420,7 +452,15 @@ class _Runner:
                     found = self._trace(structure, pattern, types, form)
         if found is not None or may_trace:
             self._traced[key] = found
+        if found is not None:
+            _at_hand.use(self, key, found)
         return found
+
+    def forget(self, key: Any) -> None:
+        """Let go of a program, which is read or traced again when it is needed."""
+        traced = self._traced.pop(key, None)
+        if traced is not None:
+            self._run.pop(traced.program, None)
 
     def _trace(
         self,

@@ -183,14 +183,15 @@ def levitation_bands(
     count = (
         _POINTS if coordinate.step is None else max(3, round((high - low) / coordinate.step) + 1)
     )
+    xp: Any = jnp if is_traced((low, high)) else np  # which loads no JAX
     with float64():
-        ends = jnp.asarray([low, high], jnp.float64)
-        first, last = jnp.log(ends) if coordinate.logarithmic else ends
-        grid = jnp.linspace(first, last, count)
+        ends = xp.asarray([low, high], np.float64)
+        first, last = xp.log(ends) if coordinate.logarithmic else ends
+        grid = xp.linspace(first, last, count)
     searched = _Searched(flyer, environment, model, coordinate.logarithmic, usable)
     bands = _levitation_bands(searched, grid)
     if throw:
-        require_converged("levitation band", bands.status, jnp.zeros(()))
+        require_converged("levitation band", bands.status, np.zeros(()))
     return bands
 
 

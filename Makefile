@@ -51,6 +51,7 @@ bench: $(STAMP)  ## measure speed beside others'; prints tables and draws the fi
 	$(BIN)/python benchmarks/solver.py
 	$(BIN)/python -O benchmarks/film.py
 	$(BIN)/python benchmarks/story.py
+	$(BIN)/python benchmarks/answers.py
 
 # What is installed is exactly what the lock file names.
 $(STAMP): pyproject.toml requirements.lock

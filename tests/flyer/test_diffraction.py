@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.design.diagnostics import diagnose_in_light
+from lightflyer.design.diagnostics import diagnose_at
 from lightflyer.design.setup import Setup
 from lightflyer.film import am0
 from lightflyer.film.optics.diffraction import (
@@ -74,7 +74,8 @@ def test_channels_of_a_wall_that_are_narrow(name):
 def test_a_sandwich_says_where_its_holes_are_narrow(radius, said):
     film = lf.FilmProperties(3e-4, 0.3, 0.1, 0.1, 0.8, 0.8, transmittance=0.5)
     sandwich = lf.Sandwich(film, film, 0.01, 1e-4, 0.5, radius, 1e-4, 1.8)
-    found = diagnose_in_light(Setup(sandwich, lf.Earth(), lf.Schafer2025()), np.array([60e3, 75e3]))
+    setup = Setup(sandwich, lf.Earth(), lf.Schafer2025())
+    found = diagnose_at(setup, np.array([60e3, 75e3]), np.full(2, 350.0))
     narrow = [text for text in found if text.startswith("holes of")]
     assert len(narrow) == len(said)
     for text, kind in zip(narrow, said, strict=True):

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.design.diagnostics import diagnose_at
+from lightflyer.config.designs import as_design
+from lightflyer.design.diagnostics import diagnose_at, diagnose_design, diagnose_designs
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.uncertainty.inputs import uncertain_inputs
 
@@ -211,3 +212,20 @@ def test_covered_is_where_nothing_is_said_to_be_outside(model, radius):
         said = diagnose_at(setup, [altitude], found.at["temperature"])
         outside = [line for line in said if ", below " in line or ", above " in line]
         assert found.at["covered"].tolist() == [0.0 if outside else 1.0], (altitude, said)
+
+
+@pytest.mark.parametrize("key", ["areal_density", "altitude", "diameter"])
+def test_designs_are_diagnosed_together_as_one_by_one(key):
+    """Such as fly nowhere, get too hot, are given a place, or differ in nothing."""
+    film = {"areal_density": "1 g/m^2", "absorptance": 0.75, "emittance": 0.08, "tac_top": 0.8,
+            "tac_bottom": 0.9, "highest_temperature": "390 K"}  # fmt: skip
+    flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "lu2023"})
+    several = {
+        "areal_density": [{"film.areal_density": value} for value in (2e-4, 1e-3, 9e-3)],
+        "altitude": [{"altitude": value, "film.emittance": 0.08} for value in (60e3, 75e3, 95e3)],
+        "diameter": [{"flyer.diameter": 0.02}] * 2,
+    }[key]
+    design = as_design(flyer)
+    together = diagnose_designs(design, several)
+    assert together == [diagnose_design(design, values) for values in several]
+    assert len({*together}) == len({*map(str, several)})

@@ -61,13 +61,6 @@ def diagnose(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tup
     )
 
 
-def diagnose_in_light(setup: Setup, coordinate: Numeric) -> tuple[str, ...]:
-    """Diagnostics of a flyer at one place, or at some, in the available light."""
-    state = setup.environment.state(coordinate)
-    found = equilibrium(setup.flyer, state, setup.model, throw=False)
-    return diagnose_at(setup, np.atleast_1d(coordinate), np.atleast_1d(found.temperature))
-
-
 def diagnose_design(design: AbstractDesign, values: Mapping[str, float]) -> tuple[str, ...]:
     """Diagnostics of a design with some numbers replaced; those of the design itself first."""
     (found,) = diagnose_designs(design, [values])

@@ -344,7 +344,9 @@ def test_an_interrupt_of_the_import_is_one_line(tmp_path):
     found = subprocess.run(command, env=os.environ | {"PYTHONPATH": path}, capture_output=True)
     assert found.returncode == 130
     assert found.stderr == b"lightflyer: interrupted; the same command begins anew\n"
-    library = [sys.executable, "-c", "import lightflyer"]
+    # a job in the background ignores interrupts, unless told otherwise
+    listen = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    library = [sys.executable, "-c", f"{listen}; import lightflyer"]
     found = subprocess.run(library, env=os.environ | {"PYTHONPATH": path}, capture_output=True)
     assert b"KeyboardInterrupt" in found.stderr
 

@@ -61,11 +61,12 @@ def main():
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 3
     head = ["", "first [s]", "later [s]", "first [loops]", "later [loops]",
             "memory first [MB]", "later [MB]"]  # fmt: skip
+    table = []
+    for row in (head, *rows(rounds)):
+        print("  ".join(f"{cell:>18}" for cell in row), flush=True)
+        table.append(row)
     with Path(__file__).with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        for row in (head, *rows(rounds)):
-            writer.writerow(row)
-            print("  ".join(f"{cell:>18}" for cell in row), flush=True)
+        csv.writer(file, lineterminator="\n").writerows(table)
 
 
 if __name__ == "__main__":

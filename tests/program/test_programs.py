@@ -18,7 +18,7 @@ from lightflyer.config.reader import read_design
 from lightflyer.design.tables import tabulate_places
 from lightflyer.program import entry_point as entry_points
 from lightflyer.program import kept, tracing
-from lightflyer.program.entry_point import bind, entry_point, only, run_by
+from lightflyer.program.entry_point import bind, entry_point, run_by
 from lightflyer.program.numpy_backend import require_supported, run
 from lightflyer.program.operations import UnsupportedError
 from lightflyer.program.program import Block, Operation, Program, length_of
@@ -41,7 +41,6 @@ OTHERS = {
     "hollow by celenza2023": ("hollow", {"force": {"model": "celenza2023"}}),
 }
 """Force models and surroundings that no template has: the template, and what is other."""
-DECIDING = ("temperature", "lift", "payload")  # Outputs of these, which others follow from
 
 
 def traced(function, *shapes):
@@ -82,11 +81,10 @@ def test_random_designs_of_every_kind_are_those_of_xla(flyers, kind, rng):
         return leaf if has_tables else leaf * rng.uniform(1.0 - SPREAD, 1.0, PLACES)
 
     design = jax.tree.map(varied, setup)
-    both = tabulate_places if kind in KINDS else only(tabulate_places, DECIDING)
     with run_by("numpy"):
-        ours = both(design, coordinate, light)
+        ours = tabulate_places(design, coordinate, light)
     with run_by("xla"):
-        theirs = both(design, coordinate, light)
+        theirs = tabulate_places(design, coordinate, light)
     assert ours.keys() == theirs.keys()
     for name in ours:
         if name.endswith("residual"):

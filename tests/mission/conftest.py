@@ -2,10 +2,12 @@
 
 from typing import Any
 
+import ambiance
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.environment import EARTH_PLANET, EnvironmentState, Planet, Wind
@@ -163,5 +165,27 @@ def closed_form_disk():
 
 
 @pytest.fixture(scope="session")
-def disk_factor():
-    return inertial_factor
+def fall_speed():
+    """Speed at which a disk of 1 g/m² sinks in the dark, in another package's atmosphere [m/s]."""
+    heights = np.linspace(0.0, 80e3, 8001)
+    air = ambiance.Atmosphere(heights)
+    # straight in their logarithms over 10 m, to 3e-7
+    known = np.log([air.pressure, air.temperature, air.density, air.dynamic_viscosity,
+                    air.grav_accel])  # fmt: skip
+    faces = 4.0 / np.sqrt(np.pi) + np.sqrt(np.pi)
+
+    def speed(altitude, radius=0.005, heavier=0.0):
+        here = np.exp([np.interp(altitude, heights, row) for row in known])
+        pressure, temperature, density, viscosity, gravity = here
+        weight = np.pi * radius**2 * 1e-3 * (1.0 + heavier) * gravity
+        thermal = np.sqrt(2.0 * 287.0529 * temperature)
+
+        def excess(fall):
+            free = np.pi * radius**2 * pressure * fall / thermal * faces
+            factor = inertial_factor(2.0 * radius * density * fall / viscosity, np)
+            slow = 16.0 * viscosity * radius * fall * factor
+            return 1.0 / (1.0 / free + 1.0 / slow) - weight
+
+        return brentq(excess, 1e-4, 100.0, xtol=1e-12)
+
+    return speed

@@ -4,11 +4,9 @@ import json
 from dataclasses import replace
 from functools import cache
 
-import ambiance
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.core.errors import ConfigurationError, ParameterError
@@ -36,31 +34,14 @@ WIND, NOISE = (14.0, -4.0), 20.0  # eastward and northward [m/s]; of altitudes [
 HEAVIER, UPWARDS = 0.08, 0.05  # share of the mass; [m/s]
 
 
-def fall_speed(altitude, heavier, disk_factor):
-    """Speed at which a disk in the dark sinks through another package's atmosphere [m/s]."""
-    air = ambiance.Atmosphere(altitude)
-    pressure, temperature = air.pressure[0], air.temperature[0]
-    weight = np.pi * RADIUS**2 * AREAL_DENSITY * (1.0 + heavier) * air.grav_accel[0]
-    thermal = np.sqrt(2.0 * 287.0529 * temperature)
-    faces = 4.0 / np.sqrt(np.pi) + np.sqrt(np.pi)
-
-    def excess(fall):
-        free = np.pi * RADIUS**2 * pressure * fall / thermal * faces
-        factor = disk_factor(2.0 * RADIUS * air.density[0] * fall / air.dynamic_viscosity[0], np)
-        slow = 16.0 * air.dynamic_viscosity[0] * RADIUS * fall * factor
-        return 1.0 / (1.0 / free + 1.0 / slow) - weight
-
-    return brentq(excess, 1e-4, 100.0, xtol=1e-12)
-
-
 @pytest.fixture(scope="module")
-def measured(disk_factor):
+def measured(fall_speed):
     """A track of a disk that is heavier, or in air that rises, in a wind, with a receiver's noise;
     over the date line."""
     heights = np.linspace(30e3, 80e3, 501)
 
     def make(heavier=0.0, upwards=0.0, seed=1):
-        speeds = [fall_speed(height, heavier, disk_factor) for height in heights]
+        speeds = [fall_speed(height, RADIUS, heavier) for height in heights]
         rng = np.random.default_rng(seed)
         elapsed = np.cumsum(rng.uniform(30.0, 90.0, 600))
         elapsed = elapsed[elapsed < HOURS * 3600.0]

@@ -6,7 +6,6 @@ the ray ends. So many moments cost little more than their interpolation.
 """
 
 import numpy as np
-from numba import prange
 
 from lightflyer.kinetic_theory.disk.linear_kernel import MOST_DIRECTIONS, NORMALISATION
 from lightflyer.kinetic_theory.grid.directions import node_directions
@@ -16,7 +15,7 @@ from lightflyer.kinetic_theory.grid.interpolation import (
     interpolate_on_face,
     nodes_in_eta,
 )
-from lightflyer.kinetic_theory.grid.kernels import kernel, parallel_kernel
+from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
     MOST_CUTS,
     REACH,
@@ -226,9 +225,8 @@ def _conserve(i, uniform, radial_scale, setup, own, out):
             )
 
 
-@parallel_kernel
-def evaluate(points, on_face, rarefaction, setup, mesh, half, out):
+@shared_kernel
+def evaluate(start, stop, points, on_face, rarefaction, setup, mesh, half, out):
     """Fill the moments at the nodes of one half, or the fluxes on a face, that sources make."""
-    for i in prange(points.shape[0]):
-        # numba counts in unsigned integers here, for which it would compile everything once more
-        _collect(np.int64(i), points[i], on_face, rarefaction, setup, mesh, half, out[i])
+    for i in range(start, stop):
+        _collect(i, points[i], on_face, rarefaction, setup, mesh, half, out[i])

@@ -11,7 +11,6 @@ radial ones divided by √(1−η²).
 """
 
 import numpy as np
-from numba import prange
 
 from lightflyer.kinetic_theory.grid.directions import node_directions
 from lightflyer.kinetic_theory.grid.interpolation import (
@@ -22,7 +21,7 @@ from lightflyer.kinetic_theory.grid.interpolation import (
     rim_basis_at,
     scatter,
 )
-from lightflyer.kinetic_theory.grid.kernels import kernel, parallel_kernel
+from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
     MOST_CUTS,
     REACH,
@@ -318,24 +317,14 @@ def _rim(j, seen, eta, mesh, basis, target):
                 target[kind * size + first + a, m] += basis[a] * out[m]
 
 
-@parallel_kernel
+@shared_kernel
 def assemble(
-    points, on_face, state, setup, mesh, beyond, own, other, reflected, walls, rim, corrections
-):
+    start, stop, points, on_face, state, setup, mesh, beyond, own, other, reflected, walls, rim,
+    corrections,
+):  # fmt: skip
     """Fill the rows of all nodes of a half, or of all nodes on a wall; ``points`` (m, 5)."""
     # One kernel does both, as compiling takes many seconds.
-    for i in prange(points.shape[0]):
-        rows = (own[i], other[i], reflected[i])
-        # numba counts in unsigned integers here, for which it would compile everything once more
-        _row(
-            np.int64(i),
-            points[i],
-            on_face,
-            state,
-            setup,
-            (mesh, beyond),
-            rows,
-            walls[i],
-            rim[:, i],
-            corrections[i],
-        )
+    meshes = mesh, beyond
+    for i in range(start, stop):
+        rows, emitted = (own[i], other[i], reflected[i]), (walls[i], rim[:, i])
+        _row(i, points[i], on_face, state, setup, meshes, rows, *emitted, corrections[i])

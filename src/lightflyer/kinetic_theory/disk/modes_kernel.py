@@ -4,7 +4,6 @@ The gas rests far away at uniform pressure and temperature, so that an optical d
 """
 
 import numpy as np
-from numba import prange
 
 from lightflyer.kinetic_theory.disk.linear_kernel import FIELDS, MOST_DIRECTIONS, NORMALISATION
 from lightflyer.kinetic_theory.grid.directions import node_directions
@@ -14,7 +13,7 @@ from lightflyer.kinetic_theory.grid.interpolation import (
     nodes_in_eta,
     scatter,
 )
-from lightflyer.kinetic_theory.grid.kernels import kernel, parallel_kernel
+from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
     MOST_CUTS,
     SHORTEST,
@@ -97,12 +96,12 @@ def _add_source(values, weight, along, powers, harmonics, cells):
                 cells[field, k] = found
 
 
-@parallel_kernel
-def arriving(points, rarefaction, setup, mesh, coefficients, harmonics, rows):
+@shared_kernel
+def arriving(start, stop, points, rarefaction, setup, mesh, coefficients, harmonics, rows):
     """Add what arrives at a face's nodes in each mode; ``rows`` (e, n, fields · k)."""
     # A ray from a face never comes back to it.
     layer, gauss_height, gauss_azimuth, rule, table, scale = setup
-    for i in prange(points.shape[0]):
+    for i in range(start, stop):
         directions, cuts = np.empty((MOST_DIRECTIONS, 4)), np.empty(MOST_CUTS)
         radius = points[i, 0]
         count = node_directions(radius, 0.0, layer, gauss_height, gauss_azimuth, directions)
@@ -135,11 +134,11 @@ def arriving(points, rarefaction, setup, mesh, coefficients, harmonics, rows):
                     scatter(rows[i], cells.ravel(), a, b, eta_size, xi_basis, eta_basis)
 
 
-@parallel_kernel
-def emitted(points, rarefaction, setup, mesh, coefficients, harmonics, rows):
+@shared_kernel
+def emitted(start, stop, points, rarefaction, setup, mesh, coefficients, harmonics, rows):
     """Add the moments at all nodes of what a face emits; ``rows`` (n, e, fields, k)."""
     layer, gauss_height, gauss_azimuth, _, table, scale = setup
-    for i in prange(points.shape[0]):
+    for i in range(start, stop):
         directions = np.empty((MOST_DIRECTIONS, 4))
         radius, height, radial_scale = points[i, 0], points[i, 1], points[i, 2]
         count = node_directions(radius, height, layer, gauss_height, gauss_azimuth, directions)

@@ -14,7 +14,6 @@ warmer its wake is. Fields are then less those of the stream, sums over the devi
 """
 
 import numpy as np
-from numba import prange
 
 from lightflyer.kinetic_theory.disk.linear_kernel import MOST_DIRECTIONS, NORMALISATION
 from lightflyer.kinetic_theory.grid.directions import node_directions
@@ -25,7 +24,7 @@ from lightflyer.kinetic_theory.grid.interpolation import (
     nodes_in_eta,
     rim_basis_at,
 )
-from lightflyer.kinetic_theory.grid.kernels import kernel, parallel_kernel
+from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
     MOST_CUTS,
     REACH,
@@ -307,10 +306,10 @@ def _central(raw, radial_scale, rotates, fields):
         fields[8] = raw[8] - (1.0 + raw[6]) * w
 
 
-@parallel_kernel
-def evaluate(points, on_face, rarefaction, setup, mesh, beyond, gas, half, out):
+@shared_kernel
+def evaluate(start, stop, points, on_face, rarefaction, setup, mesh, beyond, gas, half, out):
     """Fill the fields at the nodes of one half, or the fluxes on a face, from fields."""
-    for i in prange(points.shape[0]):
+    for i in range(start, stop):
         meshes = (mesh, beyond)
         if on_face:
             _collect(points[i], on_face, rarefaction, setup, meshes, gas, half, out[i])

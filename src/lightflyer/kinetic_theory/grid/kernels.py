@@ -4,10 +4,15 @@ numba keeps a compiled function until its own file changes, although functions o
 compiled into it.
 """
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import wraps
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from numba import njit
+import numpy as np
+from numba import config, njit
 
 _FOLDER = Path(__file__).parents[1]  # the room of the solver
 
@@ -25,9 +30,30 @@ def forget_stale_kernels(folder: Path = _FOLDER) -> None:
 
 forget_stale_kernels()
 
-# a division by zero gives no number, which is noticed; as an exception it would end one of several
-# threads unseen, with some of its results never written
+# a division by zero gives no number, which is noticed
 kernel: Any = njit(cache=True, error_model="numpy")  # Compile a function, and keep it compiled
 
-parallel_kernel: Any = njit(cache=True, parallel=True, error_model="numpy")
-"""The same with the iterations of ``prange`` shared among cores."""
+_PARTS_PER_THREAD = 8  # rows differ in work
+
+
+def shared_kernel(function: Callable[..., None]) -> Callable[..., None]:
+    """The same, for a function of rows that are independent, which threads share.
+
+    It takes the first row, the one after the last, points of all rows, and more; callers leave the
+    first two away. numba's own threads would add a quarter to the time of compilation.
+    """
+    compiled = njit(cache=True, error_model="numpy", nogil=True)(function)
+
+    @wraps(function)
+    def shared(points: np.ndarray, *arguments: Any) -> None:
+        threads = config.NUMBA_NUM_THREADS
+        parts = min(_PARTS_PER_THREAD * threads, len(points))
+        ends = np.linspace(0, len(points), parts + 1).astype(int)
+        with ThreadPoolExecutor(threads) as pool:
+            for done in [
+                pool.submit(compiled, start, end, points, *arguments)
+                for start, end in pairwise(ends)
+            ]:
+                done.result()
+
+    return shared

@@ -4,17 +4,20 @@ VENV ?= .venv
 BIN = $(VENV)/bin
 STAMP = $(VENV)/.installed
 
-.PHONY: demo test check lint types docs pages snippets figures listings screenshots verdicts wheel bench lock clean
+.PHONY: demo test slow check lint types docs pages snippets figures listings screenshots verdicts wheel bench lock clean
 
 demo: $(STAMP)  ## predict a 5-mm germanium disk, with bands; verdict here, figures and data in demo/
 	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml --kind laden > /dev/null; }
 	$(BIN)/lightflyer predict demo/flyer.toml --out demo
 
 # All tests of a file run in one process, where its programs are compiled once.
-test: $(STAMP)  ## run the tests
-	$(BIN)/pytest -n auto --dist loadfile
+test: $(STAMP)  ## run the tests, except those that take long
+	$(BIN)/pytest -n auto --dist loadfile -m "not slow and not snippets"
 
-check: lint types test docs wheel  ## all that continuous integration checks
+slow: $(STAMP)  ## run the tests that take more than five seconds each
+	$(BIN)/pytest -n auto --dist loadfile -m "slow and not snippets"
+
+check: lint types test slow docs wheel  ## all that continuous integration checks
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

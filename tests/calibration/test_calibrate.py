@@ -70,6 +70,7 @@ def test_recovers_what_exact_points_were_made_with(setup, exact):
     assert fit.setup.flyer == setup.flyer
 
 
+@pytest.mark.slow
 def test_fits_film_properties_of_one_sample(setup, exact):
     one = np.array(SAMPLES) == "synthetic 2 cm"
     hotter = np.where(one, np.exp(log_light(emittance=0.12)), exact)
@@ -85,6 +86,7 @@ def test_fits_film_properties_of_one_sample(setup, exact):
     assert fit.setup.flyer.film.emittance_top == 0.08
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "what",
     ["setup", "objects", "file", "path", "design"],
@@ -138,6 +140,7 @@ def unevenness(jacobian, residuals, covariance):
     return np.sqrt(np.maximum(variance / np.diag(covariance), 1.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "free",
     [
@@ -162,6 +165,7 @@ def test_covariance_is_that_of_finite_differences(setup, noisy, free):
     assert fit.scatter == pytest.approx(np.sqrt(variance), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_stated_uncertainties_set_covariance_and_intervals(setup, noisy):
     single = lf.calibrate(setup, points=points(noisy, irradiance_uncertainty=0.04 * noisy))
     double = lf.calibrate(setup, points=points(noisy, irradiance_uncertainty=0.08 * noisy))
@@ -205,6 +209,7 @@ def test_intervals_end_where_the_profile_reaches_its_threshold(setup, noisy, sta
         assert profile.fun - cost(*fit.values) == pytest.approx(threshold, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_intervals_cover_the_truth_as_often_as_they_claim(setup):
     """Of few points, so that the threshold for an estimated scatter matters.
 
@@ -263,6 +268,7 @@ def test_total_interval_of_a_coefficient_is_that_of_one_over_the_difference(
     assert fit.summary()["parameters"]["c_fm"]["interval_95"][1] < 0.41
 
 
+@pytest.mark.slow
 def test_slopes_by_inputs_are_those_of_refits(setup, noisy):
     spreads = {"emittance_top": 0.01, "areal_density": 5e-5, "absorptance": 0.02}
     design = uncertain(setup, spreads)
@@ -279,6 +285,7 @@ def test_slopes_by_inputs_are_those_of_refits(setup, noisy):
         assert shares == pytest.approx(np.abs(slope), rel=0.05, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_total_intervals_hold_the_refits_of_drawn_inputs(setup, noisy):
     """Against brute force: some 5 % of the fits at drawn inputs lie outside."""
     stated = {"tac_top": (0.8, 0.02), "tac_bottom": (0.9, 0.02), "emittance": (0.08, 0.02)}
@@ -308,6 +315,7 @@ def test_total_intervals_hold_the_refits_of_drawn_inputs(setup, noisy):
     assert np.all(share(fit.intervals) < 0.6)
 
 
+@pytest.mark.slow
 def test_instruments_move_all_points_together(setup, exact):
     """A meter that reads 5 % high is the same as points that are 5 % too high."""
     fit = lf.calibrate(setup, points=points(exact), pressure_accuracy=0.0, irradiance_accuracy=0.05)
@@ -390,6 +398,7 @@ def test_two_points_with_nothing_to_spare(setup):
     assert fit.summary()["reduced_chi_squared"] is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("copies", [1, 30])
 def test_residuals_in_an_arc_are_said_and_more_points_do_not_narrow_the_interval(setup, copies):
     pressure = np.geomspace(1.5, 25.0, 14 * copies)
@@ -574,6 +583,7 @@ def test_names_of_numbers(name, fields, factor, value):
     assert (target.factor, target.value) == (factor, pytest.approx(value))
 
 
+@pytest.mark.slow
 def test_a_layered_film_starts_from_what_its_layers_give(flyer_file, setup, exact):
     layers = '[{material = "Ge", thickness = "20 nm"}, {material = "PET", thickness = "500 nm"}]'
     path = flyer_file(

@@ -12,6 +12,8 @@ import lightflyer as lf
 from lightflyer.calibration import Points, posterior
 from lightflyer.calibration.bayes import CHAINS, SCATTER, Posterior, probabilistic_model
 
+pytestmark = pytest.mark.slow
+
 PRESSURE = np.tile(np.geomspace(1.5, 25.0, 7), 2)
 DIAMETER = np.repeat([0.02, 0.03], 7)
 SCATTER_MADE = 0.04

@@ -71,6 +71,7 @@ def test_predict_a_balloon(run, flyer_file, tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_helium_needs_no_light(run, flyer_file, tmp_path):
     text = flyer_file.read_text(encoding="utf-8")
     changed = text.replace('"1.7 kg"', '"1.7 ± 0.1 kg"\ngas = "helium"')
@@ -86,6 +87,7 @@ def test_helium_needs_no_light(run, flyer_file, tmp_path):
     assert (least["first_order"]["low"], least["first_order"]["high"]) == (0.0, 0.0)
 
 
+@pytest.mark.slow
 def test_many_balloons(run, flyer_file, tmp_path):
     study, out = tmp_path / "study.toml", tmp_path / "results.zarr"
     study.write_text(STUDY, encoding="utf-8")

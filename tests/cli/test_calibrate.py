@@ -76,6 +76,7 @@ def test_points_over_altitude_are_refused(run):
     assert errors.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_table_and_json_say_which_interval_is_which(folder, run):
     code, _, errors = run("init", "--kind", "chamber", "flyer.toml")
     assert code == 0, errors
@@ -103,6 +104,7 @@ def test_table_and_json_say_which_interval_is_which(folder, run):
     assert found["warnings"] == []
 
 
+@pytest.mark.slow
 def test_reads_what_the_lab_command_reads(folder, run):
     code, _, errors = run("lab", "example", "levitation")
     assert code == 0, errors
@@ -117,6 +119,7 @@ def test_reads_what_the_lab_command_reads(folder, run):
     assert json.loads(printed)["samples"] == ["Ge 2 cm on mesh", "Ge 2 cm on plate"]
 
 
+@pytest.mark.slow
 def test_the_points_of_the_documentation(folder, run):
     page = Path(__file__).parents[2] / "docs" / "calibration.md"
     table = page.read_text(encoding="utf-8").split("```text\n")[1].split("```")[0]

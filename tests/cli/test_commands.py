@@ -67,6 +67,7 @@ def test_the_csv_has_units_in_its_header(run, flyer_file, tmp_path):
     assert values.shape == (301, len(header))
 
 
+@pytest.mark.slow
 def test_files_are_the_same_every_time(run, flyer_file, tmp_path):
     path = flyer_file()
     for name in ("one", "two"):
@@ -136,6 +137,7 @@ def test_figures_are_drawn_of_a_flyer_that_never_levitates(run, flyer_file, tmp_
     assert len(list((tmp_path / "out").glob("*.png"))) == 2
 
 
+@pytest.mark.slow
 def test_chamber(run, tmp_path):
     path = tmp_path / "chamber.toml"
     assert run("init", path, "--kind", "chamber")[0] == 0
@@ -305,6 +307,7 @@ def wait_until_interrupts_are_answered(process):
         time.sleep(0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.0, 0.4, 1.3, 2.8])
 @pytest.mark.parametrize("command", LONG)
 def test_an_interrupt_is_one_line_at_any_moment(flyer_file, tmp_path, command, delay):

@@ -177,6 +177,7 @@ def test_reductions_name_what_the_study_has(run, study, tmp_path):
         assert not list(tmp_path.glob("best*"))
 
 
+@pytest.mark.slow
 def test_a_sweep_that_is_killed_continues(run, study, tmp_path):
     """With the model itself; that fifty kills change no bit is tested beside the store."""
     path, out = study("points = 31", "points = 401"), tmp_path / "results.zarr"
@@ -301,6 +302,7 @@ def test_what_people_wrote_is_not_overwritten(name, run, study, tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_optimise_prints_and_writes(run, study, tmp_path):
     out = tmp_path / "out"
     code, text, errors = run("optimise", study(), "--out", out)

@@ -51,6 +51,7 @@ def test_film_writes_figures_and_one_json(run, film_file, tmp_path):
     assert "wavelength [µm]" in (out / "film-spectra.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_film_says_what_it_extrapolated(run, film_file):
     path = film_file("[film]\n", '[film]\nextrapolation = "hold"\nspectrum = "cold-white-led"\n')
     code, text, _ = run("film", path, "--json", "--temperatures", "300 K")
@@ -62,6 +63,7 @@ def test_film_says_what_it_extrapolated(run, film_file):
     assert found["lamp_absorptance_top"] == pytest.approx(0.721, abs=0.002)
 
 
+@pytest.mark.slow
 def test_held_data_are_not_called_data(run, film_file):
     stack = FILM.replace(" ± 2", "").replace("[film]\n", '[film]\nextrapolation = "hold"\n')
     path = film_file(text=stack)
@@ -82,6 +84,7 @@ def test_held_data_are_not_called_data(run, film_file):
     assert (text.count("43.6%"), text.count("0.052 to 0.488")) == (3, 1)
 
 
+@pytest.mark.slow
 def test_stated_thicknesses_give_intervals(run, film_file):
     path = film_file()
     code, text, _ = run("film", path, "--json", "--temperatures", "300 K", "--at", "550 nm")
@@ -129,6 +132,7 @@ def test_film_prints_a_table(run, film_file):
     assert "0.0752" in text
 
 
+@pytest.mark.slow
 def test_a_prediction_says_which_value_is_which(run, film_file):
     given = FLYER + 'absorptance = "0.75 ± 0.02"\n'
     code, text, _ = run("predict", film_file(text=given), "--json", "--at", "72 km")
@@ -214,6 +218,7 @@ def test_a_wavelength_outside_the_range_is_refused(run, film_file):
     assert "Ge has no data at 0.3 µm, only from 0.4 µm to 15 µm" in errors
 
 
+@pytest.mark.slow
 def test_a_layer_of_ones_own(run, film_file, tmp_path):
     (tmp_path / "mine.csv").write_text("wavelength [um],n,k\n0.3,3,1\n20,3,0.01\n")
     layer = '{material = "mine.csv", thickness = "20 nm", density = "5 g/cm^3", tac = "0.9 ± 0.04"}'
@@ -254,6 +259,7 @@ substrate = {material = "Si"}
 """
 
 
+@pytest.mark.slow
 def test_a_sample_by_angle(run, film_file, tmp_path):
     out = tmp_path / "out"
     options = ("--angles", "0 deg,60 deg", "--temperatures", "300 K", "--at", "550 nm")

@@ -101,6 +101,7 @@ def fly(run, folder):
     return command
 
 
+@pytest.mark.slow
 def test_what_a_rocket_lets_go_lands(fly, folder):
     out = folder / "landed"
     changes = (
@@ -134,6 +135,7 @@ def test_a_landing_above_any_ground_is_refused(fly):
     assert "landing has no effect: the mission ends at 50 km" in errors
 
 
+@pytest.mark.slow
 def test_a_mission_writes_what_it_says(fly, folder):
     out = folder / "out"
     code, shown, errors = fly(options=("--out", out, "--format", "png"))
@@ -239,6 +241,7 @@ def check_geojson(document, dataset):
     np.testing.assert_allclose(member["geometry"]["coordinates"], place, atol=0.06)
 
 
+@pytest.mark.slow
 def test_an_interrupted_mission_goes_on(fly, folder):
     changes = [('duration = "30 h"', 'duration = "2 h"'), ("members = 6", "members = 2"),
                ("count = 2", "count = 1")]  # fmt: skip
@@ -285,6 +288,7 @@ def check_dataset(dataset):
     assert east[-1] - east[0] == pytest.approx(27.0, abs=0.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "reason", "words"),
     [
@@ -307,6 +311,7 @@ def test_a_mission_that_ends_early_keeps_what_was_flown(fly, changes, reason, wo
         assert summary["duration_h"] == pytest.approx(18.0, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_mission_in_the_polar_night_says_that_it_finds_no_light(fly):
     code, shown, errors = fly(('"45 deg"', '"-85 deg"'))
     assert code == 0, errors
@@ -360,6 +365,7 @@ radius = "150 km"
 [mission.ensemble]"""
 
 
+@pytest.mark.slow
 def test_a_steered_mission_says_how_long_it_stays_near_its_station(fly, folder):
     out = folder / "steered"
     code, shown, errors = fly(

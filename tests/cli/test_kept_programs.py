@@ -33,6 +33,7 @@ def entries(folder):
     return set(folder.rglob("*.program"))
 
 
+@pytest.mark.slow
 def test_what_was_traced_is_kept_and_used_again(predict, tmp_path):
     folder = tmp_path / "cache"
     first = predict(folder)
@@ -44,6 +45,7 @@ def test_what_was_traced_is_kept_and_used_again(predict, tmp_path):
     assert entries(folder) == kept
 
 
+@pytest.mark.slow
 def test_none_is_kept_where_none_is_wanted_or_can_be(predict, tmp_path):
     (tmp_path / "file").write_text("")
     for cache in ("off", tmp_path / "file"):
@@ -51,6 +53,7 @@ def test_none_is_kept_where_none_is_wanted_or_can_be(predict, tmp_path):
     assert not entries(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_damaged_entry_is_traced_again(predict, tmp_path):
     first = predict(tmp_path / "cache")
     for path in entries(tmp_path / "cache"):

@@ -33,6 +33,7 @@ def test_one_place_makes_consoles():
             assert not re.search(r"\bConsole\(", path.read_text(encoding="utf-8")), path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
 def test_any_encoding_of_the_terminal(flyer_file, encoding):
     printed = subprocess.run(

@@ -15,6 +15,7 @@ COMMANDS = {
 RANGE = ("--altitudes", "70 km to 76 km")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_prints_a_table_and_writes_what_it_says(run, flyer_file, tmp_path, command):
     options, name = COMMANDS[command]
@@ -48,6 +49,7 @@ def test_a_command_prints_a_table_and_writes_what_it_says(run, flyer_file, tmp_p
     assert json.loads(shown) == summary
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("given", "said"), [
     (("drift", *RANGE, "--azimuth", "north"), "--azimuth"),
     (("drift", "--altitudes", "76 km to 70 km"), "the first must be the lower one"),

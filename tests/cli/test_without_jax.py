@@ -41,6 +41,7 @@ finally:
 """
 
 
+@pytest.mark.slow
 def test_a_first_answer_traces_what_day_night_and_bands_share_once(tmp_path):
     environment = os.environ | {"LIGHTFLYER_CACHE": str(tmp_path / "cache")}
     (tmp_path / "file.toml").write_text(templates()["laden"].read(), encoding="utf-8")
@@ -55,6 +56,7 @@ def test_a_first_answer_traces_what_day_night_and_bands_share_once(tmp_path):
     assert counts == dict.fromkeys(shared, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "command"),
     [

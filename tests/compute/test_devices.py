@@ -55,6 +55,7 @@ def on_several(program):
     return json.loads(run.stdout)
 
 
+@pytest.mark.slow
 def test_several_devices_find_what_one_does():
     answer = on_several(PROGRAM)
     assert answer["parts"] == DEVICES
@@ -103,6 +104,7 @@ json.dump({"found": found, "devices": len(jax.devices())}, sys.stdout)
 """
 
 
+@pytest.mark.slow
 def test_devices_keep_what_numpy_keeps():
     """Of designs in padding, of samples, and of a front that a device has no room for."""
     answer = on_several(REDUCED)
@@ -140,6 +142,7 @@ def test_an_unknown_device_names_those_there_are():
         find_devices("tpu")
 
 
+@pytest.mark.slow
 def test_a_reduced_sweep_on_gpus_is_that_of_processors(tmp_path, monkeypatch):
     """With processors in the place of GPUs: which way it goes, and how it is counted."""
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)

@@ -111,6 +111,7 @@ def is_silent(file, entries, key, values, before):
     return bool(values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_key_has_an_effect_or_is_said_to_have_none(kind):
     content = tomllib.loads(templates()[kind].read())

@@ -77,6 +77,7 @@ def test_the_search_for_invitations_finds_them():
     assert not expected - set(INVITED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", INVITED)
 def test_templates_run_with_every_change_that_their_comments_invite(name, tmp_path):
     path = tmp_path / "flyer.toml"

@@ -18,6 +18,8 @@ model = pytest.importorskip("calculator.model")
 from calculator.kinds import KINDS  # noqa: E402
 from calculator.page import html  # noqa: E402
 
+pytestmark = pytest.mark.slow  # all the files of the calculator are written
+
 MODELS = model.force_models()
 RANDOM = 250  # designs of each force model
 SLOPED = 6  # of them, whose slopes are compared

@@ -15,6 +15,8 @@ from lightflyer.uncertainty.monte_carlo import LOWER, UPPER, search_samples, tab
 model = pytest.importorskip("calculator.model")
 from calculator.kinds import KINDS  # noqa: E402
 
+pytestmark = pytest.mark.slow  # all the files of the calculator are written
+
 AGREEMENT = 1e-9
 PLACES = 21
 CASES = [(kind, name) for kind in KINDS for name in model.force_models(kind)]

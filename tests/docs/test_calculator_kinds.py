@@ -13,6 +13,8 @@ model = pytest.importorskip("calculator.model")
 from calculator.kinds import KINDS  # noqa: E402
 from calculator.page import html  # noqa: E402
 
+pytestmark = pytest.mark.slow  # all the files of the calculator are written
+
 RANDOM = 40
 AGREEMENT = 1e-10
 OTHERS = [kind for kind in KINDS if kind is not model.DISK]

@@ -134,11 +134,13 @@ def predicted(folder: Path, environment: str) -> dict:
     return json.loads(run.stdout)
 
 
+@pytest.mark.slow
 def test_a_file_has_the_light_of_its_planet(tmp_path):
     found = predicted(tmp_path, "")
     assert found["assumptions"][0].startswith("light: 14.8 W/m²")
 
 
+@pytest.mark.slow
 def test_a_file_may_state_other_light(tmp_path):
     found = predicted(tmp_path, "irradiance = '12 W/m^2'\naltitude_max = '400 km'\nalbedo = 0.2")
     assert found["assumptions"][0].startswith("light: 12 W/m²")

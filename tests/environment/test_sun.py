@@ -60,6 +60,7 @@ def random_century():
     )
 
 
+@pytest.mark.slow
 def test_the_sun_stands_where_spa_has_it(random_century):
     place, zenith_angle, azimuth, distance = random_century
     sun = EarthSun().position_above(place)

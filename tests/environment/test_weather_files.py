@@ -123,6 +123,7 @@ def independent(index):
     return [np.interp(HEIGHTS[index], height, part) for part in (*air, np.exp(-levels))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("layout", [era5, gfs, merra2, icon, wrf])
 def test_a_file_as_it_is_downloaded(tmp_path, layout):
     path = tmp_path / "weather.nc"
@@ -157,6 +158,7 @@ def by_temperature(data):
     return data.drop_vars("z")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("layout", [era5, merra2, icon, by_temperature])
 def test_what_is_read_of_a_large_file_is_what_it_has(tmp_path, monkeypatch, layout):
     """Over both poles and the date line, with parts of six nodes by six."""

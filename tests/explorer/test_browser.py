@@ -68,6 +68,7 @@ def type_into(page, field, text):
     settled(page)
 
 
+@pytest.mark.slow
 def test_figures_follow_a_slider(page):
     page.focus(SLIDER)
     page.evaluate("performance.clearMeasures()")

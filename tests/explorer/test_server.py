@@ -219,6 +219,7 @@ def resident():
     return pages_held * os.sysconf("SC_PAGE_SIZE")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from /proc")
 def test_twenty_pages_are_apart_and_need_little_memory(site, workplace):
     """Each holds another design; none sees another's, and the server keeps hardly anything."""

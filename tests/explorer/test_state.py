@@ -257,6 +257,7 @@ def test_grammar_is_plain_json():
     assert json.loads(json.dumps(described)) == described
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("diameter", "payload"), [("5 m", "0 kg"), ("40 m", "10 kg")])
 def test_balloons_have_a_map(diameter, payload, workplace):
     document = copy.deepcopy(DOCUMENTS["balloon"])

@@ -98,6 +98,7 @@ def test_swarm_and_drift(disk, setup):
     assert f"warning: {moved.warnings[0]}" in words(moved)
 
 
+@pytest.mark.slow
 def test_optimum_and_sensitivity(setup):
     over = {"altitude": {"from": "60 km", "to": "85 km"}}
     best = lf.optimise(setup, maximise="payload", over=over, starts=1, beyond_range=True)
@@ -174,6 +175,7 @@ def test_light_and_surfaces(raw):
     assert f"rms height Sq {height} nm" in words(rough)
 
 
+@pytest.mark.slow
 def test_a_film_from_its_spectra(raw):
     fit = lf.lab.fit_optics(lf.lab.read_sample(raw / "sample.toml"), starts=2)
     ((name, one), *_) = fit.numbers.items()
@@ -181,6 +183,7 @@ def test_a_film_from_its_spectra(raw):
     assert f"{name} {1e9 * one.value:.5g} {low} to {high} nm" in words(fit)
 
 
+@pytest.mark.slow
 def test_missions_are_described(disk):
     release = lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z")
     flown = lf.fly(disk, lf.Earth(), lf.FreeMolecular(), duration="2 h", release=release)

@@ -385,6 +385,7 @@ def differences(values, step=1e-5):
     return (values[:size] - values[size : 2 * size]) / (2.0 * step)
 
 
+@pytest.mark.slow
 def test_derivatives_jit_and_vmap(by_numpy):
     with lf.float64():
         values = np.asarray(by_numpy(jax.vmap(outcomes))(jnp.asarray(moved())))

@@ -224,6 +224,7 @@ def test_straight_paths():
         np.testing.assert_allclose(direct_share(ROUND, length), disc, rtol=1e-9)
 
 
+@pytest.mark.slow
 @BOTH
 def test_derivatives_and_broadcasting(shape):
     def flux(x):

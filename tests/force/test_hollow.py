@@ -502,6 +502,7 @@ def answers(x, unknowns=(0.5, 0.2)):
     return jnp.log(jnp.stack([MODEL.force(body, state, unknowns), losses[0]]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("function", [outcome, answers])
 def test_derivatives_jit_and_vmap(by_numpy, function):
     step = 1e-5

@@ -62,6 +62,7 @@ def test_limit_of_free_molecules_is_exact(beta):
     assert np.asarray(found) == pytest.approx(heat, rel=1e-6, abs=0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("delta", "beta", "tac", "face"),
     [(0.8, 0.5, (0.7, 0.9), 0), (0.8, 0.5, (0.7, 0.9), 1), (5.0, 0.3, (0.85, 0.75), 1),

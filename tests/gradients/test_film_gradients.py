@@ -3,6 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 import tmm
 from jax.test_util import check_grads
 
@@ -93,6 +94,7 @@ def averages(x):
     return jnp.stack([absorptance(one, incidence=0.4).value, 10.0 * curve(300.0)])
 
 
+@pytest.mark.slow
 def test_averages_in_thickness():
     with lf.float64():
         x = jnp.array([2.0, 30.0])
@@ -110,6 +112,7 @@ def test_averages_traced_equal_concrete():
     np.testing.assert_allclose(traced, concrete, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_flyers_temperature_in_thickness():
     """Through layers, emittance curve and heat balance at once."""
 

@@ -56,6 +56,7 @@ def central_differences(function, point, step=1e-5):
     return np.stack(columns, axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS.values(), ids=MODELS.keys())
 def test_forward_and_reverse_derivatives(by_numpy, model):
     # in logarithms of the inputs, so that one step suits all of them
@@ -87,6 +88,7 @@ def test_second_derivatives(by_numpy):
         assert float(second(light)) == pytest.approx(float(expected), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_jit_and_vmap_equal_the_plain_call():
     model = lf.Lu2023()
     with lf.float64():

@@ -188,6 +188,7 @@ def test_every_public_numeric_function_has_a_case():
     assert not missing
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_transformations_in_either_precision(name, by_numpy):
     function, points = CASES[name], np.array([0.95, 1.0])

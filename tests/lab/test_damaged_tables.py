@@ -132,6 +132,7 @@ def answer(read, path):
     return columns, ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_any_damage(tmp_path, damaged, name):
     """Bytes lost, changed and doubled, cells and units replaced, marks swapped."""
@@ -209,6 +210,7 @@ def shortened(text, rng):
     return "".join(lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["points.csv", "launchpads.csv", "tac-reduced.txt", "thermal.csv", "film.csv"]
 )

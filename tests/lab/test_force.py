@@ -78,6 +78,7 @@ def test_a_factor_is_found():
     assert alone.interval[1] / alone.interval[0] < wide[1] / wide[0]
 
 
+@pytest.mark.slow
 def test_the_interval_of_the_ratio_contains_one():
     """Vanes drawn from a stated one, with instruments and points that err as stated."""
     stated = lf.lab.Vane(

@@ -95,6 +95,7 @@ def test_noise_is_found_and_repeats_average(rng):
 HAPP_GENZEL = (0.54, 0.46)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("filling", "window"), [(1, (1.0,)), (2, (1.0,)), (4, (1.0,)), (2, HAPP_GENZEL)]
 )

@@ -249,6 +249,7 @@ def damaged(content, rng, header_size):
     return content[:at] + content[at + size :], "taken out"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*READERS, "map.jpk"])
 def test_damage_gives_a_map_or_one_line(name, tmp_path):
     if name == "map.jpk":

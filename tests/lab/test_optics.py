@@ -55,6 +55,7 @@ def test_derivatives_are_those_of_differences(sample, model):
         np.testing.assert_allclose(slope, exact[:, number], atol=1e-6 * np.abs(exact).max())
 
 
+@pytest.mark.slow
 def test_intervals_contain_the_truth_as_often_as_they_say(folder, model):
     """Errors of scales are drawn with the stated size, noise is alike over five points."""
     trials, inside = 16, np.zeros(3)
@@ -117,6 +118,7 @@ def cauchy():
     return fit_optics(cauchy_sample(800e-9, 0.001), starts=12)
 
 
+@pytest.mark.slow
 def test_layer_on_a_substrate_computed_by_tmm(cauchy):
     for name, truth in (("thickness", 800e-9), ("a", 1.6), ("b", 0.01e-12)):
         found = cauchy.numbers[name]
@@ -155,6 +157,7 @@ def test_index_of_the_layer_has_a_band_that_contains_the_truth(cauchy):
     assert np.all(layer.k == 0.0)
 
 
+@pytest.mark.slow
 def test_numbers_that_spectra_cannot_tell_apart_are_named(folder):
     """Two transparent layers of one index: only the sum of their thicknesses counts."""
     wavelength = np.linspace(0.5e-6, 1e-6, 60)
@@ -217,6 +220,7 @@ def command(folder):
     return folder
 
 
+@pytest.mark.slow
 def test_command_writes_everything(command):
     out = command / "out"
     names = {path.name for path in out.iterdir()}

@@ -44,6 +44,7 @@ def test_a_tilted_bowed_plane_is_flat():
     assert surface_parameters(tilted)[0] > 1e-10  # a plane leaves the bow
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_particles_do_not_count(seed):
     # fine enough that the places under the particles do not matter: they hide 3 % of the surface
@@ -193,6 +194,7 @@ def test_units_and_scales(rng):
     assert one.summary()["rms_height"]["unit"] == "nm"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [3.0, 10.0, 25.0])
 def test_intervals_cover_the_surface(width):
     # of an unlevelled surface wider than the map; tiles of the map covered 69 and 18 %

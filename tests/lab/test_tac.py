@@ -228,6 +228,7 @@ def _covers(estimate, truth):
     return low <= truth <= high
 
 
+@pytest.mark.slow
 def test_intervals_of_the_scatter_cover_the_truth(rng):
     count, inside = 40, np.zeros((2, 3))
     clean = independent_run(40)

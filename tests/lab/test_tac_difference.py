@@ -109,6 +109,7 @@ def test_equals_scipy_with_both_faces_and_the_instruments_written_out(rng, monke
     assert ends.mean() == pytest.approx(stats.norm.ppf(0.975), rel=0.04)
 
 
+@pytest.mark.slow
 def test_what_faces_share_drops_out_of_their_difference_and_intervals_cover(rng):
     """Gauge, plateau and the rest are off by other amounts in each trial, and the law's shape."""
     count, truth = 20, (TOP[0] - BOTTOM[0], TOP[0], BOTTOM[0])

@@ -174,6 +174,7 @@ def test_rows_average_but_a_common_error_does_not(rng):
     assert common.uncertainty == pytest.approx(single.emissivity.uncertainty, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [2, 3, 6])
 def test_scatter_intervals_cover(count, rng):
     """Without Student's factor, two repeats covered the truth in 70 % of cases, three in 81 %."""

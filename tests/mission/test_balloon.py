@@ -27,6 +27,7 @@ def flown(setup, altitude, hours):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("radius", "payload"), [(2.5, 0.0), (2.9, 1.7), (5.0, 10.0), (7.5, 1.0), (20.0, 10.0)]
 )

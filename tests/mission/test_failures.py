@@ -103,6 +103,7 @@ def test_an_interrupted_ensemble_says_how_many_were_flown(monkeypatch):
     assert "interrupted: 1 of 3 further flights were flown" in flown.attrs["warnings"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("members", [3, 7])  # followed one by one, and compiled
 def test_an_interrupted_ensemble_goes_on_and_is_the_same(monkeypatch, tmp_path, members):
     monkeypatch.setattr(fleet, "BATCH", 3)

@@ -78,6 +78,7 @@ def test_linear_drag_stops_it_after_mass_times_speed_over_drag(
     np.testing.assert_allclose(gone / np.linalg.norm(gone), direction[:2], atol=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("up", [None, 400.0])
 def test_a_fall_from_thin_air_is_that_of_newtons_law(up, closed_form_disk, still_air):
     altitude, flyer, air = 135e3, closed_form_disk(1e-2, inertia=0.0), still_air
@@ -110,6 +111,7 @@ def test_a_fall_from_thin_air_is_that_of_newtons_law(up, closed_form_disk, still
     assert np.ptp(after[:, -1]) > 1e3
 
 
+@pytest.mark.slow
 def test_a_velocity_that_is_uncertain_scatters_the_ensemble(closed_form_disk, still_air):
     """After one time constant of free flight members are where their velocities carried them."""
     spread, seconds = 20.0, 60.0

@@ -21,6 +21,8 @@ from lightflyer.mission.report.landing import (
     size_holding,
 )
 
+pytestmark = pytest.mark.slow
+
 RADIUS = 6_371_008.7714
 
 

@@ -89,6 +89,7 @@ def explained(compare, measured):
     return cache(lambda heavier, upwards: compare(measured(heavier, upwards)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("heavier", "upwards", "name"), [(HEAVIER, 0.0, "mass"), (0.0, UPWARDS, "vertical_wind")]
 )
@@ -118,6 +119,7 @@ def test_what_has_no_effect_is_not_known(explained):
     assert "-inf to +inf" in as_text(comparison_parts(found))
 
 
+@pytest.mark.slow
 def test_a_track_of_the_flight_itself_explains_nothing(compare, measured):
     compared = compare(replace(measured(), altitude=np.asarray(compare(
         measured(), explained=False).flown_altitude)))  # fmt: skip
@@ -127,6 +129,7 @@ def test_a_track_of_the_flight_itself_explains_nothing(compare, measured):
     assert abs(found["explanations"]["mass"]["value"]) < 1e-3 * found["explanations"]["flyer_kg"]
 
 
+@pytest.mark.slow
 def test_the_wind_that_is_missing_is_found_at_any_time_and_altitude(compare, measured):
     compared = compare(measured(), explained=False)
     for part in ("period", "band"):
@@ -140,6 +143,7 @@ def test_the_wind_that_is_missing_is_found_at_any_time_and_altitude(compare, mea
     np.testing.assert_allclose(compared.across_residual, 0.0, atol=0.02 * compared.distance.max())
 
 
+@pytest.mark.slow
 def test_the_wind_of_the_air_is_taken_off(measured, compare, sky, closed_form_disk):
     turning = replace(sky(0.0), air=np.array([0.0, 0.0, 30.0]))  # 30 m/s at the equator
     compared = lf.mission.compare_track(
@@ -243,6 +247,7 @@ def test_interrupted_flights_are_not_compared(compare, measured):
             compare(measured())
 
 
+@pytest.mark.slow
 def test_a_track_of_another_day_is_refused(compare, measured):
     track = measured()
     late = replace(track, time=track.time + 86_400.0)

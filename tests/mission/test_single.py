@@ -24,6 +24,7 @@ def disk():
     return lf.Disk(FILM, radius=0.001)
 
 
+@pytest.mark.slow
 def test_a_flight_by_day_is_that_of_diffrax(disk):
     model, times = lf.FreeMolecular(), np.linspace(0.0, 6.0 * 3600.0, 13)
     theirs = lf.mission.trajectory(disk, EARTH, model, RELEASE, times, tolerance=1e-11)
@@ -43,6 +44,7 @@ def test_what_is_kept_changes_no_flight(disk):
     assert "nights" in said.pop()
 
 
+@pytest.mark.slow
 def test_an_ensemble_changes_no_flight(disk, monkeypatch):
     def fly(**more):
         return lf.fly(
@@ -63,6 +65,7 @@ def test_an_ensemble_changes_no_flight(disk, monkeypatch):
     assert abs(float(ends.mean() - beside["altitude"][-1])) < 1000.0
 
 
+@pytest.mark.slow
 def test_the_first_seconds_are_those_of_diffrax(disk, monkeypatch):
     moving = np.array([0.0, 120.0, 350.0])  # in air so thin that it goes on for seconds
     release = dataclasses.replace(RELEASE, altitude=95e3, velocity=moving)

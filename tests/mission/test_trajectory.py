@@ -81,6 +81,7 @@ def flown(sky, closed_form_disk):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", SIZES)
 def test_a_night_takes_a_disk_from_75_km_to_where_others_computed(flown, size):
     found = flown["night", size]
@@ -173,6 +174,7 @@ def afternoon(isothermal_air, closed_form_disk):
     return Afternoon(isothermal_air, closed_form_disk)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("hours_earlier", "slack_in_time"),
     [(5.0, 0.0), (0.0, 1e-3)],  # by day, and through the sharp ends of the penumbra
@@ -193,6 +195,7 @@ def test_gradient_of_the_last_altitude_is_that_of_differences(
             assert float(slope[number]) == pytest.approx(expected, rel=1e-4, abs=slack)
 
 
+@pytest.mark.slow
 def test_velocity_and_temperature_follow_at_once(afternoon):
     setup = lf.Setup(afternoon.flyer(0.08), afternoon.around, lf.FreeMolecular())
     altitude, *place = afternoon.release

@@ -72,6 +72,7 @@ def both(path, monkeypatch):
     return fly_both
 
 
+@pytest.mark.slow
 def test_a_flight_by_parts_is_the_flight(both):
     whole, parts = both(duration="6 h")
     assert whole.attrs["end"] == "is still flying at the end of its time"
@@ -84,6 +85,7 @@ def test_a_flight_by_parts_is_the_flight(both):
     np.testing.assert_allclose(parts.wind_north, north, atol=0.1)
 
 
+@pytest.mark.slow
 def test_a_flight_by_parts_goes_on_beyond_the_data(both):
     whole, parts = both(duration="6 h", altitude="58 km", beyond=UniformWind(20.0))
     assert float(whole.altitude[-1]) > 60e3
@@ -91,6 +93,7 @@ def test_a_flight_by_parts_goes_on_beyond_the_data(both):
         np.testing.assert_allclose(parts[name], whole[name], rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_who_chooses_its_wind_sees_all_levels(both):
     station = lf.mission.Circle(78.0, 0.0, "300 km")
     rule = lf.mission.Shaded(lf.mission.ChooseWind(station, "25 km", "59 km", width="30 km"))
@@ -100,6 +103,7 @@ def test_who_chooses_its_wind_sees_all_levels(both):
         np.testing.assert_allclose(parts[name], whole[name], rtol=1e-7, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_an_ensemble_by_parts_is_the_ensemble_and_ends_where_the_file_does(both):
     ensemble = lf.mission.Ensemble(members=8, wind=10.0, time=1800.0, distance=9e3)
     whole, parts = both(ensemble=ensemble, hour=18, duration="8 h")
@@ -112,6 +116,7 @@ def test_an_ensemble_by_parts_is_the_ensemble_and_ends_where_the_file_does(both)
     np.testing.assert_array_equal(parts.ensemble_end_reason, whole.ensemble_end_reason)
 
 
+@pytest.mark.slow
 def test_an_interrupted_ensemble_by_parts_goes_on_and_is_the_same(path, monkeypatch, tmp_path):
     monkeypatch.setattr(store, "KEPT", 3000)
     folder = tmp_path / "flights"
@@ -144,6 +149,7 @@ def test_a_mission_says_where_another_wind_took_over(path):
     assert "never met on the way" in lf.mission.describe(inside)
 
 
+@pytest.mark.slow
 def test_flights_in_a_file_that_was_written_anew_are_others(path, monkeypatch):
     """What is kept of an interrupted mission or swarm does not go on in other weather."""
     monkeypatch.setattr(store, "KEPT", 3000)

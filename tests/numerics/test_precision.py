@@ -43,6 +43,7 @@ def test_float64_context_gives_gradients_all_digits():
     assert float(slope) == pytest.approx(0.03, rel=1e-15)
 
 
+@pytest.mark.slow
 def test_process_with_the_switch_on_gives_the_same_numbers():
     code = (
         "import lightflyer as lf, jax.numpy as jnp\n"

@@ -50,6 +50,7 @@ def table(flyer, over):
     return lf.sweep(flyer, over=over, outputs=POINT_OUTPUTS)
 
 
+@pytest.mark.slow
 def test_numpy_gives_what_a_compiled_sweep_gives(flyer, over, table):
     with run_by("xla"):
         compiled = lf.sweep(flyer, over=over, outputs=POINT_OUTPUTS)

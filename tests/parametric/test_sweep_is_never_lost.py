@@ -70,6 +70,7 @@ def contents(folder, names=VARIABLES):
     }
 
 
+@pytest.mark.slow
 def test_fifty_minus_six_kills_here_change_no_bit(tmp_path):
     command = [sys.executable, str(SCRIPT), str(tmp_path), str(KILLS_HERE), "20261121"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
@@ -345,6 +346,7 @@ def kill_workers(cluster, stop, killed):
             killed.append(nanny.pid)
 
 
+@pytest.mark.slow
 def test_six_kills_of_clients_and_workers_change_no_bit(cluster, tmp_path):
     command = [sys.executable, str(SCRIPT), str(tmp_path), cluster.scheduler_address]
     chance, journal = np.random.default_rng(3), tmp_path / "killed.zarr" / ".lightflyer" / "journal"
@@ -451,6 +453,7 @@ def far_scheduler():
         process.kill()
 
 
+@pytest.mark.slow
 def test_scheduler_that_dies_is_one_line(far_scheduler, capfd):
     process, address = far_scheduler
     task = Patient()

@@ -118,6 +118,7 @@ def test_a_payload_keeps_a_disk_low_enough_for_its_film(tmp_path):
     assert "Afloat at 75.4 km it carries up to 0.0373 mg" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["earth", "laden", "mars"])
 def test_sweeps_have_the_verdict(kind, tmp_path, by_numpy):
     """The search with derivatives finds what the search of predictions finds."""
@@ -163,6 +164,7 @@ def test_the_longest_night_is_that_of_a_descent(tmp_path):
     assert balloon.verdict.longest_night is None  # its band begins below the search
 
 
+@pytest.mark.slow
 def test_the_verdict_of_sweeps_has_derivatives(tmp_path, by_numpy):
     """By central differences of predictions."""
     setup = setup_of("earth", tmp_path)
@@ -244,6 +246,7 @@ def test_a_range_that_ends_within_the_band_is_open(tmp_path):
     assert "from below 50.0 km to above 60.0 km" in str(cut)
 
 
+@pytest.mark.slow
 def test_random_designs_have_a_possible_verdict(rng):
     environments = [lf.lu2023_earth(), lf.Mars(), lf.Chamber()]
     limits = set()

@@ -116,6 +116,7 @@ def layered(path, **given):
     return {"layers": [layer], **TACS, **given}
 
 
+@pytest.mark.slow
 def test_missing_optical_data_are_in_the_band(tmp_path):
     """Truth: the same material with data for all wavelengths, and the film at its bounds."""
     short, whole = (index_csv(tmp_path / f"{end}.csv", end) for end in (3, 2000))
@@ -169,6 +170,7 @@ def test_one_material_has_one_error():
     assert found.first_order["at[0].lift_n"] == pytest.approx(0.0, abs=1e-15)
 
 
+@pytest.mark.slow
 def test_thicknesses_go_through_to_flight():
     """Against the flyer whose film is computed from the other thickness."""
     layers = [{"material": "Ge", "thickness": "20 ± 1 nm"},

@@ -68,6 +68,7 @@ def flyers(tmp_path_factory):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [*KINDS, *OTHERS])
 def test_random_designs_of_every_kind_are_those_of_xla(flyers, kind, rng):
     setup = flyers[kind]
@@ -383,6 +384,7 @@ def test_the_least_used_go_first(folder, monkeypatch):
     assert left != old
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize("size", [1, 2, 3, 8, 9, 100])
 def test_tables_are_searched_as_numpy_does(rng, side, size):

@@ -139,6 +139,7 @@ assert float(jax.jit(lambda disk: 2 * disk.radius)(disk)) == jnp.float32(0.02)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "load",
     ["import jax, jax.numpy as jnp", "from lightflyer.pytree.lazy_jax import jax, jnp; jnp.ones"],

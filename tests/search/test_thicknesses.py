@@ -16,6 +16,8 @@ from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate, padde
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import as_problem
 
+pytestmark = pytest.mark.slow
+
 FLYER = """
 [flyer]
 diameter = "2 cm"

@@ -37,6 +37,7 @@ def search(force):
     return found, looks
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("force", FORCES.values(), ids=FORCES)
 def test_the_least_light_is_the_first_that_carries_the_load(force):
     grid = np.geomspace(1e-3, BRIGHTEST, 20_001)

@@ -216,6 +216,7 @@ def test_a_layer_without_numbers_is_asked_for_them(disk_file):
         lf.predict(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHAPE)
 def test_derivatives_through_the_balance_are_those_of_finite_differences(name, by_numpy):
     def output(spacing, gap, payload):
@@ -233,6 +234,7 @@ def test_derivatives_through_the_balance_are_those_of_finite_differences(name, b
             assert float(found[place]) == pytest.approx((up - down) / 2e-4, rel=1e-3, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_search_keeps_the_gap():
     def best(**constraints):
         spacing = {"from": "50 um", "to": "5 mm", "scale": "log"}

@@ -131,6 +131,7 @@ def test_chamber():
     assert np.all(found.low["temperature"] < found.high["temperature"])
 
 
+@pytest.mark.slow
 def test_samples_over_mars_whose_atmosphere_is_a_table():
     mars = {"kind": "mars", "dust_optical_depth": 0.0}
     uncertain = configure({**mars, "surface_pressure": "610 Pa ± 60 Pa"})
@@ -235,6 +236,7 @@ def strong(model, tac_bottom, environment=None):
     return lf.Setup(lf.Disk(film, 0.01), environment, model)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [lf.Lu2023(), lf.Kinetic()])
 def test_samples_of_a_large_margin_are_those_of_repeated_predictions(model):
     design = ObjectDesign(strong(model, 0.95), {"flyer.film.tac_bottom": 0.02})
@@ -288,6 +290,7 @@ def dark(absorptance, spread, **changes):
     return file.design(), ObjectDesign(setup, {name: spread})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("one", [0, 1])
 @pytest.mark.parametrize("transmittance", [0.05, 0.0])
 def test_draws_that_are_impossible_are_drawn_again_and_counted(one, transmittance):

@@ -35,6 +35,7 @@ def study():
     sys.path.remove(str(STUDY))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", MODULES)
 def test_intervals_cover(study, module):
     """Far too narrow ones are found here, those that are somewhat so by the study."""

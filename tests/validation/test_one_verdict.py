@@ -39,6 +39,7 @@ def test_kinds_are_those_of_init():
     assert flyers - set(KINDS) <= {"mission"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_templates(kind, run, tmp_path):
     path = tmp_path / f"{kind}.toml"
@@ -62,6 +63,7 @@ def test_templates(kind, run, tmp_path):
     assert line in plain(report.read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_ten_disks():
     """Between disks that nothing lifts, that are too hot at rest, and that survive."""
     absorptances, emittances = (0.4, 0.9), (0.03, 0.08, 0.15, 0.3, 0.9)

@@ -8,6 +8,7 @@ import xarray as xr
 from lightflyer.config.reader import read_flyer_file
 
 
+@pytest.mark.slow
 def test_points_to_record_with_model_and_calibration(examples, lab):
     folder = examples("levitation")
     lf_file = folder / "flyer.toml"
@@ -70,6 +71,7 @@ def test_bad_input(folder, lab, text, arguments, says):
     assert not (folder / "o").exists()
 
 
+@pytest.mark.slow
 def test_kilowatts_taken_for_watts_reach_no_flyer_file(examples, lab):
     folder = examples("levitation")
     path = folder / "flyer.toml"

@@ -7,6 +7,7 @@ import xarray as xr
 ASSUMED = "no accuracy of the heights is stated; ± 2 % is assumed"
 
 
+@pytest.mark.slow
 def test_three_maps_to_one_record(examples, lab):
     folder = examples("roughness")
     names = ["germanium.ibw", "germanium.gwy", "germanium.txt"]

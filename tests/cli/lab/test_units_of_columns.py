@@ -188,6 +188,7 @@ def unchanged():
     return {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("command", "file", "column"), CASES)
 def test_a_column_in_another_unit_changes_no_result(reduced, unchanged, command, file, column):
     if command not in unchanged:

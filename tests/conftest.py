@@ -40,6 +40,14 @@ jax.config.update("jax_compilation_cache_max_size", 2 * 10**9)
 jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """All that runs the kinetic solver is slow: numba compiles it for minutes."""
+    for item in items:
+        if "kinetic_theory" in item.nodeid:
+            item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture
 def film():
     """The paper's germanium-coated film."""

@@ -384,6 +384,7 @@ def test_coefficients_that_are_fitted_have_no_scatter_of_the_papers(setup, exact
     assert "force.force_error" in film
 
 
+@pytest.mark.slow
 def test_two_points_with_nothing_to_spare(setup):
     """An end of an interval far away once overflowed."""
     numbers = {

@@ -49,6 +49,7 @@ def folder(tmp_path_factory):
     return found
 
 
+@pytest.mark.slow
 def test_a_flight_is_laid_beside_tracks(run, folder):
     out = folder / "out"
     tracks = [folder / "first.csv", folder / "second.csv"]

@@ -11,6 +11,8 @@ from lightflyer.kinetic_theory.chamber import cases as chamber_cases
 from lightflyer.kinetic_theory.disk import cases
 from lightflyer.kinetic_theory.disk.operators import Quadrature
 
+pytestmark = pytest.mark.slow  # numba compiles the solver
+
 CASE = ("kinetic", "--kn", "2", "--tac-top", "0.8", "--tac-bottom", "0.9")
 
 

@@ -27,6 +27,7 @@ def flyer_file(run, tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_predict_a_plate(run, flyer_file, tmp_path):
     code, text, errors = run("predict", flyer_file, "--out", tmp_path / "out", "--at", "100 Pa")
     assert (code, errors) == (0, "")

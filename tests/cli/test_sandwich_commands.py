@@ -43,6 +43,7 @@ def flyer_file(run, tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_predict_a_sandwich(run, flyer_file, tmp_path):
     code, text, errors = run("predict", flyer_file, "--out", tmp_path / "out", "--at", "75 km")
     assert (code, errors) == (0, "")
@@ -78,6 +79,7 @@ def test_warnings_are_of_where_it_flies(run, flyer_file):
     assert "at 169 Pa, above 100: the table" in told
 
 
+@pytest.mark.slow
 def test_many_sandwiches(run, flyer_file, tmp_path):
     study, out = tmp_path / "study.toml", tmp_path / "results.zarr"
     study.write_text(STUDY, encoding="utf-8")

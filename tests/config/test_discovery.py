@@ -49,6 +49,7 @@ def test_a_broken_plug_in_is_one_warning_and_its_neighbour_works(plug_ins, monke
     assert "square-of-a-plug-in" in FlyerSection.alternatives
 
 
+@pytest.mark.slow
 def test_a_command_says_so_in_one_line_and_goes_on(plug_ins, tmp_path):
     file = tmp_path / "flyer.toml"
     file.write_text(

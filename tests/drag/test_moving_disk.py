@@ -19,6 +19,8 @@ from lightflyer.kinetic_theory.disk.operators import Quadrature
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC, GasModel
 from lightflyer.kinetic_theory.moving import MovedDisk, moving_outcomes
 
+pytestmark = pytest.mark.slow  # numba compiles the solver
+
 STUDY = Path(__file__).parents[2] / "studies" / "drag" / "study.py"
 FACES = (0.6, 0.9)
 BGK = GasModel("bgk", 1.0, 0.0, 0.0, 0.66)
@@ -99,7 +101,6 @@ def test_table_is_made_of_the_points():
     assert worst < 1.5e-3  # between the TACs of the table, and in denser gas
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("gas", "tac"), [(MONATOMIC, 0.5), (DIATOMIC, 1.0)])
 def test_a_disk_as_warm_as_the_gas_has_the_drag_of_the_linear_problem(gas, tac):
     (found,) = hot_disk_drag(1.0, gas, tac, [1.0], COARSE)
@@ -107,7 +108,6 @@ def test_a_disk_as_warm_as_the_gas_has_the_drag_of_the_linear_problem(gas, tac):
     assert found == pytest.approx(linear.drag, rel=1e-4)
 
 
-@pytest.mark.slow
 def test_a_hot_disk_in_thin_gas_has_the_drag_of_free_molecules():
     """A share of the molecules leaves with the root of the disk's temperature [Bird1994]."""
     cold, hot = hot_disk_drag(0.004, DIATOMIC, 0.5, [1.0, 1.6], COARSE)
@@ -116,7 +116,6 @@ def test_a_hot_disk_in_thin_gas_has_the_drag_of_free_molecules():
     assert hot / cold == pytest.approx(growth, rel=1e-3)
 
 
-@pytest.mark.slow
 def test_the_law_has_the_drag_of_a_hot_disk():
     """At Kn = 0.3, where warm gas of the film's viscosity would have 4 % more."""
     cold, hot = hot_disk_drag(math.sqrt(math.pi) / 1.2, DIATOMIC, 1.0, [1.0, 1.6], COARSE)

@@ -217,6 +217,7 @@ def test_little_of_a_large_file_is_in_memory(tmp_path, monkeypatch):
     assert max(largest) < canonical().u.size / 40
 
 
+@pytest.mark.slow
 def test_several_files_are_one(tmp_path, monkeypatch):
     data = canonical()
     for number in range(4):

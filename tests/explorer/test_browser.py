@@ -81,6 +81,7 @@ def test_figures_follow_a_slider(page):
     assert page.evaluate("performance.getEntriesByName('redraw').length") > 0
 
 
+@pytest.mark.slow
 def test_page_shows_what_python_computes(page):
     type_into(page, DIAMETER, "2.34567 cm")
     type_into(page, "#field-film\\.tac_bottom", "0.91")
@@ -300,6 +301,7 @@ def addresses(text, document):
     yield f"pin={quote(text)}"
 
 
+@pytest.mark.slow
 def test_text_from_anywhere_never_runs(page, workplace):
     for text in PAYLOADS:
         for address in addresses(text, workplace.initial):

@@ -143,6 +143,7 @@ def settle(address, thickness):
         time.sleep(0.2)
 
 
+@pytest.mark.slow
 def test_a_slider_beside_a_thousand_hostile_requests(explorer, workplace):
     process, address = explorer
     draw = np.random.default_rng(35)

@@ -194,6 +194,7 @@ def test_holes_only_lessen_the_accommodated_share_where_both_faces_are_as_warm()
         assert max(values) / min(values) == pytest.approx(1.0, rel=1.5e-3)
 
 
+@pytest.mark.slow
 def test_walls_press_the_more_the_nearer():
     """A chamber raises the force; far walls change nothing."""
     flyer, delta = make(), 2.2

@@ -232,6 +232,7 @@ def test_the_table_is_made_of_all_points(study, tmp_path, monkeypatch):
     assert study.TABLE.read_text("utf-8") == shipped
 
 
+@pytest.mark.slow
 def test_a_solved_point_is_that_of_the_study(study):
     (points,) = (g for g in study.linear_points() if (g[0].knudsen, g[0].mesh) == (10.0, "coarse"))
     group = [p for p in points if p.gas == "monatomic" and p.tac == 0.8]

@@ -84,7 +84,6 @@ def test_forces_and_heats_of_all_surfaces_add_up(near):
     assert solve_chamber_case(equal, COARSE, halves=halves).totals.force > 1e-3
 
 
-@pytest.mark.slow
 # studies/direct_simulation: nitrogen, T_h/T_c 2.3415, force over p A and its standard error
 @pytest.mark.parametrize(
     ("knudsen", "simulated", "error"), [(0.294524, 0.0072, 0.0013), (0.098175, 0.00434, 0.00068)]

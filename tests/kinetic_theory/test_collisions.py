@@ -94,7 +94,6 @@ def totals(problem, walls):
     return force, [weights @ face.heat for face in faces]
 
 
-@pytest.mark.slow
 def test_force_of_heat_is_heat_of_motion(problem):
     # reciprocity: nothing in the solver knows of it
     _, drawn = totals(problem, Walls((0.6, 0.9), (0.0, 0.0), velocity=1.0))

@@ -43,7 +43,6 @@ def small(dsmc, knudsen, ratio, boundary=1.6, **vessel):
     return dsmc["simulation"].Simulation(gas, knudsen, faces, vessel, numerics, seed=3)
 
 
-@pytest.mark.slow
 def test_without_collisions_force_and_heat_are_exact(dsmc, study):
     blocks = list(small(dsmc, math.inf, 2.25).blocks(20, 200, 50))
     for name, (mean, error) in study.means(blocks).items():
@@ -340,7 +339,6 @@ def test_cells_fill_the_reservoir(dsmc):
         build(vessel(4.0, 2.26), 0.1, 20.0)
 
 
-@pytest.mark.slow
 def test_hot_solver_beside_simulations_of_walls_of_cercignani_and_lampis(study):
     """With the collisions of Maxwell's walls force is right; with the model's factors heat is."""
     scattering = importlib.import_module("scattering")

@@ -96,7 +96,6 @@ def test_modes_are_orthonormal():
     assert found == pytest.approx(np.eye(len(values)), abs=1e-10)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
 @pytest.mark.parametrize("holes", [0.0, 0.4])
 def test_full_accommodation_is_diffuse_reflection(gas, holes):
@@ -124,7 +123,6 @@ def test_free_molecular_limit(gas):
         assert found == pytest.approx(0.5 * kinds / np.sqrt(np.pi), rel=1e-6)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("gas", "holes"), [(MONATOMIC, 0.0), (DIATOMIC, 0.0), (MONATOMIC, 0.5)])
 @pytest.mark.parametrize(
     ("rarefaction", "level", "near"), [(0.2, COARSE, 1e-3), (4.4, MEDIUM, 2e-3)]
@@ -225,7 +223,6 @@ def test_hot_free_molecular_limit(gas, holes):
     assert (limit.force, *limit.heat) == pytest.approx((force, *heat), rel=1e-12)
 
 
-@pytest.mark.slow
 def test_free_molecules_leave_with_two_temperatures():
     """Density in the gas by quadrature over the disk that is seen."""
     found, _ = hot(1e-7, MONATOMIC, (2.5, 2.5), level=SKETCH)
@@ -282,7 +279,6 @@ def test_a_hot_face_draws_heat_of_the_kinds_that_it_accommodates(kind):
     assert abs(found.heat[1]) < 1e-12
 
 
-@pytest.mark.slow
 def test_a_chamber_takes_these_walls_where_the_disk_is_hot():
     from lightflyer.kinetic_theory import Chamber
 

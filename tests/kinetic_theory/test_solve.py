@@ -62,7 +62,6 @@ def sketched(monkeypatch):
     monkeypatch.setattr(cases, "meshes", lambda knudsen, *, linear: (SKETCH, sketchier))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kn", "force", "heat"), [(10.0, 0.984, 0.994), (1.0, 0.790, 0.933), (0.3, 0.437, 0.792)]
 )
@@ -86,7 +85,6 @@ def test_free_molecular_limit_is_approached_as_the_inverse_knudsen_number():
         assert (1.0 - near) / (1.0 - nearer) == pytest.approx(100.0 / 30.0, rel=0.12)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
 @pytest.mark.parametrize("kn", [2.0, 0.1])
 def test_force_of_heat_is_heat_of_motion(gas, kn):
@@ -142,14 +140,12 @@ def test_refinement_converges():
     assert levels[-1] == pytest.approx((0.13337, 0.54944), rel=1.5e-3)
 
 
-@pytest.mark.slow
 def test_gas_far_away_is_resolved_by_wide_panels():
     """At Kn 0.05 the widest panels are hundreds of mean free paths wide, and nodes in them far
     from their edges; the table's panels are others."""
     assert row_solved(0.05, 1.0, MEDIUM) == pytest.approx(row_of_the_table(0.05, 1.0), rel=1e-3)
 
 
-@pytest.mark.slow
 def test_gas_around_a_very_hot_disk_is_resolved_as_well():
     force, heat = row_solved(0.08, 2.5, SKETCH)
     expected = row_of_the_table(0.08, 2.5)
@@ -193,7 +189,6 @@ def test_nonlinear_goes_to_linear(gas, excess):
     assert ratios(hot) == pytest.approx(linear, rel=1e-3)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
 def test_nonlinear_free_molecular_limit_of_maxwell_walls(gas):
     top, bottom = TEMPERATURE_RATIOS[::-1]
@@ -209,7 +204,6 @@ def test_nonlinear_free_molecular_limit_of_maxwell_walls(gas):
     assert (limit.force, sum(limit.heat)) == pytest.approx((force, heat), rel=1e-12)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("linear", [True, False])
 @pytest.mark.parametrize("holes", [0.3, 0.99])
 def test_holes_take_their_share_of_the_free_molecular_force(holes, linear):
@@ -225,7 +219,6 @@ def test_holes_take_their_share_of_the_free_molecular_force(holes, linear):
     assert (limit.force, sum(limit.heat)) == pytest.approx((force, heat), rel=1e-12)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("linear", [True, False])
 def test_gas_that_passes_the_holes_goes_round_the_disk(linear):
     """As much gas leaves a cylinder about the disk as enters it, and both faces see one flow."""
@@ -261,7 +254,6 @@ def test_nonlinear_goes_to_linear_with_holes():
     assert np.divide(hot.heat, excess) == pytest.approx(linear.heat, rel=excess)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("holes", "rarefaction", "boundary", "force", "heat"),
     [
@@ -307,7 +299,6 @@ def test_nitrogen_as_direct_simulation_finds_it():
     assert heat == pytest.approx(0.9389, rel=0.008)
 
 
-@pytest.mark.slow
 def test_solution_carries_error_and_flow():
     solution = solve(1.0, 0.8, 0.9)
     assert solution.error_estimate["force_ratio"] < 1e-3

@@ -143,6 +143,7 @@ def test_what_a_sample_left_in_the_cache_is_not_read_for_another(tmp_path, monke
     np.testing.assert_allclose(np.concatenate(other), np.concatenate(known), rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_orders_of_interference_are_other_minima(cauchy):
     """Wrong fringe orders are minima too; these spectra exclude them, and the result has them."""
     assert len(cauchy.rivals) >= 1
@@ -178,6 +179,7 @@ def test_numbers_that_spectra_cannot_tell_apart_are_named(folder):
     assert "no accuracy is stated of glass: 1 % of the scale" in said
 
 
+@pytest.mark.slow
 def test_what_was_stated_counts_and_contradictions_are_said(folder, model):
     path = written(folder, 0, ('"500 nm"}', '"500 ± 1 nm"}'))
     found = fit_optics(read_sample(path), starts=2, model=model)
@@ -186,6 +188,7 @@ def test_what_was_stated_counts_and_contradictions_are_said(folder, model):
     assert "contradicts what was stated, 500 nm ± 1 nm" in said
 
 
+@pytest.mark.slow
 def test_misfit_is_said_and_widens_intervals(sample, model):
     """A ripple that no film of the model has."""
     one = sample.spectra[0]
@@ -235,6 +238,7 @@ def test_command_writes_everything(command):
     np.testing.assert_allclose(table.index(1e-6), porous.index(1e-6), rtol=0.03)
 
 
+@pytest.mark.slow
 def test_flyer_file_has_the_numbers_with_their_correlation(command):
     text = (command / "flyer.toml").read_text(encoding="utf-8")
     assert "# germanium" in text

@@ -42,6 +42,7 @@ def test_it_floats_for_days_where_the_verdict_lets_it_rest(setup, radius, payloa
     np.testing.assert_allclose(late, rest, atol=0.1)
 
 
+@pytest.mark.slow
 def test_the_way_is_that_of_a_body_with_inertia(setup):
     """Newton's second law with the masses of film, payload, gas within and gas that is moved."""
     flyer, environment, model = setup.flyer, setup.environment, setup.model

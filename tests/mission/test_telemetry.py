@@ -92,6 +92,7 @@ noise_temperature = "300 K"
 """
 
 
+@pytest.mark.slow
 def test_a_mission_tells_its_passes(tmp_path):
     path, template = tmp_path / "mission.toml", files("lightflyer") / "data" / "mission.toml"
     text = template.read_text(encoding="utf-8").replace('duration = "48 h"', 'duration = "3 h"')

@@ -89,6 +89,7 @@ def test_a_night_takes_a_disk_from_75_km_to_where_others_computed(flown, size):
     assert found.end_altitude / 1e3 == pytest.approx(SIZES[size], abs=0.5)
 
 
+@pytest.mark.slow
 def test_sinking_without_lift_is_that_of_scipy_and_another_atmosphere(flown, fall_speed):
     expected = solve_ivp(
         lambda _, altitude: [-fall_speed(altitude[0])],

@@ -132,6 +132,7 @@ def test_an_interrupted_ensemble_by_parts_goes_on_and_is_the_same(path, monkeypa
     assert again.identical(whole)
 
 
+@pytest.mark.slow
 def test_a_mission_says_where_another_wind_took_over(path):
     flown = fly(path, altitude="57.5 km", beyond=UniformWind(east=-30.0))
     elapsed, altitude, _ = at_event(read_events(flown), Event.OTHER_WIND_BEGINS)

@@ -74,6 +74,7 @@ def test_check_values_match_to_all_digits(report, altitude):
     assert tuple(map(shown, ours, CHECK[altitude])) == CHECK[altitude]
 
 
+@pytest.mark.slow
 def test_bands_and_payloads_of_the_reported_reading(report):
     values = report["values"]["reported"]
     expected = {

@@ -216,6 +216,7 @@ def test_covered_is_where_nothing_is_said_to_be_outside(model, radius):
         assert found.at["covered"].tolist() == [0.0 if outside else 1.0], (altitude, said)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["areal_density", "altitude", "diameter"])
 def test_designs_are_diagnosed_together_as_one_by_one(key):
     """Such as fly nowhere, get too hot, are given a place, or differ in nothing."""

@@ -170,6 +170,7 @@ def test_the_least_irradiance_is_at_a_bound(flyer):
     assert found.agreeing > 1
 
 
+@pytest.mark.slow
 def test_a_front_is_that_of_a_fine_grid(flyer, payload):
     front = lf.pareto(
         flyer,

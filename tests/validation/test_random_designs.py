@@ -36,6 +36,7 @@ def random_designs(rng, count):
     return lf.Disk(film, radius=spread(1e-4, 10.0)), state
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reading", [REPORTED, PRINTED], ids=["reported", "printed"])
 def test_heat_balance(rng, reading):
     model = lf.Lu2023(reading=reading)
@@ -52,6 +53,7 @@ def test_heat_balance(rng, reading):
         np.testing.assert_allclose(lost, result.absorbed_power, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_levitation(rng):
     model = lf.Lu2023()
     disk, state = random_designs(rng, BATCH)

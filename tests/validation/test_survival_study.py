@@ -19,6 +19,7 @@ def study(monkeypatch):
     sys.modules.pop("study", None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [1, 4, 12])
 def test_a_line_of_the_table(study, number, tmp_path):
     with (STUDY / "results.csv").open(encoding="utf-8", newline="") as file:

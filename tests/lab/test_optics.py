@@ -19,6 +19,8 @@ from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.synthetic.optics import TRUTH, optics_files
 from lightflyer.numerics.residuals import correlation_length
 
+pytestmark = pytest.mark.slow
+
 TRUE = np.array([TRUTH["germanium"], TRUTH["porosity"], TRUTH["mylar"]])
 
 
@@ -55,7 +57,6 @@ def test_derivatives_are_those_of_differences(sample, model):
         np.testing.assert_allclose(slope, exact[:, number], atol=1e-6 * np.abs(exact).max())
 
 
-@pytest.mark.slow
 def test_intervals_contain_the_truth_as_often_as_they_say(folder, model):
     """Errors of scales are drawn with the stated size, noise is alike over five points."""
     trials, inside = 16, np.zeros(3)
@@ -118,7 +119,6 @@ def cauchy():
     return fit_optics(cauchy_sample(800e-9, 0.001), starts=12)
 
 
-@pytest.mark.slow
 def test_layer_on_a_substrate_computed_by_tmm(cauchy):
     for name, truth in (("thickness", 800e-9), ("a", 1.6), ("b", 0.01e-12)):
         found = cauchy.numbers[name]
@@ -143,7 +143,6 @@ def test_what_a_sample_left_in_the_cache_is_not_read_for_another(tmp_path, monke
     np.testing.assert_allclose(np.concatenate(other), np.concatenate(known), rtol=1e-12)
 
 
-@pytest.mark.slow
 def test_orders_of_interference_are_other_minima(cauchy):
     """Wrong fringe orders are minima too; these spectra exclude them, and the result has them."""
     assert len(cauchy.rivals) >= 1
@@ -158,7 +157,6 @@ def test_index_of_the_layer_has_a_band_that_contains_the_truth(cauchy):
     assert np.all(layer.k == 0.0)
 
 
-@pytest.mark.slow
 def test_numbers_that_spectra_cannot_tell_apart_are_named(folder):
     """Two transparent layers of one index: only the sum of their thicknesses counts."""
     wavelength = np.linspace(0.5e-6, 1e-6, 60)
@@ -179,7 +177,6 @@ def test_numbers_that_spectra_cannot_tell_apart_are_named(folder):
     assert "no accuracy is stated of glass: 1 % of the scale" in said
 
 
-@pytest.mark.slow
 def test_what_was_stated_counts_and_contradictions_are_said(folder, model):
     path = written(folder, 0, ('"500 nm"}', '"500 ± 1 nm"}'))
     found = fit_optics(read_sample(path), starts=2, model=model)
@@ -188,7 +185,6 @@ def test_what_was_stated_counts_and_contradictions_are_said(folder, model):
     assert "contradicts what was stated, 500 nm ± 1 nm" in said
 
 
-@pytest.mark.slow
 def test_misfit_is_said_and_widens_intervals(sample, model):
     """A ripple that no film of the model has."""
     one = sample.spectra[0]
@@ -223,7 +219,6 @@ def command(folder):
     return folder
 
 
-@pytest.mark.slow
 def test_command_writes_everything(command):
     out = command / "out"
     names = {path.name for path in out.iterdir()}
@@ -238,7 +233,6 @@ def test_command_writes_everything(command):
     np.testing.assert_allclose(table.index(1e-6), porous.index(1e-6), rtol=0.03)
 
 
-@pytest.mark.slow
 def test_flyer_file_has_the_numbers_with_their_correlation(command):
     text = (command / "flyer.toml").read_text(encoding="utf-8")
     assert "# germanium" in text

@@ -23,6 +23,8 @@ from lightflyer.paper.tables import (
     to_csv,
 )
 
+pytestmark = pytest.mark.slow
+
 # T_c, p, T_h and I to levitate (printed, reported), T_h and lift/weight at 1360 W/m² (reported)
 CHECK = {
     68: ("224.8909", "6.40953", "349.0435", "866.459", "355.0624", "1365.098", "354.6482",
@@ -60,7 +62,6 @@ def shown(value, text):
     return f"{value:.{len(text.partition('.')[2])}f}"
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("altitude", CHECK)
 def test_check_values_match_to_all_digits(report, altitude):
     rows = {
@@ -74,7 +75,6 @@ def test_check_values_match_to_all_digits(report, altitude):
     assert tuple(map(shown, ours, CHECK[altitude])) == CHECK[altitude]
 
 
-@pytest.mark.slow
 def test_bands_and_payloads_of_the_reported_reading(report):
     values = report["values"]["reported"]
     expected = {
@@ -154,7 +154,6 @@ def test_no_measured_figure_without_the_users_points(folder):
     assert "your data" not in (folder / "figures" / "figure-5bcd.svg").read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
 def test_twice_gives_the_same_data(folder, tmp_path):
     points = tmp_path / "points.csv"
     points.write_text(
@@ -340,7 +339,6 @@ def test_documentation_shows_what_the_report_says(folder):
         assert is_part_of(row, told), row
 
 
-@pytest.mark.slow
 def test_kinetic_theory_beside_the_paper_is_what_the_package_predicts(folder):
     found = json.loads((folder / "report.json").read_text(encoding="utf-8"))["kinetic"]
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)

@@ -11,6 +11,7 @@ Wheels bring the programs of the kinds of flyers that ``lightflyer init`` writes
 
 import hashlib
 import inspect
+import io
 import json
 import os
 import pickle
@@ -90,15 +91,29 @@ def _path(key: str) -> Path | None:
 
 def _key(function: Callable[..., Any], form: Any) -> str | None:
     """Name of the program, or None where it depends on code that has no name or is not known."""
+    written = io.BytesIO()
     try:
-        description = pickle.dumps(form, protocol=_NAMES_PROTOCOL)  # only to be hashed
+        _Describer(written, protocol=_NAMES_PROTOCOL, fix_imports=False).dump(form)
     except (pickle.PicklingError, AttributeError, TypeError):
         return None
+    description = written.getvalue()
     modules = {function.__module__, *_modules(description)}
     if not _is_all_code(function) or {name.split(".")[0] for name in modules} - _KNOWN:
         return None
     name = f"{function.__module__}.{function.__qualname__}".encode()
     return hashlib.sha256(name + description + sources()).hexdigest()
+
+
+class _Describer(pickle.Pickler):
+    """Writes what is only to be hashed: the same bytes in each process."""
+
+    def reducer_override(self, found: Any) -> Any:
+        """Sections of files, whose set of the keys that were given has no order."""
+        if not isinstance(getattr(found, "__pydantic_fields_set__", None), set):
+            return NotImplemented
+        state = found.__getstate__()
+        given = sorted(state["__pydantic_fields_set__"])
+        return type(found), (), {**state, "__pydantic_fields_set__": given}
 
 
 def _is_all_code(function: Any) -> bool:

@@ -46,7 +46,7 @@ def shared_kernel(function: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(function)
     def shared(points: np.ndarray, *arguments: Any) -> None:
-        threads = config.NUMBA_NUM_THREADS
+        threads = config.NUMBA_NUM_THREADS  # type: ignore[attr-defined]
         parts = min(_PARTS_PER_THREAD * threads, len(points))
         ends = np.linspace(0, len(points), parts + 1).astype(int)
         with ThreadPoolExecutor(threads) as pool:

@@ -342,6 +342,21 @@ class Elsewhere(eqx.Module):
     number: jax.Array
 
 
+def _halved(x, gas=lf.gas.US1976_AIR):
+    return 0.5 * x * gas.specific_gas_constant
+
+
+_halved.__module__ = "lightflyer.here"
+
+
+def test_a_default_is_part_of_what_is_kept(folder, monkeypatch):
+    one = entry_point(_halved)(1.0)
+    (path,) = folder.glob("*.program")
+    monkeypatch.setattr(_halved, "__defaults__", (lf.gas.HELIUM,))
+    assert entry_point(_halved)(1.0) > 2.0 * one
+    assert {*folder.glob("*.program")} > {path}
+
+
 def test_code_that_is_not_the_packages_is_never_kept(folder):
     entry_point(lambda x: x + 1.0)(1.0)
 

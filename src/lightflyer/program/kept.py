@@ -93,7 +93,8 @@ def _key(function: Callable[..., Any], form: Any) -> str | None:
     """Name of the program, or None where it depends on code that has no name or is not known."""
     written = io.BytesIO()
     try:
-        _Describer(written, protocol=_NAMES_PROTOCOL, fix_imports=False).dump(form)
+        described = form, *_defaults(function)
+        _Describer(written, protocol=_NAMES_PROTOCOL, fix_imports=False).dump(described)
     except (pickle.PicklingError, AttributeError, TypeError):
         return None
     description = written.getvalue()
@@ -117,14 +118,26 @@ class _Describer(pickle.Pickler):
 
 
 def _is_all_code(function: Any) -> bool:
-    """Whether a function is what its name says: it carries no object, and is in no other one."""
+    """Whether a function is what its name says: but for defaults it carries no object."""
     if inspect.isclass(function) or isinstance(function, _PLAIN):
         return True
     if not inspect.isfunction(function) or "<" in function.__qualname__:
         return False
-    carried = [cell.cell_contents for cell in function.__closure__ or ()]
-    carried += [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
-    return all(map(_is_all_code, [*carried, getattr(function, "__wrapped__", None)]))
+    return all(map(_is_all_code, _carried(function)))
+
+
+def _carried(function: Any) -> list[Any]:
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    return [*cells, getattr(function, "__wrapped__", None)]
+
+
+def _defaults(function: Any) -> Iterator[Any]:
+    """Defaults of a function and of those that it carries."""
+    if inspect.isfunction(function):
+        yield function.__defaults__
+        yield function.__kwdefaults__
+        for one in _carried(function):
+            yield from _defaults(one)
 
 
 def _modules(description: bytes) -> Iterator[str]:

@@ -42,7 +42,7 @@ jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """All that runs the kinetic solver is slow: numba compiles it for minutes."""
+    """Mark the kinetic solver's tests and doctests slow: numba compiles it for minutes."""
     for item in items:
         if "kinetic_theory" in item.nodeid:
             item.add_marker(pytest.mark.slow)

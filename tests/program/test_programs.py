@@ -360,6 +360,11 @@ def test_a_default_is_part_of_what_is_kept(folder, monkeypatch):
 def test_code_that_is_not_the_packages_is_never_kept(folder):
     entry_point(lambda x: x + 1.0)(1.0)
 
+    def power(x, n=3):
+        return x * power(x, n - 1) if n else x
+
+    assert entry_point(power)(2.0) == 16.0
+
     def method(one):
         return one.number
 

@@ -91,6 +91,8 @@ def _path(key: str) -> Path | None:
 
 def _key(function: Callable[..., Any], form: Any) -> str | None:
     """Name of the program, or None where it depends on code that has no name or is not known."""
+    if not _is_all_code(function):
+        return None
     written = io.BytesIO()
     try:
         described = form, *_defaults(function)
@@ -99,7 +101,7 @@ def _key(function: Callable[..., Any], form: Any) -> str | None:
         return None
     description = written.getvalue()
     modules = {function.__module__, *_modules(description)}
-    if not _is_all_code(function) or {name.split(".")[0] for name in modules} - _KNOWN:
+    if {name.split(".")[0] for name in modules} - _KNOWN:
         return None
     name = f"{function.__module__}.{function.__qualname__}".encode()
     return hashlib.sha256(name + description + sources()).hexdigest()

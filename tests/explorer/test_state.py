@@ -264,3 +264,16 @@ def test_balloons_have_a_map(diameter, payload, workplace):
     document["flyer"] |= {"diameter": diameter, "payload": payload}
     found = payload_map(workplace, document, Choices("flyer.diameter"))
     assert found["words"].startswith("Largest payload: ")
+
+
+@pytest.mark.slow
+def test_a_map_is_empty_where_no_flyer_can_be_built(workplace):
+    found = payload_map(workplace, DOCUMENTS["hollow"], Choices())
+    assert any(
+        text.endswith("the outlet must be smaller than the sphere") for text in found["warnings"]
+    )
+    cells = found["sources"]["cells"]
+    built = [value is not None for value in cells["value"]]
+    assert not built[0]
+    assert max(cells["x"]) > found["best"][0] * 1e2 > min(cells["x"])
+    assert 0 < sum(built) < len(built)

@@ -1,7 +1,7 @@
 """Results of the design that the page shows: the package's own, and nothing else.
 
-JAX compiles a program once for each kind of flyer, environment and force model, and runs it for
-all numbers: moving a slider compiles nothing. What was computed for a design is kept for a while.
+A program is traced once for each kind of flyer, environment and force model, and serves all
+numbers. What was computed for a design is kept for a while.
 """
 
 import math
@@ -94,7 +94,7 @@ def uncertainty_of(design: FileDesign) -> PredictionUncertainty | None:
 
 
 def warm(design: FileDesign) -> None:
-    """Compile what a design needs, before somebody waits for it."""
+    """Trace what a design needs, before somebody waits for it."""
     prediction_of(design)
     uncertainty_of(design)
 

@@ -1,12 +1,12 @@
 """The map of payload over a number of the design and altitude, with its optimum."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from lightflyer.config.flyer_file import FileDesign
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.core.progress import report
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import scale_and_offset
@@ -71,15 +71,23 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
     columns = []
     for done, value in enumerate(values):
         report("computing the map", done, MAP_COLUMNS, "designs")
-        moved = design.build({over: float(value)})
-        columns.append(_usable_payload(moved, coordinates))
+        columns.append(_usable_payload(design, over, value, coordinates))
     payload = np.stack(columns)
     best = _refine(design, over, values, coordinates, payload)
     return _map_data(design, over, known, values, coordinates, payload, best)
 
 
-def _usable_payload(setup: Setup, coordinates: np.ndarray) -> np.ndarray:
-    """Largest payload at coordinates, shape (n,); NaN where the film is hotter than it bears."""
+def _usable_payload(
+    design: FileDesign, over: str, value: float, coordinates: np.ndarray
+) -> np.ndarray:
+    """Largest payload at coordinates, shape (n,).
+
+    NaN where the film is hotter than it bears, and for a flyer that cannot be built.
+    """
+    try:
+        setup = design.build({over: float(value)})
+    except LightflyerError:
+        return np.full_like(coordinates, np.nan)
     table = Evaluator(setup)(coordinates, names=("temperature", "payload"))
     highest = setup.flyer.highest_temperature
     hot = table["temperature"] > (np.inf if highest is None else float(highest))
@@ -119,9 +127,7 @@ def _refine(
         ends = values[max(column - 1, 0)], values[min(column + 1, values.size - 1)]
         near = coordinates[max(row - 1, 0)], coordinates[min(row + 1, coordinates.size - 1)]
         values, coordinates = np.geomspace(*ends, _CLOSER), np.linspace(*near, POINTS)
-        closer = np.stack(
-            [_usable_payload(design.build({over: float(one)}), coordinates) for one in values]
-        )
+        closer = np.stack([_usable_payload(design, over, one, coordinates) for one in values])
         place = np.unravel_index(int(np.argmax(np.nan_to_num(closer, nan=-np.inf))), closer.shape)
         column, row = int(place[0]), int(place[1])
     return float(values[column]), float(coordinates[row]), float(np.nan_to_num(closer[column, row]))
@@ -166,7 +172,10 @@ def _map_data(
         labels=(f"{words_of(over)}{_bracket(unit)}", view.axis_label(where)),
         colours={"low": 0.0, "high": max(best[2] * scales.payload, _LEAST)},
         words=_words_of_optimum(best, values, scales, where),
-        warnings=_warnings_at(design.build({over: best[0]}), best[1]),
+        warnings=[
+            *_warnings_at(design.build({over: best[0]}), best[1]),
+            *_never_built(design, over, values, scales),
+        ],
         numbers=list(known),
         over=over,
         shown=scales.payload_unit,
@@ -230,6 +239,17 @@ def _warnings_at(setup: Setup, place: float) -> list[str]:
         *(f"at the optimum: {text}" for text in found),
         "whether models are within their range is checked at the optimum only",
     ]
+
+
+def _never_built(
+    design: FileDesign, over: str, values: np.ndarray, scales: _Scales
+) -> Iterator[str]:
+    """Why the map is empty at an end of the varied number."""
+    for value in (values[0], values[-1]):
+        try:
+            design.build({over: float(value)})
+        except LightflyerError as error:
+            yield f"empty at {value * scales.across:.4g} {scales.unit}: {error}"
 
 
 def _explain(over: str, scales: _Scales, where: Coordinate) -> dict[str, Any]:

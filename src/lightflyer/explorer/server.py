@@ -106,7 +106,7 @@ class Service:
         if self.pending[pool] >= MOST_PENDING:
             raise tornado.web.HTTPError(429)
         self.pending[pool] += 1
-        done = asyncio.get_running_loop().run_in_executor(pool, work)
+        done = asyncio.get_running_loop().run_in_executor(pool, _by_numpy, work)
         done.add_done_callback(lambda _: self._finished(pool))
         return done
 
@@ -114,6 +114,12 @@ class Service:
         self.pending[pool] -= 1
         if pool is not self.quick and not self.pending[pool]:
             _give_back_memory()
+
+
+def _by_numpy(work: Callable[[], Any]) -> Any:
+    """Result of work that compiles nothing: nobody waits for XLA, which holds hundreds of MB."""
+    with run_by("numpy"):
+        return work()
 
 
 def _give_back_memory() -> None:
@@ -264,12 +270,8 @@ class _Answer(_Handler):
             raise tornado.web.HTTPError(404)
         content, workplace = self.body(), self.service.workplace
 
-        def work() -> Any:
-            with run_by("numpy"):  # nobody who moves a slider waits for a compiler
-                return answer(workplace, content)
-
         try:
-            self.say(await self.in_thread(work))
+            self.say(await self.in_thread(lambda: answer(workplace, content)))
         except LightflyerError as error:
             self.say({"errors": pages.mistakes(str(error))})
 
@@ -442,7 +444,7 @@ def serve(workplace: Workplace, port: int, opened: Callable[[str], Awaitable[Non
     async def run() -> None:
         service = Service(workplace)
         _, found = listen(service, port)
-        service.slow.submit(pages.warm, workplace)
+        service.slow.submit(_by_numpy, lambda: pages.warm(workplace))
         opened(f"http://{ADDRESS}:{found}/{service.token}/")
         await asyncio.Event().wait()
 

@@ -7,7 +7,7 @@ import { Tabs, goText } from "./tabs.js";
 const REST = 180; // ms without a move, after which slow figures begin
 const HEAVY = 90; // ms that the curves of a design take, from which on the prediction waits for a rest
 const REST_OF_HEAVY = 350;
-const SLOW = 700; // ms after which the page says that it compiles
+const SLOW = 700; // ms after which the page says why it takes long
 
 class Explorer {
   constructor(grammar) {
@@ -98,7 +98,7 @@ class Explorer {
     this.tabs.outdate();
     if (this.asking) { this.again = true; return; }
     this.asking = true;
-    const slow = setTimeout(() => this.say("compiling for this kind of design, once", true), SLOW);
+    const slow = setTimeout(() => this.say("preparing this kind of design, once", true), SLOW);
     do {
       this.again = false;
       const { since } = this;

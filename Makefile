@@ -14,7 +14,7 @@ demo: $(STAMP)  ## predict a 5-mm germanium disk, with bands; verdict here, figu
 test: $(STAMP)  ## run the tests, except those that take long
 	$(BIN)/pytest -n auto --dist loadfile -m "not slow and not snippets"
 
-slow: $(STAMP)  ## run the tests that take more than five seconds each; PART=2/4 runs a quarter of them
+slow: $(STAMP)  ## run the tests that take more than five seconds each; PART=2/8 runs an eighth
 	$(BIN)/pytest -n auto --dist loadfile -m "slow and not snippets" $(if $(PART),--part $(PART))
 
 check: lint types test slow docs wheel  ## all that continuous integration checks

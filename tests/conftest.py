@@ -43,7 +43,7 @@ jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)
 
 def pytest_addoption(parser):
     """Let a run take a share of the files, which share what they trace and compile."""
-    parser.addoption("--part", default="1/1", help="run one part of the test files, such as 2/4")
+    parser.addoption("--part", default="1/1", help="run one part of the test files, such as 2/8")
 
 
 @pytest.hookimpl(tryfirst=True)

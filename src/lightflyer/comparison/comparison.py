@@ -4,7 +4,7 @@ Each flyer is predicted in its own surroundings, with the bands of its own ±; a
 tabulated on one grid.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -272,21 +272,35 @@ def compare(
     if searched is not None:
         searched = _range_of(where, searched)
     count = 2 * len(designs)
-    predictions: list[Prediction] = []
+    predictions: dict[str, Prediction] = {}
     for name, design in designs.items():
         report(f"{name}: prediction", len(predictions), count)
         with _about(name):
-            predictions.append(predict_design(design, (), searched))
-    grid = _common_grid(predictions, searched)
+            predictions[name] = predict_design(design, (), searched)
+
+    def bands(name: str, grid: np.ndarray) -> PredictionUncertainty | None:
+        report(f"{name}: 95 % band", len(designs) + list(designs).index(name), count)
+        return propagate(
+            designs[name], prediction=predictions[name], samples=samples, seed=seed, over=grid
+        )
+
+    return side_by_side(predictions, bands, searched)
+
+
+def side_by_side(
+    predictions: Mapping[str, Prediction],
+    bands: Callable[[str, np.ndarray], PredictionUncertainty | None] = lambda *_: None,
+    searched: tuple[float, float] | None = None,
+) -> Comparison:
+    """Compare predictions; ``bands``: of a name and the grid, by default none."""
+    first, *_ = predictions.values()
+    grid = _common_grid([*predictions.values()], searched)
+    listed = first.coordinate.round_points(float(grid[0]), float(grid[-1]), _LISTED)
     flyers: list[Compared] = []
-    listed = where.round_points(float(grid[0]), float(grid[-1]), _LISTED)
-    for (name, design), prediction in zip(designs.items(), predictions, strict=True):
-        report(f"{name}: 95 % band", len(designs) + len(flyers), count)
+    for name, prediction in predictions.items():
         with _about(name):
             evaluate = Evaluator(prediction.setup)
-            uncertainty = propagate(
-                design, prediction=prediction, samples=samples, seed=seed, over=grid
-            )
+            uncertainty = bands(name, grid)
             tables = evaluate(grid), evaluate(listed)
         flyers.append(Compared(name, prediction, uncertainty, *tables))
     return Comparison(tuple(flyers), grid, listed)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.comparison.comparison import FEWEST, compare
+from lightflyer.comparison.comparison import FEWEST, side_by_side
 from lightflyer.config.flyer_file import FileDesign, models_for
 from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.core.progress import Step, report, report_to
@@ -110,11 +110,11 @@ def bands(workplace: Workplace, document: Document, choices: Choices) -> dict[st
 
 
 def force_models(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
-    """The least irradiance by all force models that are for the flyer, by ``lf.compare``."""
+    """The least irradiance by all force models that are for the flyer."""
     del choices
     designs, left_out = designs_by_model(workplace, document)
     report("comparing")
-    found = compare(designs, samples=0)
+    found = side_by_side({name: prediction_of(design) for name, design in designs.items()})
     return _models_data(found, left_out)
 
 

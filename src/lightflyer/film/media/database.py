@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import yaml
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.film.media.material_csv import names_file
@@ -98,6 +97,8 @@ def _entries(content: list[dict[str, Any]], kind: str) -> list[dict[str, Any]]:
 
 
 def _read_yaml(path: Path) -> Any:
+    import yaml  # needless for films without layers
+
     loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
     return yaml.load(path.read_text(encoding="utf-8"), Loader=loader)
 

@@ -44,6 +44,7 @@ extensions = [
     "mathml",
     "pictures",
     "published",
+    "sidebar",
 ]
 exclude_patterns = ["_build", "_extensions", "gallery", "notebooks"]  # the last two are sources
 html_math_renderer = "mathml"

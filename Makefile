@@ -17,7 +17,7 @@ test: $(STAMP)  ## run the tests, except those that take long
 slow: $(STAMP)  ## run the tests that take more than five seconds each; PART=2/8 runs an eighth
 	$(BIN)/pytest -n auto --dist loadfile -m "slow and not snippets" $(if $(PART),--part $(PART))
 
-check: lint types test slow docs wheel  ## all that continuous integration checks
+check: lint types test slow docs wheel  ## everything; continuous integration leaves most slow tests out
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

@@ -48,7 +48,8 @@ def pytest_addoption(parser):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
-    """Mark the kinetic solver's tests and doctests slow: numba compiles it for minutes."""
+    """Mark slow tests by their folder, and keep those of the part that is asked for."""
+    # numba compiles the kinetic solver for minutes
     for item in items:
         if "kinetic_theory" in item.nodeid:
             item.add_marker(pytest.mark.slow)

@@ -28,6 +28,7 @@ _EVERY = POINTS // (MAP_ROWS - 1)
 _CLOSER = 9  # columns of the closer looks at the optimum
 _LOOKS = 2
 _AROUND = 0.2  # of the range in which the design itself nearly flies, shown beyond it
+_HALVINGS = 20  # of the way from the design's own number to one of which none can be built
 _END = 1e-3  # of a number, within which it is an end of the map
 _LEAST = 1e-12  # of the colours' range, where nothing is lifted
 _LENGTH = "m"
@@ -64,40 +65,54 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
     if not known:
         raise ConfigurationError("the design has no number that a map could vary")
     over = choices.over if choices.over in known else next(iter(known))
-    own = float(design.number(over) or 0.0)
-    low, high = _ends(own, known[over])
+    (low, below), (high, above) = _ends(design, over, known[over])
     values = np.geomspace(low, high, MAP_COLUMNS)
     coordinates = _map_coordinates(design)
     columns = []
     for done, value in enumerate(values):
         report("computing the map", done, MAP_COLUMNS, "designs")
-        columns.append(_usable_payload(design, over, value, coordinates))
+        moved = design.build({over: float(value)})
+        columns.append(_usable_payload(moved, coordinates))
     payload = np.stack(columns)
     best = _refine(design, over, values, coordinates, payload)
-    return _map_data(design, over, known, values, coordinates, payload, best)
+    return _map_data(design, over, known, values, coordinates, payload, best, (below, above))
 
 
-def _usable_payload(
-    design: FileDesign, over: str, value: float, coordinates: np.ndarray
-) -> np.ndarray:
-    """Largest payload at coordinates, shape (n,).
-
-    NaN where the film is hotter than it bears, and for a flyer that cannot be built.
-    """
-    try:
-        setup = design.build({over: float(value)})
-    except LightflyerError:
-        return np.full_like(coordinates, np.nan)
+def _usable_payload(setup: Setup, coordinates: np.ndarray) -> np.ndarray:
+    """Largest payload at coordinates, shape (n,); NaN where the film is hotter than it bears."""
     table = Evaluator(setup)(coordinates, names=("temperature", "payload"))
     highest = setup.flyer.highest_temperature
     hot = table["temperature"] > (np.inf if highest is None else float(highest))
     return np.where(hot, np.nan, table["payload"])
 
 
-def _ends(own: float, quantity: Quantity) -> tuple[float, float]:
-    smallest, largest = quantity.sizes
-    low = max(own / _MAP_SPAN, quantity.lowest, smallest)
-    return low, min(own * _MAP_SPAN, quantity.highest, largest)
+def _ends(design: FileDesign, over: str, quantity: Quantity) -> Iterator[tuple[float, str]]:
+    """Ends of the varied number, and what no flyer beyond them meets; empty where one may be."""
+    own, (smallest, largest) = float(design.number(over) or 0.0), quantity.sizes
+    for end in (
+        max(own / _MAP_SPAN, quantity.lowest, smallest),
+        min(own * _MAP_SPAN, quantity.highest, largest),
+    ):
+        limit, built, beyond = _mistake(design, over, end), own, end
+        if not limit:
+            yield end, ""
+            continue
+        for _ in range(_HALVINGS):
+            middle = float(np.sqrt(built * beyond))
+            if _mistake(design, over, middle):
+                beyond = middle
+            else:
+                built = middle
+        yield built, limit
+
+
+def _mistake(design: FileDesign, over: str, value: float) -> str:
+    """Why no flyer of such a number can be built; empty where one can."""
+    try:
+        design.build({over: value})
+    except LightflyerError as error:
+        return str(error).partition("\n")[0]
+    return ""
 
 
 def _map_coordinates(design: FileDesign) -> np.ndarray:
@@ -127,7 +142,9 @@ def _refine(
         ends = values[max(column - 1, 0)], values[min(column + 1, values.size - 1)]
         near = coordinates[max(row - 1, 0)], coordinates[min(row + 1, coordinates.size - 1)]
         values, coordinates = np.geomspace(*ends, _CLOSER), np.linspace(*near, POINTS)
-        closer = np.stack([_usable_payload(design, over, one, coordinates) for one in values])
+        closer = np.stack(
+            [_usable_payload(design.build({over: float(one)}), coordinates) for one in values]
+        )
         place = np.unravel_index(int(np.argmax(np.nan_to_num(closer, nan=-np.inf))), closer.shape)
         column, row = int(place[0]), int(place[1])
     return float(values[column]), float(coordinates[row]), float(np.nan_to_num(closer[column, row]))
@@ -151,6 +168,7 @@ def _map_data(
     coordinates: np.ndarray,
     payload: np.ndarray,
     best: tuple[float, float, float],
+    limits: tuple[str, str],
 ) -> dict[str, Any]:
     where = design.setup.environment.coordinate
     unit = _shown_unit(known[over].unit, values)
@@ -171,10 +189,10 @@ def _map_data(
         y=(float(cells["bottom"][0]), float(cells["top"][-1])),
         labels=(f"{words_of(over)}{_bracket(unit)}", view.axis_label(where)),
         colours={"low": 0.0, "high": max(best[2] * scales.payload, _LEAST)},
-        words=_words_of_optimum(best, values, scales, where),
+        words=_words_of_optimum(best, values, limits, scales, where),
         warnings=[
             *_warnings_at(design.build({over: best[0]}), best[1]),
-            *_never_built(design, over, values, scales),
+            *(f"the map ends where no flyer can be built: {text}" for text in limits if text),
         ],
         numbers=list(known),
         over=over,
@@ -215,7 +233,11 @@ def _cells(
 
 
 def _words_of_optimum(
-    best: tuple[float, float, float], values: np.ndarray, scales: _Scales, where: Coordinate
+    best: tuple[float, float, float],
+    values: np.ndarray,
+    limits: tuple[str, str],
+    scales: _Scales,
+    where: Coordinate,
 ) -> str:
     if best[2] <= 0.0:
         return "No design of this map lifts anything; the star is where least is missing."
@@ -224,8 +246,12 @@ def _words_of_optimum(
         f"Largest payload: {best[2] * scales.payload:.4g} {scales.payload_unit} at {size} and "
         f"{best[1] * scales.up:.4g} {where.shown_unit}."
     )
-    inside = values[0] * (1.0 + _END) < best[0] < values[-1] * (1.0 - _END)
-    return words if inside else f"{words} It is at the end of the map: beyond may be more."
+    at_ends = best[0] <= values[0] * (1.0 + _END), best[0] >= values[-1] * (1.0 - _END)
+    for at_end, limit in zip(at_ends, limits, strict=True):
+        if at_end:
+            more = "none can be built" if limit else "may be more"
+            words += f" It is at the end of the map: beyond {more}."
+    return words
 
 
 def _warnings_at(setup: Setup, place: float) -> list[str]:
@@ -239,17 +265,6 @@ def _warnings_at(setup: Setup, place: float) -> list[str]:
         *(f"at the optimum: {text}" for text in found),
         "whether models are within their range is checked at the optimum only",
     ]
-
-
-def _never_built(
-    design: FileDesign, over: str, values: np.ndarray, scales: _Scales
-) -> Iterator[str]:
-    """Why the map is empty at an end of the varied number."""
-    for value in (values[0], values[-1]):
-        try:
-            design.build({over: float(value)})
-        except LightflyerError as error:
-            yield f"empty at {value * scales.across:.4g} {scales.unit}: {error}"
 
 
 def _explain(over: str, scales: _Scales, where: Coordinate) -> dict[str, Any]:

@@ -368,4 +368,76 @@ def test_a_matrix_below_a_heading_with_numbered_rows(tmp_path):
     found = read_number_matrix(path, "temperatures")
     assert found.values.tolist() == [[20.5, 20.25, 1.0], [21.0, 22.0, 23.0], [-0.5, 1.0, 1000.0]]
     assert found.above[0] == "Emissivity;0,95"
-    assert "first column counts the rows" in found.notes[0]
+    assert "the first column, 0 to 2, is an axis" in found.notes[0]
+
+
+SIDE = 64
+PLACES = 10.0 * np.arange(SIDE) / (SIDE - 1)  # [µm]
+
+
+def table_text(matrix, corner="", row=None, column=None):
+    """A matrix with axes as Origin, Mountains and Surfer write them."""
+    lines = [] if row is None else [[corner] * (column is not None) + [f"{x:.4f}" for x in row]]
+    for number, heights in enumerate(matrix):
+        place = [] if column is None else [f"{column[number]:.4f}"]
+        lines.append(place + [f"{one:.5f}" for one in heights])
+    return "\n".join("\t".join(line) for line in lines) + "\n"
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e3, -1.0])
+@pytest.mark.parametrize("axes", ["both", "row", "column", "blank corner", "named corner"])
+def test_axes_are_no_heights(tmp_path, axes, scale):
+    heights = np.random.default_rng(2).normal(0.0, 2.7, (SIDE, SIDE))
+    corner = {"both": "0", "named corner": "y \\ x"}.get(axes, "")
+    row = None if axes == "column" else scale * PLACES
+    column = None if axes == "row" else scale * PLACES
+    path = tmp_path / "map.txt"
+    path.write_text(table_text(heights, corner, row, column), encoding="utf-8")
+    found = read_height_map(path, size=10e-6, unit="nm")
+    assert found.height == pytest.approx(1e-9 * heights, abs=1e-14)
+    assert "is an axis and is left out" in found.notes[0]
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-3, 1.0])
+def test_a_tilted_map_has_no_axes(tmp_path, noise):
+    """Each of its rows rises as evenly as the first."""
+    heights = np.add.outer(3.0 * np.arange(SIDE), 5.0 * np.arange(SIDE))
+    heights = heights + noise * np.random.default_rng(3).normal(size=heights.shape)
+    path = tmp_path / "map.txt"
+    path.write_text(table_text(heights), encoding="utf-8")
+    assert read_number_matrix(path, "heights").values.shape == (SIDE, SIDE)
+
+
+@pytest.mark.parametrize("header", ["", "x [um]\ty [um]\tz [nm]\n"])
+def test_a_list_of_places_is_a_map(tmp_path, header):
+    heights = np.random.default_rng(4).normal(0.0, 2.7, (32, SIDE))
+    places = [(j, i) for i in range(32) for j in range(SIDE)]
+    lines = [f"{PLACES[j]:.4f}\t{2 * PLACES[i]:.4f}\t{heights[i, j]:.5f}" for j, i in places]
+    path = tmp_path / "map.xyz"
+    path.write_text(header + "\n".join(reversed(lines)) + "\n", encoding="utf-8")
+    found = read_height_map(path, size=10e-6, unit="nm")
+    assert found.height == pytest.approx(1e-9 * heights, abs=1e-14)
+    assert found.pixel_aspect == pytest.approx(0.5, rel=1e-3)
+    path.write_text("\n".join(lines[:-5]) + "\n", encoding="utf-8")
+    with pytest.raises(lf.ConfigurationError, match="no full grid of 64 x 32 places"):
+        read_height_map(path, size=10e-6, unit="nm")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("Channel", "Width", "Height", "Value units"),
+        ("Kanal", "Breite", "Höhe", "Werteinheiten"),
+        ("Canal ", "Largeur ", "Hauteur ", "Unités des valeurs "),
+    ],
+)
+def test_gwyddion_writes_its_header_in_the_users_language(tmp_path, words):
+    said = ("Topographie", "10.00 µm", "5.00 µm", "m")
+    head = "".join(f"# {word}: {text}\n" for word, text in zip(words, said, strict=True))
+    heights = np.random.default_rng(5).normal(0.0, 3e-9, (20, 40))
+    body = "\n".join("\t".join(f"{one:.9e}" for one in row) for row in heights)
+    (tmp_path / "map.txt").write_text(head + body + "\n", encoding="utf-8")
+    found = read_height_map(tmp_path / "map.txt")
+    assert found.channel == "Topographie"
+    assert (found.width, found.length) == pytest.approx((10e-6, 5e-6))
+    assert found.height == pytest.approx(heights, abs=1e-14)

@@ -21,6 +21,9 @@ from lightflyer.files.table_layout import is_comment, split_cells
 _LEADING_ZERO = re.compile(r"[+-]?0\d+")
 _MARKED = re.compile(r"[+-]?\d[\d.,]*(e[+-]?\d+)?|[+-]?,\d+", re.I)
 _HEAD = 1000  # cells in which a mark may show what it is
+_LEAST_AXIS = 8  # numbers; fewer are one where they count 0, 1, 2 or 1, 2, 3
+_EVEN = 0.2  # of a step, by which the numbers of an axis may be rounded
+_STRAIGHTER = 10.0  # times, that an axis is than the numbers beside it
 _SHOWN = 40  # characters of a cell or line in a message
 
 
@@ -55,7 +58,7 @@ def read_number_matrix(path: str | Path, what: str) -> NumberMatrix:
     _require_equal_lengths(path, body, what)
     comments = [line for _, line in lines if is_comment(line)]
     values = _numbers(path, body, delimiter, what, comments)
-    values, notes = _without_indices(values)
+    values, notes = _without_axes(values)
     first = body[0].line
     return NumberMatrix(values, tuple(line for number, line in lines if number < first), notes)
 
@@ -100,7 +103,7 @@ def _first_row(path: Path, rows: list[_Row]) -> int:
     )
     for row in rows[:start]:  # a damaged row of numbers is not a heading
         numbers = sum(map(_is_number, row.cells))
-        if len(row.cells) == width and 2 * numbers >= width and not _counts(row.cells[1:]):
+        if len(row.cells) == width and 2 * numbers >= width and not _may_be_axis(row.cells[1:]):
             _refuse_cell(path, row)
     if start == 0 and not all(map(_is_number, rows[0].cells)):
         _refuse_cell(path, rows[0])
@@ -171,26 +174,49 @@ def _with_points(path: Path, body: list[_Row], what: str, comments: list[str]) -
     return found
 
 
-def _counts(cells: list[str]) -> bool:
-    """Whether cells are 0, 1, 2 and so on, or 1, 2, 3."""
-    if len(cells) < 2 or not all(cell.isdigit() for cell in cells):
+def _may_be_axis(cells: list[str]) -> bool:
+    """Whether cells rise evenly, as those of an axis above the matrix."""
+    points = [cell.replace(",", ".") for cell in cells]
+    if len(points) < 2 or not all(map(_reads, points)):
         return False
-    first = int(cells[0])
-    return first in (0, 1) and [int(cell) for cell in cells] == list(
-        range(first, first + len(cells))
-    )
+    numbers = np.array(points, float)
+    steps = np.diff(numbers)
+    return bool(np.all(np.abs(steps - steps.mean()) <= _EVEN * abs(steps.mean())) and steps.any())
 
 
-def _without_indices(values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """The matrix without numbers of rows and columns, and what is said of that."""
+def _without_axes(values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """The matrix without a row and a column of axes, and what is said of that."""
+    # The first row is an axis where it is far straighter than the rows below, and so is the first
+    # column. A corner between both may hold anything.
     said = []
-    first = values[0, 1:]
-    numbered = first.size > 1 and first[0] in (0.0, 1.0) and np.all(np.diff(first) == 1.0)
-    if numbered and len(values) > 2 and np.all(np.diff(values[1:, 0]) == 1.0):
-        values = values[1:]
-        said.append("the first row counts the columns and is left out")
-    column = values[:, 0]
-    if len(column) > 2 and column[0] in (0.0, 1.0) and np.all(np.diff(column) == 1.0):
-        values = values[:, 1:]
-        said.append("the first column counts the rows and is left out")
-    return values, tuple(said)
+    column = any(_is_axis(values[corner:, 0], values.T) for corner in (0, 1))
+    row = any(_is_axis(values[0, corner:], values) for corner in (0, 1))
+    row &= column or values.shape[1] > _LEAST_AXIS
+    if row:
+        ends = values[0, [int(column), -1]]
+        said.append(f"the first row, {ends[0]:g} to {ends[1]:g}, is an axis and is left out")
+    if column:
+        ends = values[[int(row), -1], 0]
+        said.append(f"the first column, {ends[0]:g} to {ends[1]:g}, is an axis and is left out")
+    return values[int(row) :, int(column) :], tuple(said)
+
+
+def _is_axis(first: np.ndarray, rows: np.ndarray) -> bool:
+    """Whether a first row is evenly spaced, and the others are not; shape (n,) and (m, n)."""
+    if len(rows) < 3 or len(first) < 3:
+        return False
+    if len(first) < _LEAST_AXIS:  # three heights may rise evenly by chance
+        return first[0] in (0.0, 1.0) and bool(np.all(np.diff(first) == 1.0))
+    bend = float(_bends(first[None])[0])
+    others = float(np.median(_bends(rows[1:, 1:])))
+    return bend * len(first) < _EVEN and others > _STRAIGHTER * bend and others * len(first) > _EVEN
+
+
+def _bends(rows: np.ndarray) -> np.ndarray:
+    """Largest distance of each row from its straight line over the row's rise, shape (m,)."""
+    place = np.linspace(-1.0, 1.0, rows.shape[1])
+    middle = rows.mean(axis=1, keepdims=True)
+    slope = ((rows - middle) @ place / (place @ place))[:, None]
+    away = np.abs(rows - middle - slope * place).max(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.nan_to_num(away / (2.0 * np.abs(slope[:, 0])), nan=np.inf)

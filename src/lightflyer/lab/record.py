@@ -3,6 +3,7 @@
 import io
 from collections.abc import Mapping, Sequence
 from itertools import combinations
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,11 +15,24 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+class Doubt(str):
+    """A warning of a number that ``--update`` writes on demand only."""
+
+
+def require_no_doubt(path: Path, warnings: Sequence[str], *, insist: bool) -> None:
+    """Refuse to write into a flyer file what is in doubt, unless the user insists."""
+    for text in () if insist else warnings:
+        if isinstance(text, Doubt):
+            raise ConfigurationError(
+                f"{text}; --insist writes it all the same; {path} is unchanged"
+            )
+
+
 def joint_warnings(found: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     """Warnings of several files."""
     shared = [text for text in found[0][1] if all(text in texts for _, texts in found)]
     own = [
-        text if text.startswith(name) else f"{name}: {text}"
+        text if text.startswith(name) else type(text)(f"{name}: {text}")
         for name, texts in found
         for text in texts
         if text not in shared

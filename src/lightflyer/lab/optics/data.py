@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import pydantic
 from pydantic import Field
 
@@ -92,6 +93,17 @@ class FilmSpectrum:
             DEFAULT_SCALE_ACCURACY if self.scale_accuracy is None else self.scale_accuracy,
             DEFAULT_ZERO_ACCURACY if self.zero_accuracy is None else self.zero_accuracy,
         )
+
+    @property
+    def accuracy(self) -> float:
+        """Standard uncertainty of a mean over its points, by scale and zero [1]."""
+        scale, zero = self.errors
+        return float(np.hypot(scale * np.sqrt(np.mean(self.spectrum.value**2)), zero))
+
+    @property
+    def where(self) -> tuple[str, float]:
+        """File and incidence [rad], which N, C and S of one measurement have in common."""
+        return self.spectrum.source, self.incidence
 
     @property
     def label(self) -> str:

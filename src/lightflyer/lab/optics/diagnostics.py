@@ -10,9 +10,11 @@ from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.optics.data import (
     DEFAULT_SCALE_ACCURACY,
     DEFAULT_ZERO_ACCURACY,
+    FilmSpectrum,
     OpticsSample,
 )
 from lightflyer.lab.optics.search import Fit
+from lightflyer.lab.record import Doubt
 from lightflyer.lab.spectrum_noise import point_noise
 
 TIED = 0.95  # Correlation above which two numbers are said not to be told apart
@@ -21,6 +23,7 @@ _FLAT = 0.8  # of the way between the bounds that an interval covers
 _FAR = 3.0  # standard uncertainties, of an instrument's error or a number known beforehand
 _MISFIT = 2.0  # residuals over their differences from point to point
 _VISIBLE_MISFIT = 0.005  # [1]; smaller ones are those of any photometer
+_FAR_ABOVE = 10.0  # times the stated accuracy: residuals that no noise excuses
 _SHOWN = 3  # other minima
 
 
@@ -127,13 +130,26 @@ def _misfits(sample: OpticsSample, fit: Fit) -> list[str]:
     for one, reading in zip(sample.spectra, readings, strict=True):
         residual = one.spectrum.value - reading
         deviation, noise = float(np.sqrt(np.mean(residual**2))), point_noise(residual)
-        if deviation > max(_MISFIT * noise, _VISIBLE_MISFIT):
+        # residuals of few points look like noise whatever they are: what is stated tells
+        if is_off(one, residual):
+            found.append(Doubt(
+                f"{one.label}: residuals of {deviation:.2g}, where an accuracy of "
+                f"{one.accuracy:.1g} is stated or assumed: the film is not that of the model, or "
+                "the data are not what they are taken for"
+            ))  # fmt: skip
+        elif deviation > max(_MISFIT * noise, _VISIBLE_MISFIT):
             found.append(
                 f"{one.label}: residuals of {deviation:.2g} exceed the noise of "
                 f"{noise:.1g}: the film or its optical constants differ from the model; intervals "
                 "are wider for it, and may still miss what the model leaves out"
             )
     return found
+
+
+def is_off(one: FilmSpectrum, residual: np.ndarray) -> bool:
+    """Whether residuals are far above what the accuracy stated of a spectrum allows."""
+    limit = max(_FAR_ABOVE * one.accuracy, _VISIBLE_MISFIT)
+    return bool(np.sqrt(np.mean(residual**2)) > limit)
 
 
 def _instruments(sample: OpticsSample, fit: Fit) -> list[str]:
@@ -149,10 +165,10 @@ def _instruments(sample: OpticsSample, fit: Fit) -> list[str]:
     for one, errors in zip(sample.spectra, fit.best.errors, strict=True):
         for name, error in zip(("scale", "zero"), errors, strict=True):
             if abs(error) > _FAR:
-                found.append(
+                found.append(Doubt(
                     f"{one.spectrum.source}: the fit wants an error of its {name} of "
                     f"{error:+.1f} stated standard uncertainties"
-                )
+                ))  # fmt: skip
     return found
 
 

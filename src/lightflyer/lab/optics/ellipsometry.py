@@ -22,7 +22,8 @@ from lightflyer.lab.readers.spectrum_data import AXES, COLUMNS
 ORDINATES: tuple[Literal["N", "C", "S"], ...] = ("N", "C", "S")
 
 SHARED = len(ORDINATES) / 2.0
-"""Ordinates for each measured angle: of three that follow from two, each tells so much less."""
+"""Ordinates for each measured angle: of three that follow from two, each tells so much less. Where
+S is left out, both tell all."""
 
 _GRAZING = 90.0
 _ANGLE = Quantity("deg", 0.0, 90.0)
@@ -41,6 +42,9 @@ class EllipsometrySection(MeasuredFile):
     #: Standard uncertainty that all points of N, of C and of S have in common [1]; the default is
     #: an assumption, 0.06° of Ψ
     accuracy: Fraction = Measured(0.002)
+    #: What instruments make of Δ: a rotating analyser knows its cosine only and shows it within
+    #: 0 to 180°, which leaves S out; others count it in the other direction, which turns S
+    delta: Literal["full", "folded", "reversed"] = "full"
 
     def read(self) -> Iterator[tuple[MeasuredSpectrum, float]]:
         """Spectra of N, C and S with their incidence [rad], for each one in the file."""
@@ -54,7 +58,9 @@ class EllipsometrySection(MeasuredFile):
             factor * RADIANS_PER_DEGREE * table.numbers[name]
             for name, factor in (("psi", 2.0), ("delta", 1.0))
         )
-        values = np.cos(double), np.sin(double) * np.cos(delta), np.sin(double) * np.sin(delta)
+        sign = -1.0 if self.delta == "reversed" else 1.0
+        sine = sign * np.sin(double) * np.sin(delta)
+        values = np.cos(double), np.sin(double) * np.cos(delta), sine
         for angle in np.unique(angles):
             if not 0.0 < angle < _GRAZING:
                 raise ConfigurationError(
@@ -68,7 +74,8 @@ class EllipsometrySection(MeasuredFile):
                     f"{self.file}: has a wavelength twice at {angle:g} deg; the column incidence "
                     "tells angles apart"
                 )
-            for name, value in zip(ORDINATES, values, strict=True):
+            shown = ORDINATES[: 2 if self.delta == "folded" else 3]
+            for name, value in zip(shown, values, strict=False):
                 spectrum = MeasuredSpectrum(
                     self.file, name, wavenumber[here], value[here], tuple(table.rejected)
                 )

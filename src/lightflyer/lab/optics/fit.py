@@ -13,7 +13,7 @@ with Student's factor for as many degrees of freedom as there are independent po
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,11 +24,11 @@ from lightflyer.film.optics.averages import absorptance, emittance
 from lightflyer.film.optics.stack import Film
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
-from lightflyer.lab.optics.diagnostics import diagnose
+from lightflyer.lab.optics.diagnostics import diagnose, is_off
 from lightflyer.lab.optics.model import OpticalModel, Problem, select_covered
 from lightflyer.lab.optics.search import STARTS, Fit, Scatter, intervals, search
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
-from lightflyer.lab.record import dataset
+from lightflyer.lab.record import Doubt, dataset
 from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
@@ -226,10 +226,43 @@ def fit_optics(
         freedom=fit.freedom,
         warnings=(
             *left_out,
+            *_other_delta(sample, fit, starts, seed),
             *diagnose(sample, numbers, open_ends, correlation, fit, film),
             *diagnostics,
         ),
     )
+
+
+def _other_delta(sample: OpticsSample, fit: Fit, starts: int, seed: int) -> list[Doubt]:
+    """What Δ is, where S does not fit as it stands, but with the other sign or without its sign."""
+    found = []
+    readings = dict(zip(map(id, sample.spectra), fit.problem.readings(fit.best), strict=True))
+    for one in sample.spectra:
+        sine = one.spectrum.value
+        if one.spectrum.quantity != "S" or not is_off(one, sine - readings[id(one)]):
+            continue
+        turned = replace(one, spectrum=replace(one.spectrum, value=-sine))
+        others = tuple(turned if other is one else other for other in sample.spectra)
+        again = search(
+            Problem.of(replace(sample, spectra=others), fit.problem.model), starts=starts, seed=seed
+        )
+        at = sample.spectra.index(one)
+        if not is_off(one, sine + again.problem.readings(again.best)[at]):
+            found.append(Doubt(
+                f"{one.where[0]}: Δ has the other sign: the film fits with -S, not with S; write "
+                'delta = "reversed" in its [[ellipsometry]]'
+            ))  # fmt: skip
+        elif np.all(sine > -one.accuracy):
+            without = replace(sample, spectra=tuple(o for o in sample.spectra if o is not one))
+            least = search(Problem.of(without), starts=starts, seed=seed)
+            shown = OpticalModel(sample).shares(least.best.position)[0][at]
+            if not is_off(one, sine - np.abs(shown)):
+                found.append(Doubt(
+                    f"{one.where[0]}: all Δ are within 0 to 180°, and the film fits where S has "
+                    'lost its sign: Δ is folded, as by a rotating analyser; write delta = "folded" '
+                    "in its [[ellipsometry]], which leaves S out"
+                ))  # fmt: skip
+    return list(dict.fromkeys(found))
 
 
 def _estimates(

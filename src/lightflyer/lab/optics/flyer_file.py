@@ -17,6 +17,7 @@ from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.optics.data import OpticsSample, names_of_layers
 from lightflyer.lab.optics.diagnostics import display_unit
 from lightflyer.lab.optics.fit import OpticsFit
+from lightflyer.lab.record import require_no_doubt
 
 _DIGITS = 3  # of an uncertainty: correlated numbers round less
 _LEAST = 0.005  # correlation that is written
@@ -31,6 +32,7 @@ def update_layers(
     names = list(fit.numbers)
     require_same_layers(path, fit.sample)
     _require_determined(path, fit, names)
+    require_no_doubt(path, fit.warnings, insist=insist)
     document: Any = extra("tomlkit", "updating a flyer file", "lab").parse(read_text(path))
     table, told, written = document["film"], [], []
     for name, estimate in fit.numbers.items():

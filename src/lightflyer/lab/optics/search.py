@@ -66,7 +66,11 @@ def scatter_of(problem: Problem, solution: Solution) -> tuple[Scatter, ...]:
         one.spectrum.value - reading for reading, one in zip(readings, problem.spectra, strict=True)
     ]
     alike = [correlation_length(one) for one in residuals]
-    shared = [SHARED if one.spectrum.quantity in ORDINATES else 1.0 for one in problem.spectra]
+    whole = {one.where for one in problem.spectra if one.spectrum.quantity == ORDINATES[-1]}
+    shared = [
+        SHARED if one.spectrum.quantity in ORDINATES and one.where in whole else 1.0
+        for one in problem.spectra
+    ]
     lengths = [
         min(share * length, one.size / _FEWEST)
         for share, one, (length, _) in zip(shared, residuals, alike, strict=True)

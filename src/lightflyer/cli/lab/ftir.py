@@ -91,7 +91,8 @@ def ftir_command(
     update
         Flyer file to write the emissivity over the band into; needs --reflectance.
     insist
-        Have --update write also what is most likely of a wrong unit, or not determined.
+        Have --update write also what is in doubt: of a wrong unit, not determined, or of data that
+        do not fit or not cover it.
     face
         Face of that film.
     json_output
@@ -149,7 +150,8 @@ def ftir_command(
             *warning_lines(warnings),
         ],
         out=out, figures=figures, json_output=json_output,
-        update=updater(update, values, "ftir", sources, insist=insist),
+        update=updater(update, values, "ftir", sources, insist=insist,
+                       warnings=warnings),
         tables={"emissivity.csv": result.table_text()},
     )  # fmt: skip
 

@@ -91,7 +91,8 @@ def levitation_command(
         Flyer file to write the calibrated force coefficients into, with the ± of points and
         instruments; the file's own ± are not counted twice.
     insist
-        Have --update write also what is most likely of a wrong unit, or not determined.
+        Have --update write also what is in doubt: of a wrong unit, not determined, or of data that
+        do not fit or not cover it.
     json_output
         Print one JSON object instead of tables.
     figures
@@ -141,7 +142,8 @@ def levitation_command(
         ],
         out=out, figures=figures, json_output=json_output,
         tables=levitation.tables(curves),
-        update=updater(update, values, "levitation", files, insist=insist),
+        update=updater(update, values, "levitation", files, insist=insist,
+                       warnings=document["warnings"]),
     )  # fmt: skip
 
 

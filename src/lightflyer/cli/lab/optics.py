@@ -49,7 +49,8 @@ def optics_command(
         Flyer file whose [film] has the same layers, to write the fitted numbers, their ± and their
         correlations into.
     insist
-        Have --update write also what is most likely of a wrong unit, or not determined.
+        Have --update write also what is in doubt: of a wrong unit, not determined, or of data that
+        do not fit or not cover it.
     seed
         Seed of the starts, and of the bands of n and k.
     json_output

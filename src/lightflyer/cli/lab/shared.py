@@ -23,7 +23,7 @@ Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]
 """Input files of a command."""
 
 Insist = Annotated[bool, Parameter(negative=())]
-"""Whether --update also writes what is most likely of a wrong unit."""
+"""Whether --update also writes what is in doubt."""
 
 _SHOWN_REJECTED = 10
 
@@ -104,18 +104,22 @@ def updater(
     files: Sequence[Path],
     *,
     insist: bool,
+    warnings: Sequence[str],
     digits: int = 2,
 ) -> Callable[[], list[str]]:
     """Function that writes values into a flyer file, if one is named; see :func:`deliver`.
 
-    ``digits``: of the standard uncertainties.
+    ``warnings``: of the result, which is not written where one is a doubt; ``digits``: of the
+    standard uncertainties.
     """
 
     def update() -> list[str]:
         if flyer is None:
             return []
         from lightflyer.config.update import update_flyer_file
+        from lightflyer.lab.record import require_no_doubt
 
+        require_no_doubt(flyer, warnings, insist=insist)
         origin = ", ".join([f"lab {name}", *(file.name for file in files)])
         changes = update_flyer_file(flyer, values, origin, insist=insist, digits=digits)
         return [f"{flyer}: {text}" for text in changes]

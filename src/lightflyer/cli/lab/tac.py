@@ -123,7 +123,8 @@ def tac_command(
         Flyer file to write the coefficient into, with its total uncertainty; needs --face. With
         --top and --bottom both coefficients and the correlation of their errors are written.
     insist
-        Have --update write also what is most likely of a wrong unit, or not determined.
+        Have --update write also what is in doubt: of a wrong unit, not determined, or of data that
+        do not fit or not cover it.
     face
         Face of that film which has the measured surface.
     json_output
@@ -188,7 +189,7 @@ def tac_command(
         out=out, figures=figures, json_output=json_output, tables=found.tables(),
         update=updater(
             update, values, f"tac, {reading} reading, in {gas}", given, insist=insist,
-            digits=found.digits,
+            digits=found.digits, warnings=warnings,
         ),
     )  # fmt: skip
 

@@ -111,7 +111,8 @@ def thermography_command(
     update
         Flyer file to write the emissivity (the absorptance for a light meter) into.
     insist
-        Have --update write also what is most likely of a wrong unit, or not determined.
+        Have --update write also what is in doubt: of a wrong unit, not determined, or of data that
+        do not fit or not cover it.
     face
         Face of that film.
     json_output
@@ -158,7 +159,8 @@ def thermography_command(
         "thermography", document, thermography.to_dataset(result, [str(f) for f in files]), draw,
         [*finding_parts(result), *read_parts(tables), *about, *result.text_parts()],
         out=out, figures=figures, json_output=json_output,
-        update=updater(update, values, f"thermography, {result.meaning}", files, insist=insist),
+        update=updater(update, values, f"thermography, {result.meaning}", files, insist=insist,
+                       warnings=result.warnings),
     )  # fmt: skip
 
 

@@ -10,6 +10,8 @@ from scipy.optimize import least_squares
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import AccommodationCoefficient, Quantity, quantity_of
 from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.plausible import AREA_RATIO, doubts_of
+from lightflyer.lab.record import Doubt
 from lightflyer.lab.tac.accuracy import IN_WORDS
 from lightflyer.lab.tac.data import TacRun
 from lightflyer.lab.tac.problem import PARAMETERS, Problem, first_guess
@@ -19,7 +21,8 @@ POSSIBLE_TAC = 1.0  # Largest accommodation coefficient of any surface
 MOST_TAC = 2.0
 """Largest coefficient that a measurement may give by its systematic errors; [Lu2023]_ has 1.14."""
 
-FAR = 2.0  # Standard uncertainties of an error, from which a fit is in doubt
+FAR = 2.0  # Standard uncertainties of an error, from which a fit is told to want it
+_TOO_FAR = 3.0  # from which it is in doubt
 _MOST_LINES = 8  # of a file, that a message lists
 _TAC = quantity_of(AccommodationCoefficient) or Quantity()
 
@@ -29,8 +32,6 @@ MOST_RELATIVE_UNCERTAINTY = 0.25
 AREA_RATIOS = (0.1, 10.0)
 """Possible ratios of effective to nominal area: films cover a heater and not much else."""
 
-LIKELY_AREA_RATIOS = (0.5, 2.0)  # Ratios that need no explanation; [Lu2023]_ has 1.22
-
 BOUNDS = {"tac": (0.0, MOST_TAC), "area_ratio": AREA_RATIOS, "offset": (0.0, math.inf)}
 """What is possible for each parameter; intervals end there."""
 
@@ -38,10 +39,6 @@ HEATER_TEMPERATURES = (80.0, 1500.0)
 """Possible temperatures of a heater [K], from where air is liquid to where heaters melt."""
 
 GAS_TEMPERATURES = (80.0, 450.0)  # Possible temperatures of the gas in a vacuum chamber [K]
-
-_LABORATORY = Quantity(
-    "K", likely=(280.0, 315.0), known="chambers stand in laboratories, unless they are cooled"
-)
 
 _SPANS = (0.1, 10.0)  # over the pressure at which both limits are equal: these determine α
 _LEAST_DEVIATION = 0.03  # relative; nearer to the curve no row is called off it
@@ -217,14 +214,11 @@ def result_warnings(estimates: dict[str, Estimate], reading: str) -> list[str]:
             + ("beyond its uncertainty: no surface has it; check pressure, plateau and reading"
                if beyond else "which no surface has, but 1 is within its uncertainty")
         )  # fmt: skip
-    if tac.value < _TAC.likely[0]:
-        texts.append(f"accommodation coefficient {_TAC.unlikely(tac.value)}")
-    low, high = LIKELY_AREA_RATIOS
-    if not low <= ratio.value <= high:
-        texts.append(
-            f"area ratio {ratio.value:.3g} is unlikely ({low:g} to {high:g} is usual); the "
-            "coefficient is in doubt as much: check power, temperatures and diameter"
-        )
+    texts += doubts_of("accommodation coefficient", _TAC, tac.value)
+    texts += doubts_of(
+        "area ratio", AREA_RATIO, ratio.value,
+        "the coefficient is in doubt as much: check power, temperatures and diameter",
+    )  # fmt: skip
     if estimates["offset"].value < 0.0:
         texts.append("the offset is negative, but zero is within its uncertainty")
     return texts
@@ -254,17 +248,12 @@ def misfit_warnings(alike: float, rows: int, values: Mapping[str, float]) -> lis
     far = {name: value for name, value in pulls.items() if abs(value) > FAR}
     if far:
         wanted = ", ".join(f"{IN_WORDS[name][0]} {value:+.1f}" for name, value in far.items())
-        texts.append(
+        text = (
             f"the fit wants errors of {wanted} stated standard uncertainties: an instrument, or "
             "the law, is off by more than is stated"
         )
+        texts.append(Doubt(text) if max(map(abs, far.values())) > _TOO_FAR else text)
     return texts
-
-
-def ambient_warnings(run: TacRun) -> list[str]:
-    """A line about gas that is colder or warmer than a laboratory."""
-    doubt = _LABORATORY.unlikely(np.median(run.ambient_temperature))
-    return [f"ambient_temperature {doubt}"] if doubt else []
 
 
 def list_lines(lines: Sequence[int], source: str) -> str:

@@ -26,10 +26,10 @@ from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.plausible import ambient_doubts
 from lightflyer.lab.tac.accuracy import TacAccuracy
 from lightflyer.lab.tac.data import TacRun
 from lightflyer.lab.tac.diagnostics import (
-    ambient_warnings,
     cut,
     list_lines,
     misfit_warnings,
@@ -309,7 +309,11 @@ def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
         texts.insert(
             0, f"{list_lines(lines, run.source)}: left out, off the curve of all other rows"
         )
-    texts += [*run.notes, *ambient_warnings(run), *result_warnings(estimates, reading)]
+    texts += [
+        *run.notes,
+        *ambient_doubts(run.ambient_temperature),
+        *result_warnings(estimates, reading),
+    ]
     texts += model_warnings(estimates["tac"].value, reading, others.get(KINETIC))
     texts += misfit_warnings(solution.alike, len(fitted), solution.values)
     texts += drift_warnings(problem.conductance / fitted - 1.0, problem.pressure, solution.alike)

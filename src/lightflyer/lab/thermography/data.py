@@ -37,7 +37,7 @@ _LARGEST = 0.1  # standard uncertainty over the temperature
 
 _SCENE = Quantity("K", 200.0, 2300.0)  # colder or hotter is a wrong unit
 _ROOM = Quantity("K", 200.0, 400.0)
-_LIGHT = Quantity("", 0.0)
+_LIGHT, _NEAR_DARK = Quantity("", 0.0), Quantity()  # meters have a zero of their own
 
 
 class Method(NamedTuple):
@@ -60,7 +60,9 @@ THERMAL = Method(
 )  # fmt: skip
 """Apparent temperatures of a thermal camera."""
 
-LIGHT = Method(("incident", "reflected", "transmitted", "dark"), (_LIGHT,) * 4, "absorptivity")
+LIGHT = Method(
+    ("incident", "reflected", "transmitted", "dark"), (_LIGHT, *[_NEAR_DARK] * 3), "absorptivity"
+)
 """Readings of a light meter, all in the same unit."""
 
 _ALIASES = {
@@ -239,7 +241,7 @@ def standard_uncertainties(
     if accuracy is not None:
         require_range("accuracy", accuracy, 0.0, 1.0 if method == LIGHT else np.inf)
     if method == LIGHT:
-        return np.asarray(values * (METER_LIMIT * EVENLY if accuracy is None else accuracy))
+        return np.abs(values) * (METER_LIMIT * EVENLY if accuracy is None else accuracy)
     if accuracy is not None:
         return np.full(np.shape(values), accuracy)
     least, share = CAMERA_LIMITS
@@ -309,6 +311,12 @@ def _require_possible(readings: Readings, places: tuple[str, ...]) -> None:
             f"{places[0].rpartition(':')[0]}{': ' * bool(places[0])}{method.readings[0]} exceeds "
             f"{method.readings[3]} by less than {_CLEAR:g} standard uncertainties, {least:.3g} "
             f"{method.unit}".rstrip()
+        )
+    if method == LIGHT and np.any(background < -_BEYOND * source):
+        row = int(np.argmin(background / source))
+        raise ConfigurationError(
+            f"{places[row]}: {method.readings[3]} = {background[row]:g} is far below zero beside "
+            f"{method.readings[0]} = {source[row]:g}; is its sign right?"
         )
     noise = _BEYOND * (source - background)
     for number in (1, 2):

@@ -30,7 +30,8 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import require_record
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, central_interval, student_factor
-from lightflyer.lab.record import dataset
+from lightflyer.lab.plausible import ABSORPTANCE, EMISSIVITY, ambient_doubts, doubts_of
+from lightflyer.lab.record import Doubt, dataset
 from lightflyer.lab.thermography.camera import MICROMETRE, UNCOOLED, flat_band
 from lightflyer.lab.thermography.data import LIGHT, THERMAL, Readings, Scene
 
@@ -58,6 +59,8 @@ _FAR = 2.0  # standard uncertainties by which it also does
 _FEWEST = 5  # rows among which one can be told to deviate
 _MAD = 1.4826  # standard deviation over the median absolute deviation, of a normal distribution
 _NAMED = 5  # rows named in a message
+_OTHER_UNIT = 100.0  # times, that light is more than all that the film leaves of it
+_FAR_ABOVE = 5.0  # standard deviation of rows over what the readings' accuracy allows
 
 
 @dataclass(frozen=True, repr=False)
@@ -160,8 +163,7 @@ def reduce_readings(
     Raises
     ------
     ParameterError
-        If a reading is not positive (negative for a light meter), or the source does not exceed
-        the background.
+        If a temperature is negative, or the source does not exceed the background.
     ConfigurationError
         If a property is below 0 or above 1 by more than its 95 % interval.
 
@@ -183,8 +185,10 @@ def reduce_readings(
     """
     require_record("readings", (Readings,), readings)
     require_range("draws", draws, 1000)
-    if np.any(readings.values < 0.0) or np.any(readings.values[0] <= readings.values[3]):
-        raise ParameterError("readings must not be negative, and the source must exceed background")
+    if readings.method == THERMAL and np.any(readings.values < 0.0):
+        raise ParameterError("temperatures must not be negative")
+    if np.any(readings.values[0] <= readings.values[3]):
+        raise ParameterError("the source must exceed the background")
     each = properties_of(readings)
     count = each.shape[1]
     value = each.mean(axis=1)
@@ -322,12 +326,47 @@ def _judge(
             )
     if not readings.uncertainties.any() and rows.shape[1] == 1:
         warnings.append("no reading states an uncertainty: the interval of one row has no width")
+    kind = ABSORPTANCE if readings.method == LIGHT else EMISSIVITY
+    warnings += doubts_of(
+        readings.method.remainder, kind, first["emissivity"].value, _unit_hint(readings)
+    )
+    warnings += _scatter_doubts(readings, rows)
     if readings.method == THERMAL:
+        warnings += ambient_doubts(readings.values[3])
         warnings += [*_band_diagnostics(readings, first), *_film_diagnostics(readings, first)]
     return RadiativeProperties(
         readings, rows, {name: _cut(one) for name, one in first.items()},
         {name: _cut(one) for name, one in second.items()}, (*warnings, *readings.warnings),
     )  # fmt: skip
+
+
+def _unit_hint(readings: Readings) -> str:
+    """What readings of a light meter look like that are of different units."""
+    if readings.method != LIGHT:
+        return ""
+    incident, *others = np.abs(readings.values.mean(axis=1))
+    apart = incident / max(others)
+    if apart < _OTHER_UNIT:
+        return ""
+    names = readings.method.readings
+    return f"{names[0]} is {apart:.3g} times the others: is it in mW and they in W?"
+
+
+def _scatter_doubts(readings: Readings, rows: np.ndarray) -> list[Doubt]:
+    """A line where rows differ by far more than the accuracy of their readings."""
+    mean, spread = _inputs(readings)
+    stated = np.sqrt(((_derivatives(readings, mean) * spread) ** 2).sum(axis=1))[2]
+    if rows.shape[1] < 2 or not stated > 0.0:
+        return []
+    scatter = float(rows[2].std(ddof=1))
+    if scatter <= _FAR_ABOVE * stated:
+        return []
+    return [
+        Doubt(
+            f"{readings.method.remainder} varies by {scatter:.2g} from row to row, where the "
+            f"readings' accuracy allows {stated:.2g}: not all rows are of one film in one state"
+        )
+    ]
 
 
 def _cut(one: Estimate) -> Estimate:

@@ -16,6 +16,8 @@ tmm = pytest.importorskip("tmm")
 THICKNESS = 100e-9
 FILM, BELOW = (1.47, 0.00495), 3.9  # Cauchy [1, µm²]; a constant index, as of silicon in red light
 
+WAVELENGTHS = np.arange(300.0, 801.0, 50.0)  # [nm]
+
 SAMPLE = """\
 free = [ {{number = "layers.0.thickness", lowest = "20 nm", highest = "200 nm"}} ]
 
@@ -29,7 +31,7 @@ layers = [ {{dispersion = {{cauchy = {{a = 1.47, b = "0.00495 um^2"}}}}, thickne
 """
 
 
-def write(folder, shown, delta="full", wavelengths=np.arange(300.0, 801.0, 50.0), noise=None):
+def write(folder, shown, delta="full", wavelengths=WAVELENGTHS, noise=None):
     """Write Ψ and Δ of the film at 55°; ``shown``: what the instrument makes of Δ [deg]."""
     rows = ["wavelength [nm],incidence [deg],psi [deg],delta [deg]"]
     for wavelength in wavelengths:

@@ -16,6 +16,7 @@ from lightflyer.lab.levitation.data import LiftOffs, read_lift_offs
 from lightflyer.lab.levitation.figures import residuals
 from lightflyer.lab.levitation.minimum import minimum, smoother
 from lightflyer.lab.levitation.model import calibrate_curves, model_curve
+from lightflyer.lab.record import Doubt
 from lightflyer.statics.levitation import levitate
 
 RANGE = (1.5, 40.0)
@@ -374,3 +375,54 @@ def test_model_and_calibration(truth, rng):
     np.testing.assert_allclose(
         np.log(light[inside]), np.interp(np.log(pressure[inside]), *truth), atol=0.05
     )
+
+
+def across_a_gap(rng, gap, count=28, noise=0.05):
+    """Points of two powers and a constant, none within the gap, and their optimum's logarithms."""
+    fine = np.linspace(np.log(1.2), np.log(40.0), 4000)
+    rise, fall, flat = rng.uniform(0.8, 1.3), rng.uniform(0.8, 1.2), rng.uniform(0.0, 0.8)
+    away = fine - np.log(rng.uniform(3.4, 5.5))
+    light = np.log(700.0 * (np.exp(-fall * away) + np.exp(rise * away) + flat))
+    x = rng.uniform(fine[0], fine[-1], count)
+    x = np.sort(x[(x < np.log(gap[0])) | (x > np.log(gap[1]))])
+    y = np.interp(x, fine, light) + noise * rng.normal(size=x.size)
+    return LiftOffs("a", np.exp(x), np.exp(y), "a.csv:2"), (fine[light.argmin()], light.min())
+
+
+def test_a_minimum_in_a_gap_is_in_doubt(rng):
+    points, _ = across_a_gap(rng, (2.0, 9.3))
+    below = points.pressure[points.pressure < 2.0].max()
+    above = points.pressure[points.pressure > 9.3].min()
+    curve = levitation_curve(points, pressure_accuracy=0.0, irradiance_accuracy=0.0)
+    (doubt,) = (one for one in curve.warnings if isinstance(one, Doubt))
+    assert f"no point between {below:.3g} and {above:.3g} Pa, where its minimum lies" in doubt
+    whole, _ = across_a_gap(rng, (2.0, 2.0))
+    curve = levitation_curve(whole, pressure_accuracy=0.0, irradiance_accuracy=0.0)
+    assert not [one for one in curve.warnings if isinstance(one, Doubt)]
+
+
+@pytest.mark.slow
+def test_intervals_across_a_gap_hold_the_truth():
+    rng, hits, trials = np.random.default_rng(11), np.zeros(2), 400
+    for seed in range(trials):
+        points, truth = across_a_gap(rng, (rng.uniform(1.8, 2.8), rng.uniform(7.0, 10.0)))
+        curve = levitation_curve(
+            points, draws=1000, seed=seed, pressure_accuracy=0.0, irradiance_accuracy=0.0
+        )
+        found = curve.optimal_pressure, curve.minimum_irradiance
+        hits += [one.interval[0] <= np.exp(at) <= one.interval[1]
+                 for one, at in zip(found, truth, strict=True)]  # fmt: skip
+    # the pressure's interval is wider than it need be, which is the gap's
+    assert 0.93 <= hits[0] / trials
+    assert 0.93 <= hits[1] / trials <= 0.97
+
+
+@pytest.mark.parametrize("other", ["GE 2 cm", "Ge\u00a02 cm", "Ge  2 cm", "ge 2\u202fcm"])
+def test_names_that_differ_in_case_or_blanks_are_one_sample(tmp_path, other):
+    rows = [f"{'Ge 2 cm' if i % 2 else other},{1.5 * 1.3**i:.4f},{900 + i}" for i in range(12)]
+    path = tmp_path / "points.csv"
+    path.write_text("\n".join(["sample,pressure [Pa],irradiance [W/m^2]", *rows]), encoding="utf-8")
+    (one,), table = read_lift_offs(path)
+    assert len(one.pressure) == 12
+    if " ".join(other.split()) != "Ge 2 cm":
+        assert any("is taken for" in note for note in table.notes)

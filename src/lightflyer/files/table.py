@@ -204,6 +204,7 @@ def _with_si(file: Lines, rows: list[Row], layout: Layout, *, say: bool) -> Tabl
     values = read_rows(file.name, rows, layout, marks)
     known = layout.number_columns.values()
     said = [(one, stated_convention(one.unit)) for one in known]
+    spelled = {name: one_spelling(name, texts) for name, texts in values.texts.items()}
     return Table(
         source=file.name,
         lines=values.lines,
@@ -211,15 +212,29 @@ def _with_si(file: Lines, rows: list[Row], layout: Layout, *, say: bool) -> Tabl
             one.column.name: values.numbers[:, index] * one.scale + one.offset
             for index, one in enumerate(known)
         },
-        texts=values.texts,
+        texts={name: texts for name, (texts, _) in spelled.items()},
         rejected=values.rejected,
         unused=[
             name.strip()
             for position, name in enumerate(layout.names)
             if position not in layout.columns and name not in ("", "-")
         ],
-        notes=[*marks.notes, *(f"{one.column.name}: {text}" for one, text in said if text)],
+        notes=[*marks.notes, *(note for _, notes in spelled.values() for note in notes), *(f"{one.column.name}: {text}" for one, text in said if text)],
     )
+
+
+def same_text(text: str) -> str:
+    """A text without case, and with one plain blank for any number of any kind."""
+    return " ".join(text.split()).casefold()
+
+
+def one_spelling(column: str, texts: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Texts that differ in case or blanks only, as the first of them is written, and what to say."""
+    first: dict[str, str] = {}
+    plain = [" ".join(text.split()) for text in texts]
+    found = [first.setdefault(same_text(text), text) for text in plain]
+    other = {text: kept for text, kept in zip(plain, found, strict=True) if text != kept}
+    return found, [f'{column} "{text}" is taken for "{kept}"' for text, kept in other.items()]
 
 
 def _possible(table: Table, layout: Layout) -> Table:

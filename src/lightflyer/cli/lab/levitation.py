@@ -156,11 +156,14 @@ def _coefficients(fit: "Calibration") -> "dict[tuple[str, str], Estimate]":
 def _distinct(lots: Sequence[Any]) -> Sequence[Any]:
     from lightflyer.lab.record import require_distinct
 
+    from lightflyer.files.table import same_text
+
     seen: dict[str, str] = {}
     for one in lots:
-        if one.name in seen:
-            raise ConfigurationError(f"{one.place}: {one.name} is also in {seen[one.name]}")
-        seen[one.name] = one.place
+        name = same_text(one.name)
+        if name in seen:
+            raise ConfigurationError(f"{one.place}: {one.name} is also in {seen[name]}")
+        seen[name] = one.place
     require_distinct([(f"{one.place}: {one.name}", (one.pressure, one.irradiance)) for one in lots])
     return lots
 

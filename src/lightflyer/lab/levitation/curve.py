@@ -21,7 +21,7 @@ from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
 from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother
-from lightflyer.lab.record import csv_text, dataset, joint_warnings
+from lightflyer.lab.record import Doubt, csv_text, dataset, joint_warnings
 from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ LEAST_POINTS, LEAST_PRESSURES = 8, 6
 _PERCENT = 100.0
 _LEAST_SPREAD = 1e-6  # of log-pressure, and of a curve's log-irradiance
 _TOO = ("those of the scatter", "too wide")  # of more and of less scatter than stated
+_FAR_ABOVE = 3.0  # times the stated scatter, from which the points are in doubt
 _NO_MINIMUM = 0.9  # share of the measured log-pressures within the interval of the optimum
 
 
@@ -209,11 +210,18 @@ def _diagnostics(
 ) -> tuple[str, ...]:
     """What a reader of the result must know."""
     said = list(points.notes)
+    if least.gap is not None:
+        low, high = np.exp(least.gap)
+        said.append(Doubt(
+            f"{points.place}: {points.name} has no point between {low:.3g} and {high:.3g} Pa, "
+            "where its minimum lies: it is read across the gap, as far as the points on either "
+            "side tell; measure there"
+        ))  # fmt: skip
     if least.edge:
-        said.append(
+        said.append(Doubt(
             f"{points.place}: {points.name} has its minimum at the end of its pressures; the "
             "optimum may lie beyond: extend the measurement"
-        )
+        ))  # fmt: skip
     elif pressure.interval[0] == 0.0 or not np.isfinite(pressure.interval[1]):
         said.append(
             f"{points.place}: the optimum of {points.name} may lie beyond its pressures: extend "
@@ -221,12 +229,13 @@ def _diagnostics(
         )
     inside = np.clip(np.log(np.maximum(pressure.interval, 1e-300)), least.grid[0], least.grid[-1])
     if np.ptp(inside) > _NO_MINIMUM * np.ptp(least.grid) or np.ptp(least.curve) < _LEAST_SPREAD:
-        said.append(f"{points.place}: the points of {points.name} show no minimum")
+        said.append(Doubt(f"{points.place}: the points of {points.name} show no minimum"))
     if least.probability < LEAST_PROBABILITY or least.probability > 1.0 - LEAST_PROBABILITY:
-        said.append(
+        text = (
             f"the points of {points.name} scatter {least.excess:.2g} times as much as their stated "
             f"uncertainties say: intervals are {_TOO[least.excess < 1.0]}"
         )
+        said.append(Doubt(text) if least.excess > _FAR_ABOVE else text)
     if least.alike > 1.0:
         said.append(
             f"residuals of {points.name} at neighbouring pressures are alike: the curve does not "
@@ -236,7 +245,7 @@ def _diagnostics(
     if found is not None:
         said.append(step_warning(points.name, found))
     of_points = doubts(points.pressure, points.irradiance, points.properties.get("diameter"))
-    said += [f"{points.name}: {text}" for text in of_points]
+    said += [Doubt(f"{points.name}: {text}") for text in of_points]
     if points.in_ground_effect:
         gap, diameter = 1e3 * float(points.floor_gap or 0.0), 1e3 * points.properties["diameter"]
         said.append(

@@ -17,6 +17,8 @@ from lightflyer.numerics.residuals import alike_points
 DEGREE = 2  # Degree of the local polynomials
 
 _GRID = 300  # places of the curve
+_GAP = 0.2  # of the log-pressures, in one step between neighbours
+_ACROSS = 4  # degree of the polynomial across a gap
 _LEAST_LIGHT = 0.25  # of a step, that a simulated reading is kept above
 _TINY = 1e-9  # of a local fit's singular values
 
@@ -39,6 +41,7 @@ class Minimum:
     # Scatter over what is stated, and the probability of more by chance; NaN where none is stated
     excess: float
     probability: float
+    gap: tuple[float, float] | None  # Log-pressures between which no point is, and the minimum is
 
 
 def smoother(
@@ -52,6 +55,24 @@ def smoother(
     root = np.sqrt(np.clip(1.0 - (distance / reach) ** 3, 0.0, None) ** 3 * weight)
     powers = (x - places[:, None])[..., None] ** np.arange(DEGREE + 1)
     return np.asarray(np.linalg.pinv(powers * root[..., None], _TINY)[:, 0, :] * root)
+
+
+def polynomial(
+    x: np.ndarray, places: np.ndarray, degree: int, weight: np.ndarray | float = 1.0
+) -> np.ndarray:
+    """Matrix of one polynomial through all points, shape (m, n); ``weight`` (n,)."""
+    middle, half = 0.5 * (x.max() + x.min()), 0.5 * np.ptp(x)
+    root = np.sqrt(np.broadcast_to(weight, x.shape))
+    inside, outside = (np.vander((one - middle) / half, degree + 1) for one in (x, places))
+    return np.asarray(outside @ np.linalg.pinv(inside * root[:, None]) * root)
+
+
+def widest_gap(x: np.ndarray) -> tuple[float, float] | None:
+    """Ends of the widest step between log-pressures, where it is a gap."""
+    places = np.unique(x)
+    step = int(np.argmax(np.diff(places)))
+    low, high = float(places[step]), float(places[step + 1])
+    return (low, high) if high - low > _GAP * np.ptp(places) else None
 
 
 def minimum(
@@ -79,9 +100,20 @@ def minimum(
     weight = (error.min() / error) ** 2
     once, at_points = smoother(x, grid, span, weight), smoother(x, x, span, weight)
     again = 2.0 * np.eye(x.size) - at_points
+    (place,), (local,), _ = _least(grid, (once @ again @ y)[None])
+    others, values_of_others = _least(grid, (once @ y)[None])[0], None
+    gap = widest_gap(x)
+    if gap is not None and not gap[0] < place < gap[1]:
+        gap = None
+    if gap is not None:
+        # a local fit has no points in its middle and swings: one polynomial reaches across; the
+        # local fit and that of one degree less tell how far its shape may be wrong
+        cubic, (deep,), _ = _least(grid, (polynomial(x, grid, _ACROSS - 1, weight) @ y)[None])
+        others, values_of_others = np.array([place, *cubic]), np.array([local, deep])
+        once, at_points = polynomial(x, grid, _ACROSS, weight), polynomial(x, x, _ACROSS, weight)
+        again = np.eye(x.size)
     twice, fitted = once @ again, at_points @ again @ y
     (place,), (value,), (edge,) = _least(grid, (twice @ y)[None])
-    (smoothed,), *_ = _least(grid, (once @ y)[None])
     (start,), (bottom,), _ = _least(grid, (twice @ fitted)[None])
     residual = (np.eye(x.size) - at_points @ again) * error / error[:, None]
     square = residual.T @ residual
@@ -105,13 +137,18 @@ def minimum(
         simulated = _step_lines(simulated, step, rng)
     curves = simulated @ twice.T
     places, values, edges = _least(grid, curves)
-    smoothing = abs(place - smoothed) * rng.normal(size=draws)
+    # the truth is anywhere between the shapes and as far beyond, as likely at one place as another
+    evenly = 1.0 if gap is None else 2.0 * UNIFORM_SPREAD
+    smoothing = evenly * np.max(np.abs(place - others)) * rng.normal(size=draws)
+    across = np.zeros(draws)
+    if values_of_others is not None:
+        across = evenly * np.max(np.abs(value - values_of_others)) * rng.normal(size=draws)
     return Minimum(
         float(place),
         float(value),
         int(edge),
         place + (places - start) + smoothing,
-        value - (values - bottom),
+        value - (values - bottom) + across,
         edges,
         grid,
         twice @ y,
@@ -120,6 +157,7 @@ def minimum(
         alike,
         np.nan if stated is None else float(np.sqrt(variance)),
         np.nan if stated is None else probability,
+        gap,
     )
 
 

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.fft import dct
@@ -11,7 +13,9 @@ from lightflyer.lab.ftir.reduction import (
     reduce_ftir,
     to_dataset,
 )
+from lightflyer.lab.ftir.text import finding_parts
 from lightflyer.lab.readers.spectrum_data import MeasuredSpectrum, read_spectrum
+from lightflyer.lab.record import Doubt
 
 PER_CM = 100.0
 C2 = 0.01438776877  # second radiation constant [m K], CODATA 2018
@@ -222,7 +226,7 @@ def test_what_is_not_covered_is_said():
     short = np.linspace(700.0, 4000.0, 100) * PER_CM
     result = reduce_ftir([spectrum(short, 0.5)])
     said = "\n".join(result.warnings)
-    assert "do not cover 25.0 % of the band from 500 to 1300 cm^-1" in said
+    assert "25.0 % of the band from 500 to 1300 cm^-1 has no data" in said
     assert "of a black body's power at 300 to 500 K lies outside the measured wavenumbers" in said
     assert result.uncovered_band == pytest.approx(0.25)
     assert result.summary()["uncovered_fraction"]["300"]["value"] > 0.3
@@ -367,3 +371,30 @@ def test_one_clear_line_for_each_mistake(tmp_path, name, content, says):
     assert message.startswith(str(path))
     assert says in message
     assert "\n" not in message
+
+
+def test_half_a_band_is_not_named_as_the_whole():
+    """Transmittance over all of it, reflectance from 900 cm^-1 on."""
+    whole = spectrum(np.linspace(450.0, 1400.0, 400) * PER_CM, 0.8)
+    half = replace(
+        spectrum(np.linspace(900.0, 1400.0, 300) * PER_CM, 0.05, "reflectance"), source="r.csv"
+    )
+    found = reduce_ftir([whole], [half])
+    assert found.covered == pytest.approx((900.0 * PER_CM, 1300.0 * PER_CM))
+    (doubt,) = (one for one in found.warnings if isinstance(one, Doubt))
+    assert "50.0 % of the band" in doubt
+    assert "r.csv, reflectance from 900 to 1400 cm^-1" in doubt
+    assert "synthetic" not in doubt
+    assert "over 900 to 1300 cm⁻¹, 50 % of the band" in next(iter(finding_parts(found)))
+    assert not [one for one in reduce_ftir([whole], [replace(whole, quantity="reflectance",
+                value=0.2 - 0.1 * whole.value)]).warnings if isinstance(one, Doubt)]  # fmt: skip
+
+
+def test_repeats_of_another_film_and_a_hole_in_the_band_are_doubts():
+    at = np.linspace(450.0, 1400.0, 400) * PER_CM
+    repeats = [spectrum(at, value) for value in (0.8, 0.6)]
+    assert any("repeats of transmittance" in one for one in reduce_ftir(repeats).warnings
+               if isinstance(one, Doubt))  # fmt: skip
+    with_hole = at[(at < 700.0 * PER_CM) | (at > 1000.0 * PER_CM)]
+    assert any("has no points between" in one for one in reduce_ftir([spectrum(with_hole, 0.8)])
+               .warnings if isinstance(one, Doubt))  # fmt: skip

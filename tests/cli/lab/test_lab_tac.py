@@ -191,6 +191,10 @@ def test_another_gas_of_the_flyer_file_is_told(examples, lab, flyer_file):
     folder = examples("tac")
     path = flyer_file(*KINETIC_FORCE)
     arguments = ("tac", "tac-reduced.txt", "--update", path, "--face", "top", "--gas")
+    code, _, err = lab(*arguments, "argon", "--out", "o")
+    assert code == 2
+    assert "--gauge-factor 1.7" in err
+    arguments = (*arguments[:2], "--gauge-accuracy", "5 %", *arguments[2:])
     code, out, err = lab(*arguments, "argon", "--out", "o")
     assert (code, err) == (0, "")
     assert "air, and the coefficient written was measured in argon: a film has another" in out

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Literal
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import deliver, read_parts, read_summary
+from lightflyer.cli.lab.shared import deliver, heated, read_parts, read_summary
 from lightflyer.cli.options import Json
 from lightflyer.cli.quantities import exact, known, quantity, share
 from lightflyer.core.errors import ConfigurationError
@@ -27,7 +27,9 @@ def force_command(
     pressures: str | None = None,
     gauge: Path | None = None,
     gauge_factor: float = 1.0,
-    pressure_accuracy: str = "5 %",
+    gauge_temperature: str | None = None,
+    gauge_tube: str | None = None,
+    pressure_accuracy: str | None = None,
     force_accuracy: str = "5 %",
     out: Path | None = None,
     json_output: Json = False,
@@ -66,8 +68,14 @@ def force_command(
         Calibration of the pressure gauge: a table with the columns shown and pressure.
     gauge_factor
         Pressure over what the gauge shows of it, because of the gas.
+    gauge_temperature
+        Temperature at which the gauge is held, such as "45 °C", where it is not that of the
+        chamber; with --gauge-tube.
+    gauge_tube
+        Inner diameter of the tube to that gauge, such as "5 mm".
     pressure_accuracy
-        Relative standard uncertainty of the pressure gauge, common to all points.
+        Relative standard uncertainty of the pressure gauge, common to all points. Default: 5 %,
+        that of a Pirani gauge, assumed.
     force_accuracy
         The same of the balance.
     out
@@ -78,10 +86,10 @@ def force_command(
         How figures are written.
     """
     out = figures.folder(out)
-    from lightflyer.calibration.gauge import read_gauge
     from lightflyer.gas import GASES
     from lightflyer.lab.force import vane as lab
     from lightflyer.lab.force.text import force_parts
+    from lightflyer.lab.gauges import gauge_of, pirani_doubts
     from lightflyer.lab.record import dataset
 
     given = {"--tac": tac, "--tac-hot": tac_hot, "--tac-cold": tac_cold}
@@ -103,21 +111,29 @@ def force_command(
         alike,
         wall,
     )
-    points = None if file is None else lab.read_forces(file, read_gauge(gauge, gauge_factor))
+    shown = gauge_of(
+        gauge, gauge_factor, *heated(gauge_temperature, gauge_tube),
+        gas=vane.gas, ambient=vane.ambient.value,
+    )  # fmt: skip
+    points = None if file is None else lab.read_forces(file, shown)
     found = lab.compare_forces(
         vane,
         points,
         pressures=None if pressures is None else _ends(pressures),
-        pressure_accuracy=share("--pressure-accuracy", pressure_accuracy),
+        pressure_accuracy=share("--pressure-accuracy", pressure_accuracy or "5 %"),
         force_accuracy=share("--force-accuracy", force_accuracy),
     )
     tables = [] if points is None else [points]
+    of_gauge = [] if points is None else pirani_doubts(
+        gas, shown, accuracy_stated=pressure_accuracy is not None
+    )  # fmt: skip
+    warnings = [*of_gauge, *found.warnings]
     deliver(
-        "force", found.to_json() | {"read": read_summary(tables)},
+        "force", found.to_json() | {"warnings": warnings} | {"read": read_summary(tables)},
         dataset("force on a heated vane", found.variables, [str(file)] if file else [],
-                warnings=found.warnings),
+                warnings=warnings),
         lambda: {"force": found.plot()},
-        [*force_parts(found), *read_parts(tables), *warning_lines(found.warnings)],
+        [*force_parts(found), *read_parts(tables), *warning_lines(warnings)],
         out=out, figures=figures, json_output=json_output,
     )  # fmt: skip
 

@@ -1,5 +1,6 @@
 """``lightflyer lab ftir``: emissivity, or its upper bound, from infrared spectra."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
     from lightflyer.lab.ftir.reduction import Ftir
     from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+
+_RANGE = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.]\S*)\s*$")  # a band's ends
 
 
 @only_with(
@@ -71,7 +74,7 @@ def ftir_command(
         Light that the reflectance collects: the specular beam, diffuse light, or both ("total").
         Default: as the file names its accessory.
     band
-        Centre and half width of the band.
+        The band, such as "500 to 1300 cm^-1", or its centre ± half its width.
     temperatures
         Temperatures of the Planck weighting.
     accuracy
@@ -179,9 +182,19 @@ def _require_radiating(result: "Ftir") -> None:
 
 def _ends(band: str) -> tuple[float, float]:
     """Lowest and highest wavenumber of a band [1/m]."""
+    whole = _RANGE.match(band)
+    if whole is not None:
+        first, last = (
+            quantity("--band", f"{end} {whole[3]}", "m^-1").value for end in whole.groups()[:2]
+        )
+        if first >= last:
+            raise ConfigurationError(f'--band "{band}": {whole[1]} must be below {whole[2]}')
+        return first, last
     centre = quantity("--band", band, "m^-1")
     if not centre.uncertainty:
-        raise ConfigurationError(f'--band "{band}" has no width; write "900 ± 400 cm^-1"')
+        raise ConfigurationError(
+            f'--band "{band}" has no width; write "500 to 1300 cm^-1" or "900 ± 400 cm^-1"'
+        )
     if centre.uncertainty >= centre.value:
         raise ConfigurationError(f'--band "{band}" reaches below zero')
     return centre.value - centre.uncertainty, centre.value + centre.uncertainty

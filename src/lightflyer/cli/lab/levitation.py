@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import Files, Insist, deliver, read_parts, read_summary, updater
+from lightflyer.cli.lab.shared import (
+    Files,
+    Insist,
+    deliver,
+    heated,
+    read_parts,
+    read_summary,
+    updater,
+)
 from lightflyer.cli.options import Json, Seed, Whole, only_with
 from lightflyer.cli.quantities import exact, optional_share
 from lightflyer.core.errors import ConfigurationError
@@ -30,6 +38,8 @@ def levitation_command(
     step: str | None = None,
     gauge: Path | None = None,
     gauge_factor: float = 1.0,
+    gauge_temperature: str | None = None,
+    gauge_tube: str | None = None,
     pressure_accuracy: str | None = None,
     irradiance_accuracy: str | None = None,
     span: float = 0.75,
@@ -65,6 +75,11 @@ def levitation_command(
     gauge_factor
         Pressure over what the gauge shows of it, because of the gas, such as 1.7 for a Pirani gauge
         in argon.
+    gauge_temperature
+        Temperature at which the gauge is held, such as "45 °C", where it is not that of the
+        chamber; with --gauge-tube.
+    gauge_tube
+        Inner diameter of the tube to that gauge, such as "5 mm".
     pressure_accuracy
         Relative standard uncertainty of the pressure gauge's calibration, common to all points,
         such as "0.5 %". Default: 5 %, assumed.
@@ -99,13 +114,13 @@ def levitation_command(
         How figures are written.
     """
     out = figures.folder(out)
-    from lightflyer.calibration.gauge import read_gauge
     from lightflyer.calibration.text import fit_parts
+    from lightflyer.lab.gauges import gauge_of
     from lightflyer.lab.levitation import curve as levitation
     from lightflyer.lab.levitation.data import read_lift_offs
     from lightflyer.lab.levitation.text import curves_parts
 
-    shown = read_gauge(gauge, gauge_factor)
+    shown = gauge_of(gauge, gauge_factor, *heated(gauge_temperature, gauge_tube))
     read = [read_lift_offs(file, columns=columns, gauge=shown) for file in files]
     accuracies = {
         "pressure_accuracy": optional_share("--pressure-accuracy", pressure_accuracy),

@@ -125,3 +125,13 @@ def updater(
         return [f"{flyer}: {text}" for text in changes]
 
     return update
+
+
+def heated(temperature: str | None, tube: str | None) -> tuple[float | None, float | None]:
+    """Temperature [K] of a gauge and diameter [m] of its tube, as the options give them."""
+    from lightflyer.cli.quantities import exact
+
+    return (
+        None if temperature is None else exact("--gauge-temperature", temperature, "K"),
+        None if tube is None else exact("--gauge-tube", tube, "m"),
+    )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.lab.shared import Insist, deliver, read_parts, read_summary, updater
+from lightflyer.cli.lab.shared import Insist, deliver, heated, read_parts, read_summary, updater
 from lightflyer.cli.lab.tac_results import OneFace, TwoFaces
 from lightflyer.cli.options import Json, only_with
 from lightflyer.cli.quantities import difference, exact, known, optional_share, share
@@ -43,6 +43,8 @@ def tac_command(
     ] = "air",
     gauge: Path | None = None,
     gauge_factor: float = 1.0,
+    gauge_temperature: str | None = None,
+    gauge_tube: str | None = None,
     gauge_accuracy: str | None = None,
     gauge_zero: str | None = None,
     power_accuracy: str | None = None,
@@ -101,6 +103,11 @@ def tac_command(
     gauge_factor
         Pressure over what the gauge shows of it, because of the gas, such as 1.7 for a Pirani gauge
         in argon.
+    gauge_temperature
+        Temperature at which the gauge is held, such as "45 °C", where it is not that of the
+        chamber; with --gauge-tube.
+    gauge_tube
+        Inner diameter of the tube to that gauge, such as "5 mm".
     gauge_accuracy
         Relative standard uncertainty of the pressure gauge's calibration, common to all rows, such
         as "0.5 %" for a capacitance manometer. Default: 5 %, that of a Pirani gauge, assumed.
@@ -133,9 +140,9 @@ def tac_command(
         How figures are written.
     """
     out = figures.folder(out)
-    from lightflyer.calibration.gauge import read_gauge
     from lightflyer.core.checks import require_range
     from lightflyer.gas import GASES
+    from lightflyer.lab.gauges import gauge_of, pirani_doubts
     from lightflyer.lab.record import require_distinct
     from lightflyer.lab.tac import fit as tac
     from lightflyer.lab.tac.accuracy import TacAccuracy, unstated_accuracies
@@ -163,9 +170,13 @@ def tac_command(
     if other is not None:
         require_range("--other-face", other.value, 0.0, POSSIBLE_TAC)
     surroundings = None if ambient is None else exact("--ambient", ambient, "K")
+    shown = gauge_of(
+        gauge, gauge_factor, *heated(gauge_temperature, gauge_tube),
+        gas=GASES[gas], ambient=surroundings,
+    )  # fmt: skip
     how: dict[str, Any] = {
         "columns": columns, "thermometer": thermometer, "ambient_temperature": surroundings,
-        "gauge": read_gauge(gauge, gauge_factor),
+        "gauge": shown,
     }  # fmt: skip
     sides = [[read_tac(file, **how) for file in side] for side in faces]
     runs = [run for side in sides for run in side]
@@ -176,7 +187,8 @@ def tac_command(
     else:
         found = TwoFaces(fit_tac_difference(*sides, **options, other_face=other))
     values, about_flyer = _for_flyer_file(found, update)
-    warnings = [*found.warnings, *about_flyer, *unstated_accuracies(stated)]
+    doubts = pirani_doubts(gas, shown, accuracy_stated="gauge" in stated)
+    warnings = [*doubts, *found.warnings, *about_flyer, *unstated_accuracies(stated)]
     read = {"read": read_summary([run.table for run in runs])}
     document = found.summary() | read | {"warnings": warnings}
     given = [file for side in faces for file in side]

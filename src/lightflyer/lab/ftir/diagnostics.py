@@ -9,11 +9,13 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
+from lightflyer.lab.record import Doubt
 from lightflyer.lab.spectrum_noise import LEAST_POINTS, point_noise
 
 _TOLERANCE = 3.0  # standard deviations of accuracy and noise by which points may be beyond 0 and 1
 _WORTH_SAYING = 0.01  # share of points beyond, of a band or of a black body's power without data
 _WIDE_STEP = 10.0  # over the usual distance of points
+_MOST_UNCOVERED = 0.1  # of a band, from which a mean over the rest is in doubt
 _MOST_GAPS = 3  # that are named one by one
 _PERCENT = 100.0
 _ADVICE = {
@@ -116,7 +118,9 @@ def _gaps(spectrum: MeasuredSpectrum, band: tuple[float, float]) -> Iterator[str
         return
     for at in places:
         ends = spectrum.wavenumber[at : at + 2] / PER_CENTIMETRE
-        yield (
+        inside = np.diff(np.clip(spectrum.wavenumber[at : at + 2], *band))[0]
+        kind = Doubt if inside > _MOST_UNCOVERED * (band[1] - band[0]) else str
+        yield kind(
             f"{spectrum.source}: has no points between {ends[0]:.5g} and {ends[1]:.5g} cm^-1; "
             f"{spectrum.quantity} is taken as linear there"
         )
@@ -154,22 +158,26 @@ def accuracy_warnings(stated: float | None, used: float) -> list[str]:
 
 
 def coverage_warnings(
-    source: str,
+    spectra: Sequence[MeasuredSpectrum],
     band: tuple[float, float],
-    measured: tuple[float, float],
     uncovered_band: float,
     uncovered: dict[float, float],
 ) -> list[str]:
-    """What lies outside the measured wavenumbers; ``band``, ``measured`` [1/m]."""
-    low, high = (end / PER_CENTIMETRE for end in measured)
+    """What lies outside the measured wavenumbers; ``band`` [1/m]."""
     found = []
     if uncovered_band > 0.0:
         ends = f"{band[0] / PER_CENTIMETRE:g} to {band[1] / PER_CENTIMETRE:g}"
-        found.append(
-            f"{source}: data from {low:.5g} to {high:.5g} cm^-1 do not cover "
-            f"{_PERCENT * uncovered_band:.1f} % of the band from {ends} cm^-1; the "
-            "mean is over the rest"
+        shorter = [
+            f"{one.source}, {one.quantity} from {one.wavenumber[0] / PER_CENTIMETRE:.5g} to "
+            f"{one.wavenumber[-1] / PER_CENTIMETRE:.5g} cm^-1"
+            for one in spectra
+            if one.wavenumber[0] > band[0] or one.wavenumber[-1] < band[1]
+        ]
+        text = (
+            f"{_PERCENT * uncovered_band:.1f} % of the band from {ends} cm^-1 has no data, and the "
+            f"mean is over the rest: {'; '.join(shorter)}"
         )
+        found.append(Doubt(text) if uncovered_band > _MOST_UNCOVERED else text)
     shares = [share for share in uncovered.values() if share > _WORTH_SAYING]
     if shares:
         ends = " to ".join(

@@ -35,9 +35,10 @@ from lightflyer.lab.ftir.means import (
     remainder,
     uncovered_power,
 )
+from lightflyer.lab.plausible import EMISSIVITY, doubts_of
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
-from lightflyer.lab.record import csv_text, dataset, require_distinct
+from lightflyer.lab.record import Doubt, csv_text, dataset, require_distinct
 from lightflyer.lab.spectrum_noise import noise_density
 from lightflyer.program.arguments import reads_units
 
@@ -59,6 +60,7 @@ ONE_SIDED_FACTOR = float(ndtri(CONFIDENCE))
 """One-sided 95 % limit of a normal variable, in standard deviations."""
 
 _BAND_MEAN = "over the band"
+_FAR_ABOVE = 5.0  # standard deviation of repeats over the accuracy
 _ROUNDING = 1e-9  # fraction of the band below which a gap is rounding
 
 
@@ -92,6 +94,12 @@ class Ftir(PrintedResult):
     #: Standard uncertainty of the instrument's ordinate, included in the intervals [1]
     accuracy: float
     warnings: tuple[str, ...] = ()  #: What a reader must know of these numbers
+
+    @property
+    def covered(self) -> tuple[float, float]:
+        """Part of the band that all spectra cover, over which its means are [1/m]."""
+        low, high = _common_range([*self.spectra, *self.reflectances])
+        return max(self.band[0], low), min(self.band[1], high)
 
     @property
     def at_most(self) -> float:
@@ -158,6 +166,7 @@ class Ftir(PrintedResult):
                 f"{t:g}": list(ends) for t, ends in self.total_bounds().items()
             },
             "band_per_cm": [end / PER_CENTIMETRE for end in self.band],
+            "covered_per_cm": [end / PER_CENTIMETRE for end in self.covered],
             "accuracy": self.accuracy,
             "warnings": list(self.warnings),
         }
@@ -264,12 +273,17 @@ def reduce_ftir(
         uncovered=uncovered,
         accuracy=used,
         warnings=(
-            *coverage_warnings(spectra[0].source, band, (low, high), uncovered_band, uncovered),
+            *coverage_warnings([*spectra, *reflectances], band, uncovered_band, uncovered),
+            *_far_repeats(spectra, raw[0], used),
+            *_far_repeats(reflectances, raw[-1], used),
             *spectrum_warnings(spectra, reflectances, band, used),
             *bounds.warnings,
             *accuracy_warnings(accuracy, used),
+            *([] if emissivity.band is None or not reflectances else doubts_of(
+                "emissivity", EMISSIVITY, emissivity.band.value
+            )),
         ),
-    )
+    )  # fmt: skip
 
 
 def _check(
@@ -322,6 +336,21 @@ def _averages(
         means = [planck_mean(one, noise, measured, temperature) for one, noise in noisy]
         found[temperature] = combine_repeats(means, accuracy)
     return found
+
+
+def _far_repeats(
+    group: Sequence[MeasuredSpectrum], shares: dict[str | float, Share], accuracy: float
+) -> list[Doubt]:
+    """A line where repeats differ by far more than the instrument's accuracy."""
+    scatter = shares[_BAND_MEAN].random * float(np.sqrt(len(group)))
+    if len(group) < 2 or scatter <= _FAR_ABOVE * accuracy or not accuracy:
+        return []
+    return [
+        Doubt(
+            f"repeats of {group[0].quantity} differ by {scatter:.2g} over the band, where an "
+            f"accuracy of {accuracy:.2g} is stated or assumed: are all of one film?"
+        )
+    ]
 
 
 def _cut(bounds: Bounds, quantity: str, shares: dict[str | float, Share]) -> Averages:

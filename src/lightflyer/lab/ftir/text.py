@@ -15,16 +15,17 @@ _PERCENT = 100.0
 
 def finding_parts(result: "Ftir") -> Parts:
     """The emissivity over the band, or its bound, in a sentence."""
-    low, high = (end / PER_CENTIMETRE for end in result.band)
+    low, high = (end / PER_CENTIMETRE for end in result.covered)
     found = f"at most {result.at_most:.4g}" if result.emissivity is None else result.emissivity
-    yield f"emissivity {found}, over {low:g} to {high:g} cm⁻¹"
+    part = f", {_PERCENT * (1.0 - result.uncovered_band):.0f} % of the band"
+    yield f"emissivity {found}, over {low:.5g} to {high:.5g} cm⁻¹{part * bool(result.uncovered_band)}"
 
 
 def ftir_parts(result: "Ftir") -> Parts:
     """Means over the band, and those weighted with Planck's spectrum."""
-    low, high = (end / PER_CENTIMETRE for end in result.band)
+    low, high = (end / PER_CENTIMETRE for end in result.covered)
     accuracy = f"{_PERCENT * result.accuracy:.3g} %"
-    yield f"over {low:g} to {high:g} cm⁻¹, 95 % intervals with an accuracy of {accuracy}:"
+    yield f"over {low:.5g} to {high:.5g} cm⁻¹, 95 % intervals with an accuracy of {accuracy}:"
     yield f"  transmittance {result.transmittance.band}"
     if result.reflectance is None:
         yield f"  1 - transmittance {result.upper_bound}"

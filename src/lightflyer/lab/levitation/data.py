@@ -14,6 +14,7 @@ from lightflyer.calibration.points import (
 )
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.table import Table
+from lightflyer.lab.gauges import end_text, rows_at_the_end
 from lightflyer.program.arguments import reads_units
 
 COLUMNS = LEVITATION_COLUMNS
@@ -79,6 +80,12 @@ def read_lift_offs(
 
 def _sample(points: Points, name: str) -> LiftOffs:
     here = points.where(points.of(name))
+    ends = rows_at_the_end(here.pressure, here.irradiance)
+    said = [
+        f"{np.sum(here.pressure[ends] == one)} points of {name} are left out: {end_text(one)}"
+        for one in np.unique(here.pressure[ends])
+    ]
+    here = here.where(~ends)
     place = f"{here.source}:{here.lines[0]}"
 
     def only(column: str) -> float | None:
@@ -103,5 +110,5 @@ def _sample(points: Points, name: str) -> LiftOffs:
             for column, values in here.numbers.items()
             if column.endswith("_uncertainty")
         },
-        notes=here.notes,
+        notes=(*here.notes, *said),
     )

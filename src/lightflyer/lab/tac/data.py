@@ -11,6 +11,7 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Pressure, Quantity, Temperature
 from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
+from lightflyer.lab.gauges import end_text, rows_at_the_end
 from lightflyer.program.arguments import reads_units
 
 _LEAST_DIFFERENCE = 1e-3  # between heater and gas [K]
@@ -118,6 +119,10 @@ def read_tac(
     table = table.without(_not_heated(table, thermometer, ambient_temperature))
     if not len(table):
         raise ConfigurationError(f"{table.rejected[0]}; all rows are rejected")
+    difference = _heater_temperature(table, thermometer) - _ambient(table, ambient_temperature)
+    shown = table.numbers["pressure"]
+    ends = np.flatnonzero(rows_at_the_end(shown, _power(table) / difference))
+    table = table.without({int(row): end_text(shown[row]) for row in ends})
     power, heater = _power(table), _heater_temperature(table, thermometer)
     pressure, said = (gauge or Gauge()).correct(table.numbers["pressure"])
     return TacRun(
@@ -126,8 +131,15 @@ def read_tac(
         power=power,
         heater_temperature=heater,
         ambient_temperature=_ambient(table, ambient_temperature),
-        notes=tuple(said),
+        notes=(*said, *_ends(shown[ends])),
     )
+
+
+def _ends(shown: np.ndarray) -> list[str]:
+    """A line about rows at the gauge's ends."""
+    return [
+        f"{np.sum(shown == one)} rows are left out: {end_text(one)}" for one in np.unique(shown)
+    ]
 
 
 def _require_columns(

@@ -64,7 +64,7 @@ class HeatedGauge(Gauge):
 def transpiration(
     inside: np.ndarray, temperature: float, ambient: float, radius: float, gas: AbstractGas
 ) -> np.ndarray:
-    """Pressure in a gauge over that in the chamber [1], shape (m,); ``inside``: the gauge's [Pa]."""
+    """Pressure in a gauge over that in the chamber [1], shape (m,); ``inside``: its own [Pa]."""
     middle = 0.5 * (temperature + ambient)
     with float64():
         path = np.asarray(mean_free_path(np.asarray(inside, float), middle, gas))
@@ -100,14 +100,14 @@ def gauge_of(
 
 
 def pirani_doubts(gas: str, gauge: Gauge, *, accuracy_stated: bool) -> list[Doubt]:
-    """A line where a gauge that is assumed to be a Pirani gauge is in a gas it is not set to."""
+    """A line where a gauge that is taken for a Pirani gauge is in a gas it is not set to."""
     factor = PIRANI_FACTORS.get(gas)
     told = gauge.factor != 1.0 or gauge.shown is not None or accuracy_stated
     if factor is None or told:
         return []
     return [
         Doubt(
-            f"the gauge is assumed to be a Pirani gauge, which is set to air: in {gas} the pressure "
+            f"the gauge is taken for a Pirani gauge, which is set to air: in {gas} the pressure "
             f"is {factor:g} times what it shows; state --gauge-factor {factor:g}, or "
             "--gauge-accuracy of a gauge that shows all gases alike"
         )

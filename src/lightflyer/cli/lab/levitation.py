@@ -169,9 +169,8 @@ def _coefficients(fit: "Calibration") -> "dict[tuple[str, str], Estimate]":
 
 
 def _distinct(lots: Sequence[Any]) -> Sequence[Any]:
-    from lightflyer.lab.record import require_distinct
-
     from lightflyer.files.table import same_text
+    from lightflyer.lab.record import require_distinct
 
     seen: dict[str, str] = {}
     for one in lots:

@@ -18,7 +18,8 @@ def finding_parts(result: "Ftir") -> Parts:
     low, high = (end / PER_CENTIMETRE for end in result.covered)
     found = f"at most {result.at_most:.4g}" if result.emissivity is None else result.emissivity
     part = f", {_PERCENT * (1.0 - result.uncovered_band):.0f} % of the band"
-    yield f"emissivity {found}, over {low:.5g} to {high:.5g} cm⁻¹{part * bool(result.uncovered_band)}"
+    said = part * bool(result.uncovered_band)
+    yield f"emissivity {found}, over {low:.5g} to {high:.5g} cm⁻¹{said}"
 
 
 def ftir_parts(result: "Ftir") -> Parts:

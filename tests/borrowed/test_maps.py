@@ -1,0 +1,84 @@
+"""Public reports of height maps and thermal images: inputs of our own, values by hand."""
+
+import numpy as np
+import pytest
+
+from lightflyer.lab.readers.height_map import HeightMap, read_height_map
+from lightflyer.lab.surface.levelling import level
+from lightflyer.lab.surface.reduction import roughness
+from lightflyer.lab.thermography.images.scaled import parse_scale
+from lightflyer.lab.thermography.thermal_image import read_thermal_image
+
+SIDE = 64
+X, Y = np.meshgrid(np.linspace(-1.0, 1.0, SIDE), np.linspace(-1.0, 1.0, SIDE))
+
+
+@pytest.mark.parametrize(
+    ("background", "order"),
+    [
+        (X * Y, 2),  # https://github.com/AFM-SPM/TopoStats/pull/626: a saddle
+        (X**2 + 0.3 * Y**2 - X, 2),  # https://github.com/AFM-SPM/TopoStats/pull/351: a bow
+        (X**3 - 0.2 * X * Y**2, 3),  # https://github.com/AFM-SPM/TopoStats/issues/716
+    ],
+)
+def test_a_background_of_an_order_vanishes(background, order):
+    away = level(1e-7 * background, np.zeros(X.shape, bool), order)
+    assert np.abs(away).max() < 1e-18
+    below = level(1e-7 * background, np.zeros(X.shape, bool), order - 1)
+    assert np.abs(below).max() > 1e-9
+
+
+def test_roughness_of_the_background_alone():
+    """https://github.com/AFM-SPM/TopoStats/issues/862: without grains, Sq of 2 nm."""
+    rng = np.random.default_rng(3)
+    surface = 2e-9 * rng.normal(size=(256, 256))
+    grains = surface.copy()
+    for row, column in rng.integers(20, 236, (8, 2)):
+        grains[row - 6 : row + 6, column - 6 : column + 6] += 60e-9
+    found = roughness(HeightMap("map", grains, 1e-5, 1e-5), height_accuracy=0.0)
+    assert found.parameters["rms_height"].value == pytest.approx(2.0, rel=0.03)
+    assert found.parameters_all["rms_height"].value > 6.0
+
+
+def write(folder, text):
+    path = folder / "map.txt"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def matrix(values):
+    return "\n".join("\t".join(f"{one:.9g}" for one in row) for row in values) + "\n"
+
+
+def test_rows_are_rows_in_a_map_that_is_not_square(tmp_path):
+    """https://github.com/AFM-SPM/TopoStats/pull/779: x and y were exchanged."""
+    heights = np.random.default_rng(1).normal(size=(20, 50))
+    head = "# Channel: z\n# Width: 5 µm\n# Height: 2 µm\n# Value units: nm\n"
+    found = read_height_map(write(tmp_path, head + matrix(heights)))
+    assert found.height.shape == (20, 50)
+    assert (found.width, found.length) == pytest.approx((5e-6, 2e-6))
+    assert found.height[3, 40] == pytest.approx(1e-9 * heights[3, 40], rel=1e-6)
+
+
+@pytest.mark.parametrize(("unit", "metres"), [("um", 1e-6), ("µm", 1e-6), ("nm", 1e-9), ("m", 1.0)])
+def test_heights_in_any_unit(tmp_path, unit, metres):
+    """https://github.com/AFM-SPM/TopoStats/pull/659: only some units were known."""
+    heights = 1e-9 / metres * np.random.default_rng(1).normal(size=(20, 20))
+    head = f"# Channel: z\n# Width: 5 µm\n# Height: 5 µm\n# Value units: {unit}\n"
+    found = read_height_map(write(tmp_path, head + matrix(heights)))
+    assert found.height == pytest.approx(metres * heights, rel=1e-6)
+
+
+def test_a_unit_is_not_set_to_one_in_silence(tmp_path):
+    """https://github.com/ContactEngineering/SurfaceTopography/issues/276"""
+    path = write(tmp_path, matrix(np.random.default_rng(1).normal(size=(20, 20))))
+    with pytest.raises(Exception, match="its heights have no unit; state it by --unit"):
+        read_height_map(path, size=1e-6)
+
+
+@pytest.mark.parametrize(("scale", "number"), [("0.1 K", 3000.0), ("1 mK", 300000.0)])
+def test_counts_of_a_camera_are_what_its_maker_says(tmp_path, scale, number):
+    """https://github.com/terraref/computing-pipeline/issues/151: 3000 is 300 K."""
+    counts = number * (1.0 + 0.01 * np.random.default_rng(1).uniform(size=(20, 20)))
+    image = read_thermal_image(write(tmp_path, matrix(counts)), scale=parse_scale(scale, None))
+    assert image.temperature == pytest.approx(counts * 300.0 / number, rel=1e-6)

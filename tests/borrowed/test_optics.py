@@ -1,0 +1,173 @@
+"""Public reports of thin-film optics and ellipsometry: closed formulas are the right values."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from lightflyer.lab.optics.data import read_sample
+from lightflyer.lab.optics.fit import fit_optics
+from lightflyer.lab.record import Doubt
+
+ELLIPSOMETRY = '[[ellipsometry]]\nfile = "psi-delta.csv"\n{more}\n'
+
+
+def film(folder, body, angles=None, more="", free="layers.0.thickness"):
+    """A sample file with the film; Ψ and Δ of anything where only the film is of interest."""
+    rows = angles or [(500, 60, 30, 100), (600, 60, 30, 100)]
+    lines = ["wavelength [nm],incidence [deg],psi [deg],delta [deg]"]
+    lines += [",".join(f"{one:.6f}" for one in row) for row in rows]
+    (folder / "psi-delta.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    text = f'free = [{{number = "{free}"}}]\n{ELLIPSOMETRY.format(more=more)}[film]\n{body}\n'
+    (folder / "sample.toml").write_text(text, encoding="utf-8")
+    return read_sample(folder / "sample.toml")
+
+
+def optics(folder, body, wavelength, incidence=0.0):
+    """Reflectance and transmittance for s and p, shape (2, ...)."""
+    sample = film(folder, body)
+    built = sample.build({one.name: one.start for one in sample.free})
+    found = built.optics(np.atleast_1d(wavelength), incidence)
+    return SimpleNamespace(r=np.asarray(found.reflectance), t=np.asarray(found.transmittance))
+
+
+def table(folder, name, index, ends=(0.2e-6, 200e-6)):
+    rows = [f"{1e6 * one},{index.real},{index.imag}" for one in np.geomspace(*ends, 20)]
+    path = folder / f"{name}.csv"
+    path.write_text("wavelength [um],n,k\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    return f'material = "{path}", density = "2 g/cm^3"'
+
+
+def fresnel(outer, inner):
+    return (outer - inner) / (outer + inner)
+
+
+def airy(indices, thickness, wavelength):
+    """Reflectance and transmittance of one layer between two media at normal incidence."""
+    outer, inner, below = indices
+    phase = np.exp(2j * np.pi * inner * thickness / wavelength)
+    first, last = fresnel(outer, inner), fresnel(inner, below)
+    bottom = 1.0 + first * last * phase**2
+    t = 4.0 * outer * inner / ((outer + inner) * (inner + below)) * phase / bottom
+    return abs((first + last * phase**2) / bottom) ** 2, np.real(below / outer) * abs(t) ** 2
+
+
+def test_an_opaque_layer_is_no_nan(tmp_path):
+    """https://github.com/MLResearchAtOSRAM/tmm_fast/issues/11
+
+    Of opaque tungsten only the first face reflects, |(N - 1)/(N + 1)|², whatever lies below.
+    """
+    tungsten = 3.5 + 2.7j
+    w, glass = table(tmp_path, "w", tungsten), table(tmp_path, "glass", 1.45 + 0j)
+    body = (
+        f'layers = [{{{w}, thickness = "100 um"}}, {{{glass}, thickness = "1 um"}},'
+        f'{{{w}, thickness = "100 um"}}]'
+    )
+    found = optics(tmp_path, body, [0.5e-6, 1e-6])
+    assert found.r == pytest.approx(np.full((2, 2), abs(fresnel(1.0, tungsten)) ** 2), rel=1e-9)
+    assert found.t == pytest.approx(0.0, abs=1e-30)
+
+
+@pytest.mark.parametrize(("angle", "r", "t"), [(0, 0.04299, 0.26233), (60, 0.09199, 0.17976)])
+def test_a_thick_slab_absorbs(tmp_path, angle, r, t):
+    """https://github.com/sbyrnes321/tmm/issues/4: 1 mm of n = 1.5 + 1e-4i, incoherent, at 1 µm."""
+    slab = table(tmp_path, "slab", 1.5 + 1e-4j)
+    body = (
+        f'layers = [{{material = "{tmp_path}/air.csv", density = "2 g/cm^3", '
+        f'thickness = "100 nm"}}]\nsubstrate = {{{slab}, thickness = "1 mm"}}'
+    )
+    table(tmp_path, "air", 1.0 + 0j)
+    found = optics(tmp_path, body, 1e-6, np.radians(angle))
+    assert found.r.mean() == pytest.approx(r, abs=2e-5)
+    assert found.t.mean() == pytest.approx(t, abs=2e-5)
+
+
+@pytest.mark.parametrize("wavelength", [0.4e-6, 0.55e-6, 0.8e-6])
+def test_what_absorbs_transmits_no_more_than_falls_on_it(tmp_path, wavelength):
+    """https://github.com/kitchenknif/PyTMM/issues/1: 272 nm that absorb, over 100 % came out."""
+    index = 4.3 + 0.6j
+    layer = table(tmp_path, "a-si", index)
+    found = optics(tmp_path, f'layers = [{{{layer}, thickness = "272 nm"}}]', wavelength)
+    r, t = airy((1.0, index, 1.0), 272e-9, wavelength)
+    assert found.r[0] == pytest.approx(r, rel=1e-6)
+    assert found.t[0] == pytest.approx(t, rel=1e-6)
+    assert np.all(found.r + found.t < 1.0)
+
+
+def test_a_mirror_of_quarter_waves(tmp_path):
+    """https://github.com/bahremsd/tmmax/issues/45
+
+    N pairs of quarter waves reflect ((1 - s)/(1 + s))², s = (n_H/n_L)^(2N), between vacua.
+    """
+    wavelength, high, low, pairs = 0.8e-6, 1.9, 1.45, 4
+    parts = {"h": high, "l": low}
+    layers = ", ".join(
+        f"{{{table(tmp_path, name, parts[name] + 0j)}, thickness = "
+        f'"{1e9 * wavelength / 4 / parts[name]:.9f} nm"}}'
+        for name in "hl" * pairs
+    )
+    found = optics(tmp_path, f"layers = [{layers}]", wavelength)
+    s = (high / low) ** (2 * pairs)
+    assert found.r[0] == pytest.approx(((1.0 - s) / (1.0 + s)) ** 2, rel=1e-7)
+
+
+def angles_of(thickness, wavelengths, incidence, index=1.47, below=3.9):
+    """Ψ and Δ [deg] of a layer on a substrate, by Airy's formula for s and p."""
+    rows = []
+    for wavelength in wavelengths:
+        sine = np.sin(np.radians(incidence))
+        n = np.array([1.0, index, below])
+        cosine = np.sqrt(1.0 - (sine / n) ** 2)
+        phase = np.exp(4j * np.pi * index * thickness * cosine[1] / wavelength)
+        r = {}
+        for name, a in (("s", n * cosine), ("p", n / cosine)):
+            first, last = ((a[i] - a[i + 1]) / (a[i] + a[i + 1]) for i in (0, 1))
+            r[name] = (first + last * phase) / (1.0 + first * last * phase)
+        ratio = r["p"] / r["s"]
+        # instruments turn p so that Δ of a bare substrate is 180° below Brewster's angle
+        rows.append((np.degrees(np.arctan(abs(ratio))), np.degrees(np.angle(-np.conj(ratio)))))
+    return np.array(rows)
+
+
+WAVELENGTHS = np.arange(400.0, 801.0, 20.0)  # [nm]
+BODY = """\
+substrate = {dispersion = {cauchy = {a = 3.9}}}
+layers = [{dispersion = {cauchy = {a = 1.47}}, thickness = "90 nm"}]
+"""
+
+
+@pytest.mark.parametrize(
+    ("least", "more"),
+    [
+        (0.0, ""),  # https://github.com/refnx/refellips/pull/99: 2° and 358° are 4° apart
+        (-180.0, ""),  # https://github.com/PyEllips/pyElli/issues/98
+        (-90.0, ""),  # https://github.com/PyEllips/pyElli/issues/198: from -90 to 270°
+        (None, 'delta = "folded"'),  # https://github.com/PyEllips/pyElli/issues/123: 0 to 180°
+    ],
+)
+def test_a_range_of_delta_does_not_matter(tmp_path, least, more):
+    psi, delta = angles_of(100e-9, 1e-9 * WAVELENGTHS, 55.0).T
+    shown = np.abs(delta) if least is None else (delta - least) % 360.0 + least
+    rows = list(zip(WAVELENGTHS, np.full(WAVELENGTHS.size, 55.0), psi, shown, strict=True))
+    found = fit_optics(film(tmp_path, BODY, rows, more), starts=4)
+    assert found.numbers["layers.0.thickness"].value == pytest.approx(100e-9, rel=1e-5)
+    assert not [one for one in found.warnings if isinstance(one, Doubt)]
+
+
+def test_delta_folded_by_a_rotating_analyser_is_told(tmp_path):
+    """https://github.com/PyEllips/pyElli/issues/123, as a file that does not say so."""
+    psi, delta = angles_of(100e-9, 1e-9 * WAVELENGTHS, 55.0).T
+    assert delta.min() < -20.0 < 20.0 < delta.max()
+    rows = list(zip(WAVELENGTHS, np.full(WAVELENGTHS.size, 55.0), psi, np.abs(delta), strict=True))
+    found = fit_optics(film(tmp_path, BODY, rows), starts=4)
+    assert 'delta = "folded"' in next(one for one in found.warnings if isinstance(one, Doubt))
+
+
+def test_a_bare_wafer_has_delta_of_180_degrees_below_brewster(tmp_path):
+    """https://github.com/edmundsj/rcwa/issues/20: the phase of p was off by 180°."""
+    sample = film(tmp_path, BODY.replace("90 nm", "0.4 nm"))
+    built = sample.build({one.name: one.start for one in sample.free})
+    brewster = np.arctan(3.9)
+    for angle, sign in ((brewster - 0.1, -1.0), (brewster + 0.1, 1.0)):
+        cosine = np.asarray(built.ellipsometry(np.array([600e-9]), angle))[1]
+        assert np.sign(cosine) == sign

@@ -260,3 +260,24 @@ def test_no_content_gives_a_traceback(tmp_path_factory, content, strict):
         return
     for values in table.numbers.values():
         assert np.isfinite(values).all()
+
+
+def test_stamps_are_times_and_a_date_is_no_number(tmp_path):
+    """Loggers write stamps; a spreadsheet makes a date of one pressure."""
+    columns = (Column("pressure", Quantity("Pa"), ("p",)), Column("power", Quantity("W"), ("p",)),
+               Column("time", Quantity("s"), assumed_unit="s"))  # fmt: skip
+    path = tmp_path / "log.csv"
+    path.write_text(
+        "Time,p (Pa),P (mW)\n2024-05-03 12:00:00,5.1,100\n2024-05-03T12:00:30.5,5.2,110\n"
+        "2024-05-03 12:01:00,2024-03-05,120\n2024-05-03 12:01:30,5.4,130\n",
+        encoding="utf-8",
+    )  # fmt: skip
+    table = read_table(path, columns)
+    assert table.numbers["pressure"] == pytest.approx([5.1, 5.2, 5.4])
+    assert table.numbers["power"] == pytest.approx([0.1, 0.11, 0.13])  # by its unit
+    assert np.diff(table.numbers["time"]) == pytest.approx([30.5, 59.5])
+    (row,) = table.rejected
+    assert row.line == 4
+    assert "is a date or a time of day" in row.reason
+    path.write_text("Time,p (Pa)\n11:59:30,5.1\n12:00:00,5.2\n", encoding="utf-8")
+    assert np.diff(read_table(path, columns).numbers["time"]) == pytest.approx([30.0])

@@ -111,3 +111,17 @@ def test_intervals_hold_the_truth(tmp_path, shown, delta):
         low, high = fit_optics(sample, starts=1, model=model).numbers["layers.0.thickness"].interval
         hits += low <= THICKNESS <= high
     assert 0.93 <= hits / trials <= 0.97
+
+
+def test_angles_without_units_are_degrees_unless_they_look_like_radians(tmp_path):
+    write(tmp_path, whole)
+    path, numbers = tmp_path / "psi-delta.csv", read_sample(tmp_path / "sample.toml").spectra
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace(" [deg]", ""), encoding="utf-8")
+    for one, other in zip(read_sample(tmp_path / "sample.toml").spectra, numbers, strict=True):
+        assert one.spectrum.value == pytest.approx(other.spectrum.value)
+    rows = [line.split(",") for line in text.splitlines()[1:]]
+    lines = [f"{a},{b},{np.radians(float(c)):.6f},{np.radians(float(d)):.6f}" for a, b, c, d in rows]
+    path.write_text("\n".join(["nm,aoi,Psi,Delta", *lines]) + "\n", encoding="utf-8")
+    with pytest.raises(ConfigurationError, match="looks like radians"):
+        read_sample(tmp_path / "sample.toml")

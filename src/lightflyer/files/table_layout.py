@@ -287,22 +287,35 @@ def _with_units_below(
 
 def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple[Column, str]]:
     """Known columns of a header with the units it names, by position."""
-    by_name = {name: one for one in columns for name in one.headers}
-    found = {}
+    by_name: dict[str, list[Column]] = {}
+    for one in columns:
+        for name in one.headers:
+            by_name.setdefault(name, []).append(one)
+    found: dict[int, tuple[Column, str]] = {}
     for position, cell in enumerate(cells):
         base, unit = _split_name(cell)
-        column = by_name.get(_normal(base))
+        named = by_name.get(_normal(base), [])
+        # p may be a pressure or a power: the unit tells
+        column = next((one for one in named if len(named) == 1 or _fits(one, unit)), None)
         if column and not (column.any_unit and _normal(unit) in _ERRORS):
             found[position] = (column, unit)
     missing = [one for one in columns if not any(one is column for column, _ in found.values())]
-    named = [(place, cell) for place, cell in enumerate(cells) if cell[:1].isalpha()]
-    for column in missing if named else ():
-        for position, cell in named:
+    spelled = [(place, cell) for place, cell in enumerate(cells) if cell[:1].isalpha()]
+    for column in missing if spelled else ():
+        for position, cell in spelled:
             suffix = None if position in found else _suffix(column, cell)
             if suffix is not None:
                 found[position] = (column, suffix)
                 break
     return found
+
+
+def _fits(column: Column, unit: str) -> bool:
+    """Whether a column may have a unit; the first of a name may have none."""
+    try:
+        return not unit or bool(scale_and_offset(unit, column.quantity.unit))
+    except ConfigurationError:
+        return False
 
 
 def _split_name(cell: str) -> tuple[str, str]:

@@ -1,5 +1,6 @@
 """Rows of a table as numbers and texts, and what is wrong with the rows that cannot be read."""
 
+import datetime
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,7 +27,8 @@ _SMALLEST, _LARGEST = 1e-30, 1e30  # of measured values in any unit; powers of o
 _BLOCK = 50_000  # rows read at once; a block with a faulty row is read again row by row
 _HEAD = 200  # rows that settle the marks of most files
 _NUMBER_AND_UNIT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*[A-Za-zµμ°Ω%/^]+")
-_DATE = re.compile(r"^\d{4}-\d\d-\d\d(?:T[\d:.]+)?$|^\d\d:\d\d:\d\d")
+_DATE = re.compile(r"^\d{4}-\d\d-\d\d(?:[T ][\d:.]+)?$|^\d\d:\d\d:\d\d")
+_CLOCK, _MIDNIGHT = re.compile(r"^\d\d:\d\d"), datetime.date(1970, 1, 1)
 _SPACED = re.compile(rf"\d[{SPACES}{APOSTROPHES}]\d")
 _PERCENT = 100.0
 
@@ -229,6 +231,8 @@ def _read_row(
         value = marks.number(cell)
         if value is None:
             value = _in_percent(cell, one, marks)
+        if value is None and column.quantity.unit == "s":
+            value = _moment(cell, one)
         if value is None:
             _require_plain(cell, f"{place}: {column.name}")
             return _not_a_number(cell, column.name), said
@@ -241,6 +245,8 @@ def _read_row(
 def _not_a_number(cell: str, name: str) -> str:
     if not cell:
         return f"{name} is empty"
+    if _DATE.match(cell):
+        return f'{name}: "{cell}" is a date or a time of day, as spreadsheets make of 5.3 or 5-3'
     try:
         known = not math.isfinite(float(cell))
     except ValueError:
@@ -254,6 +260,20 @@ def _in_percent(cell: str, one: Placed, marks: Marks) -> float | None:
         return None
     value = marks.number(cell[:-1].rstrip())
     return value if value is None or one.column.any_unit else value / _PERCENT / one.scale
+
+
+def _moment(cell: str, one: Placed) -> float | None:
+    """Seconds of a date since 1970, or of a time of day since midnight, in the column's unit."""
+    try:
+        if _CLOCK.match(cell):
+            clock = datetime.time.fromisoformat(cell)
+            day = datetime.datetime.combine(_MIDNIGHT, clock)
+        else:
+            day = datetime.datetime.fromisoformat(cell)
+    except ValueError:
+        return None
+    day = day if day.tzinfo else day.replace(tzinfo=datetime.UTC)
+    return (day.timestamp() - one.offset) / one.scale
 
 
 def _require_plain(cell: str, place: str) -> None:
@@ -272,8 +292,4 @@ def _require_plain(cell: str, place: str) -> None:
         raise ConfigurationError(
             f'{place}: "{text}" is a text of the workbook, of which the mark may group thousands; '
             "make it a number there"
-        )
-    if _DATE.match(cell):
-        raise ConfigurationError(
-            f'{place}: "{cell}" is a date or a time of day; write numbers, elapsed time in seconds'
         )

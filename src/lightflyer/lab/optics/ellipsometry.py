@@ -26,12 +26,15 @@ SHARED = len(ORDINATES) / 2.0
 S is left out, both tell all."""
 
 _GRAZING = 90.0
+_RADIANS, _TURN = 1.58, 6.3  # of Ψ, and the widest range of Δ, if these are radians
 _ANGLE = Quantity("deg", 0.0, 90.0)
 _COLUMNS = (
     *(column for column in COLUMNS if column.name in AXES),
-    Column("psi", _ANGLE, ("Ψ",), required=True, suggested_unit="deg"),
-    Column("delta", Quantity("deg", -360.0, 360.0), ("Δ",), required=True, suggested_unit="deg"),
-    Column("incidence", _ANGLE, ("angle", "aoi", "angle_of_incidence"), suggested_unit="deg"),
+    Column("psi", _ANGLE, ("Ψ",), required=True, assumed_unit="deg", suggested_unit="deg"),
+    Column("delta", Quantity("deg", -360.0, 360.0), ("Δ",), required=True,
+           assumed_unit="deg", suggested_unit="deg"),
+    Column("incidence", _ANGLE, ("angle", "aoi", "angle_of_incidence"), assumed_unit="deg",
+           suggested_unit="deg"),
 )
 
 
@@ -50,6 +53,11 @@ class EllipsometrySection(MeasuredFile):
         """Spectra of N, C and S with their incidence [rad], for each one in the file."""
         table = read_table(self.file, _COLUMNS, layout=self.columns)
         angles = self._angles(table)
+        if table.numbers["psi"].max() <= _RADIANS and np.ptp(table.numbers["delta"]) < _TURN:
+            raise ConfigurationError(
+                f"{self.file}: no Ψ is above {_RADIANS:g}°, which looks like radians; name the unit "
+                'in the header, "psi [rad]"'
+            )
         axes = [name for name in AXES if name in table.numbers]
         if len(axes) != 1:
             raise ConfigurationError(f"{self.file}: needs one column of {', '.join(AXES)}")

@@ -18,7 +18,7 @@ _LEAST_DIFFERENCE = 1e-3  # between heater and gas [K]
 
 COLUMNS = (
     Column("pressure", Pressure, ("p", "chamber_pressure"), outside="reject"),
-    Column("heater_power", Quantity("W", 0.0, open_below=True), ("power",)),
+    Column("heater_power", Quantity("W", 0.0, open_below=True), ("power", "p")),
     Column("heater_voltage", Quantity("V", 0.0, open_below=True), ("voltage", "u", "v")),
     Column("heater_current", Quantity("A", 0.0, open_below=True), ("current", "i")),
     Column("heater_temperature", Temperature, ("t_heater", "temperature")),

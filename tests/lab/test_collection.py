@@ -43,3 +43,13 @@ def test_a_folder_without_records(tmp_path):
         collect_records([3])
     with pytest.raises(lf.ConfigurationError, match="is not a folder"):
         collect_records([tmp_path / "none"])
+
+
+def test_what_a_measurement_is_made_for_stands_out(tmp_path):
+    """A run of a heater also has the numbers of its scatter and of its parts."""
+    record = {"tac": NUMBER, "slope": NUMBER, "runs": {"a": {"tac": NUMBER}}, "warnings": []}
+    write(tmp_path, "tac.json", record)
+    write(tmp_path, "optics.json", {"numbers": {"layers.0.thickness": NUMBER}, "warnings": []})
+    write(tmp_path, "force.json", {"measured_over_predicted": NUMBER, "warnings": []})
+    found = {one.quantity for one in collect_records(tmp_path) if one.is_headline}
+    assert found == {"tac", "numbers, layers.0.thickness", "measured_over_predicted"}

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.lab.readers.formats import Format
 from lightflyer.lab.readers.height_map import HeightMap, list_channels, read_height_map
 from lightflyer.lab.readers.height_maps.channel import Channel, choose_channel
 from lightflyer.lab.readers.number_matrix import read_number_matrix
@@ -143,7 +144,7 @@ def test_jpk(tmp_path):
 
 def test_channels_are_listed_and_others_refused():
     names = [one.description for one in list_channels(FILES / "picoview.mi")]
-    assert names == ["Topography [µm]", "Deflection [V]", "Friction [V]", "Friction [V]"]
+    assert names == ["Topography [µm]", "Deflection [V]", "Friction [V]", "Friction (2) [V]"]
     for name in ("Deflection", "Friction (2)"):
         with pytest.raises(lf.ConfigurationError, match=r'" is not a height; choose one .*Topog'):
             read_height_map(FILES / "picoview.mi", channel=name)
@@ -441,3 +442,17 @@ def test_gwyddion_writes_its_header_in_the_users_language(tmp_path, words):
     assert found.channel == "Topographie"
     assert (found.width, found.length) == pytest.approx((10e-6, 5e-6))
     assert found.height == pytest.approx(heights, abs=1e-14)
+
+
+def test_channels_of_one_name_are_listed_as_they_are_chosen(tmp_path, monkeypatch):
+    twice = [Channel("Height", "m", SHAPE, 1e-6, 1e-6, lambda at=at: np.full(SHAPE, at))
+             for at in (1.0, 2.0)]  # fmt: skip
+    monkeypatch.setattr(
+        "lightflyer.lab.readers.height_map.find_format",
+        lambda *_: Format("twins", lambda _: True, lambda _: twice),
+    )
+    path = tmp_path / "map.xyz"
+    path.write_text("twins", encoding="utf-8")
+    names = [one.name for one in list_channels(path)]
+    assert names == ["Height", "Height (2)"]
+    assert choose_channel(path, twice, names[1])[0].read()[0, 0] == 2.0

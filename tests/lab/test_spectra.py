@@ -597,3 +597,11 @@ def test_names_of_axes_and_ordinates():
     assert axis_of("NANOMETERS").is_wavelength
     assert parse_ordinate("%T") == OrdinateUnit(quantity="transmittance", percent=True)
     assert parse_ordinate("Single Beam").startswith("shows a single beam")
+
+
+def test_spectra_of_one_name_are_told_apart_by_their_data():
+    """Two absorbances of one sample, as Bruker's files hold them."""
+    both = linked(jdx(title="film"), jdx(SHARES / 2, title="film"))
+    said = fault("s.dx", both)
+    assert f"1 TRANSMITTANCE of film (25 points from 4000 to 400, {SHARES.min():.3g}" in said
+    assert f"{SHARES.max() / 2:.3g})" in said

@@ -9,8 +9,21 @@ from typing import Any, NamedTuple
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.lab.estimate import Estimate
 
-COMMANDS = ("levitation", "tac", "thermography", "ftir", "optics", "roughness")
+COMMANDS = ("levitation", "tac", "thermography", "ftir", "optics", "roughness", "force")
 """Commands whose records, ``NAME.json``, are collected."""
+
+
+HEADLINES = {
+    "levitation": ("optimal_pressure", "minimum_irradiance"),
+    "tac": ("tac", "tac_top", "tac_bottom", "difference"),
+    "thermography": ("emissivity", "absorptivity"),
+    "ftir": ("emissivity", "emissivity_upper_bound"),
+    "roughness": ("rms_height",),
+    "force": ("measured_over_predicted",),
+}
+"""Numbers that a measurement is made for; of optics, all that were fitted."""
+
+_DETAILS = ("monte_carlo", "maps", "runs", "top", "bottom")  # parts of a record, beside its result
 
 
 class Entry(NamedTuple):
@@ -21,6 +34,14 @@ class Entry(NamedTuple):
     quantity: str  # with the names of what it is part of, such as "samples, Ge, optimal_pressure"
     estimate: Estimate
     warnings: int  # of its record
+
+    @property
+    def is_headline(self) -> bool:
+        """Whether it is what its measurement was made for."""
+        *parts, last = self.quantity.split(", ")
+        if self.command == "optics":
+            return parts[:1] == ["numbers"]
+        return last in HEADLINES[self.command] and not {*parts} & {*_DETAILS}
 
 
 def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Entry]:

@@ -1,7 +1,6 @@
-from functools import partial
-
 import pytest
 
+from lightflyer.files.result_text import NARROW, unwrap
 from lightflyer.lab.synthetic import example_files
 
 
@@ -28,4 +27,15 @@ def examples(folder):
 def lab(run, monkeypatch):
     """Run ``lightflyer lab``; returns exit code, output and errors."""
     monkeypatch.setenv("COLUMNS", "200")
-    return partial(run, "lab")
+
+    def command(*arguments):
+        code, out, err = run("lab", *arguments)
+        lines = out.splitlines()
+        # tables keep their digits; of texts only a word may be wider, such as a path
+        wide = [line for line in lines if len(line) > NARROW and not line.startswith((" ", "{"))]
+        assert all(
+            len(word) > NARROW // 3 for line in wide for word in [max(line.split(), key=len)]
+        )
+        return code, "\n".join([*unwrap(out), ""]) if lines else out, err
+
+    return command

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import ResultOptions
 from lightflyer.cli.output import print_json, printer, show, write_json
-from lightflyer.files.result_text import Parts
+from lightflyer.files.result_text import Parts, wrap
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -91,10 +91,15 @@ def deliver(
         print_json(document)
         return
     console = printer()
-    show(console, parts)
+    show(console, map(_narrow, parts))
     written = [] if out is None else [out / file for file in names]
     figures.tell(console, written, "add --out FOLDER to write a record and a figure")
-    show(console, updated)
+    show(console, map(_narrow, updated))
+
+
+def _narrow(part: Any) -> Any:
+    """A line of text in lines of a narrow terminal; tables as they are."""
+    return "\n".join(map(wrap, part.splitlines())) if isinstance(part, str) else part
 
 
 def updater(

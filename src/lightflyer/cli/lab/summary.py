@@ -1,5 +1,6 @@
 """``lightflyer lab summary``: the numbers of many records in one table."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +27,8 @@ def summary_command(
     folders
         Folders of records, and of folders of them.
     quantity
-        Only quantities whose name contains this, such as "tac".
+        Quantities whose name contains this, such as "tac"; "" for all. Default: what each
+        measurement was made for.
     out
         Table to write, such as runs.csv.
     json_output
@@ -36,10 +38,23 @@ def summary_command(
     from lightflyer.core.errors import ConfigurationError
     from lightflyer.files.result_text import table_of
     from lightflyer.lab.collection import collect_records, table_text
+    from lightflyer.lab.optics.text import in_display_unit
+
+    def interval(one: Any) -> str:
+        low, high = one.interval
+        if math.isinf(low) and math.isinf(high):
+            return "unknown"
+        return one.interval_text() if math.isfinite(low) else f"below {high:.4g}"
 
     entries = collect_records(folders)
     names = sorted({one.quantity for one in entries})
-    entries = [one for one in entries if (quantity or "") in one.quantity]
+    found = len(entries)
+    entries = [
+        one
+        for one in entries
+        if (one.is_headline or out is not None or json_output if quantity is None
+            else quantity in one.quantity)
+    ]  # fmt: skip
     if not entries:
         raise ConfigurationError(f"no quantity contains {quantity}; found: {'; '.join(names)}")
     if out is not None and out.is_dir():
@@ -53,13 +68,15 @@ def summary_command(
     headings = ("folder", "command", "quantity", "value", "95 % interval", "unit", "warnings")
     rows = (
         (
-            one.folder, one.command, one.quantity, f"{one.estimate.value:.4g}",
-            one.estimate.interval_text(), one.estimate.unit or "1", str(one.warnings),
+            one.folder, one.command, one.quantity, f"{shown.value:.4g}",
+            interval(shown), shown.unit or "1", str(one.warnings),
         )
-        for one in entries
+        for one, shown in ((one, in_display_unit(one.estimate)) for one in entries)
     )  # fmt: skip
     console = printer()
     console.print(table_of(headings, rows, left=(0, 1, 2, 4, 5)))
+    if len(entries) < found and quantity is None:
+        console.print(f'and {found - len(entries)} more, with --quantity ""')
     if out is not None:
         console.print(f"wrote {out}", markup=False, soft_wrap=True)
 

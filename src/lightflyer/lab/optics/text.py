@@ -18,12 +18,12 @@ _DIGITS = 5
 
 def finding_parts(result: "OpticsFit") -> Parts:
     """Fitted numbers in a sentence."""
-    yield listed(f"{name} {_in_display_unit(one)}" for name, one in result.numbers.items())
+    yield listed(f"{name} {in_display_unit(one)}" for name, one in result.numbers.items())
 
 
 def fit_parts(result: "OpticsFit") -> Parts:
     """Fitted numbers, what the fitted film does, and the errors of the instruments."""
-    numbers = [(name, _in_display_unit(one)) for name, one in result.numbers.items()]
+    numbers = [(name, in_display_unit(one)) for name, one in result.numbers.items()]
     yield estimate_table(numbers, "fitted", _DIGITS)
     if result.predictions:
         yield estimate_table(result.predictions.items(), "of the fitted film", _DIGITS)
@@ -42,7 +42,8 @@ def fit_parts(result: "OpticsFit") -> Parts:
     yield correlation_text(list(result.numbers), result.correlation)
 
 
-def _in_display_unit(one: Estimate) -> Estimate:
+def in_display_unit(one: Estimate) -> Estimate:
+    """The estimate in the unit that people write such numbers of films in."""
     scale, unit = display_unit(one.unit)
     low, high = one.interval
     return Estimate(one.value / scale, (low / scale, high / scale), unit)

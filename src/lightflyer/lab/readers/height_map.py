@@ -9,7 +9,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length
 from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
 from lightflyer.lab.readers.height_maps import gwyddion, igor, instruments, text
-from lightflyer.lab.readers.height_maps.channel import Channel, choose_channel
+from lightflyer.lab.readers.height_maps.channel import Channel, choose_channel, with_different_names
 from lightflyer.program.arguments import reads_units
 
 NANOMETRE = 1e-9  # [m]
@@ -116,8 +116,7 @@ def list_channels(path: str | Path) -> list[Channel]:
     kind = find_format(source, HEIGHT_MAP_FORMATS)
     if kind is None:
         source.refuse("a matrix in a text file has no channels")
-    channels: list[Channel] = kind.read(source)
-    return channels
+    return with_different_names(kind.read(source))
 
 
 def _refuse_options(source: Source, size: float | None, unit: str | None) -> None:

@@ -56,7 +56,7 @@ def choose_channel(
     path: Path, channels: Sequence[Channel], wanted: str | None
 ) -> tuple[Channel, str]:
     """The named channel, or the first with heights; returns ``channel``, ``note``."""
-    named = _with_different_names(channels)
+    named = with_different_names(channels)
     listed = ", ".join(one.description for one in named)
     if wanted is not None:
         found = next((one for one in named if one.name.lower() == wanted.lower()), None)
@@ -101,7 +101,7 @@ def _may_be_height(name: str) -> bool:
     return wrong is None or ("height" in name.lower() and "error" not in name.lower())
 
 
-def _with_different_names(channels: Sequence[Channel]) -> list[Channel]:
+def with_different_names(channels: Sequence[Channel]) -> list[Channel]:
     """The same channels; the second of two with one name gets "(2)" appended."""
     seen: dict[str, int] = {}
     named = []

@@ -94,6 +94,12 @@ def _list_names(spectra: list[RawSpectrum], fit: list[RawSpectrum]) -> str:
         for number, one in enumerate(spectra, start=1)
         if any(one is other for other in fit)
     ]
+    bare = [name.partition(" ")[2] for name in names]
+    for place, one in enumerate(fit) if len(set(bare)) < len(bare) else ():
+        x, y = one.abscissa, one.ordinate  # what tells apart those of one name
+        names[place] += (
+            f" ({len(y)} points from {x[0]:.5g} to {x[-1]:.5g}, {y.min():.3g} to {y.max():.3g})"
+        )
     more = f", and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
     return ", ".join(names[:_LISTED]) + more
 

@@ -240,3 +240,19 @@ def test_delimiter_stated_for_a_spreadsheet(tmp_path):
     path = tmp_path / "raw.csv"
     path.write_text("sep=|\npressure [Pa]|irradiance [W/m^2]\n1|8.5\n", encoding="utf-8")
     assert read_table(path, COLUMNS, strict=True).numbers["irradiance"].tolist() == [8.5]
+
+
+def test_merged_cells_hold_their_text_in_every_row(tmp_path):
+    """Of merged cells a workbook stores the first one only."""
+    book = openpyxl.Workbook()
+    book.active.append(["points of May", None])
+    book.active.merge_cells("A1:B1")
+    for row in (["sample", "pressure [Pa]"], ["Ge", 1.0], [None, 2.0], ["CNT", 3.0], [None, 4.0]):
+        book.active.append(row)
+    book.active.merge_cells("A3:A4")
+    book.active.merge_cells("A5:A6")
+    book.save(tmp_path / "book.xlsx")
+    columns = Column("sample", text=True, blank=False), Column("pressure", Pressure)
+    table = read_table(tmp_path / "book.xlsx", columns)
+    assert table.texts["sample"] == ["Ge", "Ge", "CNT", "CNT"]
+    assert table.numbers["pressure"].tolist() == [1.0, 2.0, 3.0, 4.0]

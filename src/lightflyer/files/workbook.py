@@ -25,6 +25,7 @@ _ZIP, _OLD = b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 _BOOK, _SHEETS = "xl/workbook.xml", "xl/worksheets/"
 _OTHERS = {"content.xml": "an OpenDocument file", "Index/Document.iwa": "an Apple Numbers file"}
 _LARGEST = 60_000_000  # bytes of all sheets without compression; a cell takes at least 26
+_MERGED = b"<mergeCell "
 _PERCENT = 100.0
 _LITERAL = re.compile(r'"[^"]*"|\\.')  # of a format of numbers
 
@@ -74,6 +75,7 @@ def read_sheets(content: bytes, name: str) -> dict[str, list[str]]:
             has = any(cell.data_type == "f" for rows in formulas.values() for row in rows
                       for cell in row)  # fmt: skip
             cells = _cells(openpyxl, content, values=True) if has else formulas
+            merged = _merged(openpyxl, content)
     except Exception as error:  # the parser has no errors of its own
         said = " ".join(str(error).split())[:80] or type(error).__name__
         raise ConfigurationError(f"{name}: is a damaged workbook: {said}") from None
@@ -83,6 +85,10 @@ def read_sheets(content: bytes, name: str) -> dict[str, list[str]]:
             [_text(cell, formula) for cell, formula in zip(row, below, strict=True)]
             for row, below in zip(rows, formulas[sheet], strict=True)
         ]
+        for first, last, column in merged.get(sheet, ()):
+            for row in texts[first : last + 1]:
+                row += [""] * (column + 1 - len(row))
+                row[column] = texts[first - 1][column]
         width = max(
             (1 + place for row in texts for place, text in enumerate(row) if text), default=0
         )
@@ -102,6 +108,26 @@ def _cells(openpyxl: Any, content: bytes, *, values: bool) -> dict[str, list[tup
         return {sheet.title: list(sheet.iter_rows()) for sheet in book.worksheets}
     finally:
         book.close()
+
+
+def _merged(openpyxl: Any, content: bytes) -> dict[str, list[tuple[int, int, int]]]:
+    """Rows below the first of cells that are merged downwards, and their column, from 0; by sheet.
+
+    Only the first of such cells holds what all of them show.
+    """
+    archive = zipfile.ZipFile(io.BytesIO(content))
+    sheets = [name for name in archive.namelist() if name.startswith(_SHEETS)]
+    if not any(_MERGED in archive.read(name) for name in sheets):
+        return {}
+    book = openpyxl.load_workbook(io.BytesIO(content))
+    return {
+        sheet.title: [
+            (one.min_row, one.max_row - 1, one.min_col - 1)
+            for one in sheet.merged_cells.ranges
+            if one.max_row > one.min_row
+        ]
+        for sheet in book.worksheets
+    }
 
 
 def _line(cells: list[str], width: int) -> str:

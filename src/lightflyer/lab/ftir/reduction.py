@@ -279,9 +279,7 @@ def reduce_ftir(
             *spectrum_warnings(spectra, reflectances, band, used),
             *bounds.warnings,
             *accuracy_warnings(accuracy, used),
-            *([] if emissivity.band is None or not reflectances else doubts_of(
-                "emissivity", EMISSIVITY, emissivity.band.value
-            )),
+            *(doubts_of("emissivity", EMISSIVITY, emissivity.band.value) if reflectances else []),
         ),
     )  # fmt: skip
 

@@ -153,7 +153,7 @@ def is_off(one: FilmSpectrum, residual: np.ndarray) -> bool:
 
 
 def _instruments(sample: OpticsSample, fit: Fit) -> list[str]:
-    found = []
+    found: list[str] = []
     unstated = [one for one in sample.spectra if None in (one.scale_accuracy, one.zero_accuracy)]
     if unstated:
         found.append(

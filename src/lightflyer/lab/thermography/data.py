@@ -61,7 +61,9 @@ THERMAL = Method(
 """Apparent temperatures of a thermal camera."""
 
 LIGHT = Method(
-    ("incident", "reflected", "transmitted", "dark"), (_LIGHT, *[_NEAR_DARK] * 3), "absorptivity"
+    ("incident", "reflected", "transmitted", "dark"),
+    (_LIGHT, _NEAR_DARK, _NEAR_DARK, _NEAR_DARK),
+    "absorptivity",
 )
 """Readings of a light meter, all in the same unit."""
 

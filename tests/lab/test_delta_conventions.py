@@ -121,7 +121,9 @@ def test_angles_without_units_are_degrees_unless_they_look_like_radians(tmp_path
     for one, other in zip(read_sample(tmp_path / "sample.toml").spectra, numbers, strict=True):
         assert one.spectrum.value == pytest.approx(other.spectrum.value)
     rows = [line.split(",") for line in text.splitlines()[1:]]
-    lines = [f"{a},{b},{np.radians(float(c)):.6f},{np.radians(float(d)):.6f}" for a, b, c, d in rows]
+    lines = [
+        f"{a},{b},{np.radians(float(c)):.6f},{np.radians(float(d)):.6f}" for a, b, c, d in rows
+    ]
     path.write_text("\n".join(["nm,aoi,Psi,Delta", *lines]) + "\n", encoding="utf-8")
     with pytest.raises(ConfigurationError, match="looks like radians"):
         read_sample(tmp_path / "sample.toml")

@@ -426,3 +426,16 @@ def test_names_that_differ_in_case_or_blanks_are_one_sample(tmp_path, other):
     assert len(one.pressure) == 12
     if " ".join(other.split()) != "Ge 2 cm":
         assert any("is taken for" in note for note in table.notes)
+
+
+def test_points_at_the_gauges_end_are_left_out(rng, tmp_path):
+    """A gauge that shows no more than 20 Pa, while the sample needs more and more light."""
+    points, _ = across_a_gap(rng, (2.0, 2.0), count=40)
+    shown = np.minimum(points.pressure, 20.0)
+    assert np.sum(shown == 20.0) >= 3
+    rows = "".join(f"{p:.6g},{i:.6g}\n" for p, i in zip(shown, points.irradiance, strict=True))
+    file = tmp_path / "points.csv"
+    file.write_text("pressure [Pa],irradiance [W/m^2]\n" + rows, encoding="utf-8")
+    (one,), _ = read_lift_offs(file)
+    assert one.pressure.max() < 20.0
+    assert "the gauge is at the end of its range, 20 Pa" in one.notes[0]

@@ -219,7 +219,11 @@ def _with_si(file: Lines, rows: list[Row], layout: Layout, *, say: bool) -> Tabl
             for position, name in enumerate(layout.names)
             if position not in layout.columns and name not in ("", "-")
         ],
-        notes=[*marks.notes, *(note for _, notes in spelled.values() for note in notes), *(f"{one.column.name}: {text}" for one, text in said if text)],
+        notes=[
+            *marks.notes,
+            *(note for _, notes in spelled.values() for note in notes),
+            *(f"{one.column.name}: {text}" for one, text in said if text),
+        ],
     )
 
 

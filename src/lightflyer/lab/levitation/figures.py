@@ -83,7 +83,8 @@ def levitation_curves(
     ax.grid(alpha=0.25, which="both")
     ax.plot([], [], "*", color=GREY, ms=9, mec="white", mew=0.5, label=f"minimum, {INTERVAL}")
     ax.fill_between([], [], [], color=GREY, alpha=0.3, lw=0, label="95 % band of a line")
-    legend_below(ax, title="points: measured, with stated ± (95 %); solid lines: LOESS, twice")
+    bars = ", with stated ± (95 %)" * any(curve.points.uncertainties for curve in curves)
+    legend_below(ax, title=f"points: measured{bars}; solid lines: LOESS, twice")
     return ax
 
 

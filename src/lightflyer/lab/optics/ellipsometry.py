@@ -31,10 +31,21 @@ _ANGLE = Quantity("deg", 0.0, 90.0)
 _COLUMNS = (
     *(column for column in COLUMNS if column.name in AXES),
     Column("psi", _ANGLE, ("Ψ",), required=True, assumed_unit="deg", suggested_unit="deg"),
-    Column("delta", Quantity("deg", -360.0, 360.0), ("Δ",), required=True,
-           assumed_unit="deg", suggested_unit="deg"),
-    Column("incidence", _ANGLE, ("angle", "aoi", "angle_of_incidence"), assumed_unit="deg",
-           suggested_unit="deg"),
+    Column(
+        "delta",
+        Quantity("deg", -360.0, 360.0),
+        ("Δ",),
+        required=True,
+        assumed_unit="deg",
+        suggested_unit="deg",
+    ),
+    Column(
+        "incidence",
+        _ANGLE,
+        ("angle", "aoi", "angle_of_incidence"),
+        assumed_unit="deg",
+        suggested_unit="deg",
+    ),
 )
 
 

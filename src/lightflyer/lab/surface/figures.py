@@ -25,7 +25,9 @@ from lightflyer.lab.readers.height_map import NANOMETRE
 if TYPE_CHECKING:
     from lightflyer.lab.surface.reduction import Roughness
 
-_WIDTH, _HEIGHT = 4.0, 7.6  # of the column of one map [inch]
+_WIDTH = 4.0  # of the column of one map [inch]
+_SIDE, _AROUND = 2.65, 1.7  # width of a map in it; titles, labels and legend of both rows [inch]
+_LONGEST = 3.0  # over its width, that a map is drawn in its shape
 _MOST_PIXELS = 1024  # drawn along a side
 _SHOWN = 3.5  # range of the colours, in rms heights
 _MICROMETRE = 1e-6
@@ -106,7 +108,9 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     dict of str to matplotlib.figure.Figure
     """
     count = len(results)
-    figure = new_figure(columns=count, width=_WIDTH, height=_HEIGHT, rows=2)
+    longest = max(one.source.length / one.source.width for one in results)
+    height = _AROUND + 2.0 * _SIDE * min(longest, _LONGEST)
+    figure = new_figure(columns=count, width=_WIDTH, height=height, rows=2)
     figure.set_layout_engine("compressed", h_pad=0.08)  # of axes with a fixed aspect
     axes = figure.axes
     for masked, row in enumerate((axes[:count], axes[count:])):

@@ -21,6 +21,7 @@ Regions: TypeAlias = Mapping[str, tuple[slice, slice]]
 _NONE: Regions = {}
 _LARGEST = 6.0  # longer side of an image's axes [inch]
 _WIDTH = 2.9  # of one property [inch]
+_VISIBLE = 0.1  # of an interval, by which another one differs from it
 _SPREAD = 0.3  # half the width over which rows are drawn
 
 
@@ -30,8 +31,9 @@ def draw_property(result: "RadiativeProperties", name: str, ax: Axes) -> Axes:
     # side by side, so that equal rows stay apart
     spread = np.linspace(-_SPREAD, _SPREAD, each.size) if each.size > 1 else np.zeros(1)
     ax.plot(spread, each, "o", color=GREY, mfc="none", ms=5, label="rows")
-    ways = ((result.first_order, BLUE, "s", "first order"),
-            (result.monte_carlo, VERMILION, "D", "Monte Carlo"))  # fmt: skip
+    ways = [(result.first_order, BLUE, "s", "first order")]
+    if _differ(result):
+        ways.append((result.monte_carlo, VERMILION, "D", "Monte Carlo"))
     for place, (estimates, colour, marker, label) in enumerate(ways, start=1):
         one = estimates[name]
         low, high = one.interval
@@ -43,12 +45,19 @@ def draw_property(result: "RadiativeProperties", name: str, ax: Axes) -> Axes:
         said = f"{one.value:.3f}"
         ax.annotate(said, (place, high), (0, 6), textcoords="offset points", ha="center",
                     fontsize="small")  # fmt: skip
-    ax.set_xlim(-0.6, 2.7)
+    ax.set_xlim(-0.6, len(ways) + 0.7)
     ax.set_xticks([])
     ax.margins(y=0.25)
     ax.set_xlabel(next(iter(result.name_properties({name: None}))))
     ax.grid(alpha=0.25, axis="y")
     return ax
+
+
+def _differ(result: "RadiativeProperties") -> bool:
+    """Whether both intervals of any property differ to the eye."""
+    pairs = [(one.interval, result.monte_carlo[name].interval)
+             for name, one in result.first_order.items()]  # fmt: skip
+    return any(np.abs(np.subtract(a, b)).max() > _VISIBLE * np.ptp(a) for a, b in pairs)
 
 
 def plot_properties(result: "RadiativeProperties") -> Figure:

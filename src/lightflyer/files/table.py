@@ -233,7 +233,7 @@ def same_text(text: str) -> str:
 
 
 def one_spelling(column: str, texts: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Texts that differ in case or blanks only, as the first of them is written, and what to say."""
+    """Texts that differ in case or blanks only, as the first is written, and what to say."""
     first: dict[str, str] = {}
     plain = [" ".join(text.split()) for text in texts]
     found = [first.setdefault(same_text(text), text) for text in plain]

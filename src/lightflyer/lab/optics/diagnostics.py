@@ -125,7 +125,7 @@ def _beforehand(sample: OpticsSample, numbers: Mapping[str, Estimate]) -> list[s
 
 
 def _misfits(sample: OpticsSample, fit: Fit) -> list[str]:
-    found = []
+    found: list[str] = []
     readings = fit.problem.readings(fit.best)
     for one, reading in zip(sample.spectra, readings, strict=True):
         residual = one.spectrum.value - reading

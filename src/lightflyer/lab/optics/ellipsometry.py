@@ -6,6 +6,7 @@ with :math:`r_p/r_s=\tan\Psi\,e^{i\Delta}`. They are fitted as transmittance and
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -26,27 +27,16 @@ SHARED = len(ORDINATES) / 2.0
 S is left out, both tell all."""
 
 _GRAZING = 90.0
-_RADIANS, _TURN = 1.58, 6.3  # of Ψ, and the widest range of Δ, if these are radians
 _ANGLE = Quantity("deg", 0.0, 90.0)
 _COLUMNS = (
     *(column for column in COLUMNS if column.name in AXES),
-    Column("psi", _ANGLE, ("Ψ",), required=True, assumed_unit="deg", suggested_unit="deg"),
-    Column(
-        "delta",
-        Quantity("deg", -360.0, 360.0),
-        ("Δ",),
-        required=True,
-        assumed_unit="deg",
-        suggested_unit="deg",
-    ),
-    Column(
-        "incidence",
-        _ANGLE,
-        ("angle", "aoi", "angle_of_incidence"),
-        assumed_unit="deg",
-        suggested_unit="deg",
-    ),
+    Column("psi", _ANGLE, ("Ψ",), required=True, suggested_unit="deg"),
+    Column("delta", Quantity("deg", -360.0, 360.0), ("Δ",), required=True, suggested_unit="deg"),
+    Column("incidence", _ANGLE, ("angle", "aoi", "angle_of_incidence"), suggested_unit="deg"),
 )
+_ANGLES = ("psi", "delta", "incidence")
+_DEGREES = [replace(one, assumed_unit="deg") if one.name in _ANGLES else one for one in _COLUMNS]
+_RADIANS = 1.58  # no Ψ is above it where radians are written
 
 
 class EllipsometrySection(MeasuredFile):
@@ -62,13 +52,8 @@ class EllipsometrySection(MeasuredFile):
 
     def read(self) -> Iterator[tuple[MeasuredSpectrum, float]]:
         """Spectra of N, C and S with their incidence [rad], for each one in the file."""
-        table = read_table(self.file, _COLUMNS, layout=self.columns)
+        table = self._table()
         angles = self._angles(table)
-        if table.numbers["psi"].max() <= _RADIANS and np.ptp(table.numbers["delta"]) < _TURN:
-            raise ConfigurationError(
-                f"{self.file}: no Ψ is above {_RADIANS:g}°, which looks like radians; name the unit "
-                'in the header, "psi [rad]"'
-            )
         axes = [name for name in AXES if name in table.numbers]
         if len(axes) != 1:
             raise ConfigurationError(f"{self.file}: needs one column of {', '.join(AXES)}")
@@ -99,6 +84,21 @@ class EllipsometrySection(MeasuredFile):
                     self.file, name, wavenumber[here], value[here], tuple(table.rejected)
                 )
                 yield self.within(spectrum), float(angle) * RADIANS_PER_DEGREE
+
+    def _table(self) -> Table:
+        """The file; angles whose header names no unit are in degrees."""
+        try:
+            return read_table(self.file, _COLUMNS, layout=self.columns)
+        except ConfigurationError as error:
+            if "has no unit" not in str(error):
+                raise
+        table = read_table(self.file, _DEGREES, layout=self.columns)
+        if table.numbers["psi"].max() <= _RADIANS:
+            raise ConfigurationError(
+                f"{self.file}: no Ψ is above {_RADIANS:g}, which looks like radians; name the unit "
+                'in the header, "psi [rad]" or "psi [deg]"'
+            )
+        return table
 
     def _angles(self, table: Table) -> np.ndarray:
         """Incidence of each row [deg]."""

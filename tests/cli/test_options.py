@@ -106,7 +106,8 @@ def test_an_option_beside_its_column_is_said(run, tmp_path, monkeypatch):
     run("lab", "example", "tac")
     code, out, _ = run("lab", "tac", "tac-reduced.txt", "--ambient", "100 °C")
     assert code == 0
-    assert "--ambient is not used: tac-reduced.txt has the column ambient_temperature" in out
+    said = "--ambient is not used: tac-reduced.txt has the column ambient_temperature"
+    assert said in " ".join(out.split())
 
 
 def test_a_first_value_that_starts_with_a_dash_is_no_option(run, tmp_path, monkeypatch):

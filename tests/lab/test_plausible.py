@@ -95,7 +95,7 @@ def heater(folder, rng, end=np.inf, rows=56, noise=0.01, factor=1.0, highest=200
     return path
 
 
-@pytest.mark.parametrize("end", [5.0, 10.0, 25.0])
+@pytest.mark.parametrize("end", [3.0, 5.0, 10.0])
 def test_rows_at_the_gauges_end_are_left_out(tmp_path, rng, end):
     run = read_tac(heater(tmp_path, rng, end))
     assert run.pressure.max() < end
@@ -117,12 +117,14 @@ def test_pressures_that_were_held_are_kept(tmp_path):
 
 @pytest.mark.slow
 def test_intervals_of_runs_with_a_clipped_gauge_hold_the_truth(tmp_path):
-    rng, hits, trials = np.random.default_rng(2), 0, 400
+    rng, hits, told, trials = np.random.default_rng(2), 0, 0, 400
     exact = TacAccuracy(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for _ in range(trials):
-        run = read_tac(heater(tmp_path, rng, end=25.0))
+        run = read_tac(heater(tmp_path, rng, end=12.0))
+        told += run.pressure.max() < 12.0
         low, high = fit_tac(run, accuracy=exact).tac.interval
         hits += low <= PLATINUM.tac <= high
+    assert told > 0.9 * trials  # where it is not, little is lost: the heat loss has levelled off
     assert 0.93 <= hits / trials <= 0.97
 
 

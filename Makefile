@@ -10,7 +10,7 @@ demo: $(STAMP)  ## predict a 5-mm germanium disk, with bands; verdict here, figu
 	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml --kind laden > /dev/null; }
 	$(BIN)/lightflyer predict demo/flyer.toml --out demo
 
-# All tests of a file run in one process, where its programs are compiled once.
+# All tests of a file run in one process, where its fixtures are made once.
 test: $(STAMP)  ## run the tests, except those that take long
 	$(BIN)/pytest -n auto --dist loadfile -m "not slow and not snippets"
 

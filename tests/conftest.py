@@ -6,7 +6,6 @@ import os
 import shutil
 import subprocess
 import sys
-from functools import partial
 from pathlib import Path
 from zlib import crc32
 
@@ -28,7 +27,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer import cli
-from lightflyer.program.entry_point import entry_point
+from lightflyer.array import transformations
 
 # What one worker traced and compiled serves the others, and the next run; a program is known by its
 # content. A largest size makes JAX lock the folder. Tests of what is kept choose a folder of their
@@ -71,9 +70,9 @@ def disk(film):
 
 
 @pytest.fixture(scope="session")
-def by_numpy():
-    """Make a function run by NumPy from its trace: XLA would compile what runs a few times."""
-    return partial(entry_point, way="numpy")
+def compiled():
+    """Make a function run by JAX, in double precision."""
+    return transformations.compiled
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 from pathlib import Path
 from typing import ClassVar, Literal
 
-import jax.numpy as jnp
 import numpy as np
 
 import lightflyer as lf
@@ -23,7 +22,7 @@ class Ring(lf.AbstractFlyer):
 
     @property
     def area(self):  # of one face [m²]
-        return jnp.pi * (self.outer**2 - self.inner**2)
+        return np.pi * (self.outer**2 - self.inner**2)
 
     @property
     def own_mass(self):  # [kg]
@@ -107,7 +106,7 @@ class Haze(AbstractAtmosphere):
     def pressure(self, altitude, place=None):
         scale_height = 296.8 * 170.0 / TITAN.gravity_at(300e3)
         nearer = (TITAN.radius + 300e3) / (TITAN.radius + altitude)
-        return 10.0 * jnp.exp(-(altitude - 300e3) * nearer / scale_height)
+        return 10.0 * lf.xp.exp(-(altitude - 300e3) * nearer / scale_height)
 
     def molar_mass_ratio(self, altitude, place=None):
         return 1.0

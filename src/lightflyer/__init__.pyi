@@ -17,11 +17,14 @@ from . import search as search
 from . import statics as statics
 from . import structure as structure
 from . import uncertainty as uncertainty
+from .array.namespace import float64 as float64
+from .array.namespace import xp as xp
 from .calibration import calibrate as calibrate
 from .comparison import compare as compare
 from .config.flyer_file import FlyerFile as FlyerFile
 from .config.reader import read_flyer_file as read_flyer_file
 from .core import quantity as quantity
+from .core.entry_point import entry_point as entry_point
 from .core.errors import ConfigurationError as ConfigurationError
 from .core.errors import ConvergenceError as ConvergenceError
 from .core.errors import LightflyerError as LightflyerError
@@ -30,7 +33,6 @@ from .core.errors import OutputError as OutputError
 from .core.errors import ParameterError as ParameterError
 from .core.errors import ParameterWarning as ParameterWarning
 from .core.errors import PluginWarning as PluginWarning
-from .core.precision import float64 as float64
 from .core.units import Measured as Measured
 from .core.validity import Validity as Validity
 from .design import Setup as Setup
@@ -59,7 +61,6 @@ from .mission import Release as Release
 from .mission import fly as fly
 from .parametric import sweep as sweep
 from .prediction import predict as predict
-from .program.entry_point import entry_point as entry_point
 from .search import optimise as optimise
 from .search import pareto as pareto
 from .search import sensitivity as sensitivity

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 from scipy.special import erfc
 
 import lightflyer as lf
+from lightflyer.array.namespace import by_jax
 from lightflyer.budget import Budget, Item, RadioLink, SolarCells, free_space_loss
 from lightflyer.budget.link import REQUIRED_SIGNAL_DB
 from lightflyer.comparison.text import needs_table
@@ -121,7 +122,7 @@ def test_what_a_file_says_stands_beside_what_the_flyer_carries(read):
     design = read(TEXT).design()
     names = ["payload", "payload_needed", "payload_margin", "cell_area", "transmit_power"]
     assert set(names) <= set(outputs_of(design.setup))
-    with lf.float64():
+    with by_jax():
         found, _ = jax.jit(lambda altitude: evaluate(design.setup, names, altitude))(72e3)
         heavier = design.build({"payload.items.0.mass": 1e-7})
         needed = evaluate(heavier, ["payload_needed"], 72e3)[0]["payload_needed"]

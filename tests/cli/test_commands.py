@@ -387,7 +387,7 @@ def test_help_and_version_import_nothing_heavy():
 
 
 def test_reading_a_flyer_file_imports_nothing_to_draw_with():
-    heavy = {"matplotlib", "xarray", "optimistix"}
+    heavy = {"matplotlib", "xarray", "jax"}
     # Pint imports dask where it is installed, and some releases of dask import xarray
     code = "import sys\nsys.modules['dask'] = None\nimport lightflyer.config.reader"
     printed_without_importing(heavy, code)

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
+from lightflyer.mission import fleet
 
 MISSION = """\
 [mission]
@@ -242,7 +243,8 @@ def check_geojson(document, dataset):
 
 
 @pytest.mark.slow
-def test_an_interrupted_mission_goes_on(fly, folder):
+def test_an_interrupted_mission_goes_on(fly, folder, monkeypatch):
+    monkeypatch.setattr(fleet, "BATCH", 2)
     changes = [('duration = "30 h"', 'duration = "2 h"'), ("members = 6", "members = 2"),
                ("count = 2", "count = 1")]  # fmt: skip
     code, whole, errors = fly(*changes)

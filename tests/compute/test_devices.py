@@ -20,8 +20,8 @@ import json, sys
 import jax, numpy as np
 import lightflyer as lf
 from lightflyer.config.designs import as_design
-from lightflyer.compute.evaluation import Evaluator, _kernel
-from lightflyer.program.entry_point import run_by
+from lightflyer.compute import evaluation
+from lightflyer.compute.evaluation import Evaluator
 from lightflyer.study.study import make_study
 
 film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
@@ -32,13 +32,12 @@ design = as_design(disk, lf.lu2023_earth(), lf.Lu2023())
 study = make_study(design, over, ("lift_over_weight", "temperature"))
 found = []
 for device in (None, "cpu"):
-    with run_by("xla"):
-        evaluate = Evaluator(study, device)
+    evaluation.FEW = 0  # by XLA
+    evaluate = Evaluator(study, device)
     evaluate.batch = 30  # neither a divisor of the designs nor a multiple of the devices
     outputs, failures = evaluate(0, study.size)
     found.append({name: column.tolist() for name, column in outputs.items()} | {"bad": failures})
-kernel = _kernel(study.design, study.outputs, tuple(study.fixed.items()), "xla", "cpu")
-json.dump({"found": found, "parts": kernel.parts}, sys.stdout)
+json.dump({"found": found, "parts": evaluate._kernel().parts}, sys.stdout)
 """
 
 

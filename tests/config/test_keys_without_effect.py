@@ -11,7 +11,6 @@ from lightflyer.cli.commands.init import templates
 from lightflyer.design.diagnostics import diagnose_at
 from lightflyer.design.tables import predicted_names, table_of
 from lightflyer.files.section import Section
-from lightflyer.program.entry_point import run_by
 
 KINDS = ("earth", "chamber", "mars", "sandwich", "plate", "balloon", "hollow")
 BY_UNIT = {
@@ -52,9 +51,8 @@ def places_of(setup):
 def temperatures(file):
     """Temperatures of all nodes, of which most keys change some: much quicker than all results."""
     setup = file.design().setup
-    with run_by("numpy"):
-        state = setup.environment.state(places_of(setup))
-        found = lf.equilibrium(setup.flyer, state, setup.model, throw=False)
+    state = setup.environment.state(places_of(setup))
+    found = lf.equilibrium(setup.flyer, state, setup.model, throw=False)
     return dict(enumerate(found.temperatures))
 
 
@@ -65,10 +63,9 @@ def results(file):
     places = places_of(setup)
     light = setup.environment.state(places).radiation.irradiance
     irradiance = np.broadcast_to(light, places.shape)
-    with run_by("numpy"):
-        names = [name for name in predicted_names(setup) if not name.startswith("levitation_")]
-        table = table_of(setup, places, irradiance, names)
-        said = diagnose_at(setup, places, table["temperature"])
+    names = [name for name in predicted_names(setup) if not name.startswith("levitation_")]
+    table = table_of(setup, places, irradiance, names)
+    said = diagnose_at(setup, places, table["temperature"])
     return table | {"range": np.array(setup.search_range, float)}, (*design.warnings, *said)
 
 

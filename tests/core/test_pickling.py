@@ -10,11 +10,11 @@ import jax
 import numpy as np
 import pytest
 
+from lightflyer.array.records import AbstractVar, Module, field
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.pickling import dumps
 from lightflyer.core.quantity import Checked, Length
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.module import AbstractVar, Module, field
 
 FACTOR = 3.0
 

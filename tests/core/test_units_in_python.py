@@ -244,7 +244,7 @@ def test_own_models_and_rules_of_the_wrong_kind_are_one_clear_line():
         def force(self, flyer, state, unknowns):
             return 0.0, 0.0
 
-    with pytest.raises(lf.ParameterError, match=r"heat_loss\(\) must be of class tuple"):
+    with pytest.raises(lf.ParameterError, match=r"heat_loss\(\) of \w+ must give a tuple"):
         lf.payload(DISK, STATE, Scalar())
     with pytest.raises(lf.ParameterError, match=r"force\(\) must give an array, not tuple"):
         lf.payload(DISK, STATE, Pair())

@@ -7,8 +7,8 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.core.entry_point import entry_point
 from lightflyer.design.tables import tabulate
-from lightflyer.program.entry_point import entry_point
 from lightflyer.uncertainty.inputs import uncertain_inputs
 from lightflyer.uncertainty.monte_carlo import LOWER, UPPER, search_samples, tabulate_samples
 

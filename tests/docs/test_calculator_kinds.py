@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.core.entry_point import entry_point
 from lightflyer.design.tables import tabulate
-from lightflyer.program.entry_point import entry_point
 
 model = pytest.importorskip("calculator.model")
 from calculator.kinds import KINDS  # noqa: E402

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from lightflyer.explorer import jobs, pages, server
-from lightflyer.program.entry_point import forced_way
 
 JSON = {"Content-Type": "application/json"}
 
@@ -146,14 +145,6 @@ def test_job_tells_its_steps_then_its_result(site, workplace):
     assert "cells" in last["result"]["sources"]
     (last,) = lines_of(site, "film", workplace.initial)
     assert "choose layers" in last["errors"][0]["text"]
-
-
-@pytest.mark.parametrize("name", ["map", "move"])
-def test_nothing_waits_for_a_compiler(name, site, workplace, monkeypatch):
-    monkeypatch.setitem(jobs.JOBS, name, lambda *_: {"way": forced_way()})
-    monkeypatch.setitem(pages.ANSWERS, name, lambda *_: {"way": forced_way()})
-    assert lines_of(site, name, workplace.initial)[-1]["result"] == {"way": "numpy"}
-    assert site.ask(name, document=workplace.initial) == {"way": "numpy"}
 
 
 def test_defect_of_a_job_is_told_and_the_server_goes_on(site, workplace, monkeypatch, caplog):

@@ -11,6 +11,7 @@ import pytest
 
 import lightflyer as lf
 import lightflyer.config.flyer_file  # it knows all flyers and force models
+from lightflyer.array.records import Module, field
 from lightflyer.budget.section import CellsSection, ItemSection, LinkSection, PayloadSection
 from lightflyer.core.quantity import Checked, Length, StandardErrors, quantities_of, quantity_of
 from lightflyer.core.units import Measured
@@ -23,7 +24,6 @@ from lightflyer.film.media.dispersion_section import (
     TaucLorentzSection,
 )
 from lightflyer.film.section import MeasuredFilmSection
-from lightflyer.pytree.module import Module, field
 
 DOCS = Path(__file__).parents[2] / "docs"
 TEMPLATES = Path(lf.__file__).parent / "data"

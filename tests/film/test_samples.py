@@ -140,7 +140,7 @@ def test_rough_stacks_keep_energy_and_reciprocity(rng, coherent):
 POINT = np.array([1.7, 0.02, 1.3, 1.1, 0.7, 1.2, 2.0, 0.3, 0.1, 0.05])
 
 
-def test_samples_are_differentiable(by_numpy):
+def test_samples_are_differentiable(compiled):
     """In all numbers of a rough, incoherent layer between media; forward and reverse."""
 
     def outcomes(x):
@@ -152,8 +152,8 @@ def test_samples_are_differentiable(by_numpy):
 
     way = np.cos(np.arange(POINT.size))
     with lf.float64():
-        _, forward = by_numpy(lambda x: jax.jvp(outcomes, (x,), (way,)))(POINT)
-        reverse = np.asarray(by_numpy(jax.grad(outcomes))(POINT)) @ way
+        _, forward = compiled(lambda x: jax.jvp(outcomes, (x,), (way,)))(POINT)
+        reverse = np.asarray(compiled(jax.grad(outcomes))(POINT)) @ way
         difference = outcomes(POINT + 1e-5 * way) - outcomes(POINT - 1e-5 * way)
     assert forward == pytest.approx(float(difference) / 2e-5, rel=1e-7)
     assert reverse == pytest.approx(float(forward), rel=1e-12)

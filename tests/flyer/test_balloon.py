@@ -1,8 +1,8 @@
-import equinox as eqx
 import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.array import tree
 
 SIGMA = 5.670374419e-8
 CUBIC_FOOT = 0.3048**3  # [m³]
@@ -247,9 +247,8 @@ def test_models_are_for_the_flyers_they_name(disk):
 
 def test_tilt_turns_the_opening():
     """An opening that faces the sun lets its light in."""
-    tilted = eqx.tree_at(
+    tilted = tree.replace_at(
         lambda flyer: flyer.attitude, balloon_of(), lf.environment.Attitude(np.pi),
-        is_leaf=lambda leaf: leaf is None,
     )  # fmt: skip
     state = state_at(irradiance=1000.0)
     hole = 0.6**2 / 36.0

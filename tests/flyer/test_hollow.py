@@ -1,11 +1,11 @@
 """Geometry, mass, light and heat radiation of hollow bodies."""
 
-import equinox as eqx
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
 import lightflyer as lf
+from lightflyer.array import tree
 from lightflyer.environment.view_factor import ground_view_factor
 
 SIGMA = 5.670374419e-8
@@ -346,11 +346,10 @@ def test_mistakes_in_a_file_are_one_line_each(flyer_file, old, new, error):
 
 def test_tilt_turns_the_light(films):
     """A cone on its side in vertical light shows its side."""
-    lying = eqx.tree_at(
+    lying = tree.replace_at(
         lambda body: body.attitude,
         make(films, "cone"),
         lf.environment.Attitude(0.5 * np.pi),
-        is_leaf=lambda leaf: leaf is None,
     )
     state = state_at(irradiance=1000.0)
     with lf.float64():

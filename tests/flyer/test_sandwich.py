@@ -1,8 +1,8 @@
-import equinox as eqx
 import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.array import tree
 from lightflyer.film.optics.curve import NODES, EmittanceCurve
 from lightflyer.flyer.sheets import Exitance, Sheet, net_gains, perforate
 
@@ -141,11 +141,10 @@ def test_absorbed_light_of_the_flyer(sandwich):
 
 def test_tilted_sandwich_takes_light_from_the_side_it_faces(sandwich):
     state = state_at(irradiance=1000.0)
-    upside_down = eqx.tree_at(
+    upside_down = tree.replace_at(
         lambda flyer: flyer.attitude,
         sandwich,
         lf.environment.Attitude(np.pi),
-        is_leaf=lambda leaf: leaf is None,
     )
     mirrored = lf.Sandwich(
         *(_upside_down(film) for film in (sandwich.bottom, sandwich.top)),
@@ -198,10 +197,10 @@ def test_emittance_that_depends_on_temperature(sandwich):
 
     def with_curves(slope):
         curve = EmittanceCurve.through(np.full(NODES, 0.3))
-        curve = eqx.tree_at(lambda c: c.coefficients, curve, curve.coefficients.copy())
+        curve = tree.replace_at(lambda c: c.coefficients, curve, curve.coefficients.copy())
         curve.coefficients[-2] += slope
         curve.coefficients[-1] += 0.3 - np.asarray(curve(220.0))
-        return eqx.tree_at(lambda flyer: flyer.bottom.emittance_top, sandwich, curve)
+        return tree.replace_at(lambda flyer: flyer.bottom.emittance_top, sandwich, curve)
 
     state = state_at()
     with lf.float64():
@@ -217,7 +216,7 @@ def test_no_excess_is_above_the_bound(sandwich):
     """Even in vacuum, where radiation alone cools; exact where only the outer faces radiate."""
     state = state_at()
     inner = (lambda flyer: flyer.top.emittance_bottom, lambda flyer: flyer.bottom.emittance_top)
-    dark = eqx.tree_at(lambda flyer: [face(flyer) for face in inner], sandwich, [1e-9, 1e-9])
+    dark = tree.replace_at(lambda flyer: [face(flyer) for face in inner], sandwich, [1e-9, 1e-9])
     for excess in (1e-9, 0.1, 3.0, -0.5):
         for flyer in (sandwich, dark):
             with lf.float64():

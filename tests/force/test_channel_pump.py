@@ -2,7 +2,6 @@ import csv
 import re
 from pathlib import Path
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,6 +9,7 @@ import pytest
 from scipy.optimize import brentq, fsolve
 
 import lightflyer as lf
+from lightflyer.array import tree
 from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.laws.channels import (
     SLOT,
@@ -42,7 +42,7 @@ def make(**changed):
 def black(**changed):
     """Of which every molecule leaves as warm as a face or a channel's wall is."""
     films = [lf.FilmProperties(2e-4, 0.5, 0.1, 0.1, 1.0, 1.0) for _ in range(2)]
-    return eqx.tree_at(lambda flyer: (flyer.top, flyer.bottom), make(**changed), films)
+    return tree.replace_at(lambda flyer: (flyer.top, flyer.bottom), make(**changed), films)
 
 
 def state_at(pressure, temperature=280.0, irradiance=0.0, **radiation):
@@ -386,11 +386,11 @@ def differences(values, step=1e-5):
 
 
 @pytest.mark.slow
-def test_derivatives_jit_and_vmap(by_numpy):
+def test_derivatives_jit_and_vmap(compiled):
     with lf.float64():
-        values = np.asarray(by_numpy(jax.vmap(outcomes))(jnp.asarray(moved())))
+        values = np.asarray(compiled(jax.vmap(outcomes))(jnp.asarray(moved())))
         np.testing.assert_allclose(values[-1], np.asarray(outcomes(POINT)), rtol=1e-12)
-        reverse = np.asarray(by_numpy(jax.jacrev(outcomes))(jnp.asarray(POINT)))
+        reverse = np.asarray(compiled(jax.jacrev(outcomes))(jnp.asarray(POINT)))
     np.testing.assert_allclose(reverse * POINT, differences(values).T, rtol=5e-6, atol=1e-7)
 
 

@@ -132,13 +132,13 @@ def heat(x):
 
 
 @pytest.mark.parametrize("pressure", [1e-3, 300.0, 5e4])
-def test_derivatives_jit_and_vmap(by_numpy, pressure):
+def test_derivatives_jit_and_vmap(compiled, pressure):
     point = POINT.copy()
     point[3] = pressure
     shifts = 1e-5 * np.diag(point)
     with lf.float64():
         values = np.asarray(
-            by_numpy(jax.vmap(heat))(np.concatenate([point + shifts, point - shifts]))
+            compiled(jax.vmap(heat))(np.concatenate([point + shifts, point - shifts]))
         )
         slope = np.asarray(jax.grad(heat)(jnp.asarray(point)))
     size = point.size

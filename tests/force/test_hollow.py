@@ -2,7 +2,6 @@
 
 import re
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -11,6 +10,7 @@ from scipy.integrate import cumulative_trapezoid, trapezoid
 from scipy.optimize import brentq, fsolve
 
 import lightflyer as lf
+from lightflyer.array import tree
 from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation
 from lightflyer.force.convection import sphere_conductance
 from lightflyer.force.laws.channels import SLOT, channel_coefficients, direct_share
@@ -456,7 +456,7 @@ def test_what_the_wall_pumps_leaves_at_the_outlet(in_balance):
 def test_a_dark_outside_pumps_outward():
     """Gas comes in at the outlet then: it pushes down, and leaves no jet."""
     body = make()
-    dark = eqx.tree_at(
+    dark = tree.replace_at(
         lambda body: (body.outer.absorptance, body.outer.transmittance), body, (0.9, 0.0)
     )
     # cold within, which a cold ground would see to
@@ -504,13 +504,13 @@ def answers(x, unknowns=(0.5, 0.2)):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("function", [outcome, answers])
-def test_derivatives_jit_and_vmap(by_numpy, function):
+def test_derivatives_jit_and_vmap(compiled, function):
     step = 1e-5
     shifts = step * np.diag(POINT)
     moved = np.concatenate([POINT + shifts, POINT - shifts])
     with lf.float64():
-        values = np.asarray(by_numpy(jax.vmap(function))(jnp.asarray(moved)))
-        slopes = np.asarray(by_numpy(jax.jacrev(function))(jnp.asarray(POINT)))
+        values = np.asarray(compiled(jax.vmap(function))(jnp.asarray(moved)))
+        slopes = np.asarray(compiled(jax.jacrev(function))(jnp.asarray(POINT)))
         plain = function(POINT)
     differences = (values[: POINT.size] - values[POINT.size :]) / (2.0 * step)
     np.testing.assert_allclose(slopes * POINT, differences.T, rtol=1e-5, atol=1e-7)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.array.namespace import float64
 from lightflyer.cli.commands.init import templates
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.precision import float64
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic.chamber import (
     FORCE_ERROR,

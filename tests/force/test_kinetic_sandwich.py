@@ -1,12 +1,12 @@
 """The kinetic force model of a sandwich: limits, the solver, the disk, and the calculus."""
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.array import tree
 from lightflyer.force.kinetic import sandwich_table as tables
 from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.membranes.sandwich import rarefaction
@@ -253,17 +253,19 @@ def test_what_is_outside_the_models_range():
     )
 
 
-def test_derivatives_and_batches(by_numpy):
+def test_derivatives_and_batches(compiled):
     state = state_at(pressure_of(3.0))
 
     def payload(beta, tac):
-        flyer = eqx.tree_at(lambda f: (f.open_fraction, f.bottom.tac_bottom), make(), (beta, tac))
+        flyer = tree.replace_at(
+            lambda f: (f.open_fraction, f.bottom.tac_bottom), make(), (beta, tac)
+        )
         return 1e6 * lf.payload(flyer, state, ALIGNED)
 
     with lf.float64():
         for index, step in ((0, 1e-5), (1, 1e-5)):
             at = [0.4, 0.8]
-            slope = by_numpy(jax.grad(payload, index))(*at)
+            slope = compiled(jax.grad(payload, index))(*at)
             ends = []
             for sign in (-1.0, 1.0):
                 moved = list(at)
@@ -271,5 +273,5 @@ def test_derivatives_and_batches(by_numpy):
                 ends.append(payload(*moved))
             finite = (ends[1] - ends[0]) / (2.0 * step)
             assert float(slope) == pytest.approx(float(finite), rel=1e-5)
-        many = by_numpy(jax.vmap(payload, (0, None)))(jnp.array([0.2, 0.4, 0.6]), 0.8)
+        many = compiled(jax.vmap(payload, (0, None)))(jnp.array([0.2, 0.4, 0.6]), 0.8)
         assert float(many[1]) == pytest.approx(float(payload(0.4, 0.8)), rel=1e-9)

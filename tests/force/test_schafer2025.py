@@ -1,7 +1,6 @@
 import re
 from typing import ClassVar
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -9,6 +8,7 @@ import pytest
 from scipy.optimize import fsolve
 
 import lightflyer as lf
+from lightflyer.array import tree
 from lightflyer.force.laws.gap import accommodation_between, gap_conductance
 from lightflyer.force.membranes.sandwich import rarefaction
 from lightflyer.force.membranes.schafer2025_table import internal_factors, perforated_disk_fit
@@ -370,26 +370,26 @@ def differences(values, step=1e-5):
     return (values[:size] - values[size : 2 * size]) / (2.0 * step)
 
 
-def test_derivatives_jit_and_vmap(by_numpy):
+def test_derivatives_jit_and_vmap(compiled):
     with lf.float64():
-        values = np.asarray(by_numpy(jax.vmap(outcomes))(jnp.asarray(moved())))
+        values = np.asarray(compiled(jax.vmap(outcomes))(jnp.asarray(moved())))
         np.testing.assert_allclose(values[-1], np.asarray(outcomes(POINT)), rtol=1e-12)
-        forward = np.asarray(by_numpy(jax.jacfwd(outcomes))(jnp.asarray(POINT)))
-        reverse = np.asarray(by_numpy(jax.jacrev(outcomes))(jnp.asarray(POINT)))
+        forward = np.asarray(compiled(jax.jacfwd(outcomes))(jnp.asarray(POINT)))
+        reverse = np.asarray(compiled(jax.jacrev(outcomes))(jnp.asarray(POINT)))
     np.testing.assert_allclose(reverse, forward, rtol=1e-8, atol=1e-12)
     np.testing.assert_allclose(forward * POINT, differences(values).T, rtol=2e-6, atol=2e-8)
 
 
-def test_levitation_and_its_derivatives(by_numpy):
+def test_levitation_and_its_derivatives(compiled):
     flyers, state = build(moved().T)
     found = lf.levitate(flyers, state, MODEL)
     assert np.all(found.levitates)
-    lit = eqx.tree_at(lambda state: state.radiation.irradiance, state, found.irradiance)
+    lit = tree.replace_at(lambda state: state.radiation.irradiance, state, found.irradiance)
     np.testing.assert_allclose(
         lf.lift(flyers, lit, MODEL), lf.statics.weight(flyers, lit), rtol=1e-9
     )
     with lf.float64():
-        slope = by_numpy(jax.grad(lambda x: lf.levitate(*build(x), MODEL).irradiance))(POINT)
+        slope = compiled(jax.grad(lambda x: lf.levitate(*build(x), MODEL).irradiance))(POINT)
     np.testing.assert_allclose(
         np.asarray(slope) * POINT, differences(found.irradiance), rtol=2e-6, atol=1e-4
     )
@@ -433,14 +433,14 @@ def test_levitation_never_contradicts_lift():
     assert not np.any(found.irradiance[~flies] < 1360.0 * (1.0 - 1e-9))
     for share in (0.5, 0.1, 1e-2):  # no dimmer light would do
         dimmer = np.where(found.levitates, share * found.irradiance, 0.0)
-        dim = eqx.tree_at(lambda state: state.radiation.irradiance, state, dimmer)
+        dim = tree.replace_at(lambda state: state.radiation.irradiance, state, dimmer)
         assert np.all(lf.lift(flyers, dim, MODEL) < lf.statics.weight(flyers, state))
 
 
 def test_levitation_in_the_dark():
     """Warmed from below, it needs no light."""
     state = state_at(3.0, irradiance=0.0, infrared_below=5000.0, infrared_above=0.0)
-    flyer = eqx.tree_at(
+    flyer = tree.replace_at(
         lambda flyer: (flyer.bottom.emittance_bottom, flyer.top.emittance_bottom),
         make(open_fraction=0.3),
         (0.8, 0.02),

@@ -6,7 +6,7 @@ import jax
 import pytest
 
 import lightflyer as lf
-from lightflyer.core.precision import float64
+from lightflyer.array.namespace import float64
 from lightflyer.design.diagnostics import diagnose
 from lightflyer.design.setup import Setup
 from lightflyer.force.free_molecular import FreeMolecular, LinearFreeMolecular

@@ -7,9 +7,9 @@ import pytest
 from scipy.special import j1, jn_zeros
 
 import lightflyer as lf
+from lightflyer.array.namespace import float64
 from lightflyer.core.constants import STEFAN_BOLTZMANN
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.precision import float64
 from lightflyer.environment.warm_floor import conducted_share, share_of_floor, view_of_floor
 from lightflyer.files.table import shipped_table
 

@@ -58,15 +58,15 @@ def central_differences(function, point, step=1e-5):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS.values(), ids=MODELS.keys())
-def test_forward_and_reverse_derivatives(by_numpy, model):
+def test_forward_and_reverse_derivatives(compiled, model):
     # in logarithms of the inputs, so that one step suits all of them
     def of_logarithms(y):
         return outcomes(jnp.exp(y), model)
 
     with lf.float64():
-        forward, reverse = by_numpy(jax.jacfwd(of_logarithms)), by_numpy(jax.jacrev(of_logarithms))
+        forward, reverse = compiled(jax.jacfwd(of_logarithms)), compiled(jax.jacrev(of_logarithms))
         for point in jnp.log(jnp.asarray(POINTS)):
-            expected = central_differences(by_numpy(of_logarithms), point)
+            expected = central_differences(compiled(of_logarithms), point)
             scale = np.abs(expected).max()
             np.testing.assert_allclose(forward(point), expected, rtol=1e-6, atol=1e-8 * scale)
             np.testing.assert_allclose(
@@ -74,7 +74,7 @@ def test_forward_and_reverse_derivatives(by_numpy, model):
             )
 
 
-def test_second_derivatives(by_numpy):
+def test_second_derivatives(compiled):
     # of the logarithm of lift in the logarithm of irradiance, by differences of the first
     def slope(log_light):
         point = jnp.asarray(POINTS[0]).at[-1].set(jnp.exp(log_light))
@@ -82,7 +82,7 @@ def test_second_derivatives(by_numpy):
         return jnp.log(lf.lift(flyer, state, lf.Lu2023()))
 
     with lf.float64():
-        first, second = by_numpy(jax.grad(slope)), by_numpy(jax.grad(jax.grad(slope)))
+        first, second = compiled(jax.grad(slope)), compiled(jax.grad(jax.grad(slope)))
         light, step = np.log(1360.0), 1e-4
         expected = (first(light + step) - first(light - step)) / (2.0 * step)
         assert float(second(light)) == pytest.approx(float(expected), rel=1e-5)

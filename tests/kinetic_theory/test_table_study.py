@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lightflyer.core.precision import float64
+from lightflyer.array.namespace import float64
 from lightflyer.force.kinetic.table_fit import kinetic_fit
 
 STUDY = Path(__file__).parents[2] / "studies" / "kinetic_table" / "study.py"

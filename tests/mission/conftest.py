@@ -1,15 +1,15 @@
 """A sky that is easily turned, and a disk whose drag is a closed form."""
 
+import dataclasses
 from typing import Any
 
 import ambiance
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import lightflyer as lf
+from lightflyer.array.namespace import xp
 from lightflyer.environment import EARTH_PLANET, EnvironmentState, Planet, Wind
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.mission.path.position import directions, unit_vector
@@ -23,7 +23,7 @@ class ClosedFormDisk(lf.Disk):
     inertia: Any = 1.0
 
     def drag(self, state, unknowns, speed, direction="broadside"):
-        thermal = jnp.sqrt(2.0 * state.gas.specific_gas_constant * state.temperature)
+        thermal = xp.sqrt(2.0 * state.gas.specific_gas_constant * state.temperature)
         viscosity = state.gas.viscosity(state.temperature)
         density = state.gas.density(state.pressure, state.temperature)
         faces = 4.0 / np.sqrt(np.pi) + np.sqrt(np.pi)
@@ -31,8 +31,8 @@ class ClosedFormDisk(lf.Disk):
         if direction == "edgewise":
             slow = 32.0 / 3.0 * viscosity * self.radius
         else:
-            reynolds = 2.0 * self.radius * density * jnp.abs(speed) / viscosity
-            factor = 1.0 + self.inertia * (inertial_factor(reynolds, jnp) - 1.0)
+            reynolds = 2.0 * self.radius * density * xp.abs(speed) / viscosity
+            factor = 1.0 + self.inertia * (inertial_factor(reynolds, xp) - 1.0)
             slow = 16.0 * viscosity * self.radius * factor
         return speed * free * slow / (free + slow)
 
@@ -63,7 +63,7 @@ class IsothermalAir(AbstractEnvironment):
 
     def state(self, coordinate, place=None):
         view = (6.371e6 / (6.371e6 + coordinate)) ** 2
-        pressure = 5.0 * jnp.exp((70e3 - coordinate) / 6500.0)
+        pressure = 5.0 * xp.exp((70e3 - coordinate) / 6500.0)
         light = self.radiation.with_ground_view(view)
         if self.sky is not None:
             light = self.sky.radiation(coordinate, place)
@@ -95,25 +95,23 @@ class TurningSky(AbstractEnvironment):
 
     def state(self, coordinate, place=None):
         state = self.base.state(coordinate)
-        angle = -2.0 * jnp.pi * place.time / DAY
-        along = jnp.dot(self.axis, self.sun) * self.axis
-        across = jnp.cross(self.axis, self.sun)
-        sun = along + jnp.cos(angle) * (self.sun - along) + jnp.sin(angle) * across
+        angle = -2.0 * np.pi * xp.asarray(place.time / DAY)[..., None]
+        along = (self.axis @ self.sun) * self.axis
+        across = np.cross(self.axis, self.sun)
+        sun = along + xp.cos(angle) * (self.sun - along) + xp.sin(angle) * across
         up = unit_vector(place.latitude, place.longitude)
         east, north = directions(place.latitude, place.longitude)
-        height = jnp.dot(up, sun)
-        zenith = jnp.arctan2(jnp.linalg.norm(jnp.cross(up, sun)), height)
-        azimuth = jnp.arctan2(jnp.dot(sun, east), jnp.dot(sun, north))
-        dip = jnp.sqrt(1.0 - state.radiation.ground_view)
-        share = jnp.clip((height + dip) / 0.01 + 0.5, 0.0, 1.0)
+        height = xp.sum(up * sun, axis=-1)
+        zenith = xp.arctan2(xp.linalg.norm(xp.cross(up, sun), axis=-1), height)
+        azimuth = xp.arctan2(xp.sum(sun * east, axis=-1), xp.sum(sun * north, axis=-1))
+        dip = xp.sqrt(1.0 - state.radiation.ground_view)
+        share = xp.clip((height + dip) / 0.01 + 0.5, 0.0, 1.0)
         light = self.irradiance * share**2 * (3.0 - 2.0 * share)
-        radiation = eqx.tree_at(
-            lambda one: (one.irradiance, one.zenith_angle, one.azimuth),
-            state.radiation,
-            (light, zenith, azimuth),
+        radiation = dataclasses.replace(
+            state.radiation, irradiance=light, zenith_angle=zenith, azimuth=azimuth
         )
-        moving = jnp.cross(self.air, up)
-        wind = Wind(jnp.dot(moving, east), jnp.dot(moving, north), 0.0 * height)
+        moving = xp.cross(self.air, up)
+        wind = Wind(xp.sum(moving * east, axis=-1), xp.sum(moving * north, axis=-1), 0.0 * height)
         return EnvironmentState(
             state.pressure, state.temperature, state.gravity, state.gas, radiation, wind=wind
         )

@@ -21,9 +21,9 @@ from lightflyer.mission.measured.explanation import (
 from lightflyer.mission.measured.geometry import apart
 from lightflyer.mission.measured.summary import comparison_parts, summarise_comparison
 from lightflyer.mission.measured.winds import WindOfTrack, wind_differences
+from lightflyer.mission.path.dynamics import follow
 from lightflyer.mission.path.integration import Accuracy, Limits
 from lightflyer.mission.path.motion import Craft
-from lightflyer.mission.path.single import follow
 from lightflyer.mission.report.kml import write_kml
 from lightflyer.mission.report.tables import write_csv
 

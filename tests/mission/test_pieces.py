@@ -8,10 +8,10 @@ import lightflyer as lf
 from lightflyer.environment import EARTH_PLANET, Attitude, Place, Radiation, Wind
 from lightflyer.mission import FollowSun, Moment, Own
 from lightflyer.mission.mission import times_of
-from lightflyer.mission.path.integration import rate_of
+from lightflyer.mission.path.dynamics import rate_of
+from lightflyer.mission.path.integration import Way
 from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
-from lightflyer.mission.path.single import Way
 from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
 from lightflyer.mission.report import events
 from lightflyer.mission.report.figures import coastline
@@ -92,7 +92,8 @@ def test_day_and_night_change_where_half_of_the_light_is_left():
 
     times = np.array([0.0, 1500.0, 3600.0])
     way = Way(
-        times, [lambda at: np.stack([1.0 + 0.0 * at, 0.0 * at, 0.0 * at, 0.7 + at / 1e5])] * 2
+        times,
+        lambda at: np.stack([1.0 + 0.0 * at, 0.0 * at, 0.0 * at, 0.7 + at / 1e5], axis=-1),
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(events, "moments", Moments())

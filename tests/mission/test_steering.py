@@ -13,10 +13,10 @@ from lightflyer.environment import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.mission import Circle, Release
 from lightflyer.mission.fleet import flights_of
-from lightflyer.mission.path.integration import Accuracy, Limits
+from lightflyer.mission.path.dynamics import follow
+from lightflyer.mission.path.integration import Accuracy, Limits, Way
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.position import angles_towards, unit_vector
-from lightflyer.mission.path.single import Way, follow
 from lightflyer.mission.report.station import stay_of
 
 EQUATOR, FLATTENING = 6_378_137.0, 1.0 / 298.257223563  # WGS 84
@@ -168,11 +168,11 @@ def test_members_have_a_drag_of_their_own(closed_form_disk, lit_air):
     design = as_design(closed_form_disk(2e-3), lit_air(), lf.FreeMolecular())
     start = Release("75 km", **RELEASE).start()
     members = lf.mission.Ensemble(4000, drag=0.05)
-    drags = flights_of(design, lf.mission.Level(), start, members, [3600.0]).errors.drag
+    drags = flights_of(design, lf.mission.Level(), start, members, [3600.0]).craft.drag[:, 0]
     assert drags[0] == drags[-1] == 1.0
     assert np.log(drags[1:-1]).std() == pytest.approx(0.05, rel=0.03)
     still = lf.mission.Ensemble(3, drag=0.0, waves=0.0)
-    assert flights_of(design, lf.mission.Level(), start, still).errors.drag is None
+    assert flights_of(design, lf.mission.Level(), start, still).craft.drag is None
 
 
 @pytest.mark.parametrize("bearing", [0.0, 1.5, 3.0, 4.5])
@@ -232,9 +232,9 @@ def test_a_stay_lasts_as_long_as_the_way_through_the_station(begin, speed, withi
     def along(at):
         with lf.float64():
             unit = unit_vector(0.0 * at, (begin + speed * at) / RADIUS)
-        return np.vstack([np.asarray(unit).T, 0.0 * at])
+        return np.column_stack([unit, 0.0 * at])
 
-    way = Way(np.array([0.0, duration]), [along])
+    way = Way(np.array([0.0, duration]), along)
     stay = stay_of(way, Circle(0.0, 0.0, 100e3), RADIUS)
     assert stay.within == pytest.approx(within, abs=0.02)
     assert stay.left == pytest.approx(left, abs=0.02)
@@ -249,9 +249,7 @@ class Daytime(lf.mission.AbstractAttitudeRule):
         del moment
 
     def light(self, moment):
-        import jax.numpy as jnp
-
-        return jnp.where(moment.elapsed < 3600.0, 1.0, 0.25)
+        return np.where(moment.elapsed < 3600.0, 1.0, 0.25)
 
     def describe(self):
         return "dim after an hour"
@@ -284,7 +282,7 @@ def own_rule(**methods):
     ({"light": lambda self, moment: np.nan}, "Mine.light gives nan"),
     ({"light": lambda self, moment: np.ones(2)}, "one number from 0 to 1"),
     ({"light": lambda self, moment: "bright"}, "Mine.light"),
-    ({"light": lambda self, moment: 0.5 if moment.altitude > 80e3 else 1.0}, "write jax.numpy.wh"),
+    ({"light": lambda self, moment: 0.5 if moment.altitude > 80e3 else 1.0}, "write numpy.where"),
     ({"attitude": lambda self, moment: 0.2}, "attitude of Mine must be"),
     ({"attitude": lambda self, moment: moment.tilt}, "Mine.attitude: .*tilt"),
 ])  # fmt: skip

@@ -9,8 +9,7 @@ from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.budget.link import RadioLink
-from lightflyer.mission.path.integration import ALTITUDE_SCALE
-from lightflyer.mission.path.single import Way
+from lightflyer.mission.path.integration import ALTITUDE_SCALE, Way
 from lightflyer.mission.telemetry import Receiver, margin, passes_of, write_passes_csv
 
 RADIUS, HEIGHT, SPEED, END = 6.371e6, 70e3, 100.0, 4e4
@@ -21,10 +20,10 @@ def eastward(times):
     """Along the equator at 100 m/s over ground, as scaled states."""
     angle = SPEED / RADIUS * times
     height = np.full_like(angle, HEIGHT / ALTITUDE_SCALE)
-    return np.stack([np.cos(angle), np.sin(angle), 0.0 * angle, height])
+    return np.stack([np.cos(angle), np.sin(angle), 0.0 * angle, height], axis=-1)
 
 
-WAY = Way(np.array([0.0, 0.5 * END, END]), [eastward, eastward])
+WAY = Way(np.array([0.0, 0.5 * END, END]), eastward)
 
 
 def elevation(arc):
@@ -66,7 +65,7 @@ def test_a_pass_follows_spherical_trigonometry():
 def test_what_is_never_seen_or_always():
     far = Receiver("far", 60.0, 100.0)
     near = Receiver("near", 0.0, 18.0, lowest_elevation=0.0)
-    slow = Way(np.array([0.0, 100.0]), [lambda times: eastward(times + 2e4)])
+    slow = Way(np.array([0.0, 100.0]), lambda times: eastward(times + 2e4))
     assert passes_of(WAY, [far], LINK, RADIUS) == []
     (found,) = passes_of(slow, [far, near], None, RADIUS)
     assert (found.receiver, found.begin, found.end) == (1, 0.0, 100.0)

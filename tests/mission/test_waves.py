@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import jax
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid, quad
@@ -22,9 +21,8 @@ FREQUENCY, LENGTH = 2.0 * np.pi / 7200.0, 15e3
 
 def disturbed(one, air, altitude, elapsed):
     """The state of the air with waves, and the still one."""
-    with lf.float64():
-        still = air.state(altitude, PLACE)
-        return jax.tree.map(np.asarray, (one.disturb(still, altitude, PLACE, elapsed), still))
+    still = air.state(altitude, PLACE)
+    return one.disturb(still, altitude, PLACE, elapsed), still
 
 
 @pytest.fixture
@@ -78,10 +76,8 @@ def test_pressure_carries_the_warmer_air_above(single, lit_air, monkeypatch):
 def test_sizes_of_waves_are_those_of_the_climatology():
     """Temperature and vertical wind over ten thousand flights beside their spectra."""
     drawn = draw_waves(10_000, 1.0, seed=2)
-    with lf.float64():
-        still = lf.Earth().state(80e3, PLACE)
-        state = jax.vmap(lambda one: one.disturb(still, 80e3, PLACE, 3e4))(drawn)
-        still, state = jax.tree.map(np.asarray, (still, state))
+    still = lf.Earth().state(80e3, PLACE)
+    state = drawn.disturb(still, 80e3, PLACE, 3e4)
     degrees = 0.5 * 16.0 ** (60.0 / 80.0)  # 0.5 K at 20 km and 8 K at 100 km
     buoyancy, longest, shortest = 0.02, 2.0 * np.pi / 86_400.0, 2.0 * np.pi / 1800.0
 
@@ -185,18 +181,16 @@ def test_tides_that_the_environment_has_are_not_counted_twice():
     assert tides_of(earth) == Tides(winds=False, warmth=True)
     assert tides_of(lf.Earth()) == Tides()
     whole, part = (draw_waves(50, 1.0, 0, known) for known in (Tides(), Tides(True, True)))
-    with lf.float64():
-        still = lf.Earth().state(80e3, PLACE)
+    still = lf.Earth().state(80e3, PLACE)
 
-        def spread(waves):
-            state = jax.vmap(lambda one: one.disturb(still, 80e3, PLACE, 3e4))(waves)
-            return state.temperature, state.wind.up, state.wind.east
+    def spread(waves):
+        state = waves.disturb(still, 80e3, PLACE, 3e4)
+        return state.temperature, state.wind.up, state.wind.east
 
-        warmer, up, east = (np.asarray(x) for x in spread(whole))
-        less, same, slower = (np.asarray(x) for x in spread(part))
-        calm = replace(whole, cosines=whole.cosines * (np.arange(10) < 8),
-                       sines=whole.sines * (np.arange(10) < 8))  # fmt: skip
-        warmth, _, wind = (np.asarray(x) for x in spread(calm))
+    (warmer, up, east), (less, same, slower) = spread(whole), spread(part)
+    calm = replace(whole, cosines=whole.cosines * (np.arange(10) < 8),
+                   sines=whole.sines * (np.arange(10) < 8))  # fmt: skip
+    warmth, _, wind = spread(calm)
     np.testing.assert_allclose(same, up, rtol=1e-12)
     np.testing.assert_allclose(less, warmth, rtol=1e-12)
     np.testing.assert_allclose(slower, wind, atol=1e-9)

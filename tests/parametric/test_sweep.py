@@ -9,11 +9,10 @@ import xarray as xr
 
 import lightflyer as lf
 from lightflyer.compute.chunks import Chunks
-from lightflyer.compute.evaluation import Evaluator, _evaluate_each
+from lightflyer.compute.evaluation import Evaluator
 from lightflyer.config.designs import as_design
 from lightflyer.parametric import run
 from lightflyer.parametric.run import open_sweep
-from lightflyer.program.entry_point import run_by
 from lightflyer.study.study import make_study
 
 POINT_OUTPUTS = [
@@ -51,9 +50,9 @@ def table(flyer, over):
 
 
 @pytest.mark.slow
-def test_numpy_gives_what_a_compiled_sweep_gives(flyer, over, table):
-    with run_by("xla"):
-        compiled = lf.sweep(flyer, over=over, outputs=POINT_OUTPUTS)
+def test_numpy_gives_what_a_compiled_sweep_gives(flyer, over, table, monkeypatch):
+    monkeypatch.setattr("lightflyer.compute.evaluation.FEW", 0)
+    compiled = lf.sweep(flyer, over=over, outputs=POINT_OUTPUTS)
     for name in POINT_OUTPUTS:
         size = float(np.abs(compiled[name]).max())  # a payload may be nearly none
         np.testing.assert_allclose(
@@ -71,30 +70,18 @@ def test_a_number_that_the_file_does_not_state_is_varied(flyer):
 
 
 @pytest.mark.parametrize(("outputs", "few"), [("lift", 50_000), ("lowest_altitude", 1_000)])
-def test_few_designs_are_not_compiled_and_all_of_a_study_run_one_way(flyer, outputs, few):
+def test_few_designs_are_not_compiled_and_all_of_a_study_run_one_way(
+    flyer, outputs, few, monkeypatch
+):
     place = {"altitude": ["70 km"]} if outputs == "lift" else {}
 
     def way(count, device=None):
         over = {"flyer.diameter": np.linspace(0.005, 0.05, count), **place}
-        return Evaluator(make_study(flyer.design(), over, (outputs,)), device).way
+        return Evaluator(make_study(flyer.design(), over, (outputs,)), device).by_jax
 
-    assert [way(few), way(few + 1), way(few, "cpu")] == ["numpy", "xla", "xla"]
-    with run_by("numpy"):
-        assert way(few + 1) == "numpy"
-
-
-def test_another_process_finds_the_program_of_a_sweep(flyer, monkeypatch):
-    """Whatever values its numbers have, and however many."""
-
-    def swept(*diameters):
-        over = {"flyer.diameter": diameters, "altitude": [7e4]}
-        return lf.sweep(flyer, over=over, outputs="lift_over_weight").lift_over_weight
-
-    known = swept(0.01, 0.02)
-    runner = _evaluate_each.runner
-    monkeypatch.setattr(runner, "_traced", {})
-    monkeypatch.setattr(runner, "_trace", None)
-    np.testing.assert_array_equal(swept(0.005, 0.01, 0.02)[1:], known)
+    assert [way(few), way(few + 1), way(few, "cpu")] == [False, True, True]
+    monkeypatch.setattr("lightflyer.compute.evaluation.has_jax", lambda: False)
+    assert not way(few + 1)
 
 
 def test_each_design_is_what_its_flyer_file_predicts(film_section, table):

@@ -1,12 +1,12 @@
 import dataclasses
+from functools import partial
 
 import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.design.tables import table_of
+from lightflyer.design.tables import table_of, tabulate_places
 from lightflyer.prediction.evaluator import POINTS
-from lightflyer.program.entry_point import only
 
 
 @pytest.fixture
@@ -91,17 +91,16 @@ def test_dataset_without_a_file(setup):
 
 @pytest.mark.parametrize("unsolved", [3, 20])
 def test_a_few_points_without_a_solution_are_missing(setup, monkeypatch, unsolved):
-    def with_failures(tabulated, names):
-        def run(setup, coordinates, light):
-            table = only(tabulated, names)(setup, coordinates, light)
-            if "levitation_converged" not in table or coordinates.size != POINTS:
-                return table
-            return table | {"levitation_converged": np.arange(POINTS) >= unsolved}
-
-        return run
+    def with_failures(setup, coordinates, light, names):
+        table = tabulate_places(setup, coordinates, light, names)
+        if "levitation_converged" not in table or coordinates.size != POINTS:
+            return table
+        return table | {"levitation_converged": np.arange(POINTS) >= unsolved}
 
     whole = lf.predict(setup)
-    monkeypatch.setattr("lightflyer.design.tables.only", with_failures)
+    monkeypatch.setattr(
+        "lightflyer.prediction.evaluator.table_of", partial(table_of, tabulated=with_failures)
+    )
     if unsolved > 10:
         with pytest.raises(lf.ConvergenceError, match="20 of 301 not converged"):
             lf.predict(setup)

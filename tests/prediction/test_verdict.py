@@ -2,7 +2,6 @@
 
 import dataclasses
 
-import equinox as eqx
 import jax
 import numpy as np
 import pytest
@@ -10,9 +9,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import lightflyer as lf
+from lightflyer.array import tree
+from lightflyer.array.namespace import float64
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.designs import as_design
-from lightflyer.core.precision import float64
 from lightflyer.design.tables import evaluate
 from lightflyer.prediction.text import verdict_lines
 
@@ -32,7 +32,7 @@ class Truth:
 
     def state(self, place, light):
         state = self.setup.environment.state(place)
-        return eqx.tree_at(lambda state: state.radiation.irradiance, state, np.float64(light))
+        return tree.replace_at(lambda state: state.radiation.irradiance, state, np.float64(light))
 
     def lift(self, place, light=None):
         state = self.state(place, light or self.light)
@@ -120,7 +120,7 @@ def test_a_payload_keeps_a_disk_low_enough_for_its_film(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["earth", "laden", "mars"])
-def test_sweeps_have_the_verdict(kind, tmp_path, by_numpy):
+def test_sweeps_have_the_verdict(kind, tmp_path, compiled):
     """The search with derivatives finds what the search of predictions finds."""
     setup = setup_of(kind, tmp_path)
     prediction = lf.predict(setup)
@@ -134,12 +134,12 @@ def test_sweeps_have_the_verdict(kind, tmp_path, by_numpy):
         "afloat_payload": best["payload"],
         "afloat_temperature": best["temperature"],
     }
-    found, converged = by_numpy(lambda setup: evaluate(setup, tuple(expected)))(setup)
+    found, converged = compiled(lambda setup: evaluate(setup, tuple(expected)))(setup)
     assert converged
     for name, value in expected.items():
         assert float(found[name]) == pytest.approx(value, rel=1e-6), name
     places = np.array([0.5, 0.999, 1.001, 1.5]) * verdict.usable[0][1]
-    here, _ = by_numpy(lambda setup, places: evaluate(setup, ("usable",), places))(setup, places)
+    here, _ = compiled(lambda setup, places: evaluate(setup, ("usable",), places))(setup, places)
     inside = (places > verdict.usable[0][0]) & (places < verdict.usable[0][1])
     assert here["usable"].tolist() == inside.tolist()
 
@@ -165,7 +165,7 @@ def test_the_longest_night_is_that_of_a_descent(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_verdict_of_sweeps_has_derivatives(tmp_path, by_numpy):
+def test_the_verdict_of_sweeps_has_derivatives(tmp_path, compiled):
     """By central differences of predictions."""
     setup = setup_of("earth", tmp_path)
 
@@ -178,7 +178,7 @@ def test_the_verdict_of_sweeps_has_derivatives(tmp_path, by_numpy):
         return found["usable_payload"] * 1e6, found["rest_temperature"]
 
     with float64():
-        slopes = by_numpy(jax.jacfwd(outputs))(0.75)
+        slopes = compiled(jax.jacfwd(outputs))(0.75)
     step = 1e-3
     ends = [lf.predict(with_absorptance(0.75 + sign * step)).verdict for sign in (1.0, -1.0)]
     payload = [1e6 * end.best.values["payload"] for end in ends]

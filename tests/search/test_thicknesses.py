@@ -10,8 +10,8 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import lightflyer as lf
+from lightflyer.array.namespace import float64
 from lightflyer.cli.commands.optimise import _write_flyer
-from lightflyer.core.precision import float64
 from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate, padded_thickness
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import as_problem
@@ -216,7 +216,7 @@ def test_a_robust_objective_is_that_of_films_with_errors(flyer):
     expected = np.dot(weights, made) / weights.sum()
     loss = made[2] - expected
     assert loss > 1e-3 * expected
-    found = float(function.scores_of_many(point[None], 1)[0, 0])
+    found = float(function.scores_of_many(point[None])[0, 0])
     assert made[2] - found == pytest.approx(loss, rel=0.05)
 
 

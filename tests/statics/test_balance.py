@@ -1,6 +1,5 @@
 from typing import ClassVar
 
-import equinox as eqx
 import jax
 import numpy as np
 import numpy_model
@@ -8,6 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 import lightflyer as lf
+from lightflyer.array import tree
 from lightflyer.numerics.rootfind import SolverStatus
 from lightflyer.statics.balance import require_converged
 
@@ -120,7 +120,7 @@ def test_non_convergence_raises_unless_asked_not_to(disk):
 
 def test_nan_input_is_flagged_not_returned_in_silence(disk):
     broken = np.array([1.0, np.nan])
-    poisoned = eqx.tree_at(lambda state: state.pressure, state(1.0), broken)
+    poisoned = tree.replace_at(lambda state: state.pressure, state(1.0), broken)
     with pytest.raises(lf.ConvergenceError, match="1 of 2"):
         lf.equilibrium(disk, poisoned, lf.Lu2023())
     result = lf.equilibrium(disk, poisoned, lf.Lu2023(), throw=False)

@@ -144,7 +144,7 @@ def test_levitation_finds_irradiance_and_temperatures_together():
     assert np.all(found.converged)
 
 
-def test_derivatives_are_those_of_differences(by_numpy):
+def test_derivatives_are_those_of_differences(compiled):
     def outcomes(x):
         flyer = Tandem(x[0], x[1], absorptance=x[2])
         state = state_at(x[3], x[4])
@@ -157,8 +157,8 @@ def test_derivatives_are_those_of_differences(by_numpy):
 
     with lf.float64():
         start = jnp.log(jnp.array([4e-4, 1e-5, 0.7, 3.0, 1360.0]))
-        function = by_numpy(lambda y: outcomes(jnp.exp(y)))
-        forward, reverse = by_numpy(jax.jacfwd(function)), by_numpy(jax.jacrev(function))
+        function = compiled(lambda y: outcomes(jnp.exp(y)))
+        forward, reverse = compiled(jax.jacfwd(function)), compiled(jax.jacrev(function))
         step = 1e-5
         differences = np.stack(
             [(function(start + e) - function(start - e)) / (2 * step) for e in step * jnp.eye(5)],

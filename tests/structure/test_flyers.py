@@ -2,12 +2,12 @@
 
 import dataclasses
 
-import equinox as eqx
 import jax
 import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.array import tree
 from lightflyer.design.outputs import outputs_of
 from lightflyer.design.tables import evaluate
 from lightflyer.flyer.hanging import Held
@@ -218,14 +218,14 @@ def test_a_layer_without_numbers_is_asked_for_them(disk_file):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHAPE)
-def test_derivatives_through_the_balance_are_those_of_finite_differences(name, by_numpy):
+def test_derivatives_through_the_balance_are_those_of_finite_differences(name, compiled):
     def output(spacing, gap, payload):
         flyer = sandwich(Ligaments(spacing * 1e-4, 1e-5, 1e-7), gap=gap * 1.25e-4,
                          payload=payload * 1e-8)  # fmt: skip
         return evaluate(setup_of(flyer), [name], 70e3)[0][name]
 
     with lf.float64():
-        found = by_numpy(jax.grad(output, argnums=(0, 1, 2)))(1.0, 1.0, 1.0)
+        found = compiled(jax.grad(output, argnums=(0, 1, 2)))(1.0, 1.0, 1.0)
         for place in range(3):
             points = [np.ones(3), np.ones(3)]
             points[0][place] += 1e-4
@@ -291,7 +291,7 @@ def test_a_plate_bends_as_two_faces_whose_walls_shear():
 
 
 def test_a_flyer_without_known_layers_has_no_shape():
-    flyer = eqx.tree_at(lambda one: one.top.laminate, sandwich(), None)
+    flyer = tree.replace_at(lambda one: one.top.laminate, sandwich(), None)
     assert flyer.known_shape == ()
     with pytest.raises(lf.ConfigurationError, match="not known as a structure"):
         flyer.shape(lf.Earth().state(70e3), (300.0, 310.0), 1e-6)

@@ -2,19 +2,23 @@ import dataclasses
 from importlib import resources
 from typing import Literal
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.stats
 
 import lightflyer as lf
+from lightflyer.array.transformations import compiled
 from lightflyer.config.designs import as_design
 from lightflyer.core.quantity import Fraction
 from lightflyer.design.design import ObjectDesign
+from lightflyer.design.tables import tabulate
 from lightflyer.environment.earth import Lu2023Section
 from lightflyer.film.section import MeasuredFilmSection
 from lightflyer.force.lu2023 import Lu2023ForceSection
-from lightflyer.pytree import tree
 from lightflyer.uncertainty import monte_carlo
+from lightflyer.uncertainty.derivatives import derivatives
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
 
 FILM = {
@@ -178,12 +182,12 @@ def test_inputs_know_units_faces_and_ranges():
     )
     inputs = uncertain_inputs(uncertain.design())
     assert inputs.names == ["flyer.diameter", "film.emittance", "environment.incidence"]
-    setup, tangents = inputs.setup_and_tangents
-    assert setup.flyer.radius == pytest.approx(0.01)
-    assert tangents[0].flyer.radius == pytest.approx(0.5)
-    assert tangents[1].flyer.film.emittance_top == pytest.approx(1.0)
-    assert tangents[1].flyer.film.emittance_bottom == pytest.approx(1.0)
-    assert tangents[2].environment.radiation.zenith_angle == pytest.approx(np.pi / 180.0)
+    moved = inputs.setup_of(inputs.values + np.diag([1e-3, 1e-2, 1.0]))
+    film, light = moved.flyer.film, moved.environment.radiation
+    np.testing.assert_allclose(moved.flyer.radius[:, 0], [0.0105, 0.01, 0.01])
+    np.testing.assert_allclose(film.emittance_top[:, 0], [0.08, 0.09, 0.08])
+    np.testing.assert_allclose(film.emittance_bottom[:, 0], [0.08, 0.09, 0.08])
+    np.testing.assert_allclose(light.zenith_angle[:, 0], np.radians([30.0, 30.0, 31.0]))
     assert np.array_equal(inputs.ranges[1], [0.0, 1.0])
 
 
@@ -208,8 +212,6 @@ def test_a_build_that_is_not_linear_is_followed():
     }
     file = lf.FlyerFile.model_construct(**sections)
     inputs = uncertain_inputs(file.design())
-    _, (tangent,) = inputs.setup_and_tangents
-    assert tangent.flyer.radius == pytest.approx(-2.0 * 0.3 * 0.01)  # d/dw of r(1 − w²)
     samples = np.array([[0.1], [0.5]])
     radii = np.ravel(inputs.setup_of(samples).flyer.radius)
     np.testing.assert_allclose(radii, 0.01 * (1.0 - samples[:, 0] ** 2), rtol=1e-14)
@@ -382,19 +384,39 @@ def test_a_layers_change_on_a_coarse_grid_is_that_of_films_on_the_fine_one():
     np.testing.assert_allclose(nodes[1] * 8e-18, thick + thin - 2.0 * middle, rtol=0.05)
 
 
-@pytest.mark.parametrize("kind", ["layers", "mars", "ligaments", 0, 1])
-def test_tangents_of_a_setup_are_its_derivatives(kind):
-    """By differences, of films whose data leave them open and at an end of a range, too."""
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["earth", "layers", "mars", "sandwich", "plate", 0, 1])
+def test_first_order_is_that_of_exact_derivatives(kind):
+    """Differences of converged solutions beside JAX, also at an end of an input's range."""
     if kind in (0, 1):
         told = configure(absorptance=f"{kind} ± 0.1", tac_top="0.8 ± 0.02").design()
     else:
         told = as_design(resources.files("lightflyer") / "data" / f"flyer-{kind}.toml")
-    inputs = uncertain_inputs(told)
-    base = [np.asarray(leaf, float) for leaf in tree.leaves(inputs.build(inputs.values))]
-    both = zip(inputs._differences(base), inputs._derivatives(), strict=True)
-    moved = 0
-    for ours, exact in both:
-        size = np.max(np.abs(exact))
-        np.testing.assert_allclose(ours, exact, rtol=0.0, atol=1e-9 * size)
-        moved += size > 0.0
-    assert moved >= 2
+    inputs, setup = uncertain_inputs(told), told.setup
+    away_from_kinks = inputs.values + 0.1 * inputs.spreads * (kind not in (0, 1))
+    inputs = dataclasses.replace(inputs, values=away_from_kinks)
+    places = {"pressure": [1.0, 30.0]}.get(setup.environment.coordinate.name, [70e3, 80e3])
+    if kind == "mars":
+        places = [50e3, 60e3]
+    names = ("lift", "temperature", "levitation_irradiance", "payload")
+
+    def outputs(values, coordinate):
+        moved = inputs.build(values)
+        light = moved.environment.radiation.irradiance
+        table = tabulate(moved, coordinate, light + jnp.zeros_like(coordinate), names)
+        return jnp.stack([table[name] for name in names])
+
+    exact = compiled(jax.jacfwd(outputs))(inputs.values, np.array(places))
+    slopes = derivatives(inputs, np.array(places))
+    for row, name in enumerate(names):
+        ours = slopes.change[name][:-1] * inputs.spreads[:, None]
+        theirs = exact[row].T * inputs.spreads[:, None]
+        known = np.isfinite(theirs) & np.isfinite(ours)
+        if not known.any():  # what absorbs no light needs endlessly much
+            assert kind == 0
+            assert name == "levitation_irradiance"
+            continue
+        size = np.max(np.abs(theirs[known]))
+        # one-sided differences are off by the curvature
+        rtol = 1e-3 if kind in (0, 1) else 1e-4
+        np.testing.assert_allclose(ours[known], theirs[known], rtol=rtol, atol=1e-6 * size)

@@ -1,8 +1,8 @@
-"""A calculator for the pages: the package's model, compiled to JavaScript when they are built.
+"""A calculator for the pages: the package's model, in JavaScript, made when they are built.
 
-``graph`` holds scalar operations, ``primitives`` and ``control`` make them from JAX's trace,
-``javascript`` writes them. ``model`` says what is traced, ``page`` and the scripts how it is
-shown. The directive ``calculator`` puts it on a page.
+The model is called with numbers of a ``recorder``, which leaves a ``graph`` of scalar operations;
+``javascript`` writes it. ``model`` says what is recorded, ``page`` and the scripts how it is shown.
+The directive ``calculator`` puts it on a page.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ _HERE = Path(__file__).parent
 _MODEL = "calculator-model-{}.js"
 _COPIED = {f"{name}.js": f"calculator-{name}.js" for name in ("core", "bands", "figures", "view")}
 _STYLE = "calculator.css"
+_SOURCES = {".py", ".js", ".css", ".csv", ".toml", ".txt"}
 
 
 class Calculator(Directive):
@@ -41,15 +42,12 @@ def written(where: Path) -> Path:
     Parameters
     ----------
     where : Path
-        Folder of its own, in which it is kept until what it is made from changes: tracing takes a
-        minute.
+        Folder of its own, in which it is kept until what it is made from changes: to make it takes
+        half a minute.
     """
     from filelock import FileLock
 
-    from lightflyer.program.kept import sources
-
-    own = b"".join(path.read_bytes() for path in sorted(_HERE.iterdir()) if path.is_file())
-    folder = where / hashlib.sha256(sources() + own).hexdigest()[:16]
+    folder = where / _made_from()
     where.parent.mkdir(parents=True, exist_ok=True)
     with FileLock(where.with_suffix(".lock")):
         if not folder.exists():
@@ -59,6 +57,19 @@ def written(where: Path) -> Path:
             _write(stage)
             stage.rename(folder)
     return folder
+
+
+def _made_from() -> str:
+    """Digest of the sources and data of the package and of the calculator."""
+    import lightflyer
+
+    digest = hashlib.sha256()
+    for folder in (Path(lightflyer.__file__).parent, _HERE):
+        for path in sorted(folder.rglob("*")):
+            if path.is_file() and path.suffix in _SOURCES:
+                digest.update(f"{path.relative_to(folder)} {path.stat().st_size} ".encode())
+                digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def _write(folder: Path) -> None:

@@ -8,7 +8,9 @@
   const SIZE = computed.findIndex((number) => number.name === about.size);
   const LIMIT_ROUNDING = 1 + 1e-5; // as in the package
   const MOST_DIGITS = 16;
-  const SMALLEST = 1e-9; // elasticity that is more than rounding
+  const STEP = 1e-4; // of a number, over its value, by which a slope is taken
+  const SMALLEST_SLOPE = 1e-7; // elasticity that is more than rounding, of results to 1e-12
+  const SMALLEST = 1e-9; // width of a band, over its end, that is more than rounding
   const CLOSER = 60; // places looked at around the least light
   const CLOSE = 1e-12; // of lift over weight at an edge, and of its bracket over its place
   const MOST_STEPS = 100;
@@ -277,10 +279,23 @@
   /** Change in percent of the irradiance to levitate if a number grows by 1 %. */
   function elasticities(model, values, irradiance) {
     const given = argumentsOf(model, values);
-    const slopes = functions[model].slopes(...given);
     return computed
-      .map((number, index) => ({ number, value: (slopes[index] * given[index]) / irradiance }))
-      .filter(({ number, value }) => number.name !== about.coordinate && Math.abs(value) > SMALLEST);
+      .map((number, index) => ({ number, value: slope(model, given, index, irradiance) / irradiance }))
+      .filter(({ number, value }) => number.name !== about.coordinate && Math.abs(value) > SMALLEST_SLOPE);
+  }
+
+  /** Slope of the irradiance to levitate over the logarithm of a number, by differences. */
+  function slope(model, given, index, irradiance) {
+    const moved = (steps) => {
+      const own = [...given];
+      own[index] *= 1 + steps * STEP;
+      return functions[model].evaluate(...own)[place.levitation_irradiance];
+    };
+    const [below, above] = [moved(-1), moved(1)];
+    if (Number.isFinite(above - below)) return (above - below) / (2 * STEP);
+    const side = Number.isFinite(above) ? 1 : -1; // at an end of the range, of one side
+    const [near, far] = [moved(side), moved(2 * side)];
+    return (side * (4 * near - far - 3 * irradiance)) / (2 * STEP);
   }
 
   /** The top face's emittance that is one number with a bottom face's, as one key of a file; or null. */

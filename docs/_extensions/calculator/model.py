@@ -1,4 +1,4 @@
-"""What the calculator computes: results, ranges and slopes of a disk, by the package itself."""
+"""What the calculator computes: results and ranges of a flyer, by the package itself."""
 
 from __future__ import annotations
 
@@ -8,15 +8,13 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 import lightflyer
+from lightflyer.array.namespace import within
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.flyer_file import FileDesign, flyer_file_type, models_for
 from lightflyer.core.errors import LightflyerError
-from lightflyer.core.precision import float64
 from lightflyer.core.quantity import quantities_of
 from lightflyer.core.units import scale_and_offset
 from lightflyer.core.validity import Validity
@@ -26,10 +24,10 @@ from lightflyer.design.outputs import OUTPUTS
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.section import FilmSection
 from lightflyer.flyer.section import FlyerSection
-from lightflyer.program.scalar.javascript import Tables, write_function
-from lightflyer.program.tracing import trace_numbers
 
+from .javascript import Tables, write_function
 from .kinds import DISK, Kind, Number
+from .recorder import NotKnownError, Recorder
 
 SHOWN = (
     "levitation_irradiance",
@@ -43,10 +41,6 @@ SHOWN = (
     "gas_temperature",
 )
 """Outputs that are shown."""
-
-SLOPE_OF = "levitation_irradiance"
-"""Output whose slopes are shown."""
-
 
 NUMBERS, COMPUTED = DISK.numbers, DISK.computed
 
@@ -166,7 +160,7 @@ def ranges_of(one: OperatingPoint) -> tuple[list[tuple[Validity, Any]], tuple[st
     ]
     try:
         notes = (*one.setup.model.remarks(flyer, state, hot), *flyer.diagnostics(state, hot))
-    except jax.errors.TracerArrayConversionError:  # depend on numbers, which a trace has not
+    except NotKnownError:  # depend on numbers, which a recorder has not
         notes = ()
     return found, notes
 
@@ -179,7 +173,7 @@ class Compiled:
     ----------
     name : str
     text : str
-        Two functions, ``<identifier>`` and ``<identifier>_slopes``.
+        A function of that name, ``identifier``.
     identifier : str
     ranges : tuple of Validity
         Of the numbers that stand behind the outputs and ``converged``.
@@ -194,7 +188,7 @@ class Compiled:
 
 
 def compile_model(name: str, tables: Tables, kind: Kind = DISK) -> Compiled:
-    """Trace a force model and write it in JavaScript."""
+    """Record a force model and write it in JavaScript."""
     base, identifier = design(name, kind), f"model_{name.replace('-', '_')}"
     others = tuple(uncertain(name, kind))
     looked_at: list[Validity] = []
@@ -208,21 +202,13 @@ def compile_model(name: str, tables: Tables, kind: Kind = DISK) -> Compiled:
         notes.extend(told)
         return *results, one.converged, *(value for _, value in ranges)
 
-    with float64():
-        count = len(kind.computed)
-        text = write_function(identifier, trace_numbers(point, count + len(others)), tables)
-        slopes = trace_numbers(slopes_of(base, kind), count)
-        text += write_function(f"{identifier}_slopes", slopes, tables)
+    recorder = Recorder()
+    with within(jax=recorder):
+        given = [recorder.variable() for _ in range(len(kind.computed) + len(others))]
+        results = point(*given)
+    arguments, found = ([recorder.nodes(one).item() for one in part] for part in (given, results))
+    text = write_function(identifier, recorder.graph, arguments, found, tables)
     return Compiled(name, text, identifier, tuple(looked_at), tuple(notes))
-
-
-def slopes_of(base: FileDesign, kind: Kind = DISK) -> Any:
-    """Make the function that gives the slopes of the irradiance to levitate."""
-
-    def irradiance(values: tuple[Any, ...]) -> Any:
-        return jnp.asarray(OUTPUTS[SLOPE_OF].value(case(base, values, kind)))
-
-    return lambda *values: jax.grad(irradiance)(values)
 
 
 def compile_all(kind: Kind = DISK) -> str:
@@ -236,10 +222,7 @@ def compile_all(kind: Kind = DISK) -> str:
     tables = Tables()
     compiled = [compile_model(name, tables, kind) for name in force_models(kind)]
     functions = "".join(one.text for one in compiled)
-    entries = ",".join(
-        f"{json.dumps(one.name)}:{{evaluate:{one.identifier},slopes:{one.identifier}_slopes}}"
-        for one in compiled
-    )
+    entries = ",".join(f"{json.dumps(one.name)}:{{evaluate:{one.identifier}}}" for one in compiled)
     return (
         f"/* Made from lightflyer {lightflyer.__version__} by docs/_extensions/calculator. */\n"
         '(function(){"use strict";\n'

@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import (
     Checked,
     DataRate,
@@ -13,9 +15,6 @@ from lightflyer.core.quantity import (
     LinkDistance,
     Temperature,
 )
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 REQUIRED_SIGNAL_DB = 9.6
 """Energy per bit over noise density [dB] at which one bit in 1e5 is wrong: coherent detection of
@@ -24,7 +23,7 @@ two phases without coding, :math:`\\tfrac12\\operatorname{erfc}\\sqrt{E_b/N_0}`.
 
 def from_decibels(decibels: Numeric) -> Array:
     """Ratio of two powers [1]; ``decibels`` [dB]."""
-    return jnp.power(10.0, 0.1 * jnp.asarray(decibels))
+    return xp.power(10.0, 0.1 * xp.asarray(decibels))
 
 
 @entry_point

@@ -5,13 +5,12 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.budget.link import RadioLink
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import ArealDensity, Checked, Efficiency, Fraction, Mass, Power
-from lightflyer.core.types import Numeric
 from lightflyer.environment.radiation import Attitude, Radiation
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import field
 
 
 class Item(Checked):
@@ -141,7 +140,7 @@ class Budget(Checked):
 @entry_point
 def _needs(budget: Budget, light: Numeric) -> Needs:
     link, cells, more = budget.link, budget.cells, 1.0 + budget.reserve
-    zero = 0.0 * jnp.asarray(light)
+    zero = 0.0 * xp.asarray(light)
     sent = zero if link is None else link.transmit_power() + zero
     power = sum((item.mean_power for item in budget.items), zero)
     power = more * (power if link is None else power + link.consumed_power())
@@ -149,8 +148,8 @@ def _needs(budget: Budget, light: Numeric) -> Needs:
     if cells is None:
         return Needs(mass, power, zero, sent)
     dark = light <= 0.0
-    per_area = cells.efficiency * cells.conversion * jnp.where(dark, 1.0, light)
-    area = jnp.where(dark & (power > 0.0), np.inf, power / per_area)
+    per_area = cells.efficiency * cells.conversion * xp.where(dark, 1.0, light)
+    area = xp.where(dark & (power > 0.0), np.inf, power / per_area)
     return Needs(mass + cells.areal_density * area, power, area, sent)
 
 
@@ -158,4 +157,4 @@ def _needs(budget: Budget, light: Numeric) -> Needs:
 def light_on_cells(radiation: Radiation, attitude: Attitude | None) -> Array:
     """Irradiance of cells that face as a flyer's top face does [W/m²]."""
     faces = radiation.on_faces(attitude)
-    return jnp.asarray(radiation.irradiance * faces.beam_top + faces.diffuse_top)
+    return xp.asarray(radiation.irradiance * faces.beam_top + faces.diffuse_top)

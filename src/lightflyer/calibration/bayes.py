@@ -19,12 +19,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.array.namespace import by_jax, load_jax, xp
 from lightflyer.calibration.calibration import Calibration
 from lightflyer.core.errors import ConvergenceError, MissingExtraError, ParameterError
-from lightflyer.core.precision import float64
 from lightflyer.core.progress import report
 from lightflyer.files.result_text import Parts, PrintedResult
-from lightflyer.pytree.lazy_jax import jax, jnp
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -173,7 +172,7 @@ def posterior(
     if seed < 0:
         raise ParameterError(f"seed must not be negative, got {seed}")
     names = [*calibration.names, *([SCATTER] if calibration.estimated_scatter else [])]
-    with float64():
+    with by_jax():
         mcmc = numpyro.infer.MCMC(
             _sampler(numpyro, calibration),
             num_warmup=warmup,
@@ -183,7 +182,7 @@ def posterior(
             progress_bar=False,
         )
         report(f"drawing {samples:,} samples from the posterior")
-        mcmc.run(jax.random.PRNGKey(seed), extra_fields=("diverging",))
+        mcmc.run(load_jax().random.PRNGKey(seed), extra_fields=("diverging",))
         found = {k: np.asarray(v) for k, v in mcmc.get_samples(group_by_chain=True).items()}
         divergences = int(np.sum(mcmc.get_extra_fields()["diverging"]))
         draws = np.exp(
@@ -248,7 +247,7 @@ def probabilistic_model(calibration: Calibration) -> Callable[[], None]:
         spread: Any = calibration.uncertainty
         if calibration.estimated_scatter:
             prior = distributions.Uniform(least, most).expand([1]).to_event(1)
-            spread = jnp.exp(numpyro.sample(SCATTER, prior))
+            spread = xp.exp(numpyro.sample(SCATTER, prior))
         predicted = calibration.problem.model.log_irradiance(parameters, log_pressure)
         numpyro.sample("measured", distributions.Normal(predicted, spread), obs=measured)
 

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Pressure, Quantity
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
-from lightflyer.program.arguments import reads_units
 
 _POSSIBLE = Quantity("", 0.0, open_below=True, sizes=(0.02, 50.0), why="no gauge is farther off")
 _FACTOR = replace(

@@ -11,10 +11,10 @@ import numpy as np
 
 from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import Fields, Target
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.quantity import Fraction
 from lightflyer.design.design import AbstractDesign
-from lightflyer.program.arguments import reads_units
 from lightflyer.uncertainty.inputs import Change, Inputs, uncertain_inputs
 
 PRESSURE_GAUGE, LIGHT_METER = "pressure gauge", "light meter"

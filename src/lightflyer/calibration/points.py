@@ -16,6 +16,7 @@ import numpy as np
 
 from lightflyer.calibration.gauge import Gauge
 from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD, require_step
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import (
@@ -32,7 +33,6 @@ from lightflyer.core.quantity import (
 from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.files.table_rows import Rejected
-from lightflyer.program.arguments import reads_units
 
 _SCALED = Quantity("Pa*m", likely=(0.01, 0.5), known="the paper's disks in air have 0.09")
 _OPTIMUM = Quantity(

@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, xp
+from lightflyer.array.records import Module, field
 from lightflyer.calibration.inputs import FitInputs, fit_inputs
 from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import Fields, Target, target_of
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import impossible_as_nan
 from lightflyer.design.design import AbstractDesign
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import Module, field
 from lightflyer.statics.levitation import levitate
 from lightflyer.uncertainty.inputs import Change
 
@@ -52,49 +52,62 @@ class LevitationModel(Module):
     changes: tuple[Change, ...]
 
     def log_irradiance(self, log_parameters: Any, log_pressure: Any, shifts: Any = None) -> Array:
-        """Log-irradiance to levitate as a light meter reads it; traced in double precision."""
+        """Log-irradiance to levitate as a light meter reads it; within a public function.
+
+        ``log_parameters`` (..., p), ``log_pressure`` (..., n), ``shifts`` (..., k).
+        """
         if shifts is None:
-            shifts = jnp.zeros(len(self.gains))
-        index = jnp.asarray(self.index).astype(int)
-        fitted = jnp.exp(log_parameters)[jnp.maximum(index, 0)]
-        stated = self.stated + jnp.tensordot(shifts, jnp.asarray(self.moves), 1)
-        rows = jnp.where(index >= 0, fitted, stated)
-        pressure_error, light_error = shifts @ jnp.asarray(self.gains)
+            shifts = xp.zeros(len(self.gains))
+        index = xp.asarray(self.index).astype(int)
+        fitted = xp.exp(log_parameters)[..., xp.maximum(index, 0)]  # (..., rows, n)
+        stated = self.stated + xp.tensordot(shifts, xp.asarray(self.moves), 1)
+        rows = xp.moveaxis(xp.where(index >= 0, fitted, stated), -2, 0)
+        errors = shifts @ xp.asarray(self.gains)
+        pressure_error, light_error = errors[..., :1], errors[..., 1:]
         numbers = {
             field: factor * row
             for (fields, factor), row in zip(self.targets, rows, strict=True)
             for field in fields
         }
         setup = self.design.build(numbers, self._prepare_at(shifts))
-        state = setup.environment.state(jnp.exp(log_pressure - pressure_error))
+        state = setup.environment.state(xp.exp(log_pressure - pressure_error))
         found = levitate(setup.flyer, state, setup.model, throw=False)
-        irradiance = jnp.where(found.levitates, found.irradiance, 1.0)
-        return jnp.where(found.levitates, jnp.log(irradiance) + light_error, UNREACHABLE)
+        irradiance = xp.where(found.levitates, found.irradiance, 1.0)
+        return xp.where(found.levitates, xp.log(irradiance) + light_error, UNREACHABLE)
 
     def _prepare_at(self, shifts: Any) -> Any:
         """The costly part of the design at errors of the inputs."""
         prepared = self.prepared
         for number, change in zip(self.movers, self.changes, strict=True):
-            prepared = change.apply(prepared, shifts[number])
+            shift = shifts[..., number] if shifts.ndim == 1 else shifts[..., number, None]
+            prepared = change.apply(prepared, shift)
         return prepared
 
 
-@entry_point
+_STEP = 1e-5  # of a logarithm, and of a standard uncertainty, over which slopes are taken
+
+
 def _linearise(
     model: LevitationModel, log_parameters: Any, log_pressure: Any, shifts: Any
-) -> tuple[Array, Array, Array, Array]:
-    # the root is searched once; a loop over directions compiles faster than vmap
-    value, push = jax.linearize(model.log_irradiance, log_parameters, log_pressure, shifts)
-    nothing = jnp.zeros_like(log_pressure)
-    slope = push(
-        jnp.zeros_like(log_parameters), jnp.ones_like(log_pressure), jnp.zeros_like(shifts)
-    )
-    count = log_parameters.size
-    changes = jax.lax.map(
-        lambda direction: push(direction[:count], nothing, direction[count:]),
-        jnp.eye(count + shifts.size),
-    ).T
-    return value, changes[:, :count], slope, changes[:, count:]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Value at each point, and its slopes in the parameters, the log-pressure and the inputs."""
+    # all cases at once: as it is, then with each of these numbers less and more
+    count, inputs = log_parameters.size, shifts.size
+    moved = count + inputs + 1
+    steps = _STEP * np.concatenate([np.zeros((1, moved)), -np.eye(moved), np.eye(moved)])
+    with impossible_as_nan():
+        value, *around = model.log_irradiance(
+            log_parameters + steps[:, :count],
+            log_pressure + steps[:, -1:],
+            shifts + steps[:, count:-1],
+        )
+    known = [np.where(row < UNREACHABLE, row, np.nan) for row in (value, *around)]
+    (below, above), here = np.split(np.array(known[1:]), 2), known[0]
+    # where the levitation ends at the point, the slope of the side that has one
+    slopes = np.where(np.isnan(below), above - here, here - below) / _STEP
+    both = (above - below) / (2.0 * _STEP)
+    slopes = np.where(np.isnan(both), np.where(np.isnan(slopes), 0.0, slopes), both).T
+    return value, slopes[:, :count], slopes[:, -1], slopes[:, count:-1]
 
 
 class Parameter(NamedTuple):

@@ -39,7 +39,7 @@ _TITLES = {
 _LARGEST_FIGURE = 1_000_000  # bytes of an SVG, beyond which a PNG is taken
 _LARGEST_INPUT = 100_000  # bytes of a file that is shown; of a larger one the hash only
 _PIXELS = 96  # of a page in an inch of a figure: letters are as large on a phone
-_MADE_WITH = ("jax", "numpy", "scipy")
+_MADE_WITH = ("numpy", "scipy", "jax")
 
 
 class Report:
@@ -259,11 +259,11 @@ def _file(path: Path) -> Iterator[str]:
 
 
 def _versions() -> list[tuple[str, str]]:
-    from importlib.metadata import version  # slow to import
+    from lightflyer.core.extras import version_of  # slow to import
 
     return [
         ("lightflyer", lightflyer.__version__),
         ("Python", platform.python_version()),
-        *((name, version(name)) for name in _MADE_WITH),
+        *((name, version_of(name)) for name in _MADE_WITH),
         ("system", f"{platform.system()}, {platform.machine()}"),
     ]

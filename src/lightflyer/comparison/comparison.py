@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.array import tree
 from lightflyer.comparison.differences import Difference, differing_models, differing_surroundings
 from lightflyer.comparison.tables import require_comparable
 from lightflyer.config.designs import as_design
@@ -28,7 +29,6 @@ from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.evaluator import Evaluator, Place, Table
 from lightflyer.prediction.prediction import Prediction, predict_design
-from lightflyer.pytree import tree
 from lightflyer.uncertainty.propagation import (
     DEFAULT_SAMPLES,
     PredictionUncertainty,

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.records import Module
 from lightflyer.core.quantity import Quantity, quantities_of
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.design import digest
 from lightflyer.design.setup import Setup
-from lightflyer.pytree.module import Module
 
 _RADIATION = "radiation"
 _RANGE = "searched"

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from lightflyer.pytree.lazy_jax import jax
+from lightflyer.array.namespace import load_jax
 
 
 def jit_with_options(function: Callable[..., Any], options: dict[str, Any]) -> Callable[..., Any]:
@@ -17,15 +17,15 @@ class _Tolerant:
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]):
         self._function, self._known = function, dict(options)
-        self._chosen = jax.jit(function, compiler_options=self._known)
+        self._chosen = load_jax().jit(function, compiler_options=self._known)
 
     def use(self, how: Callable[[Any], Any]) -> Any:
         while True:
             try:
                 return how(self._chosen)
-            except jax.errors.JaxRuntimeError as error:
+            except load_jax().errors.JaxRuntimeError as error:
                 unknown = {name for name in self._known if f"'{name}'" in str(error)}
                 if "No such compile option" not in str(error) or not unknown:
                     raise
             self._known = {k: v for k, v in self._known.items() if k not in unknown}
-            self._chosen = jax.jit(self._function, compiler_options=self._known or None)
+            self._chosen = load_jax().jit(self._function, compiler_options=self._known or None)

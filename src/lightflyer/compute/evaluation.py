@@ -1,28 +1,26 @@
 """Many designs at once: a function of the varied numbers, by NumPy or compiled, in batches."""
 
-import abc
 import itertools
 import math
 import threading
 import warnings
-from collections.abc import Callable
-from functools import cached_property, lru_cache, partial
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import by_jax, has_jax, load_jax, number
 from lightflyer.compute.compilation import jit_with_options
 from lightflyer.compute.devices import OnDevices
+from lightflyer.core.entry_point import ROWS, written_for_jax
 from lightflyer.core.errors import ConfigurationError, ParameterError, ParameterWarning
-from lightflyer.core.precision import float64, in_double
 from lightflyer.core.progress import Counted
+from lightflyer.core.quantity import impossible_as_nan
 from lightflyer.design.design import AbstractDesign
-from lightflyer.design.setup import Setup
 from lightflyer.design.tables import evaluate
 from lightflyer.numerics.batches import in_batches
-from lightflyer.program.entry_point import entry_point, forced_way
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import jax
 from lightflyer.study.study import Study
 
 BATCH = 16_384  # Designs evaluated at once: they fit the processor's cache, and one thread
@@ -33,6 +31,8 @@ BATCH_OVER_BAND = 128
 FEW, FEW_OVER_BAND = 50_000, 1_000
 """Designs of a study that NumPy has evaluated before XLA has compiled; see
 ``benchmarks/sweep.py``."""
+
+NUMPY_BATCH_OVER_BAND = 64  # Designs that NumPy searches at once: so are its arrays in the cache
 
 BATCH_ON_GPU, BATCH_OVER_BAND_ON_GPU = 2**18, 2**12
 """The same of all GPUs together: a chunk, whose arrays fit the cache of an H100."""
@@ -71,8 +71,10 @@ class Evaluator:
         if device == "gpu":
             self.batch = BATCH_OVER_BAND_ON_GPU if searched else BATCH_ON_GPU
         few = study.size <= (FEW_OVER_BAND if searched else FEW)
-        self.way = "xla" if device else forced_way() or ("numpy" if few else "xla")
         self._prepared, self._strides = _prepare(study)
+        self.by_jax = device is not None or (not few and has_jax() and self._is_traceable())
+        if not self.by_jax:
+            self.batch = NUMPY_BATCH_OVER_BAND if searched else ROWS
 
     def __call__(self, start: int, stop: int) -> tuple[Table, int]:
         """Outputs of the designs from ``start`` up to ``stop``."""
@@ -80,24 +82,49 @@ class Evaluator:
 
     def at(self, designs: np.ndarray) -> tuple[Table, int]:
         """Outputs of designs of any numbers; returns ``outputs`` (n,), ``failures``."""
-        study = self.study
-        fixed = tuple(study.fixed.items())
-        kernel = _kernel(study.design, study.outputs, fixed, self.way, self.device)
+        study, kernel = self.study, self._kernel() if self.by_jax else None
 
         def compute(designs: np.ndarray) -> tuple[Table, np.ndarray]:
-            found = kernel(*self.inputs(designs))
+            values, prepared = self.inputs(designs)
+            if kernel is not None:
+                found = kernel(values, prepared)
+            else:
+                found = evaluate_designs(
+                    study.design, study.outputs, study.fixed | values, prepared
+                )
             if self.counted is not None:
                 self.counted.add(len(designs))
             return found
 
-        size = math.ceil(self.batch / kernel.parts) * kernel.parts
-        if self.way == "numpy":  # for which any length will do
-            size = min(size, len(designs))
+        if kernel is None:  # for which any length will do
+            size = min(self.batch, len(designs))
+        else:
+            size = math.ceil(self.batch / kernel.parts) * kernel.parts
         outputs, converged = in_batches(compute, (designs,), size)
         failed = ~converged
         for values in outputs.values():
             values[failed | ~np.isfinite(values)] = np.nan
         return outputs, int(np.count_nonzero(failed))
+
+    def _is_traceable(self) -> bool:
+        """Whether JAX can trace the design: a class of the user's may be written in NumPy alone."""
+        if tree.structure(self.study.design.setup).is_ours:
+            return True
+        first = self.inputs(np.zeros(1, int))
+        try:
+            with by_jax(), written_for_jax():
+                one = tree.map_leaves(lambda column: column[0], first)
+                load_jax().eval_shape(self.of_one, *one)
+        except ParameterError:
+            return False
+        return True
+
+    def _kernel(self) -> "_Kernel":
+        study = self.study
+        with _kernels_lock:  # or every thread would make one
+            return _known_kernel(
+                study.design, study.outputs, tuple(study.fixed.items()), self.device
+            )
 
     def __getstate__(self) -> dict[str, Any]:
         # another process counts for itself
@@ -137,12 +164,22 @@ def _outputs_of_one(
     return one
 
 
-class _AbstractKernel(abc.ABC):
-    """Outputs of many designs, traced or compiled once for all threads of a process."""
+class _Kernel:
+    """Outputs of many designs by XLA, compiled once for all threads of a process."""
 
-    parts = 1  # Batches are of a multiple of it
-
-    def __init__(self) -> None:
+    def __init__(
+        self,
+        design: AbstractDesign,
+        names: tuple[str, ...],
+        fixed: dict[str, float],
+        device: str | None,
+    ):
+        self._devices = OnDevices(device) if device else None
+        self.parts = self._devices.count if self._devices else 1  # Batches are of a multiple of it
+        every = load_jax().vmap(_outputs_of_one(design, names, fixed))
+        if self._devices:
+            every = self._devices.divide_work(every)
+        self._compiled = jit_with_options(every, {} if device == "gpu" else _COMPILATION)
         self._ready: set[Any] = set()
         self._lock = threading.Lock()
 
@@ -157,31 +194,8 @@ class _AbstractKernel(abc.ABC):
                     return found
         return self._run(values, prepared)
 
-    @abc.abstractmethod
     def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
-        """Outputs, and whether they have converged."""
-
-
-class _Compiled(_AbstractKernel):
-    """Outputs by XLA."""
-
-    def __init__(
-        self,
-        design: AbstractDesign,
-        names: tuple[str, ...],
-        fixed: dict[str, float],
-        device: str | None,
-    ):
-        super().__init__()
-        self._devices = OnDevices(device) if device else None
-        self.parts = self._devices.count if self._devices else 1
-        every = jax.vmap(_outputs_of_one(design, names, fixed))
-        if self._devices:
-            every = self._devices.divide_work(every)
-        self._compiled = jit_with_options(every, {} if device == "gpu" else _COMPILATION)
-
-    def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
-        with float64():
+        with by_jax():
             if self._devices:
                 values, prepared = self._devices.place((values, prepared))
             outputs, converged = self._compiled(values, prepared)
@@ -190,76 +204,33 @@ class _Compiled(_AbstractKernel):
             )
 
 
-class _Interpreted(_AbstractKernel):
-    """Outputs by NumPy, from a program that later processes find again."""
-
-    def __init__(self, design: AbstractDesign, names: tuple[str, ...], fixed: dict[str, float]):
-        super().__init__()
-        self._design, self._names, self._fixed = design, names, fixed
-
-    @cached_property
-    def _every(self) -> Callable[..., tuple[Table, np.ndarray]]:
-        one = _outputs_of_one(self._design, self._names, self._fixed)
-        return entry_point(jax.vmap(one), way="numpy")
-
-    @cached_property
-    def _traced_setups(self) -> Callable[..., Any]:
-        return entry_point(self._setup_at, way="numpy")
-
-    def _run(self, values: Table, prepared: Any) -> tuple[Table, np.ndarray]:
-        if prepared is not None:  # tables of each design
-            return self._every(values, prepared)
-        setups, one = self._setups(values)
-        varied, shared = tree.partition(
-            setups, tree.map_leaves(lambda many, one: np.ndim(many) > one.ndim, setups, one)
-        )
-        count = max(map(len, values.values()))
-        place = (self._fixed | values).get(self._design.coordinate_name)
-        places = None if place is None else np.broadcast_to(place, count)
-        return _evaluate_each(
-            np.arange(count), varied, places, shared, dict.fromkeys(self._names, 0.0)
-        )
-
-    def _setups(self, values: Table) -> tuple[Any, Any]:
-        """Setups of the designs, and one like that of a single design."""
-        first = {name: column[0] for name, column in values.items()}
-        try:
-            with float64(), warnings.catch_warnings():
-                warnings.simplefilter("ignore", ParameterWarning)
-                return self._setup_at(values), self._setup_at(first)
-        except ParameterError:  # some designs are impossible, and nothing checks what is traced
-            with float64():
-                return self._traced_setups(values), jax.eval_shape(self._setup_at, first)
-
-    def _setup_at(self, values: Table) -> Any:
-        setup = self._design.build(self._fixed | values)
-        return tree.map_leaves(in_double, setup)
-
-
-@partial(entry_point, way="numpy")
-def _evaluate_each(
-    number: Any, varied: Setup, places: Any, shared: Setup, names: dict[str, Any]
-) -> tuple[dict[str, Any], Any]:
-    """Outputs of designs (n,), by what varies among them, with an axis for them, and what not."""
-
-    def one(number: Any, varied: Setup, place: Any) -> tuple[dict[str, Any], Any]:
-        del number  # which there is whatever varies
-        return evaluate(tree.combine(varied, shared), tuple(names), place)
-
-    return jax.vmap(one)(number, varied, places)
+_kernels_lock = threading.Lock()
 
 
 @lru_cache(maxsize=16)
-def _kernel(
+def _known_kernel(
     design: AbstractDesign,
     names: tuple[str, ...],
     fixed: tuple[tuple[str, float], ...],
-    way: str,
     device: str | None,
-) -> _AbstractKernel:
-    if way == "numpy":
-        return _Interpreted(design, names, dict(fixed))
-    return _Compiled(design, names, dict(fixed), device)
+) -> _Kernel:
+    return _Kernel(design, names, dict(fixed), device)
+
+
+def evaluate_designs(
+    design: AbstractDesign, names: Sequence[str], values: Mapping[str, Any], prepared: Any = None
+) -> tuple[Table, np.ndarray]:
+    """Outputs of many designs by NumPy, NaN for impossible ones, and whether they have converged.
+
+    ``values``: (n,) by name, or one number for all; ``prepared``: what films of layers need.
+    """
+    count = max(map(np.size, values.values()))
+    with impossible_as_nan(), warnings.catch_warnings():
+        warnings.simplefilter("ignore", ParameterWarning)
+        setup = tree.map_leaves(number, design.build(values, prepared))
+        outputs, converged = evaluate(setup, names, values.get(design.coordinate_name))
+    table = {name: np.array(np.broadcast_to(one, count)) for name, one in outputs.items()}
+    return table, np.broadcast_to(converged, count)
 
 
 def _prepare(study: Study) -> tuple[Any, list[int]]:

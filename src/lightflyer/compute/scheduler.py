@@ -14,12 +14,12 @@ from pathlib import Path
 from threading import Thread
 from typing import Any, NamedTuple, Protocol
 
+from lightflyer.array.namespace import has_jax, load_jax
 from lightflyer.compute.chunks import Chunks
 from lightflyer.compute.store import Record, stored_study, versions, write_chunk
 from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.core.extras import extra
 from lightflyer.core.pickling import dumps
-from lightflyer.pytree.lazy_jax import jax
 
 ANSWER_WITHIN = 10.0  # Time within which a scheduler must answer [s]
 
@@ -117,7 +117,8 @@ def _settle_in() -> None:
     import distributed
 
     _keep_freed_memory()
-    _start_jax(distributed.get_worker().state.nthreads)
+    if has_jax():
+        _start_jax(distributed.get_worker().state.nthreads)
 
 
 def _keep_freed_memory() -> None:
@@ -138,7 +139,7 @@ def _start_jax(threads: int) -> None:
     if _XLA_THREADS not in os.environ:
         os.environ[_XLA_THREADS] = str(threads)
         try:
-            jax.devices()
+            load_jax().devices()
         finally:
             os.environ.pop(_XLA_THREADS, None)
 

@@ -8,7 +8,6 @@ are what the Zarr format prescribes for an array without compression but with a 
 reader of Zarr opens the group, and detects a damaged chunk too.
 """
 
-import importlib.metadata
 import json
 import os
 import shutil
@@ -25,7 +24,7 @@ import numpy as np
 import lightflyer
 from lightflyer.compute.chunks import Chunks
 from lightflyer.core.errors import OutputError
-from lightflyer.core.extras import extra
+from lightflyer.core.extras import extra, version_of
 from lightflyer.study.study import Study
 
 if TYPE_CHECKING:
@@ -49,7 +48,11 @@ def require_extra() -> None:
 
 def versions() -> dict[str, str]:
     """Versions of the packages that a result's last bits depend on."""
-    return {"lightflyer": lightflyer.__version__, "jaxlib": importlib.metadata.version("jaxlib")}
+    return {
+        "lightflyer": lightflyer.__version__,
+        "numpy": np.__version__,
+        "jaxlib": version_of("jaxlib"),
+    }
 
 
 def write_chunk(folder: Path, chunks: Chunks, chunk: int, outputs: Mapping[str, Any]) -> Record:

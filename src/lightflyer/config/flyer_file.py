@@ -9,13 +9,13 @@ from typing import Any, cast
 
 import pydantic
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Numeric, by_numpy
 from lightflyer.budget.section import PayloadSection
 from lightflyer.config.discovery import discover
 from lightflyer.config.surrogate_films import SurrogateFilms, part_at
 from lightflyer.core.errors import ConfigurationError, ParameterError
-from lightflyer.core.precision import beside_traces
 from lightflyer.core.quantity import Quantity
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 from lightflyer.design.design import AbstractDesign, AbstractStacks, digest
 from lightflyer.design.setup import Setup
@@ -24,7 +24,6 @@ from lightflyer.files.section import Alternative, Section, any_of
 from lightflyer.film.section import FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
-from lightflyer.pytree import tree
 
 discover()
 
@@ -348,7 +347,7 @@ class FileDesign(AbstractDesign):
     def _own_films(self) -> dict[str, Any]:
         kept = vars(self)  # see setup
         if "_films" not in kept:
-            with beside_traces():  # it stays, so it must not belong to a trace
+            with by_numpy():  # it stays, so it must not belong to a trace
                 kept["_films"] = dict(self.precompute({}))
         return cast(dict[str, Any], kept["_films"])
 

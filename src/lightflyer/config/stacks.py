@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pydantic
 
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.config.surrogate_films import part_at, require_simple
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.extras import extra
 from lightflyer.core.quantity import Quantity
-from lightflyer.core.types import Numeric
 from lightflyer.design.design import AbstractDesign, AbstractStacks
 from lightflyer.design.setup import Setup
 from lightflyer.files.toml_file import FOLDER
@@ -22,8 +23,6 @@ from lightflyer.film.layer_section import LayerSection
 from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate, padded_thickness
 from lightflyer.film.properties import PROPERTIES, FilmProperties
 from lightflyer.film.section import FACES, WholeFilm
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import Module
 
 if TYPE_CHECKING:
     from lightflyer.config.flyer_file import FileDesign
@@ -320,13 +319,13 @@ class AnyStack(AbstractDesign):
 
     def __call__(self, values: Mapping[str, Numeric], tables: StackTables) -> dict[str, WholeFilm]:
         """The film of a stack, to be traced."""
-        share = jnp.stack([jnp.asarray(values[name]) for name in self._stacks.shares])
+        share = xp.stack([xp.asarray(values[name]) for name in self._stacks.shares])
         thickness = tables.thickness(share)
         optics = tables.family.properties(
             thickness, self._stacks.incidence, passing=self._stacks.passing
         )
         film = FilmProperties(
-            areal_density=jnp.dot(thickness, tables.density),
+            areal_density=xp.dot(thickness, tables.density),
             tac_top=tables.tac_top,
             tac_bottom=tables.tac_bottom,
             highest_temperature=tables.limit,

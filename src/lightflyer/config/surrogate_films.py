@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.types import Numeric
 from lightflyer.film.layer_section import OF_NO_MEDIUM
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate

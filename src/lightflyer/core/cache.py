@@ -1,9 +1,9 @@
-"""The folder in which programs are kept for later processes."""
+"""The folder in which compiled code is kept for later processes."""
 
 import os
 from pathlib import Path
 
-SETTING = "LIGHTFLYER_CACHE"  # Environment variable: ``off``, or the folder to keep programs in
+SETTING = "LIGHTFLYER_CACHE"  # Environment variable: ``off``, or the folder to keep code in
 PRIVATE = 0o700  # Mode of the folder: nobody else reads or writes there
 
 

@@ -1,13 +1,13 @@
-"""Checks of concrete values. Traced values have none yet and pass."""
+"""Checks of values at the outermost call. Traced values have none yet and pass."""
 
 import enum
 from typing import Any, Self
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import call, is_loaded, is_tracer
 from lightflyer.core.errors import ParameterError
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import is_loaded, is_tracer
 
 
 class Choice(enum.StrEnum):
@@ -25,8 +25,9 @@ class Choice(enum.StrEnum):
 
 
 def is_traced(*trees: Any) -> bool:
-    """Whether any leaf is a JAX tracer, that is, has no concrete value yet."""
-    return is_loaded() and any(is_tracer(leaf) for leaf in tree.leaves(trees))
+    """Whether any leaf is traced by JAX, or recorded, that is, has no concrete value yet."""
+    may_be = call.jax is not None or is_loaded()
+    return may_be and any(is_tracer(leaf) for leaf in tree.leaves(trees))
 
 
 def is_labelled(value: Any) -> bool:
@@ -35,7 +36,12 @@ def is_labelled(value: Any) -> bool:
 
 
 def is_concrete(*values: Any) -> bool:
-    """Whether all values are numbers that can be looked at."""
+    """Whether all values are numbers that are still to be checked: none within a public function.
+
+    There they have been, and what is impossible becomes NaN.
+    """
+    if call.depth:
+        return False
     return not is_traced(values) and all(
         bool(np.issubdtype(np.asarray(value).dtype, np.number)) for value in values
     )
@@ -78,7 +84,12 @@ def require_positive(**values: Any) -> None:
 
 
 def require_data(margins: dict[str, Any]) -> None:
-    """Raise :class:`ParameterError` if any concrete margin is negative, named by what is beyond."""
+    """Raise :class:`ParameterError` if any concrete margin is negative, named by what is beyond.
+
+    Within a public function nothing is raised: what is beyond is NaN there, for that element alone.
+    """
+    if call.depth:
+        return
     for beyond, margin in margins.items():
         if not is_traced(margin) and np.any(np.less(margin, 0.0)):
             raise ParameterError(beyond)

@@ -37,6 +37,14 @@ def extra(module: str, what: str, extra_name: str) -> Any:
         ) from error
 
 
+def version_of(package: str) -> str:
+    """Version of a package, or that it is not installed."""
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return "not installed"
+
+
 def plugins() -> importlib.metadata.EntryPoints:
     """All plug-ins that are installed; none is imported."""
     return importlib.metadata.entry_points(group=ENTRY_POINTS)

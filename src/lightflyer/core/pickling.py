@@ -16,7 +16,7 @@ import uuid
 from typing import Any
 from weakref import WeakKeyDictionary, WeakValueDictionary
 
-from lightflyer.pytree.module import Module
+from lightflyer.array.records import Module
 
 _GENERATED = (
     *("__dict__", "__weakref__", "__annotations__", "_abc_impl", "__abstractmethods__"),
@@ -72,7 +72,7 @@ def _beginning(kind: Any) -> tuple[Any, ...]:
             content[name] = kind.__dict__[name]
         if _is_field(field) and (name not in content or field.metadata):
             content[name] = _options(field)
-    own_init = not kind.__dataclass_params__.init and "__init__" in kind.__dict__
+    own_init = kind._has_own_init and "__init__" in kind.__dict__
     return type(kind), kind.__name__, kind.__bases__, content, own_init, identifier
 
 
@@ -94,7 +94,7 @@ def _options(field: Any) -> _Options:
 def _rest(kind: Any) -> dict[str, Any]:
     """Everything of a class that is no field."""
     sent = {*_GENERATED, *_FIRST, *inspect.get_annotations(kind)}
-    if kind.__dataclass_params__.init:
+    if not kind._has_own_init:
         sent.add("__init__")
     return {name: value for name, value in kind.__dict__.items() if name not in sent}
 

@@ -18,6 +18,7 @@ import inspect
 import math
 import operator
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, partial, reduce
 from types import NoneType
@@ -28,12 +29,11 @@ import pint
 import pydantic
 from pydantic_core import CoreSchema, core_schema
 
+from lightflyer.array.namespace import Numeric, call, is_tracer, within, xp
+from lightflyer.array.records import AbstractClassVar, AbstractVar, Module, field
 from lightflyer.core.checks import is_concrete, is_labelled, range_text, require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured, file_unit, parse, scale_and_offset
-from lightflyer.pytree.lazy_jax import is_tracer, jnp, lax
-from lightflyer.pytree.module import AbstractClassVar, AbstractVar, Module, field
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class Quantity:
         if isinstance(value, Module):
             return value  # a number that depends on another, such as an emittance on temperature
         if is_tracer(value):
-            return self._possible(value)
+            return self.possible(value)
         value = self._in_unit(name, value)
         if isinstance(value, int | float) and not isinstance(value, bool):
             return value
@@ -112,8 +112,10 @@ class Quantity:
             raise ParameterError(f"{name} must be {_a_number(self.unit)}")
         return value
 
-    def _possible(self, value: Any) -> Any:
-        """A traced number, NaN where it is out of range: nothing can be raised there."""
+    def possible(self, value: Any) -> Any:
+        """A number, NaN where it is out of range: for where nothing can be raised."""
+        if isinstance(value, Module):
+            return value
         outside = []  # NaN stays as it is
         if self.lowest > -math.inf:
             outside.append(value <= self.lowest if self.open_below else value < self.lowest)
@@ -121,8 +123,8 @@ class Quantity:
             outside.append(value > self.highest)
         if not outside:
             return value
-        number = jnp.asarray(value, float)
-        return lax.select(reduce(operator.or_, outside), jnp.full_like(number, np.nan), number)
+        number = xp.asarray(value, float)
+        return xp.where(reduce(operator.or_, outside), np.nan, number)
 
     def _in_unit(self, name: str, value: Any) -> Any:
         """What has a unit of its own, without it; anything else as it is."""
@@ -439,6 +441,8 @@ def _converter(name: str, annotation: Any) -> Callable[[Any], Any] | None:
 
 
 def _as_number(name: str, quantity: Quantity, is_optional: bool, value: Any) -> Any:
+    if call.depth and not isinstance(value, str):  # made of checked numbers
+        return quantity.possible(value) if call.blanks and value is not None else value
     return None if value is None and is_optional else quantity.number(name, value)
 
 
@@ -448,6 +452,17 @@ def require_record(name: str, kinds: tuple[type, ...], value: Any) -> Any:
         return value
     wanted = " or ".join("None" if kind is NoneType else kind.__name__ for kind in kinds)
     raise ParameterError(f"{name} must be of class {wanted}, not {type(value).__name__}")
+
+
+@contextmanager
+def impossible_as_nan() -> Iterator[None]:
+    """Context in which records are made of numbers unchecked, NaN where they are out of range."""
+    with within():
+        before, call.blanks = call.blanks, True
+        try:
+            yield
+        finally:
+            call.blanks = before
 
 
 Shapes = Mapping[str, tuple[int, ...]]

@@ -5,8 +5,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
-from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.array.namespace import Numeric, xp
 
 _MOST_DIGITS = 16
 
@@ -49,7 +48,7 @@ def covers(looks: Looks) -> Any:
     """Whether numbers are all within, shape (...), traceable; what is unknown is not outside."""
     inside: Any = True
     for (_, lowest, highest, _), found in looks:
-        inside &= ~((jnp.asarray(found) < lowest) | (jnp.asarray(found) > highest))
+        inside &= ~((xp.asarray(found) < lowest) | (xp.asarray(found) > highest))
     return inside
 
 

@@ -19,18 +19,17 @@ from typing import Any, NamedTuple, Protocol, cast
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Numeric
+from lightflyer.array.records import Module
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.pickling import dumps
 from lightflyer.core.quantity import Correlation, Quantity, quantities_of, quantity_of, shapes_in
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured, dataset_unit
 from lightflyer.design.setup import Setup
-from lightflyer.pytree import tree
-from lightflyer.pytree.module import Module
 
 _CORRELATION = quantity_of(Correlation) or Quantity()
 _ROUNDING = 1e-12  # of an eigenvalue of a correlation matrix, whose diagonal is one
-_PACKAGES = ("lightflyer", "equinox")  # whose versions a result records
 _ADDRESS = re.compile(r" at 0x[0-9a-f]+")  # in the text of a function, another in each process
 
 
@@ -365,7 +364,7 @@ def _code(part: Any) -> dict[str, str]:
     """Fingerprint of the source of each class among objects, but for the package's own."""
     found = {}
     for kind in type(part).__mro__:
-        if issubclass(kind, Module) and kind.__module__.partition(".")[0] not in _PACKAGES:
+        if issubclass(kind, Module) and kind.__module__.partition(".")[0] != "lightflyer":
             try:
                 source = inspect.getsource(kind)
             except (OSError, TypeError):

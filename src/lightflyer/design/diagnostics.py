@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Numeric
 from lightflyer.budget.payload import light_on_cells
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import numbers_in
-from lightflyer.core.types import Numeric
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
 from lightflyer.statics.balance import equilibrium
 from lightflyer.statics.bands import levitation_band
 

@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.transformations import stop_gradient
 from lightflyer.budget.payload import Needs, light_on_cells
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import covers
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.shape import Shape
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import jax, jnp
 from lightflyer.statics.balance import Equilibrium, equilibrium
 from lightflyer.statics.bands import Band, levitation_bands, scan, widest
 from lightflyer.statics.equations import FlightEquations
@@ -42,7 +42,7 @@ def _list_names(names: Iterable[str]) -> str:
 
 
 class OperatingPoint:
-    """A setup at a coordinate, to be used inside traced functions in double precision.
+    """A setup at a coordinate, to be used within a public function.
 
     Parameters
     ----------
@@ -57,9 +57,9 @@ class OperatingPoint:
         self, setup: Setup, coordinate: Numeric | None = None, irradiance: Numeric | None = None
     ):
         self.setup, self.coordinate, self._irradiance = setup, coordinate, irradiance
-        self.converged: Any = jnp.array(True)
-        self.exists: Any = jnp.array(True)
-        self.residual: Any = jnp.zeros(())
+        self.converged: Any = True
+        self.exists: Any = True
+        self.residual: Any = 0.0
 
     @property
     def flyer(self) -> Any:
@@ -146,7 +146,7 @@ class OperatingPoint:
     def bearable_wind(self) -> Any:
         """Speed of air along the axis whose drag is the load that the flyer bears where held."""
         unknowns, flyer, state = self.balance.unknowns, self.flyer, self.state
-        load = jnp.asarray(self.shape.bearable_load)
+        load = xp.asarray(self.shape.bearable_load)
         speed, _ = steady_speed(lambda speed: flyer.drag(state, unknowns, speed), load)
         return speed
 
@@ -161,7 +161,7 @@ class OperatingPoint:
         flies = self.lift >= self.weight
         highest = self.flyer.highest_temperature
         cool = True if highest is None else self.balance.temperature <= highest
-        return jnp.where(flies & cool, 1.0, 0.0)
+        return xp.where(flies & cool, 1.0, 0.0)
 
     @property
     def covered(self) -> Any:
@@ -172,7 +172,7 @@ class OperatingPoint:
             *state.gas.ranges(state.temperature),
             *state.gas.ranges(hottest),
         )
-        return jnp.where(covers(looks), 1.0, 0.0)
+        return xp.where(covers(looks), 1.0, 0.0)
 
     @cached_property
     def needs(self) -> Needs:
@@ -205,7 +205,7 @@ class OperatingPoint:
             usable=usable,
             throw=False,
         )
-        self.converged &= jnp.all(found.converged, axis=0)
+        self.converged = self.converged & xp.all(found.converged, axis=0)
         return found
 
     @cached_property
@@ -216,19 +216,21 @@ class OperatingPoint:
     @cached_property
     def peak(self) -> "OperatingPoint":
         """The place of the largest payload, whatever its films bear."""
-        low, high = (jnp.asarray(end, float) for end in self.setup.searched)
-        return self.at(self._place_of_most(low, high), jnp.array(True))
+        low, high = (xp.asarray(end, float) for end in self.setup.searched)
+        return self.at(self._place_of_most(low, high), True)
 
     @cached_property
     def usable_payload(self) -> Any:
         """Largest payload where its films survive [kg]; NaN where they do nowhere."""
         parts = self._usable_bands
         low, high = (
-            jnp.where(parts.exists, edge, self.setup.searched[0])
+            xp.where(parts.exists, edge, self.setup.searched[0])
             for edge in (parts.lower, parts.upper)
         )
         found = self.at(self._place_of_most(low, high), parts.exists)
-        return jnp.nanmax(jnp.where(parts.exists, found.payload, np.nan), axis=0)
+        known = parts.exists & ~xp.isnan(found.payload)
+        most = xp.max(xp.where(known, found.payload, -np.inf), axis=0)
+        return xp.where(xp.any(known, axis=0), most, np.nan)
 
     @cached_property
     def longest_night(self) -> Any:
@@ -238,34 +240,35 @@ class OperatingPoint:
             return np.nan
         low, high = setup.searched
         start, end = (
-            jnp.where(self.rest.exists, edge, other)
+            xp.where(self.rest.exists, edge, other)
             for edge, other in ((band.upper, high), (band.lower, low))
         )
-        speed = OperatingPoint(setup, night_places(start, end)).sinking.speed
-        night = night_length(start, end, speed)
-        return jnp.where(self.rest.exists, night, np.nan)
+        places = xp.moveaxis(night_places(start, end), -1, 0)  # elements are the last axes
+        speed = OperatingPoint(setup, places).sinking.speed
+        night = night_length(start, end, xp.moveaxis(speed, 0, -1))
+        return xp.where(self.rest.exists, night, np.nan)
 
     def at(self, coordinate: Numeric, exists: Any) -> "OperatingPoint":
         """The same flyer at places, of which only those that exist must converge."""
         found = OperatingPoint(
-            self.setup, jnp.where(exists, coordinate, self.setup.searched[0]), self._irradiance
+            self.setup, xp.where(exists, coordinate, self.setup.searched[0]), self._irradiance
         )
         balance = found.balance  # which notes whether it converged
         found.exists = exists
-        self.converged &= jnp.all(balance.converged | ~exists)
+        self.converged = self.converged & xp.all(balance.converged | ~exists)
         return found
 
     def _place_of_most(self, low: Any, high: Any) -> Any:
         """Place of the largest payload in ranges; at an end it moves with that."""
-        frozen = jax.lax.stop_gradient((self.setup, low, high))
+        frozen = stop_gradient((self.setup, low, high))
 
         def payload(way: Any) -> Any:
             setup, low, high = frozen
             return OperatingPoint(setup, low + way * (high - low), self._irradiance).payload
 
-        _, way, _ = scan(payload, jnp.linspace(0.0, 1.0, _LOOKS))
+        _, way, _ = scan(payload, xp.linspace(0.0, 1.0, _LOOKS))
         return low + way * (high - low)
 
     def _note(self, found: Equilibrium | Levitation) -> None:
-        self.converged &= found.converged
-        self.residual += jnp.abs(found.residual)
+        self.converged = self.converged & found.converged
+        self.residual = self.residual + xp.abs(found.residual)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import xp
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.units import dataset_unit, scale_and_offset
 from lightflyer.design.operating_point import OperatingPoint
@@ -16,7 +17,6 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel, ModelResult
-from lightflyer.pytree.lazy_jax import jnp
 
 # units for larger values, by the one that is shown otherwise
 _LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
@@ -194,7 +194,7 @@ _BAND = (
         "band_width",
         "m",
         "width of the widest altitude band",
-        lambda case: jnp.where(case.band.exists, case.band.upper - case.band.lower, 0.0),
+        lambda case: xp.where(case.band.exists, case.band.upper - case.band.lower, 0.0),
         shown_unit="km",
         over_band=True,
     ),
@@ -205,7 +205,7 @@ _VERDICT = (
         "rest_temperature",
         "K",
         "flyer temperature where it comes to rest, the highest_altitude",
-        lambda case: jnp.where(case.rest.exists, case.rest.balance.temperature, np.nan),
+        lambda case: xp.where(case.rest.exists, case.rest.balance.temperature, np.nan),
         less_is_better=True,
         over_band=True,
     ),

@@ -1,10 +1,10 @@
 """A flyer, its environment and a force model, as one object."""
 
+from lightflyer.array.records import Module, field
 from lightflyer.budget.payload import Budget
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.pytree.module import Module, field
 
 
 class Setup(Module):

@@ -5,13 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
-from lightflyer.design.operating_point import OperatingPoint, sinks_at_night
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.core.entry_point import elementwise_entry_point
+from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.outputs import outputs_of
 from lightflyer.design.setup import Setup
 from lightflyer.numerics.rootfind import SolverStatus
-from lightflyer.program.entry_point import elementwise_entry_point, only
-from lightflyer.pytree.lazy_jax import jnp
 from lightflyer.statics.balance import require_converged
 
 LEVITATION, NIGHT = "levitation_", "night_"
@@ -28,22 +27,30 @@ def evaluate(
 ) -> tuple[dict[str, Any], Any]:
     """Outputs of one design; to be mapped, compiled and differentiated in double precision."""
     case, known = OperatingPoint(setup, coordinate), outputs_of(setup)
-    outputs = {name: jnp.asarray(known[name].value(case), float) for name in names}
+    outputs = {name: xp.asarray(known[name].value(case), float) for name in names}
     return outputs, case.converged
 
 
-def tabulate(setup: Setup, coordinate: Numeric, irradiance: Numeric) -> dict[str, Any]:
-    """Everything a prediction tabulates, at each coordinate under its irradiance."""
+def tabulate(
+    setup: Setup, coordinate: Numeric, irradiance: Numeric, names: Sequence[str] = ()
+) -> dict[str, Any]:
+    """Outputs at each coordinate under its irradiance: those named, or all that are tabulated.
+
+    Also, for each way in which some of them are solved, whether it has converged, and what is left.
+    """
     case, known = OperatingPoint(setup, coordinate, irradiance), outputs_of(setup)
-    values = {name: known[name].value(case) for name in predicted_names(setup)}
-    solved: dict[str, Any] = {"": case.balance, LEVITATION: case.levitation}
-    if sinks_at_night(setup):
-        solved[NIGHT] = case.sinking
-        values[NIGHT_SPEED] = case.sinking.speed
-    for group, found in solved.items():
-        values[group + "converged"] = found.converged
-        values[group + "residual"] = jnp.abs(found.residual)
-    return {name: value + jnp.zeros_like(coordinate) for name, value in values.items()}
+    values = {
+        name: case.sinking.speed if name == NIGHT_SPEED else known[name].value(case)
+        for name in names or predicted_names(setup)
+    }
+    solved = {"": "balance", LEVITATION: "levitation", NIGHT: "sinking"}
+    for group, solution in solved.items():
+        if solution in vars(case):
+            found = getattr(case, solution)
+            values[group + "converged"] = found.converged
+            values[group + "residual"] = xp.abs(found.residual)
+    shape = xp.broadcast_shapes(*(xp.shape(one) for one in (coordinate, *values.values())))
+    return {name: xp.broadcast_to(value, shape) for name, value in values.items()}
 
 
 tabulate_places = elementwise_entry_point(tabulate)  # The same as an entry point
@@ -62,25 +69,20 @@ def table_of(
     tabulated: Callable[..., dict[str, Any]] = tabulate_places,
 ) -> dict[str, np.ndarray]:
     """Some outputs at coordinates (n,) under irradiances (n,), NaN where they are not solved."""
-    # Raises where more than a few are not. All outputs of a group are computed, not those named
-    # alone: few programs then serve all questions.
-    groups = {group_of(name) for name in names}
-    at_night = (NIGHT_SPEED,) if sinks_at_night(setup) else ()
-    known = (*predicted_names(setup), *at_night)
-    asked = [name for name in known if group_of(name) in groups]
-    asked += [group + ending for group in sorted(groups) for ending in ("converged", "residual")]
-    table = only(tabulated, asked)(setup, coordinates, irradiance)
+    # Raises where more than a few are not.
+    table = tabulated(setup, coordinates, irradiance, tuple(names))
+    groups = [group for group in ("", LEVITATION, NIGHT) if group + "converged" in table]
     solved = {group: table[group + "converged"] >= 0.5 for group in groups}
     for group, good in solved.items():
         if np.sum(~good) > max(_FEW, _SMALL_SHARE * good.size):
             status = np.where(good, int(SolverStatus.CONVERGED), int(SolverStatus.TOLERANCE_MISSED))
             require_converged("prediction", status, table[group + "residual"])
-    return {
-        name: table[name]
-        if solved[group_of(name)].all()
-        else np.where(solved[group_of(name)], table[name], np.nan)
-        for name in names
-    }
+
+    def known(name: str) -> np.ndarray:
+        good = solved.get(group_of(name))
+        return table[name] if good is None or good.all() else np.where(good, table[name], np.nan)
+
+    return {name: known(name) for name in names}
 
 
 def predicted_names(setup: Setup) -> tuple[str, ...]:

@@ -22,7 +22,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.drag import free_molecular
 from lightflyer.drag.inertia import SPHERE_REYNOLDS, sphere_inertia
 from lightflyer.drag.similarity import (
@@ -35,8 +36,6 @@ from lightflyer.drag.similarity import (
     viscosity_growth,
 )
 from lightflyer.gas.base import AbstractGas
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _SQRT_PI = math.sqrt(math.pi)
 _STOKES = 6.0
@@ -56,15 +55,15 @@ class Outline(NamedTuple):
     @property
     def radius(self) -> Array:
         """Radius of the sphere that dense gas drags alike in slow flow [m]."""
-        seen = jnp.sqrt(jnp.asarray(self.silhouette) / math.pi)
-        around = 0.5 * jnp.sqrt(jnp.asarray(self.surface) / math.pi)
+        seen = xp.sqrt(xp.asarray(self.silhouette) / math.pi)
+        around = 0.5 * xp.sqrt(xp.asarray(self.surface) / math.pi)
         return _LEITH_SILHOUETTE * seen + (1.0 - _LEITH_SILHOUETTE) * around
 
 
 @entry_point
 def sphere_outline(radius: Numeric) -> Outline:
     """Outline of a sphere."""
-    square = np.pi * jnp.asarray(radius) ** 2
+    square = np.pi * xp.asarray(radius) ** 2
     return Outline(square, 4.0 * square, 4.0 * square / 3.0)
 
 
@@ -88,8 +87,8 @@ def convex_drag(
     radius = outline.radius
     speed_ratio = speed / molecular_speed(temperature, gas)
     delta = rarefaction_parameter(pressure, temperature, radius, gas)
-    thin = _thin(speed_ratio, outline, tac, jnp.sqrt(1.0 + excess))
-    width = jnp.sqrt(outline.silhouette / math.pi)
+    thin = _thin(speed_ratio, outline, tac, xp.sqrt(1.0 + excess))
+    width = xp.sqrt(outline.silhouette / math.pi)
     inertia = sphere_inertia(reynolds_number(speed_ratio, delta) * width / radius)
     growth = viscosity_growth(excess, delta, temperature, gas)
     dense = _STOKES * math.pi * radius**2 * inertia * growth / delta
@@ -99,17 +98,17 @@ def convex_drag(
 
 def cunningham_share(rarefaction: Numeric, tac: Numeric) -> Array:
     """Share of the resistance of dense gas that a slow sphere meets [1]; one in dense gas."""
-    tac = jnp.asarray(tac)
+    tac = xp.asarray(tac)
     knudsen = 0.5 * _SQRT_PI / rarefaction  # by the radius
     slip = (2.0 - tac) / tac * (_SLIP - _SLIP_OF_TAC * (1.0 - tac)) * 2.0 / _SQRT_PI
     limit = 2.0 * _STOKES / (_SQRT_PI * free_molecular.sphere(0.0, tac, 1.0))
-    return 1.0 + (limit - slip) * knudsen * jnp.expm1(-_CUNNINGHAM_EXPONENT / knudsen)
+    return 1.0 + (limit - slip) * knudsen * xp.expm1(-_CUNNINGHAM_EXPONENT / knudsen)
 
 
 def _thin(speed_ratio: Array, outline: Outline, tac: Numeric, root_ratio: Array) -> Array:
     """Drag of free molecules, over pressure and speed ratio [m²]."""
     # What arrives grows with the speed as for a sphere.
-    across = jnp.asarray(outline.surface) - outline.facing
+    across = xp.asarray(outline.surface) - outline.facing
     arriving = (2.0 - tac) * outline.facing + tac * 0.5 * across
     faster = free_molecular.sphere(speed_ratio, 0.0, 1.0) / free_molecular.sphere(0.0, 0.0, 1.0)
     leaving = 0.5 * _SQRT_PI * tac * root_ratio * outline.facing

@@ -23,8 +23,9 @@ from typing import Literal
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Length, Pressure, Temperature, Velocity
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Validity
 from lightflyer.drag import free_molecular
 from lightflyer.drag.disk_table import TAC_RANGE, dense_share
@@ -39,8 +40,6 @@ from lightflyer.drag.similarity import (
     viscosity_growth,
 )
 from lightflyer.gas.base import AbstractGas, mean_free_path
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 Direction = Literal["broadside", "edgewise"]  # How a body moves: along its axis or across it
 BROADSIDE = 16.0  # Drag in slow flow over μ, radius and speed, broadside; [HappelBrenner1983] ch. 5
@@ -155,8 +154,8 @@ def face_means(
 ) -> tuple[Array, Array]:
     r"""Means over two faces: of the TAC, and of :math:`\alpha\sqrt{T_w/T}` over that of the TAC."""
     (first, second), (first_excess, second_excess) = tac, excess
-    emitted = first * jnp.sqrt(1.0 + first_excess) + second * jnp.sqrt(1.0 + second_excess)
-    return jnp.asarray(0.5 * (first + second)), emitted / (first + second)
+    emitted = first * xp.sqrt(1.0 + first_excess) + second * xp.sqrt(1.0 + second_excess)
+    return xp.asarray(0.5 * (first + second)), emitted / (first + second)
 
 
 def _join(thin: Array, dense: Array, met: Array, radius: Numeric) -> Array:
@@ -201,8 +200,8 @@ def _looked_at(
 ) -> tuple[Array, ...]:
     """Speed ratio, Reynolds number, rarefaction, growth of drag edgewise by warmth."""
     delta = rarefaction_parameter(pressure, temperature, radius, gas)
-    speed_ratio = jnp.abs(jnp.asarray(speed)) / molecular_speed(temperature, gas)
-    excess = jnp.asarray(body_temperature) / temperature - 1.0
+    speed_ratio = xp.abs(xp.asarray(speed)) / molecular_speed(temperature, gas)
+    excess = xp.asarray(body_temperature) / temperature - 1.0
     growth = viscosity_growth(excess, delta, temperature, gas)
     return speed_ratio, reynolds_number(speed_ratio, delta), delta, growth
 

@@ -14,13 +14,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from lightflyer.core.precision import beside_traces, float64
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, by_numpy, xp
 from lightflyer.core.validity import Validity
 from lightflyer.drag import free_molecular
 from lightflyer.files.table import shipped_table
 from lightflyer.numerics.curves import Curves
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _OFFSET = 1.5  # any of the size of the rarefaction at which both resistances are alike
 
@@ -37,9 +35,9 @@ def dense_share(rarefaction: Numeric, tac: Numeric, molecules: str) -> Array:
     """Share of the resistance of dense gas that a slow disk meets, broadside [1]."""
     kind = "monatomic" if molecules == "monatomic" else "diatomic"
     nodes, curves = _curves(kind)
-    tac = jnp.clip(tac, nodes[0], nodes[-1])
-    reduced: Array = jnp.zeros(())
-    for node, value in zip(nodes, curves(jnp.log(rarefaction)), strict=True):
+    tac = xp.clip(tac, nodes[0], nodes[-1])
+    reduced: Array = xp.zeros(())
+    for node, value in zip(nodes, curves(xp.log(rarefaction)), strict=True):
         others = [other for other in nodes if other != node]
         weight = math.prod((tac - other) / (node - other) for other in others)
         reduced = reduced + weight * value
@@ -56,7 +54,7 @@ def _curves(kind: str) -> tuple[tuple[float, ...], Curves]:
     delta = np.unique(columns["rarefaction"])
     reduced = []
     for tac in nodes:
-        with float64(), beside_traces():  # also while another function is traced
+        with by_numpy():  # also while another function is traced
             free = float(free_molecular.broadside_disk(0.0, tac, 1.0))
         drag = columns["drag"][columns["tac"] == tac]
         share = (1.0 / drag - 1.0 / free) * 16.0 / (math.pi * delta)

@@ -12,10 +12,9 @@ import math
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.numerics.special import erf
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _SQRT_PI = math.sqrt(math.pi)
 _TERMS = 20
@@ -24,9 +23,9 @@ _SERIES_TO = 1.0  # speed ratio below which the sphere's closed form is summed a
 
 def _error_function_over(s: Array) -> Array:
     """erf(s)/s, smooth through zero."""
-    small = jnp.abs(s) < 1e-4  # the next term of the series is s⁴/10
-    safe = jnp.where(small, 1.0, s)
-    return jnp.where(small, 2.0 / _SQRT_PI * (1.0 - s**2 / 3.0), erf(safe) / safe)
+    small = xp.abs(s) < 1e-4  # the next term of the series is s⁴/10
+    safe = xp.where(small, 1.0, s)
+    return xp.where(small, 2.0 / _SQRT_PI * (1.0 - s**2 / 3.0), erf(safe) / safe)
 
 
 @entry_point
@@ -42,8 +41,8 @@ def broadside_disk(speed_ratio: Numeric, tac: Numeric, root_ratio: Numeric) -> A
     # drag.
     #
     # Source: [Bird1994]_ ch. 7.
-    s = jnp.asarray(speed_ratio)
-    arriving = 2.0 / _SQRT_PI * jnp.exp(-(s**2)) + (1.0 + 2.0 * s**2) * _error_function_over(s)
+    s = xp.asarray(speed_ratio)
+    arriving = 2.0 / _SQRT_PI * xp.exp(-(s**2)) + (1.0 + 2.0 * s**2) * _error_function_over(s)
     return (2.0 - tac) * arriving + tac * _SQRT_PI * root_ratio
 
 
@@ -51,7 +50,7 @@ def broadside_disk(speed_ratio: Numeric, tac: Numeric, root_ratio: Numeric) -> A
 def edgewise_disk(tac: Numeric) -> Array:
     """Thin disk that moves in its own plane [1]."""
     # .. math:: G = \frac{2\alpha}{\sqrt\pi}
-    return 2.0 / _SQRT_PI * jnp.asarray(tac)
+    return 2.0 / _SQRT_PI * xp.asarray(tac)
 
 
 @entry_point
@@ -62,17 +61,17 @@ def sphere(speed_ratio: Numeric, tac: Numeric, root_ratio: Numeric) -> Array:
     #         + \frac{2\sqrt\pi}{3}\,\alpha\sqrt{T_w/T}
     #
     # Source: [Bird1994]_ ch. 7; at small speed that of [Epstein1924]_.
-    s = jnp.abs(jnp.asarray(speed_ratio))
+    s = xp.abs(xp.asarray(speed_ratio))
     slow = s < _SERIES_TO
-    square = jnp.where(slow, s, 0.0) ** 2
-    series = jnp.zeros_like(square)
+    square = xp.where(slow, s, 0.0) ** 2
+    series = xp.zeros_like(square)
     for coefficient in _SPHERE_SERIES[::-1]:
         series = series * square + coefficient
-    fast = jnp.where(slow, 1.0, s)
-    closed = (2.0 * fast**2 + 1.0) / (_SQRT_PI * fast**2) * jnp.exp(-(fast**2)) + (
+    fast = xp.where(slow, 1.0, s)
+    closed = (2.0 * fast**2 + 1.0) / (_SQRT_PI * fast**2) * xp.exp(-(fast**2)) + (
         4.0 * fast**4 + 4.0 * fast**2 - 1.0
     ) / (2.0 * fast**3) * erf(fast)
-    arriving = jnp.where(slow, series, closed)
+    arriving = xp.where(slow, series, closed)
     return arriving + 2.0 * _SQRT_PI / 3.0 * tac * root_ratio
 
 
@@ -84,7 +83,7 @@ def _sphere_series() -> np.ndarray:
         exponential = 2.0 / factorial - 1.0 / following
         error = 4.0 / (factorial * (2 * n + 1)) + 1.0 / (following * (2 * n + 3))
         if n:
-            error -= 4.0 / (math.factorial(n - 1) * (2 * n - 1))
+            error = error - (4.0 / (math.factorial(n - 1) * (2 * n - 1)))
         found[n] = sign * (exponential + error) / _SQRT_PI
     return found
 

@@ -6,10 +6,9 @@ have a continuous slope.
 
 import math
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.validity import Validity
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _LN_10 = math.log(10.0)
 
@@ -59,9 +58,9 @@ def disk_inertia(reynolds: Numeric) -> Array:
     # joined with a continuous slope.
     #
     # Source: [Clift1978]_ ch. 6; [HappelBrenner1983]_ ch. 7-6 for Oseen's term.
-    given = jnp.asarray(reynolds)
+    given = xp.asarray(reynolds)
     reynolds, moving = _positive(given)
-    position = jnp.log(reynolds)
+    position = xp.log(reynolds)
     decimal = position / _LN_10
     constant, first, second = _DISK_LOW
     low = _LN_10 * (constant + decimal * (first + decimal * second))
@@ -69,11 +68,11 @@ def disk_inertia(reynolds: Numeric) -> Array:
     middle = math.log(scale) + exponent * position
     factor = _DISK_HIGH / _DISK_SLOW * reynolds
     fast = factor > 2.0  # the drag coefficient alone says nothing of slow flow
-    high = jnp.log(jnp.where(fast, factor, 2.0) - 1.0)
+    high = xp.log(xp.where(fast, factor, 2.0) - 1.0)
     increase = math.log(_OSEEN_DISK) + position
     for joint, law in zip((_OSEEN_FROM, *_DISK_JOINTS), (low, middle, high), strict=True):
         increase = increase + _rise(position, joint) * (law - increase)
-    return 1.0 + jnp.where(moving, jnp.exp(increase), _OSEEN_DISK * given)
+    return 1.0 + xp.where(moving, xp.exp(increase), _OSEEN_DISK * given)
 
 
 @entry_point
@@ -85,10 +84,10 @@ def edgewise_inertia(reynolds: Numeric) -> Array:
     # by strip, :math:`c\sqrt{\mathrm{Re}}` at large Re.
     #
     # Source: [HappelBrenner1983]_ ch. 7-6; [Schlichting2017]_ ch. 6 for the boundary layer.
-    given = jnp.asarray(reynolds)
+    given = xp.asarray(reynolds)
     reynolds, moving = _positive(given)
-    slow = 1.0 + _OSEEN_EDGEWISE / _LAYERS * jnp.sqrt(reynolds)
-    return 1.0 + _OSEEN_EDGEWISE * given / jnp.where(moving, slow, 1.0)
+    slow = 1.0 + _OSEEN_EDGEWISE / _LAYERS * xp.sqrt(reynolds)
+    return 1.0 + _OSEEN_EDGEWISE * given / xp.where(moving, slow, 1.0)
 
 
 @entry_point
@@ -104,17 +103,17 @@ def sphere_inertia(reynolds: Numeric) -> Array:
     high, scale, power = _SPHERE_HIGH
     low = factor * reynolds**exponent
     fast = high / _SPHERE_SLOW * reynolds / (1.0 + scale * reynolds**power)
-    return 1.0 + jnp.where(moving, low + fast, 0.0)
+    return 1.0 + xp.where(moving, low + fast, 0.0)
 
 
 def _positive(reynolds: Numeric) -> tuple[Array, Array]:
     """The number where it is positive, one elsewhere, and where that is."""
-    reynolds = jnp.asarray(reynolds)
+    reynolds = xp.asarray(reynolds)
     moving = reynolds > _SMALLEST
-    return jnp.where(moving, reynolds, 1.0), moving
+    return xp.where(moving, reynolds, 1.0), moving
 
 
 def _rise(position: Array, joint: float) -> Array:
     """From 0 to 1 about a joint, with a continuous slope."""
-    along = jnp.clip(0.5 + 0.5 * (position - joint) / _JOINT_WIDTH, 0.0, 1.0)
+    along = xp.clip(0.5 + 0.5 * (position - joint) / _JOINT_WIDTH, 0.0, 1.0)
     return along * along * (3.0 - 2.0 * along)

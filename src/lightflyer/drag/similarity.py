@@ -1,9 +1,8 @@
 """Numbers on which drag depends: speed ratio, rarefaction, Reynolds number, heating of the gas."""
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.validity import Validity
 from lightflyer.gas.base import AbstractGas
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 SLOW = Validity(
     "the speed over that of molecules, in gas where these collide,",
@@ -32,7 +31,7 @@ gas slip at the hot wall takes the rest away."""
 
 def molecular_speed(temperature: Numeric, gas: AbstractGas) -> Array:
     r"""Most probable speed of molecules, :math:`\sqrt{2RT}` [m/s]."""
-    return jnp.sqrt(2.0 * gas.specific_gas_constant * jnp.asarray(temperature))
+    return xp.sqrt(2.0 * gas.specific_gas_constant * xp.asarray(temperature))
 
 
 def rarefaction_parameter(
@@ -44,7 +43,7 @@ def rarefaction_parameter(
 
 def reynolds_number(speed_ratio: Numeric, rarefaction: Numeric) -> Array:
     r"""Reynolds number by the diameter, :math:`2\rho\,|U|\,r/\mu = 4\,|s|\,\delta` [1]."""
-    return 4.0 * jnp.abs(jnp.asarray(speed_ratio)) * rarefaction
+    return 4.0 * xp.abs(xp.asarray(speed_ratio)) * rarefaction
 
 
 def viscosity_growth(

@@ -8,13 +8,12 @@ ch. 5. Between them the resistances are added.
 
 import math
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric
+from lightflyer.core.entry_point import entry_point
 from lightflyer.drag import free_molecular
 from lightflyer.drag.disk import face_means
 from lightflyer.drag.similarity import molecular_speed
 from lightflyer.gas.base import AbstractGas
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array
 
 TURNING = 32.0 / 3.0  # Torque in slow flow over μ, the cube of the radius and the rate
 

@@ -5,10 +5,10 @@ from typing import ClassVar
 import numpy as np
 import pydantic
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Altitude, Length
 from lightflyer.core.text import span
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Coordinate
 from lightflyer.environment.section import EnvironmentSection
 

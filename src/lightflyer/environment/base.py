@@ -6,6 +6,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric
+from lightflyer.array.records import AbstractVar
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
@@ -19,12 +21,10 @@ from lightflyer.core.quantity import (
     Temperature,
     quantity_of,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import scale_and_offset
 from lightflyer.environment.planet import Planet
 from lightflyer.environment.radiation import Radiation
 from lightflyer.gas.base import AbstractGas
-from lightflyer.pytree.module import AbstractVar
 
 _DIGITS = (range(1, 10), (1, 2, 3, 5), (1, 2, 5), (1, 3), (1,))  # of round pressures
 _STEPS = (1.0, 2.0, 5.0, 10.0)  # of round altitudes

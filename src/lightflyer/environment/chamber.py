@@ -6,6 +6,7 @@ from typing import ClassVar, Literal
 import numpy as np
 import pydantic
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.core import constants
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ConfigurationError
@@ -19,7 +20,6 @@ from lightflyer.core.quantity import (
     quantity_of,
 )
 from lightflyer.core.text import span
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 from lightflyer.environment.base import (
     AbstractEnvironment,

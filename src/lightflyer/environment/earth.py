@@ -6,6 +6,8 @@ from typing import ClassVar, Literal
 
 import pydantic
 
+from lightflyer.array.namespace import Numeric
+from lightflyer.array.records import field
 from lightflyer.core import constants
 from lightflyer.core.quantity import (
     Fraction,
@@ -15,7 +17,6 @@ from lightflyer.core.quantity import (
     Longitude,
     SolarFlux,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.global_nrlmsis import GlobalNRLMSIS
@@ -33,7 +34,6 @@ from lightflyer.environment.wind.section import AnyWindSection
 from lightflyer.gas.air import AIR, LU2023_AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.registry import AIRS
-from lightflyer.pytree.module import field
 
 _TABLE = "decides the atmosphere's whole table; give each {} a study of its own"
 

@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.transformations import custom_jvp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Altitude, Checked, Length, Refractivity
-from lightflyer.core.types import Numeric
 from lightflyer.numerics.special import erf
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, custom_jvp, jnp
 
 _SMOOTHED = 500.0  # altitude within which the horizon of a flyer near the limb is smoothed [m]
 
@@ -25,8 +25,8 @@ _NODES, _WEIGHTS = (
 @custom_jvp
 def _share_above(position: Array) -> Array:
     """Share of a unit disk beyond a straight edge at ``-position`` from its centre."""
-    half_angle = jnp.arccos(-jnp.clip(position, -1.0, 1.0))
-    return (half_angle - jnp.sin(half_angle) * jnp.cos(half_angle)) / np.pi
+    half_angle = xp.arccos(-xp.clip(position, -1.0, 1.0))
+    return (half_angle - xp.sin(half_angle) * xp.cos(half_angle)) / np.pi
 
 
 @_share_above.defjvp
@@ -51,7 +51,7 @@ def _mean_above_slope(primals: tuple[Array], tangents: tuple[Array]) -> tuple[Ar
 def _half_chord(position: Array) -> Array:
     square = 1.0 - position**2
     inside = square > 0.0
-    return jnp.where(inside, jnp.sqrt(jnp.where(inside, square, 1.0)), 0.0)
+    return xp.where(inside, xp.sqrt(xp.where(inside, square, 1.0)), 0.0)
 
 
 @entry_point
@@ -106,7 +106,7 @@ class Limb(Checked):
 
 @entry_point
 def _refractivity(limb: Limb, height: Numeric) -> Array:
-    return limb.refractivity * jnp.exp((limb.height - height) / limb.scale_height)
+    return limb.refractivity * xp.exp((limb.height - height) / limb.scale_height)
 
 
 @entry_point
@@ -120,10 +120,10 @@ def horizon_depression(limb: Limb, altitude: Numeric, radius: Numeric) -> Array:
     # of a refracted ray, the refractive index times the distance is what a straight one keeps
     lowest = (radius + limb.height) * (1.0 + limb.refractivity)
     above = radius + altitude - lowest
-    clear = 0.5 * (above + jnp.sqrt(above**2 + _SMOOTHED**2))
-    dip = jnp.arctan2(jnp.sqrt(clear * (2.0 * lowest + clear)), lowest)
-    bending = limb.refractivity * jnp.sqrt(2.0 * np.pi * lowest / limb.scale_height)
-    passed = erf(jnp.sqrt(clear / limb.scale_height))
+    clear = 0.5 * (above + xp.sqrt(above**2 + _SMOOTHED**2))
+    dip = xp.arctan2(xp.sqrt(clear * (2.0 * lowest + clear)), lowest)
+    bending = limb.refractivity * xp.sqrt(2.0 * np.pi * lowest / limb.scale_height)
+    passed = erf(xp.sqrt(clear / limb.scale_height))
     return dip + 0.5 * bending * (1.0 + passed)
 
 
@@ -131,7 +131,7 @@ def horizon_depression(limb: Limb, altitude: Numeric, radius: Numeric) -> Array:
 def _mean_over_turn(constant: Array, amplitude: Array) -> Array:
     r"""Mean of ``max(constant + amplitude cos x, 0)`` over a turn of x, for amplitude ≥ 0."""
     lit = _lit_angle(constant, amplitude)
-    return (constant * lit + amplitude * jnp.sin(lit)) / np.pi
+    return (constant * lit + amplitude * xp.sin(lit)) / np.pi
 
 
 @_mean_over_turn.defjvp
@@ -140,14 +140,14 @@ def _mean_over_turn_slope(
 ) -> tuple[Array, Array]:
     # the angle's own change has no part, as the function is zero there
     lit = _lit_angle(*primals)
-    change = (lit * tangents[0] + jnp.sin(lit) * tangents[1]) / np.pi
+    change = (lit * tangents[0] + xp.sin(lit) * tangents[1]) / np.pi
     return _mean_over_turn(*primals), change
 
 
 def _lit_angle(constant: Array, amplitude: Array) -> Array:
-    moving = amplitude > jnp.abs(constant)
-    ratio = jnp.where(moving, constant / jnp.where(moving, amplitude, 1.0), jnp.sign(constant))
-    return jnp.arccos(-ratio)
+    moving = amplitude > xp.abs(constant)
+    ratio = xp.where(moving, constant / xp.where(moving, amplitude, 1.0), xp.sign(constant))
+    return xp.arccos(-ratio)
 
 
 @entry_point
@@ -163,12 +163,12 @@ def lit_ground(zenith_angle: Numeric, ground_view: Numeric) -> Array:
     #
     # The sum has five terms and is within 8e-5 of the integral up to 150 km over Earth. Light that
     # the air above the dark ground scatters is left out. Differentiable.
-    sine = jnp.sqrt(ground_view)[..., None] * np.sqrt(1.0 - _NODES**2)
-    distance = np.arccos(_NODES) - jnp.arcsin(sine)
-    overhead = jnp.cos(zenith_angle)[..., None] * jnp.cos(distance)
-    sideways = jnp.sin(zenith_angle)[..., None] * jnp.sin(distance)
-    lit = _mean_over_turn(overhead, jnp.abs(sideways))
-    return jnp.sum(2.0 * _NODES * _WEIGHTS * lit, axis=-1)
+    sine = xp.sqrt(ground_view)[..., None] * np.sqrt(1.0 - _NODES**2)
+    distance = np.arccos(_NODES) - xp.arcsin(sine)
+    overhead = xp.cos(zenith_angle)[..., None] * xp.cos(distance)
+    sideways = xp.sin(zenith_angle)[..., None] * xp.sin(distance)
+    lit = _mean_over_turn(overhead, xp.abs(sideways))
+    return xp.sum(2.0 * _NODES * _WEIGHTS * lit, axis=-1)
 
 
 EARTH_LIMB: Final = Limb()

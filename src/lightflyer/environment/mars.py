@@ -2,12 +2,15 @@
 
 from typing import Final
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Array, Numeric
+from lightflyer.array.records import field
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.mars import (
     MOLAR_MASS,
@@ -27,10 +30,6 @@ from lightflyer.environment.planetary import Planetary
 from lightflyer.environment.radiation import SKY_INFRARED, Radiation
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.carbon_dioxide import CARBON_DIOXIDE
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array
-from lightflyer.pytree.module import field
 
 _GAS_CONSTANT = 1e3 * constants.BOLTZMANN * constants.AVOGADRO  # [J/(kmol K)]
 

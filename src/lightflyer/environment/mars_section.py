@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 
 import pydantic
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
@@ -18,7 +19,6 @@ from lightflyer.core.quantity import (
     SolarLongitude,
     TemperatureOffset,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 from lightflyer.environment.atmosphere.mars import SURFACE_PRESSURE, MarsAtmosphere
 from lightflyer.environment.base import Place

@@ -7,7 +7,11 @@ Another planet is one more :class:`Planet`; with an atmosphere it is a
 import math
 from typing import Any, Final
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core import constants
+from lightflyer.core.arguments import reads_units
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
     Acceleration,
@@ -20,13 +24,8 @@ from lightflyer.core.quantity import (
     PlanetRadius,
     RotationRate,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.environment.horizon import EARTH_LIMB, Limb
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED, SKY_INFRARED, Radiation
-from lightflyer.program.arguments import reads_units
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import field
 
 
 class Planet(Checked):
@@ -128,10 +127,10 @@ class Planet(Checked):
 def _curvature_radius(planet: Planet, latitude: Angle, azimuth: Angle) -> Array:
     flattening = planet.flattening
     eccentricity_squared = flattening * (2.0 - flattening)
-    root = 1.0 - eccentricity_squared * jnp.sin(latitude) ** 2
-    across = planet.equatorial_radius / jnp.sqrt(root)
+    root = 1.0 - eccentricity_squared * xp.sin(latitude) ** 2
+    across = planet.equatorial_radius / xp.sqrt(root)
     along = across * (1.0 - eccentricity_squared) / root
-    return 1.0 / (jnp.cos(azimuth) ** 2 / along + jnp.sin(azimuth) ** 2 / across)
+    return 1.0 / (xp.cos(azimuth) ** 2 / along + xp.sin(azimuth) ** 2 / across)
 
 
 def mean_irradiance(semi_major_axis: float, eccentricity: float) -> float:

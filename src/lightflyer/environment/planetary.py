@@ -6,10 +6,13 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core.checks import require_range
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Acceleration, Fraction, Length
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 from lightflyer.environment.altitude import (
     AltitudeSection,
@@ -30,10 +33,6 @@ from lightflyer.environment.radiation import SKY_INFRARED, Radiation
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.registry import GASES
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import field
 
 _SHADOW_STEPS = 1501  # of the altitudes searched, in which the shadow's edge is looked for
 
@@ -168,9 +167,9 @@ def _dim(
     """Light below the dust above a place."""
     radius, pressure = environment.planet.radius, environment.atmosphere.pressure
     distance = radius + altitude
-    cosine = jnp.cos(radiation.zenith_angle)
+    cosine = xp.cos(radiation.zenith_angle)
     # where a ray from below the horizontal comes nearest to the ground
-    lowest = jnp.maximum(distance * jnp.sin(radiation.zenith_angle) - radius, 0.0)
+    lowest = xp.maximum(distance * xp.sin(radiation.zenith_angle) - radius, 0.0)
     ground = pressure(0.0, place)
     depth, lowest_depth = (
         dust.depth_above(pressure(height, place) / ground) for height in (altitude, lowest)

@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core import constants
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
@@ -16,11 +18,8 @@ from lightflyer.core.quantity import (
     PolarAngle,
 )
 from lightflyer.core.text import span
-from lightflyer.core.types import Numeric
 from lightflyer.environment.horizon import facing_share
 from lightflyer.environment.view_factor import ground_view_factor, sphere_view_factor
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 EARTH_ALBEDO = 0.29
 """Share of sunlight that Earth reflects, clouds included: global mean, 99.1 of 340.0 W/m² [1];
@@ -202,11 +201,11 @@ class Radiation(Checked):
 
     def on_faces(self, attitude: Attitude | None = None) -> FaceLight:
         """Light on the two faces of a flat flyer; ``attitude``: by default level."""
-        height = jnp.cos(self.zenith_angle)
+        height = xp.cos(self.zenith_angle)
         facing = height
         if attitude is not None:
-            sideways = jnp.sin(self.zenith_angle) * jnp.sin(attitude.tilt)
-            facing = height * jnp.cos(attitude.tilt) + sideways * jnp.cos(
+            sideways = xp.sin(self.zenith_angle) * xp.sin(attitude.tilt)
+            facing = height * xp.cos(attitude.tilt) + sideways * xp.cos(
                 self.azimuth - attitude.azimuth
             )
         top, bottom = self.views_of_ground(attitude)
@@ -221,7 +220,7 @@ class Radiation(Checked):
     def _beam(self, cosine: Array) -> Array:
         """Irradiance of a face at this cosine of incidence, per irradiance of the beam [1]."""
         if self.angular_radius is None:
-            return self.visible_part(jnp.maximum(cosine, 0.0))
+            return self.visible_part(xp.maximum(cosine, 0.0))
         return self.visible_part(facing_share(cosine, self.angular_radius))
 
     def visible_part(self, light: Numeric) -> Numeric:
@@ -243,7 +242,7 @@ class Radiation(Checked):
     def diffuse_light(self) -> tuple[Exitances, Exitances]:
         """Light from sky and ground; returns ``of_beam`` [1], ``diffuse`` [W/m²]."""
         lit = self.lit_ground
-        lit = jnp.maximum(jnp.cos(self.zenith_angle), 0.0) if lit is None else lit
+        lit = xp.maximum(xp.cos(self.zenith_angle), 0.0) if lit is None else lit
         scattered = 0.0 if self.scattered is None else self.scattered
         return Exitances(scattered, self.albedo * lit), Exitances(self.diffuse_above, 0.0)
 
@@ -252,7 +251,7 @@ class Radiation(Checked):
         black = self.stefan_boltzmann * gas_temperature**4
         return Exitances(
             *(
-                jnp.zeros_like(black) if infrared is None else infrared - black
+                xp.zeros_like(black) if infrared is None else infrared - black
                 for infrared in (self.infrared_above, self.infrared_below)
             )
         )

@@ -4,6 +4,7 @@ import abc
 from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.core import constants
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
@@ -13,7 +14,6 @@ from lightflyer.core.quantity import (
     Incidence,
     Irradiance,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured, scale_and_offset
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.environment.radiation import Radiation

@@ -7,9 +7,9 @@ from typing import ClassVar, Literal
 import numpy as np
 import pydantic
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Altitude, Latitude, Longitude
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
 from lightflyer.environment.horizon import EARTH_LIMB
 from lightflyer.environment.light.ground import AbstractGround, Knocke1988Ground, UniformGround

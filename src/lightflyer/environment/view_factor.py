@@ -7,9 +7,8 @@ With the half-angle :math:`\gamma` of the planet's disk as seen from the flyer,
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 
 _SMALLEST = 1e-12  # of sines and roots below, where a branch that is not taken would divide by zero
 
@@ -29,18 +28,18 @@ def ground_view_factor(angle: Numeric, straight_down: Numeric) -> Array:
     # Differentiable but where the plane touches the sphere.
     #
     # Source: [Howell2010]_, differential planar element to a sphere, for any tilt.
-    cosine, sine = jnp.cos(angle), jnp.sin(angle)
+    cosine, sine = xp.cos(angle), xp.sin(angle)
     away = 1.0 - straight_down  # cos²γ
     whole = straight_down * cosine
     cut = cosine**2 < straight_down
-    root = jnp.sqrt(jnp.where(cut, jnp.maximum(straight_down - cosine**2, _SMALLEST), 1.0))
-    safe_sine = jnp.where(cut, jnp.maximum(sine, _SMALLEST), 1.0)
-    far = jnp.sqrt(jnp.maximum(away, _SMALLEST))
-    ratio = jnp.clip(far / safe_sine, 0.0, 1.0)
-    near = jnp.sqrt(jnp.maximum(straight_down, _SMALLEST))
-    cotangents = jnp.clip(-(far / near) * cosine / safe_sine, -1.0, 1.0)
-    part = 0.5 * np.pi - jnp.arcsin(ratio) + whole * jnp.arccos(cotangents) - far * root
-    return jnp.where(cut, part / np.pi, jnp.maximum(whole, 0.0))
+    root = xp.sqrt(xp.where(cut, xp.maximum(straight_down - cosine**2, _SMALLEST), 1.0))
+    safe_sine = xp.where(cut, xp.maximum(sine, _SMALLEST), 1.0)
+    far = xp.sqrt(xp.maximum(away, _SMALLEST))
+    ratio = xp.clip(far / safe_sine, 0.0, 1.0)
+    near = xp.sqrt(xp.maximum(straight_down, _SMALLEST))
+    cotangents = xp.clip(-(far / near) * cosine / safe_sine, -1.0, 1.0)
+    part = 0.5 * np.pi - xp.arcsin(ratio) + whole * xp.arccos(cotangents) - far * root
+    return xp.where(cut, part / np.pi, xp.maximum(whole, 0.0))
 
 
 @entry_point
@@ -52,5 +51,5 @@ def sphere_view_factor(straight_down: Numeric) -> Array:
     #
     # Source: [Howell2010]_, sphere to sphere, the one much smaller than the other.
     endless = straight_down >= 1.0
-    cosine = jnp.where(endless, 0.0, jnp.sqrt(jnp.where(endless, 1.0, 1.0 - straight_down)))
+    cosine = xp.where(endless, 0.0, xp.sqrt(xp.where(endless, 1.0, 1.0 - straight_down)))
     return 0.5 * (1.0 - cosine)

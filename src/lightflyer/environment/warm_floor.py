@@ -23,12 +23,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Radiation
 from lightflyer.gas.base import mean_free_path
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp, special
+from lightflyer.numerics.special import i0e
 
 _RARE = 0.4257  # Of the join of both limits, :math:`c`
 _JUMP = 1.699  # Distance by which walls stand back, in half mean free paths
@@ -70,19 +70,19 @@ def distances(state: EnvironmentState) -> tuple[Numeric, Numeric, Numeric]:
 
 def conducted_share(floor: Numeric, lid: Numeric, wall: Numeric) -> Array:
     """Share of the floor's excess in the middle of a cylinder that conducts heat [1]."""
-    lid = jnp.minimum(lid, _ENOUGH * wall)
+    lid = xp.minimum(lid, _ENOUGH * wall)
     height = floor + lid
-    wall = jnp.minimum(wall, _ENOUGH * height)
-    floor, height, wall = (jnp.asarray(each)[..., None] for each in (floor, height, wall))
+    wall = xp.minimum(wall, _ENOUGH * height)
+    floor, height, wall = (xp.asarray(each)[..., None] for each in (floor, height, wall))
     place = np.pi * _MODES / height
     # I0 of large numbers overflows
-    bent = jnp.sin(place * floor) / _MODES * jnp.exp(-place * wall) / special.i0e(place * wall)
-    return (1.0 - floor / height)[..., 0] - 2.0 / np.pi * jnp.sum(bent, axis=-1)
+    bent = xp.sin(place * floor) / _MODES * xp.exp(-place * wall) / i0e(place * wall)
+    return (1.0 - floor / height)[..., 0] - 2.0 / np.pi * xp.sum(bent, axis=-1)
 
 
 def view_of_floor(floor: Numeric, wall: Numeric) -> Array:
     """View factor from a face that looks down to the floor of a cylinder [1]."""
-    return 1.0 / (1.0 + (floor / jnp.asarray(wall)) ** 2)
+    return 1.0 / (1.0 + (floor / xp.asarray(wall)) ** 2)
 
 
 def share_of_floor(
@@ -110,6 +110,6 @@ def joined_share(
 
 def middle_distance(floor: Numeric, lid: Numeric, wall: Numeric) -> Array:
     """Geometric mean of the distances, of those that matter."""
-    lid = jnp.minimum(lid, _ENOUGH * wall)
-    wall = jnp.minimum(wall, _ENOUGH * (floor + lid))
-    return jnp.cbrt(floor * lid * wall)
+    lid = xp.minimum(lid, _ENOUGH * wall)
+    wall = xp.minimum(wall, _ENOUGH * (floor + lid))
+    return xp.cbrt(floor * lid * wall)

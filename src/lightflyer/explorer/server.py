@@ -40,7 +40,6 @@ from lightflyer.explorer.downloads import download
 from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.panes import panes
 from lightflyer.explorer.state import Workplace, entries_of
-from lightflyer.program.entry_point import run_by
 
 ADDRESS = "127.0.0.1"
 
@@ -106,7 +105,7 @@ class Service:
         if self.pending[pool] >= MOST_PENDING:
             raise tornado.web.HTTPError(429)
         self.pending[pool] += 1
-        done = asyncio.get_running_loop().run_in_executor(pool, _by_numpy, work)
+        done = asyncio.get_running_loop().run_in_executor(pool, work)
         done.add_done_callback(lambda _: self._finished(pool))
         return done
 
@@ -114,12 +113,6 @@ class Service:
         self.pending[pool] -= 1
         if pool is not self.quick and not self.pending[pool]:
             _give_back_memory()
-
-
-def _by_numpy(work: Callable[[], Any]) -> Any:
-    """Result of work that compiles nothing: nobody waits for XLA, which holds hundreds of MB."""
-    with run_by("numpy"):
-        return work()
 
 
 def _give_back_memory() -> None:
@@ -444,7 +437,7 @@ def serve(workplace: Workplace, port: int, opened: Callable[[str], Awaitable[Non
     async def run() -> None:
         service = Service(workplace)
         _, found = listen(service, port)
-        service.slow.submit(_by_numpy, lambda: pages.warm(workplace))
+        service.slow.submit(pages.warm, workplace)
         opened(f"http://{ADDRESS}:{found}/{service.token}/")
         await asyncio.Event().wait()
 

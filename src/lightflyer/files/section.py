@@ -20,10 +20,10 @@ import pydantic
 from pydantic import ConfigDict, Discriminator, Tag
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.core.clock import require_hour
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Quantity, contradiction_in, quantity_of
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 
 _PLAIN = (bool, int, str)

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric, xp
 from lightflyer.core.checks import is_traced
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 from lightflyer.film.optics.averages import (
     Average,
@@ -28,7 +28,6 @@ from lightflyer.film.optics.integration import POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import Spectrum
 from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.film.properties import PROPERTIES, FilmProperties
-from lightflyer.pytree.lazy_jax import jnp
 
 REPORT_TEMPERATURES = (200.0, 250.0, 300.0, 350.0, 400.0, 450.0, 500.0)
 """Temperatures at which an emittance is reported [K]: those of light-flyers."""
@@ -216,7 +215,7 @@ def _property(mean: Numeric) -> Any:
     """Property of a film from a mean, a curve where it is one at each of the curve's nodes."""
     if np.ndim(mean) == 0:
         return mean
-    floor = jnp.maximum if is_traced(mean) else np.maximum  # JAX's is in single precision here
+    floor = xp.maximum if is_traced(mean) else np.maximum  # JAX's is in single precision here
     return EmittanceCurve.through(floor(mean, _LEAST_EMITTANCE))
 
 
@@ -267,7 +266,7 @@ def _infrared_transmittance(optics: FilmProperties, given: dict[str, Any]) -> An
 
 def _array_module(*values: Any) -> Any:
     """JAX's functions for traced values, NumPy's for others, as JAX's are in single precision."""
-    return jnp if is_traced(*values) else np
+    return xp if is_traced(*values) else np
 
 
 def _ratio(over: Any, under: Any) -> Any:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.errors import ParameterError, ParameterWarning
 from lightflyer.core.quantity import (
@@ -18,14 +19,12 @@ from lightflyer.core.quantity import (
     Fraction,
     Temperature,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.film.optics.curve import (
     EmittanceCurve,
     coefficients_of,
     emittance_at,
     emittance_bounds,
 )
-from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.structure.laminate import Laminate
 
 _WHOLE = 1.0 + 1e-9  # all radiation, and rounding
@@ -176,7 +175,7 @@ class FilmProperties(Checked):
         cold = sum(self.emittances_at(temperature))
         bounds = [emittance_bounds(face) for face in faces]
         lowest, highest = (sum(pair) for pair in zip(*bounds, strict=True))
-        return (power + cold) / jnp.where(power > 0.0, lowest, highest) - 1.0
+        return (power + cold) / xp.where(power > 0.0, lowest, highest) - 1.0
 
     @property
     def _is_grey(self) -> bool:
@@ -275,7 +274,7 @@ def _growth(excess: Numeric) -> Numeric:
 
 def excess_of_growth(growth: Numeric) -> Array:
     r"""Temperature excess at which a black face's emission has grown by a share [1]."""
-    root = jnp.sqrt(jnp.sqrt(jnp.maximum(1.0 + growth, 0.0)))
+    root = xp.sqrt(xp.sqrt(xp.maximum(1.0 + growth, 0.0)))
     return growth / ((root + 1.0) * (root**2 + 1.0))
 
 
@@ -288,5 +287,5 @@ def lowest_limit(films: Sequence[FilmProperties]) -> Numeric | None:
     limits = [film.highest_temperature for film in films if film.highest_temperature is not None]
     if not limits:
         return None
-    minimum: Any = np.minimum if is_concrete(*limits) else jnp.minimum
+    minimum: Any = np.minimum if is_concrete(*limits) else xp.minimum
     return functools.reduce(minimum, limits)

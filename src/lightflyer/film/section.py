@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import pydantic
 
+from lightflyer.array.records import Module
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import (
     AccommodationCoefficient,
@@ -18,7 +19,6 @@ from lightflyer.core.quantity import (
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Alternative
 from lightflyer.film.properties import PROPERTIES, FilmProperties, require_conservation
-from lightflyer.pytree.module import Module
 
 _PASSING = ("transmittance", "transmittance_bottom", "infrared_transmittance")
 FACES = ("tac_top", "tac_bottom")  # Numbers whose errors ``tac_correlation`` is about

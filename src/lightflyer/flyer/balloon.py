@@ -5,9 +5,10 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core import constants
 from lightflyer.core.quantity import Distance, Length, Mass, MolarMass, Tension
-from lightflyer.core.types import Numeric
 from lightflyer.drag.convex import Outline, sphere_outline
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
@@ -18,8 +19,6 @@ from lightflyer.flyer.bodies import AbstractClosedFlyer
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import Shape
 from lightflyer.flyer.shell_shape import OF_SHELLS, Wall, shape_of_sphere
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _MOLAR_GAS_CONSTANT = constants.BOLTZMANN * constants.AVOGADRO  # [J/(mol K)]
 
@@ -153,8 +152,8 @@ class Balloon(AbstractClosedFlyer):
         if self.gas_mass is None:
             return Filling(self.volume, state.pressure * self.volume / specific, 0.0 * excess)
         unbound = self.gas_mass * specific / state.pressure
-        full = jnp.maximum(unbound / self.volume - 1.0, 0.0)
-        return Filling(jnp.minimum(unbound, self.volume), self.gas_mass, full * state.pressure)
+        full = xp.maximum(unbound / self.volume - 1.0, 0.0)
+        return Filling(xp.minimum(unbound, self.volume), self.gas_mass, full * state.pressure)
 
     def buoyancy(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Numeric:
         # .. math:: g\,(\rho_c V - m)
@@ -209,13 +208,13 @@ class Balloon(AbstractClosedFlyer):
         gas = state.gas.density(state.pressure, state.temperature)
         found = shape_of_sphere(wall, self.radius, None, self.own_mass, pressure, gas)
         taut = pressure > 0.0  # a slack film resists nothing
-        return found._replace(lowest_frequency=jnp.where(taut, found.lowest_frequency, 0.0))
+        return found._replace(lowest_frequency=xp.where(taut, found.lowest_frequency, 0.0))
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum, by the outer face alone [1]."""
         outer = tree.replace_at(lambda film: film.emittance_bottom, self.film, 0.0)
         black = self.film_area * state.radiation.stefan_boltzmann * state.temperature**4
-        return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, power / black)))
+        return xp.abs(excess_of_growth(outer.emission_bound(state.temperature, power / black)))
 
     def describe(self) -> str:
         kind = "open" if self.gas_mass is None else "closed"
@@ -268,7 +267,7 @@ class Balloon(AbstractClosedFlyer):
         entering = hole * into_opening + solid * (inward * onto_film + emitted_within)
         reflected = solid * (1.0 - inner - outward)
         # within a perfect mirror without an opening there is nothing
-        kept = jnp.where(reflected == 1.0, 1.0, 1.0 - reflected)
+        kept = xp.where(reflected == 1.0, 1.0, 1.0 - reflected)
         gain = outer * onto_film + inner * entering / kept - emitted_out - emitted_within
         return self.film_area * gain
 

@@ -4,16 +4,15 @@ import abc
 import dataclasses
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from lightflyer.array.namespace import Array, Numeric
+from lightflyer.array.records import AbstractClassVar, AbstractVar
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Checked, Mass
-from lightflyer.core.types import Numeric
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.film.properties import FilmProperties, lowest_limit
 from lightflyer.flyer.shape import Shape
-from lightflyer.pytree.lazy_jax import Array
-from lightflyer.pytree.module import AbstractClassVar, AbstractVar
 
 HIGHEST_TEMPERATURE = 3000.0
 """Highest temperature of the search [K]: no film survives it, and the gas correlations end

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import scale_and_offset
 from lightflyer.drag.convex import Outline, convex_diagnostics, convex_drag
 from lightflyer.drag.disk import (
@@ -21,7 +21,6 @@ from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.hanging import THREE_POINTS, Hanging, Held
 from lightflyer.flyer.shape import Bent
-from lightflyer.pytree.lazy_jax import Array
 
 
 class AbstractThinFlyer(AbstractFlyer):

@@ -3,8 +3,9 @@
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core.quantity import Distance, Mass, Radius
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
@@ -13,8 +14,6 @@ from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.flyer.hanging import Hanging, hangs_wrongly
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import OF_FILMS, Bent, Shape, bent_film, shape_of_film
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import field
 
 
 class Disk(AbstractThinFlyer):
@@ -114,9 +113,9 @@ class Disk(AbstractThinFlyer):
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum [1]."""
         bound = self.film.emission_bound(state.temperature, power / self._black_power(state))
-        root = jnp.sqrt(jnp.sqrt(jnp.maximum(1.0 + bound, 0.0)))
+        root = xp.sqrt(xp.sqrt(xp.maximum(1.0 + bound, 0.0)))
         # solves (1 + θ)⁴ = 1 + bound without cancellation
-        return jnp.abs(bound / ((root + 1.0) * (root**2 + 1.0)))
+        return xp.abs(bound / ((root + 1.0) * (root**2 + 1.0)))
 
     def _black_power(self, state: EnvironmentState) -> Array:
         """Power that one black face would radiate at the gas temperature [W]."""

@@ -7,8 +7,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.structure.plates import (
     free_plate_profile,
     load_curvatures,
@@ -91,7 +90,7 @@ class HangingPlate(NamedTuple):
             around = self.radius - self.ring
             plate = 1.0 / 3.0, around, self.hold, self.stiffness, self.poisson
         middle, on_ring = load_curvatures(*plate)
-        return jnp.maximum(jnp.abs(middle), jnp.abs(on_ring))
+        return xp.maximum(xp.abs(middle), xp.abs(on_ring))
 
     @property
     def perimeter(self) -> Numeric:
@@ -101,7 +100,7 @@ class HangingPlate(NamedTuple):
 
     def frequency(self, held: Held) -> Array:
         """Lowest frequency: of a saddle, or of plate and payload against each other [Hz]."""
-        density = held.own_mass / (math.pi * jnp.asarray(self.radius) ** 2)
+        density = held.own_mass / (math.pi * xp.asarray(self.radius) ** 2)
         if self.shear is None or self.faces is None:
             saddle = self._bending_frequency(density)
         else:
@@ -109,11 +108,11 @@ class HangingPlate(NamedTuple):
             bent = self._bending_frequency(density)
             faces = self.faces._bending_frequency(density)
             # Dunkerley's rule of compliances in series; stiffnesses side by side add up
-            saddle = jnp.sqrt(1.0 / (1.0 / bent**2 + 1.0 / sheared**2) + faces**2)
+            saddle = xp.sqrt(1.0 / (1.0 / bent**2 + 1.0 / sheared**2) + faces**2)
         wide = self._with_axis()
-        profile = wide.rise(wide.radius * jnp.asarray(UMBRELLA_PLACES))
+        profile = wide.rise(wide.radius * xp.asarray(UMBRELLA_PLACES))
         umbrella = umbrella_frequency(profile, self.rise(self.ring), held.own_mass, held.payload)
-        return jnp.minimum(saddle, umbrella)
+        return xp.minimum(saddle, umbrella)
 
     def _on_circle(self, at: Numeric) -> Array:
         bent = free_plate_profile(1.0, self.radius, self.ring, self.stiffness, self.poisson, at)
@@ -150,7 +149,7 @@ class HangingPlate(NamedTuple):
         """The same with an axis more in every number."""
 
         def longer(number: Numeric) -> Array:
-            return jnp.asarray(number)[..., None]
+            return xp.asarray(number)[..., None]
 
         return self._replace(
             radius=longer(self.radius),
@@ -173,7 +172,7 @@ def hung(
     faces: Numeric | None = None,
 ) -> HangingPlate:
     """A plate by its numbers; ``hold``: radius that it holds at least [m]; see HangingPlate."""
-    ring = hold if held.radius is None else jnp.maximum(held.radius, hold)
+    ring = hold if held.radius is None else xp.maximum(held.radius, hold)
     shared = radius, ring, hold, held.at_three_points
     alone = None if faces is None else HangingPlate(*shared, faces, poisson)
     return HangingPlate(*shared, stiffness, poisson, shear, alone)
@@ -181,5 +180,5 @@ def hung(
 
 def _range(heights: Sequence[Array]) -> Array:
     """Largest difference of heights; that of the middle is zero."""
-    highest, lowest = reduce(jnp.maximum, heights), reduce(jnp.minimum, heights)
-    return jnp.maximum(highest, 0.0) - jnp.minimum(lowest, 0.0)
+    highest, lowest = reduce(xp.maximum, heights), reduce(xp.minimum, heights)
+    return xp.maximum(highest, 0.0) - xp.minimum(lowest, 0.0)

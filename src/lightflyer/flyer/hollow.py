@@ -5,7 +5,8 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from lightflyer.core.precision import float64
+from lightflyer.array.namespace import Array, Numeric, float64
+from lightflyer.array.records import field
 from lightflyer.core.quantity import (
     Coefficient,
     Conductivity,
@@ -14,7 +15,6 @@ from lightflyer.core.quantity import (
     Mass,
     OpenFraction,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.drag.convex import Outline
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
@@ -43,8 +43,6 @@ from lightflyer.flyer.sheets import (
     sheet_in_light,
 )
 from lightflyer.flyer.shell_shape import OF_SHELLS, Wall, shape_of_sphere, shape_of_tube
-from lightflyer.pytree.lazy_jax import Array
-from lightflyer.pytree.module import field
 
 _CENTIMETRE = 1e-2
 

@@ -18,8 +18,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.array.namespace import Array, Numeric, xp
 
 Form = Literal["cone", "sphere", "rocket"]  # Names of the shapes
 
@@ -53,13 +52,13 @@ def _cone_volume(size: Numeric, outlet: Numeric) -> Array:
 
 def _cone_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array:
     """Convex hull of the ellipses that both ends appear as."""
-    radius, flat = 0.5 * size, jnp.abs(cosine)
+    radius, flat = 0.5 * size, xp.abs(cosine)
     apart = size * _sine(cosine)
     hidden = (radius - outlet) * flat >= apart  # the outlet, behind the wide end
-    inner = jnp.where(hidden, 0.0, (radius - outlet) * flat / jnp.where(hidden, 1.0, apart))
-    angle = jnp.where(hidden, 0.0, jnp.arccos(inner))
+    inner = xp.where(hidden, 0.0, (radius - outlet) * flat / xp.where(hidden, 1.0, apart))
+    angle = xp.where(hidden, 0.0, xp.arccos(inner))
     ends = radius**2 * (np.pi - angle) + outlet**2 * angle
-    return flat * ends + (radius + outlet) * apart * jnp.sin(angle)
+    return flat * ends + (radius + outlet) * apart * xp.sin(angle)
 
 
 def _cone_passage(size: Numeric, outlet: Numeric) -> Array:
@@ -67,12 +66,12 @@ def _cone_passage(size: Numeric, outlet: Numeric) -> Array:
     # .. math:: \frac1r\int_0^D \left(1 - \frac{A(x)}{A_t}\right)^2\frac{r^4}{r(x)^4}\,dx
     #
     # with the wall's area below, :math:`A(x)`.
-    node, weight = map(jnp.asarray, _PASSAGE)
-    wide, low = (0.5 * jnp.asarray(size))[..., None], jnp.asarray(outlet)[..., None]
-    slant = jnp.hypot(wide - low, 2.0 * wide)
+    node, weight = map(xp.asarray, _PASSAGE)
+    wide, low = (0.5 * xp.asarray(size))[..., None], xp.asarray(outlet)[..., None]
+    slant = xp.hypot(wide - low, 2.0 * wide)
     there = low + (wide - low) * node
     above = 1.0 - np.pi * (low + there) * slant * node / _cone_surface(2.0 * wide, low)
-    return size / outlet * jnp.sum(weight * above**2 * (low / there) ** 4, axis=-1)
+    return size / outlet * xp.sum(weight * above**2 * (low / there) ** 4, axis=-1)
 
 
 def _sphere_height(size: Numeric, outlet: Numeric) -> Array:
@@ -98,20 +97,20 @@ def _cap(radius: Numeric, outlet: Numeric) -> Array:
 
 def _sphere_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array:
     """Disc of the sphere; where the outlet cuts its outline, with a part of the rim's ellipse."""
-    radius, flat, sine = 0.5 * size, jnp.abs(cosine), _sine(cosine)
-    height = jnp.sqrt(radius**2 - outlet**2)  # of the centre above the outlet
+    radius, flat, sine = 0.5 * size, xp.abs(cosine), _sine(cosine)
+    height = xp.sqrt(radius**2 - outlet**2)  # of the centre above the outlet
     cut = radius * sine > height
     # where they are not met, numbers that divide and take roots without harm
-    across, along = jnp.where(cut, sine, 1.0), jnp.where(cut, flat, 0.5)
-    off_disc = _segment(jnp.where(cut, height / (radius * across), 0.5))
-    off_rim = _segment(jnp.where(cut, height * along / (outlet * across), 0.5))
+    across, along = xp.where(cut, sine, 1.0), xp.where(cut, flat, 0.5)
+    off_disc = _segment(xp.where(cut, height / (radius * across), 0.5))
+    off_rim = _segment(xp.where(cut, height * along / (outlet * across), 0.5))
     lacking = radius**2 * off_disc - outlet**2 * along * off_rim
-    return np.pi * radius**2 - jnp.where(cut, lacking, 0.0)
+    return np.pi * radius**2 - xp.where(cut, lacking, 0.0)
 
 
 def _segment(distance: Numeric) -> Array:
     """Area of a circle of radius one beyond a chord, by the chord's distance from the centre."""
-    return jnp.arccos(distance) - distance * jnp.sqrt(1.0 - distance**2)
+    return xp.arccos(distance) - distance * xp.sqrt(1.0 - distance**2)
 
 
 def _rocket_surface(size: Numeric, outlet: Numeric) -> Array:
@@ -124,7 +123,7 @@ def _rocket_volume(size: Numeric, outlet: Numeric) -> Array:
 
 def _rocket_silhouette(size: Numeric, outlet: Numeric, cosine: Numeric) -> Array:
     """Half the hemisphere's circle, the cylinder's side and half the outlet's ellipse."""
-    ends = 0.5 * np.pi * outlet**2 * (1.0 + jnp.abs(cosine))
+    ends = 0.5 * np.pi * outlet**2 * (1.0 + xp.abs(cosine))
     return ends + 2.0 * outlet * size * _sine(cosine)
 
 
@@ -135,9 +134,9 @@ def _rocket_passage(size: Numeric, outlet: Numeric) -> Numeric:
 
 def _sine(cosine: Numeric) -> Array:
     """Sine of the angle of a cosine, of finite slope where it is zero."""
-    square = 1.0 - jnp.asarray(cosine, float) ** 2
+    square = 1.0 - xp.asarray(cosine, float) ** 2
     along = square <= 0.0
-    return jnp.where(along, 0.0, jnp.sqrt(jnp.where(along, 1.0, square)))
+    return xp.where(along, 0.0, xp.sqrt(xp.where(along, 1.0, square)))
 
 
 class _Ring(NamedTuple):
@@ -176,15 +175,15 @@ def silhouette_below_horizon(
     #
     # with the half-angle :math:`\gamma` of the ground's disk, and the mean :math:`\bar S` over all
     # azimuths of the silhouette towards directions that are :math:`\arcsin x` below the horizon.
-    ring = _Ring(*map(jnp.asarray, _RING_OF_UPRIGHT if tilt is None else _RING_OF_TILTED))
-    size, outlet, edge = (jnp.asarray(number)[..., None] for number in (size, outlet, edge))
+    ring = _Ring(*map(xp.asarray, _RING_OF_UPRIGHT if tilt is None else _RING_OF_TILTED))
+    size, outlet, edge = (xp.asarray(number)[..., None] for number in (size, outlet, edge))
     below = edge * ring.depth
     cosine = -below
     if tilt is not None:
-        upright = jnp.asarray(tilt)[..., None]
-        level = jnp.sqrt(1.0 - below**2)
-        cosine = level * ring.azimuth * jnp.sin(upright) - below * jnp.cos(upright)
-    return jnp.sum(edge * ring.weight * form.silhouette(size, outlet, cosine), axis=-1)
+        upright = xp.asarray(tilt)[..., None]
+        level = xp.sqrt(1.0 - below**2)
+        cosine = level * ring.azimuth * xp.sin(upright) - below * xp.cos(upright)
+    return xp.sum(edge * ring.weight * form.silhouette(size, outlet, cosine), axis=-1)
 
 
 FORMS: dict[str, HollowForm] = {
@@ -210,5 +209,5 @@ def tube_sizes(form: Form, size: Numeric, outlet: Numeric) -> tuple[Numeric, Num
     # a cone counts as the cylinder of its slant and of its mean radius of curvature [NASA-SP-8019]
     if form == "rocket":
         return outlet, size
-    slant = jnp.hypot(0.5 * size - outlet, size)
+    slant = xp.hypot(0.5 * size - outlet, size)
     return 0.5 * (0.5 * size + outlet) * slant / size, slant

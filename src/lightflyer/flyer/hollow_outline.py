@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Numeric
 from lightflyer.drag.convex import Outline, sphere_outline
 from lightflyer.drag.disk import Direction
 from lightflyer.flyer.hollow_geometry import FORMS

@@ -5,6 +5,8 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric
+from lightflyer.array.records import field
 from lightflyer.core.quantity import (
     ArealDensity,
     Conductivity,
@@ -15,7 +17,6 @@ from lightflyer.core.quantity import (
     Modulus,
     Radius,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
@@ -28,8 +29,6 @@ from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import OF_SANDWICHES, Bent, Core, Shape
 from lightflyer.flyer.sheets import net_gains, sheet_in_light
 from lightflyer.gas.transmission_probability import slot_transmission
-from lightflyer.pytree.lazy_jax import Array
-from lightflyer.pytree.module import field
 
 SHEAR_MODULUS = 5.6e10  # of alumina, by data/mechanics.toml [Pa]
 

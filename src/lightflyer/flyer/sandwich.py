@@ -6,6 +6,9 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import pydantic
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
@@ -18,7 +21,6 @@ from lightflyer.core.quantity import (
     OpenFraction,
     Radius,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
@@ -47,9 +49,6 @@ from lightflyer.flyer.sheets import (
     sheet_in_light,
 )
 from lightflyer.gas.transmission_probability import coaxial_share
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import field
 from lightflyer.structure.laminate import Laminate
 from lightflyer.structure.sandwich import Ligaments
 
@@ -247,7 +246,7 @@ class Sandwich(AbstractThinFlyer):
         """Shape with a core that holds the membranes, where that and their layers are known."""
         if core is None:
             return super().shape(state, temperatures, lift)
-        pressure = jnp.abs(lift) / self.area
+        pressure = xp.abs(lift) / self.area
         return shape_of_sandwich(self._sheets(core, temperatures), self.held(state), pressure)
 
     def bent_on(
@@ -269,7 +268,7 @@ class Sandwich(AbstractThinFlyer):
         )
         black = state.radiation.stefan_boltzmann * state.temperature**4
         emitted = power / (self.area * self.solid_fraction * black)
-        return jnp.abs(excess_of_growth(outer.emission_bound(state.temperature, emitted)))
+        return xp.abs(excess_of_growth(outer.emission_bound(state.temperature, emitted)))
 
     def diagnostics(self, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
         """Warns of holes that are too narrow for geometric optics."""

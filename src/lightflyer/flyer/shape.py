@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.flyer.hanging import HOLD, HangingPlate, Held, hung
-from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.structure.curl import Curl, curl_of_film, projected_share, tac_within
 from lightflyer.structure.handling import fold_curvature, fold_tension
 from lightflyer.structure.holes import perforated_share, tension_at_holes
@@ -69,7 +68,7 @@ class Bent(NamedTuple):
     @property
     def together(self) -> Curl:
         """Curl and droop as one."""
-        droop = 2.0 * self.plate.droop * self.load / jnp.asarray(self.plate.radius) ** 2
+        droop = 2.0 * self.plate.droop * self.load / xp.asarray(self.plate.radius) ** 2
         return Curl(self.curl.largest + droop, self.curl.smallest + droop)
 
     @property
@@ -77,10 +76,10 @@ class Bent(NamedTuple):
         """How far the edge is from the height of the middle, at most the radius [m]."""
         # Curl and droop add up though one may be upward and the other downward: their forms differ.
         # Of an arc this is within 3 % up to where its ends stand upright.
-        radius = jnp.asarray(self.plate.radius)
-        curled = 0.5 * jnp.abs(self.curl.largest) * radius**2
+        radius = xp.asarray(self.plate.radius)
+        curled = 0.5 * xp.abs(self.curl.largest) * radius**2
         shallow = curled + self.plate.droop * self.load
-        return shallow / jnp.sqrt(1.0 + (shallow / radius) ** 2)
+        return shallow / xp.sqrt(1.0 + (shallow / radius) ** 2)
 
     def lift_kept(self, tacs: tuple[Numeric, Numeric] | None = None) -> Array:
         """Lift over a flat flyer's, by light and force that go with the area seen from above [1].
@@ -90,15 +89,15 @@ class Bent(NamedTuple):
         share = projected_share(self.together, self.plate.radius)
         if tacs is None:
             return share**2
-        top, bottom = (jnp.asarray(tac) for tac in tacs)
+        top, bottom = (xp.asarray(tac) for tac in tacs)
         up = self.together.largest > 0.0
         within = (
-            jnp.where(up, tac_within(top, share), top),
-            jnp.where(up, bottom, tac_within(bottom, share)),
+            xp.where(up, tac_within(top, share), top),
+            xp.where(up, bottom, tac_within(bottom, share)),
         )
         same = top == bottom
-        change = (within[1] - within[0]) / jnp.where(same, 1.0, bottom - top)
-        return share**2 * jnp.where(same, np.nan, change)
+        change = (within[1] - within[0]) / xp.where(same, 1.0, bottom - top)
+        return share**2 * xp.where(same, np.nan, change)
 
     def cut(self, at: Numeric) -> tuple[Array, Array]:
         """Heights over the middle at a distance from it that its payload gives it [m].
@@ -134,13 +133,13 @@ def shape_of_film(
     for layer, stress, bending in zip(film.layers, own, bending_stresses(film), strict=True):
         if layer.strength is None:
             continue
-        margin = jnp.maximum(layer.strength - stress, _NONE)
+        margin = xp.maximum(layer.strength - stress, _NONE)
         as_plate = bending * (1.0 + layer.poisson) * plate.load_curvature
         pulled = layer.modulus / membrane
         folded = pulled * tension + bending * fold_curvature(tension, plate.stiffness)
         folds_at = plate.perimeter * fold_tension(margin, pulled, bending, plate.stiffness)
-        shares.append((stress + jnp.minimum(as_plate * held.load, folded)) / layer.strength)
-        loads.append(jnp.maximum(margin / as_plate, folds_at) - held.load)
+        shares.append((stress + xp.minimum(as_plate * held.load, folded)) / layer.strength)
+        loads.append(xp.maximum(margin / as_plate, folds_at) - held.load)
     return Shape(
         stress_over_strength=most(shares),
         curvature=bent.curl.largest,
@@ -219,7 +218,7 @@ def bent_sandwich(sheets: Sheets, held: Held) -> Bent:
         )
     )
     curl = curl_of_film(moment / whole.bending, whole, sheets.radius)
-    hold = jnp.maximum(sheets.core.spacing, HOLD * sheets.radius)
+    hold = xp.maximum(sheets.core.spacing, HOLD * sheets.radius)
     alone = sum(face.plate for face in sheets.faces)
     plate = hung(held, sheets.radius, hold, whole.plate, whole.poisson, sheets.core.shear, alone)
     return Bent(curl, plate, held.load)
@@ -232,10 +231,10 @@ def shape_of_sandwich(sheets: Sheets, held: Held, pressure: Numeric) -> Shape:
     mean = -sum(tensions) / whole.stretching
     carried = plate.load_curvature * held.load
     # force per width that shears the core where it carries
-    inner = plate.ring / jnp.asarray(sheets.radius)
+    inner = plate.ring / xp.asarray(sheets.radius)
     outward = 1.0 if plate.at_three_points else 1.0 - inner**2
     sheared = outward / plate.perimeter * core.root_moment
-    shares, loads, closed, buckling = [], [], jnp.zeros(()), jnp.zeros(())
+    shares, loads, closed, buckling = [], [], xp.zeros(()), xp.zeros(())
     for film, face, heat, arm, tension in zip(
         sheets.films, sheets.faces, sheets.temperatures, sheets.arms, tensions, strict=True
     ):
@@ -245,19 +244,19 @@ def shape_of_sandwich(sheets: Sheets, held: Held, pressure: Numeric) -> Shape:
         for layer, stress, bending in zip(film.layers, own, bending_stresses(film), strict=True):
             if layer.strength is None:
                 continue
-            alike = layer.modulus / (1.0 - layer.poisson) * jnp.abs(arm)
+            alike = layer.modulus / (1.0 - layer.poisson) * xp.abs(arm)
             alike = (alike + bending * (1.0 + layer.poisson)) * plate.load_curvature
-            per_load = jnp.maximum(
+            per_load = xp.maximum(
                 tension_at_holes(alike, alike, sheets.open_fraction), bending * at_posts
             )
             shares.append((stress + per_load * held.load) / layer.strength)
-            margin = jnp.maximum(layer.strength - stress, _NONE)
+            margin = xp.maximum(layer.strength - stress, _NONE)
             loads.append(margin / per_load - held.load)
         bowed = 0.5 * (strains[0] + strains[1])
         now = tension + face.stretching * bowed
         closed = closed + clamped_deflection(pressure, core.free_radius, face, now)
-        pressed = face.stretching * jnp.abs(carried * arm) - now
-        buckling = jnp.maximum(buckling, pressed / dimpling_load(core.free_radius, face))
+        pressed = face.stretching * xp.abs(carried * arm) - now
+        buckling = xp.maximum(buckling, pressed / dimpling_load(core.free_radius, face))
     return Shape(
         stress_over_strength=most(shares),
         curvature=bent.curl.largest,
@@ -279,9 +278,9 @@ def faces_of(films: Sequence[Laminate], open_fraction: Numeric) -> list[Stiffnes
 
 def most(shares: Sequence[Array]) -> Array:
     """The largest of some, NaN where there is none."""
-    return reduce(jnp.maximum, shares) if shares else jnp.full((), np.nan)
+    return reduce(xp.maximum, shares) if shares else xp.full((), np.nan)
 
 
 def _least_load(loads: Sequence[Array]) -> Array:
-    found = reduce(jnp.minimum, loads) if loads else jnp.full((), np.nan)
-    return jnp.maximum(found, 0.0)
+    found = reduce(xp.minimum, loads) if loads else xp.full((), np.nan)
+    return xp.maximum(found, 0.0)

@@ -13,9 +13,8 @@ faces. All functions take arrays that broadcast, and are differentiable.
 
 from typing import NamedTuple
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.film.properties import FilmProperties
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 
 class Sheet(NamedTuple):
@@ -135,7 +134,7 @@ def _between(
     downward = top.transmittance_top * above + emitted_top.bottom
     trapped = top.reflectance_bottom * bottom.reflectance_top
     # between perfect mirrors no radiation enters and none is emitted
-    escape = jnp.where(trapped == 1.0, 1.0, 1.0 - trapped)
+    escape = xp.where(trapped == 1.0, 1.0, 1.0 - trapped)
     up = (upward + bottom.reflectance_top * downward) / escape
     down = (downward + top.reflectance_bottom * upward) / escape
     return up, down

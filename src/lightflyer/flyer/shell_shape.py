@@ -5,9 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.flyer.shape import Shape, faces_of, most
-from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.structure.holes import perforated_share
 from lightflyer.structure.laminate import Laminate, Stiffness, flat_load, layer_stresses
 from lightflyer.structure.sandwich import sandwich_stiffness
@@ -41,7 +40,7 @@ class Wall(NamedTuple):
         share = perforated_share(self.open_fraction)
         pairs = list(zip(self.films, self.temperatures, strict=True))
         own = sum(share * flat_load(film, heat)[0] for film, heat in pairs)
-        strain, none = (tension - own) / self.stiffness.stretching, jnp.zeros(())
+        strain, none = (tension - own) / self.stiffness.stretching, xp.zeros(())
         return most(
             [
                 stress / layer.strength
@@ -76,9 +75,9 @@ def shape_of_sphere(
         radius, density, stiffness.membrane, stiffness.poisson, gas_density
     )
     if opening is not None:
-        buckles = jnp.minimum(buckles, rim_buckling_pressure(radius, opening, stiffness.plate))
+        buckles = xp.minimum(buckles, rim_buckling_pressure(radius, opening, stiffness.plate))
         bends = open_sphere_frequency(radius, opening, density, stiffness.plate, stiffness.poisson)
-        frequency = 1.0 / jnp.sqrt(1.0 / frequency**2 + 1.0 / bends**2)  # Dunkerley's rule
+        frequency = 1.0 / xp.sqrt(1.0 / frequency**2 + 1.0 / bends**2)  # Dunkerley's rule
     found = _under_pressure(wall, 0.5 * pressure * radius, buckles, pressure)
     return found._replace(lowest_frequency=frequency)
 
@@ -88,7 +87,7 @@ def shape_of_tube(
 ) -> Shape:
     """Shape of a tube or cone with one open end; ``radius``: the mean across its side [m]."""
     stiffness = wall.stiffness
-    buckles = jnp.minimum(
+    buckles = xp.minimum(
         cylinder_buckling_pressure(radius, length, stiffness),
         rim_buckling_pressure(radius, opening, stiffness.plate),
     )
@@ -98,6 +97,6 @@ def shape_of_tube(
 def _under_pressure(wall: Wall, tension: Numeric, buckles: Array, pressure: Numeric) -> Shape:
     return Shape(
         stress_over_strength=wall.stress_over_strength(tension),
-        load_over_buckling=jnp.maximum(-jnp.asarray(pressure), 0.0) / buckles,
+        load_over_buckling=xp.maximum(-xp.asarray(pressure), 0.0) / buckles,
         buckling_pressure=buckles,
     )

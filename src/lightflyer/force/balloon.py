@@ -5,8 +5,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import StandardErrors
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.balloon import Balloon
@@ -15,8 +16,6 @@ from lightflyer.force.base import AbstractForceModel, ModelResult
 from lightflyer.force.convection import OUTER_RAYLEIGH, sphere_conductance
 from lightflyer.force.lu2023 import rayleigh_number
 from lightflyer.force.section import ForceSection
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _SCATTER = 0.15
 """Standard uncertainty of the law outside, relative [1]: what laws of turbulent convection differ
@@ -79,7 +78,7 @@ class BalloonConvection(AbstractForceModel):
             gravity=state.gravity,
             gas=state.gas,
             wall_distance=state.wall_distance,
-            convection=1.0 if error is None else jnp.exp(_SCATTER * error),
+            convection=1.0 if error is None else xp.exp(_SCATTER * error),
         )
         return ((1.0 - flyer.open_share) * conductance * excess,)
 
@@ -98,7 +97,7 @@ class BalloonConvection(AbstractForceModel):
         # what gas of other weight adds over the height that it fills, at most the balloon's
         lighter = outside - within.mass / within.volume
         head = lighter * state.gravity * 2.0 * flyer.radius
-        overpressure = within.overpressure + jnp.maximum(head, 0.0)
+        overpressure = within.overpressure + xp.maximum(head, 0.0)
         return {
             "filled_share": within.volume / flyer.volume,
             "gas_inside": within.mass + 0.0 * within.volume,

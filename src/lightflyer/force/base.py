@@ -11,16 +11,14 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+from lightflyer.array.namespace import Array, Numeric, float64
+from lightflyer.array.records import AbstractClassVar
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.precision import float64
 from lightflyer.core.quantity import Checked
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, describe
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.gas.base import AbstractGas
-from lightflyer.pytree.lazy_jax import Array
-from lightflyer.pytree.module import AbstractClassVar
 
 ANY_GAS = ("monatomic", "diatomic", "polyatomic")
 """Kinds of molecules, for a model that holds for all of them."""

@@ -19,13 +19,12 @@ import math
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.validity import Validity
 from lightflyer.force.laws.faces import free_molecular_conductance
 from lightflyer.force.lu2023 import rayleigh_number
 from lightflyer.gas.base import AbstractGas
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _CONDUCTION = 2.0  # Nusselt number of a sphere in endless gas at rest, by the diameter
 _LAMINAR, _TURBULENT = 0.589, 0.150  # [Churchill1983]; [ChurchillChu1975], 0.387²
@@ -69,11 +68,11 @@ def sphere_nusselt(rayleigh: Numeric, prandtl: Numeric, at_rest: Numeric = _COND
     # Source: [Churchill1983]_, [ChurchillChu1975]_; [CarlsonHorn1983]_ for balloons.
     reduced = rayleigh * (1.0 + (_PRANDTL / prandtl) ** _PRANDTL_POWER) ** _RAYLEIGH_POWER
     still = reduced == 0.0  # where the fourth root has no derivative
-    root = jnp.sqrt(jnp.sqrt(jnp.where(still, 1.0, reduced)))
+    root = xp.sqrt(xp.sqrt(xp.where(still, 1.0, reduced)))
     # of (turbulent/laminar)⁶, that is Ψ^(1/2)
     ratio = (_TURBULENT / _LAMINAR) ** _SHARPNESS * root**2
     moved = _LAMINAR * root * (1.0 + ratio) ** (1.0 / _SHARPNESS)
-    return at_rest + jnp.where(still, 0.0, moved)
+    return at_rest + xp.where(still, 0.0, moved)
 
 
 def jump_share(density: Numeric) -> Array:

@@ -3,7 +3,8 @@
 import math
 from typing import ClassVar, Literal
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
@@ -12,8 +13,6 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.laws.faces import accommodated_force, free_molecular_conductance, linear_force
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import knudsen_number
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array
 
 # by the kinetic force, collisions take 1 % at Kn 10
 _THIN = Validity(

@@ -12,9 +12,11 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import pydantic
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module, field
 from lightflyer.core.checks import is_concrete
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import ForceCoefficient, StandardErrors
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
@@ -24,9 +26,6 @@ from lightflyer.force.laws.faces import free_molecular_conductance, in_series
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.air import AbstractAir
 from lightflyer.gas.base import AbstractGas
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module, field
 
 _THERMAL_CREEP = 1.14  # κ_s of [Lu2023] Eq. (20)
 _DISK_NUSSELT = 8.0 / math.pi  # isothermal disk at rest, [Lu2023] Eq. (7)
@@ -116,7 +115,7 @@ def heat_conductances(
     """Heat loss of a disk per relative temperature excess in the two limits [W]."""
     # Source: [Lu2023]_ Eqs. (4), (5) and (7).
     stretch = 1.0 + 0.5 * reading.heat_weight * excess
-    speed = gas.mean_speed(temperature) / jnp.sqrt(stretch)
+    speed = gas.mean_speed(temperature) / xp.sqrt(stretch)
     ratio = gas.heat_capacity_ratio_at(_mean_temperature(temperature, excess))
     free_molecular = free_molecular_conductance(
         2.0 * np.pi * radius**2, tac_mean, pressure, speed, ratio
@@ -126,7 +125,7 @@ def heat_conductances(
     )
     # the fourth root has no derivative at zero; its product with the excess there is zero
     still = rayleigh == 0.0
-    fourth_root = jnp.where(still, 0.0, jnp.sqrt(jnp.sqrt(jnp.where(still, 1.0, rayleigh))))
+    fourth_root = xp.where(still, 0.0, xp.sqrt(xp.sqrt(xp.where(still, 1.0, rayleigh))))
     nusselt = _DISK_NUSSELT + _CONVECTION * fourth_root
     conductivity = gas.conductivity(_mean_temperature(temperature, excess))
     continuum = nusselt * np.pi * radius * conductivity * temperature
@@ -238,7 +237,7 @@ class Lu2023(AbstractForceModel):
         )
         per_difference = in_series(self.c_fm * free_molecular, self.c_cont * continuum)
         if self.force_error is not None:
-            per_difference *= jnp.exp(_SCATTER * self.force_error)
+            per_difference = per_difference * xp.exp(_SCATTER * self.force_error)
         return flyer.film.tac_difference * excess * per_difference
 
     def ranges(self, flyer: Disk, state: EnvironmentState, temperature: Numeric) -> Looks:
@@ -246,7 +245,7 @@ class Lu2023(AbstractForceModel):
         # Other coefficients hold where those who fitted them say.
         fitted = (self.c_fm == _FITTED_C_FM) & (self.c_cont == _FITTED_C_CONT)
         ratio, diameter = temperature / state.temperature, 2.0 * flyer.radius
-        where = np.where if is_concrete(ratio, diameter, self.c_fm, self.c_cont) else jnp.where
+        where = np.where if is_concrete(ratio, diameter, self.c_fm, self.c_cont) else xp.where
         ratio = where(fitted, ratio, np.nan)
         yield _FITTED_DIAMETERS, where(fitted, diameter, np.nan)
         yield _FITTED_WARMER, ratio

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel

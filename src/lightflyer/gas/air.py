@@ -5,9 +5,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Temperature
-from lightflyer.core.types import Numeric
 from lightflyer.gas import relaxation
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.lemmon_jacobsen import LemmonJacobsen
@@ -18,15 +19,13 @@ from lightflyer.gas.reference import (
     IdealHeatCapacity,
 )
 from lightflyer.gas.relaxation import Parker
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 
 def _power(base: Numeric, exponent: float, unit: float = 1.0) -> Array:
     """``(base / unit) ** exponent`` for positive bases."""
     # Written so that the compiler shares one logarithm among the powers of a temperature and the
     # derivative reuses the value: powers are most of what a heat balance costs.
-    return jnp.exp(exponent * (jnp.log(base) - math.log(unit)))
+    return xp.exp(exponent * (xp.log(base) - math.log(unit)))
 
 
 _TRANSPORT = LemmonJacobsen(
@@ -112,6 +111,10 @@ class Air(AbstractAir, AbstractReferenceGas):
     heat_capacity_ratio: Numeric = DIATOMIC_RATIO
 
 
+_SUTHERLAND = 110.4  # [K], of the standard
+_LU2023_EXPONENT = 2.0 / 3.0  # of the viscosity
+
+
 class US1976Air(AbstractAir):
     r"""Air with the transport properties of the US Standard Atmosphere 1976.
 
@@ -145,21 +148,25 @@ class US1976Air(AbstractAir):
     @entry_point
     def viscosity(self, temperature: Temperature) -> Array:
         """Dynamic viscosity [Pa s]; the standard gives it for 100 K to 1900 K."""
-        beta, sutherland = 1.458e-6, 110.4
-        return beta * temperature * jnp.sqrt(temperature) / (temperature + sutherland)
+        beta = 1.458e-6
+        return beta * temperature * xp.sqrt(temperature) / (temperature + _SUTHERLAND)
+
+    @entry_point
+    def viscosity_exponent(self, temperature: Temperature) -> Array:
+        return 1.5 - temperature / (temperature + _SUTHERLAND)
 
     @entry_point
     def conductivity(self, temperature: Temperature) -> Array:
         """Thermal conductivity [W/(m K)]; the standard gives it for 100 K to 1900 K."""
         scale, offset, decades = 2.64638e-3, 245.4, 12.0
-        correction = offset * jnp.exp(-decades * jnp.log(10.0) / temperature)
-        return scale * temperature * jnp.sqrt(temperature) / (temperature + correction)
+        correction = offset * xp.exp(-decades * xp.log(10.0) / temperature)
+        return scale * temperature * xp.sqrt(temperature) / (temperature + correction)
 
     @entry_point
     def heat_capacity(self, temperature: Temperature) -> Array:
         """Isobaric heat capacity of a perfect diatomic gas [J/(kg K)]."""
         ratio = self.heat_capacity_ratio
-        return ratio / (ratio - 1.0) * self.specific_gas_constant + jnp.zeros_like(temperature)
+        return ratio / (ratio - 1.0) * self.specific_gas_constant + xp.zeros_like(temperature)
 
 
 class Lu2023Air(AbstractAir):
@@ -184,8 +191,12 @@ class Lu2023Air(AbstractAir):
     @entry_point
     def viscosity(self, temperature: Temperature) -> Array:
         """Dynamic viscosity [Pa s], [Lu2023]_ Eq. (11)."""
-        reference, reference_temperature, exponent = 1.716e-5, 273.0, 2.0 / 3.0
-        return reference * _power(temperature, exponent, reference_temperature)
+        reference, reference_temperature = 1.716e-5, 273.0
+        return reference * _power(temperature, _LU2023_EXPONENT, reference_temperature)
+
+    @entry_point
+    def viscosity_exponent(self, temperature: Temperature) -> Array:
+        return _LU2023_EXPONENT + xp.zeros_like(temperature)
 
     @entry_point
     def conductivity(self, temperature: Temperature) -> Array:

@@ -10,17 +10,17 @@ from typing import ClassVar
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, float64, xp
+from lightflyer.array.records import AbstractClassVar, AbstractVar, Module
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.precision import float64
 from lightflyer.core.quantity import Length, Pressure, Temperature
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, describe
 from lightflyer.gas.relaxation import COLLISION_RATE, Parker, vhs_collision_rate
-from lightflyer.program.arguments import reads_units
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import AbstractClassVar, AbstractVar, Module
+
+_RATIOS = 1.002, 1.001  # of temperatures between which a slope is taken
 
 
 class AbstractGas(Module):
@@ -67,9 +67,15 @@ class AbstractGas(Module):
         ½ for hard spheres, 1 for Maxwell molecules. [Bird1994]_ gives exponents of variable hard
         spheres for 273 K; they are means over a range of temperatures.
         """
-        kelvin = jnp.asarray(temperature)
-        viscosity, slope = jax.jvp(self.viscosity, (kelvin,), (jnp.ones_like(kelvin),))
-        return kelvin * slope / viscosity
+        # by differences of fourth order in the logarithm of the temperature, good to 1e-11; a gas
+        # whose formula has a slope gives that
+        far, near = (
+            xp.log(self.viscosity(temperature * ratio) / self.viscosity(temperature / ratio))
+            / (2.0 * np.log(ratio))
+            for ratio in _RATIOS
+        )
+        share = (np.log(_RATIOS[1]) / np.log(_RATIOS[0])) ** 2
+        return (near - share * far) / (1.0 - share)
 
     @entry_point
     def prandtl_number(self, temperature: Temperature) -> Array:
@@ -104,8 +110,8 @@ class AbstractGas(Module):
         0 for a monatomic gas, 2 for rotating diatomic molecules; a gas of which walls exchange
         vibration has more, which need be no integer.
         """
-        ratio = jnp.asarray(self.heat_capacity_ratio_at(temperature))
-        return 2.0 / (ratio - 1.0) - 3.0 + jnp.zeros_like(temperature)
+        ratio = xp.asarray(self.heat_capacity_ratio_at(temperature))
+        return 2.0 / (ratio - 1.0) - 3.0 + xp.zeros_like(temperature)
 
     @entry_point
     def rotational_collision_number(
@@ -185,12 +191,12 @@ class AbstractGas(Module):
     @entry_point
     def mean_speed(self, temperature: Temperature) -> Array:
         r"""Mean molecular speed :math:`\bar v = \sqrt{8RT/\pi}` [m/s]."""
-        return jnp.sqrt(8.0 * self.specific_gas_constant * temperature / np.pi)
+        return xp.sqrt(8.0 * self.specific_gas_constant * temperature / np.pi)
 
 
 @entry_point
 def _mean_free_path(pressure: Pressure, temperature: Temperature, gas: AbstractGas) -> Array:
-    thermal = jnp.sqrt(np.pi * gas.specific_gas_constant * temperature / 2.0)
+    thermal = xp.sqrt(np.pi * gas.specific_gas_constant * temperature / 2.0)
     return gas.viscosity(temperature) / pressure * thermal
 
 

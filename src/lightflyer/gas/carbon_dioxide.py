@@ -4,15 +4,14 @@ from typing import ClassVar
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Temperature
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.chebyshev_fit import ChebyshevFit
 from lightflyer.gas.reference import BEYOND, GAS_CONSTANT, IdealHeatCapacity
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 MOLAR_MASS = 44.0098  # Molar mass [kg/kmol]; [SpanWagner1996]_
 
@@ -112,7 +111,11 @@ class _Correlated(AbstractGas):
 
     @entry_point
     def viscosity(self, temperature: Temperature) -> Array:
-        return jnp.sqrt(temperature) * _VISCOSITY_FIT(temperature)
+        return xp.sqrt(temperature) * _VISCOSITY_FIT(temperature)
+
+    @entry_point
+    def viscosity_exponent(self, temperature: Temperature) -> Array:
+        return 0.5 + _VISCOSITY_FIT.exponent(temperature)
 
     @entry_point
     def conductivity(self, temperature: Temperature) -> Array:

@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.array.memory import kept
+from lightflyer.array.namespace import Array, xp
 from lightflyer.core.quantity import Temperature
-from lightflyer.program.horner import polynomial
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.numerics.horner import polynomial
 
 
 class ChebyshevFit(NamedTuple):
@@ -20,6 +21,7 @@ class ChebyshevFit(NamedTuple):
     coldest: float  # Range of the formula [K]
     hottest: float  # Range of the formula [K]
     middle: float  # [K]
+    slope: tuple[float, ...]  # Coefficients of the polynomial's derivative
 
     @classmethod
     def of(
@@ -37,9 +39,18 @@ class ChebyshevFit(NamedTuple):
             domain=domain / (domain + middle),
         )
         coefficients = fit.convert(kind=np.polynomial.Polynomial).coef
-        return cls(tuple(coefficients.tolist()), *ends, middle)
+        slope = np.polynomial.polynomial.polyder(coefficients)
+        return cls(tuple(coefficients.tolist()), *ends, middle, tuple(slope.tolist()))
 
+    @kept
     def __call__(self, temperature: Temperature) -> Array:
         """Value at temperatures [K]; beyond the range of the formula its value at the end."""
-        within = jnp.clip(temperature, self.coldest, self.hottest)
+        within = xp.clip(temperature, self.coldest, self.hottest)
         return polynomial(self.coefficients, within / (within + self.middle))
+
+    def exponent(self, temperature: Temperature) -> Array:
+        """Local exponent, d ln(value)/d ln(temperature) [1]; zero beyond the range."""
+        share = temperature / (temperature + self.middle)
+        growth = polynomial(self.slope, share) / polynomial(self.coefficients, share)
+        inside = (temperature >= self.coldest) & (temperature <= self.hottest)
+        return xp.where(inside, share * (1.0 - share) * growth, 0.0)

@@ -7,7 +7,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Numeric
 from lightflyer.gas import relaxation
 from lightflyer.gas.lemmon_jacobsen import LemmonJacobsen
 from lightflyer.gas.reference import (

@@ -7,14 +7,14 @@ from typing import Final
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, xp
+from lightflyer.array.records import AbstractClassVar
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Temperature
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.chebyshev_fit import ChebyshevFit
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import AbstractClassVar
 
 GAS_CONSTANT: Final = 1e3 * constants.BOLTZMANN * constants.AVOGADRO
 """Molar gas constant [J/(kmol K)]."""
@@ -81,11 +81,15 @@ class AbstractReferenceGas(AbstractGas):
 
     @entry_point
     def viscosity(self, temperature: Temperature) -> Array:
-        return jnp.sqrt(temperature) * self.correlations.followed_viscosity(temperature)
+        return xp.sqrt(temperature) * self.correlations.followed_viscosity(temperature)
+
+    @entry_point
+    def viscosity_exponent(self, temperature: Temperature) -> Array:
+        return 0.5 + self.correlations.followed_viscosity.exponent(temperature)
 
     @entry_point
     def conductivity(self, temperature: Temperature) -> Array:
-        return jnp.sqrt(temperature) * self.correlations.followed_conductivity(temperature)
+        return xp.sqrt(temperature) * self.correlations.followed_conductivity(temperature)
 
     @entry_point
     def heat_capacity(self, temperature: Temperature) -> Array:

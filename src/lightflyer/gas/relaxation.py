@@ -3,10 +3,9 @@
 import math
 from typing import NamedTuple
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Temperature
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _FIRST, _SECOND = 0.5 * math.pi**1.5, math.pi + 0.25 * math.pi**2  # [Parker1959]
 
@@ -32,8 +31,8 @@ class Parker(NamedTuple):
     @entry_point
     def __call__(self, temperature: Temperature) -> Array:
         """Collision number [1] at temperatures [K]."""
-        ratio = self.temperature / jnp.asarray(temperature)
-        return self.limit / (1.0 + _FIRST * jnp.sqrt(ratio) + _SECOND * ratio)
+        ratio = self.temperature / xp.asarray(temperature)
+        return self.limit / (1.0 + _FIRST * xp.sqrt(ratio) + _SECOND * ratio)
 
 
 NITROGEN = Parker(18.1, 91.5)
@@ -66,5 +65,5 @@ def vhs_collision_rate(viscosity_exponent: Numeric) -> Array:
     ----------
     [Bird1994]_ Eq. (4.65).
     """
-    doubled = 2.0 * jnp.asarray(viscosity_exponent)
+    doubled = 2.0 * xp.asarray(viscosity_exponent)
     return 30.0 / ((7.0 - doubled) * (5.0 - doubled))

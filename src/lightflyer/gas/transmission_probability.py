@@ -2,9 +2,8 @@
 
 from typing import NamedTuple
 
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 
 
 class Transmission(NamedTuple):
@@ -22,15 +21,15 @@ def slot_transmission(length: Numeric) -> Transmission:
     #         {l^3 + 3l^2 + 4 - (l^2 + 4)\,s}, \qquad s = \sqrt{1 + l^2}
     #
     # Source: [Berman1965]_; within 0.4 % of Clausing's integral equation for lengths up to 50.
-    root = jnp.sqrt(1.0 + length**2)
+    root = xp.sqrt(1.0 + length**2)
     excess = length**2 / (root + 1.0)  # root − 1
     # shorter than this the second term is below the last digit of the first
-    short = jnp.asarray(length) < 1e-4
-    safe = jnp.where(short, 1.0, length)
-    root_safe = jnp.sqrt(1.0 + safe**2)
-    collided = 1.5 * (safe - jnp.arcsinh(safe)) ** 2
-    collided /= safe**3 + 3.0 * safe**2 + 4.0 - (safe**2 + 4.0) * root_safe
-    collided = jnp.where(short, 0.0, collided)
+    short = xp.asarray(length) < 1e-4
+    safe = xp.where(short, 1.0, length)
+    root_safe = xp.sqrt(1.0 + safe**2)
+    collided = 1.5 * (safe - xp.arcsinh(safe)) ** 2
+    collided = collided / (safe**3 + 3.0 * safe**2 + 4.0 - (safe**2 + 4.0) * root_safe)
+    collided = xp.where(short, 0.0, collided)
     return Transmission(
         0.5 * (1.0 + 1.0 / (root + length)) - collided, 0.5 * (length - excess) + collided
     )
@@ -43,4 +42,4 @@ def coaxial_share(length: Numeric) -> Array:
     #
     # Source: [HowellMenguc2020]_: coaxial discs.
     half = 0.5 * length
-    return 1.0 / (jnp.sqrt(1.0 + half**2) + half) ** 2  # without cancellation
+    return 1.0 / (xp.sqrt(1.0 + half**2) + half) ** 2  # without cancellation

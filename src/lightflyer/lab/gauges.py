@@ -15,10 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.array.namespace import float64
 from lightflyer.calibration.gauge import Gauge, read_gauge
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.precision import float64
 from lightflyer.force.laws.channels import ROUND, thermomolecular_exponent
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas, mean_free_path

@@ -1,56 +1,48 @@
 """Many flights at once: flyers within their uncertainties, other winds, other releases."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from itertools import takewhile
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Array, Numeric
+from lightflyer.array.records import Module, field
 from lightflyer.compute.scheduler import processors
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.precision import float64
 from lightflyer.core.progress import asked_to_end, report
 from lightflyer.core.quantity import Checked, Distance, Duration, Fraction, Multiple, Speed
-from lightflyer.core.types import Numeric
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.mission.kept import Keep, keep_nothing
 from lightflyer.mission.path.attitude import AbstractAttitudeRule
-from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track, track
+from lightflyer.mission.path.dynamics import Balanced, scale
+from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track, integrate
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
-from lightflyer.mission.path.single import follow
+from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.path.waves import Tides, Waves, draw_waves
 from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
 from lightflyer.numerics.spline import Spline
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import Module, field
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 
-BATCH = 256
-"""Flights that are integrated together: a step costs each of them what the slowest needs."""
+BATCH = 1024
+"""Flights that are integrated together, whose arrays stay in the processor's cache."""
 
 MEMBERS = 200  # of an ensemble, unless it says otherwise
-FEW = 4  # Flights up to which each is followed by itself, whatever that takes
-COMPILATION, BEGINNING = 80_000, 30
-"""Steps of single flights that take as long as XLA's compiler, and as what comes before the first
-step of one of them."""
 _A_DAY = 86_400.0
-_WIND, _RELEASE, _DRAG, _WAVES = (
-    1,
-    2,
-    3,
-    4,
-)  # added to the seed, so that one does not follow the other
+_WIND, _RELEASE, _DRAG, _WAVES = 1, 2, 3, 4
+"""Added to the seed, so that one does not follow the other."""
+
 _places, _unit_vector = entry_point(latitude_and_longitude), entry_point(unit_vector)
-_ANOTHER = 7  # any number of flights that no table of a flyer happens to have as its length
 
 
 class Ensemble(Checked):
@@ -111,27 +103,22 @@ class Ensemble(Checked):
         return scale
 
 
-class Errors(NamedTuple):
-    """What differs from flight to flight beside the flyer, as :class:`Craft` takes it."""
-
-    wind_error: WindError | None
-    waves: Waves | None
-    drag: Array | None
-
-
 class Flights(Module):
     """Flights that are computed together."""
 
-    setup: Setup  # Numbers that are the same in all flights; None in place of the others
-    varied: Setup  # The others, each with a leading axis
-    starts: Start  # Numbers have a leading axis
-    errors: "Errors"  # Fields have a leading axis
-    rule: AbstractAttitudeRule
+    craft: Craft  # Numbers that differ from flight to flight have the shape (flights, 1, ...)
+    starts: Start  # Numbers have the shape (flights, ...)
     together: bool = field(static=True, default=False)  # Whether members are one swarm
 
     @property
     def count(self) -> int:
         return len(self.starts.altitude)
+
+    @property
+    def varied(self) -> list[Array]:
+        """Numbers of the craft that differ from flight to flight."""
+        shape = self.count, 1
+        return [leaf for leaf in tree.leaves(self.craft) if np.shape(leaf)[:2] == shape]
 
 
 def flights_of(
@@ -147,44 +134,32 @@ def flights_of(
 
     ``air_seed``: of the air that members meet together, unless it is the ensemble's.
     """
-    setup, varied = _separate(design, ensemble, len(delays))
     radius = float(planet_of(design.setup.environment).radius)
-    starts = _starts(start, ensemble, delays, radius)
     met = ensemble
     if ensemble is not None and ensemble.together and air_seed is not None:
         met = replace(ensemble, seed=air_seed)
-    errors = Errors(
+    craft = Craft(
+        _setups(design, ensemble, len(delays)),
+        rule,
         _wind_errors(met, len(delays)),
         _waves(met, len(delays), design.setup.environment),
         _drags(ensemble, len(delays)),
     )
     together = ensemble is not None and ensemble.together
-    return Flights(setup, varied, starts, errors, rule, together)
+    return Flights(craft, _starts(start, ensemble, delays, radius), together)
 
 
-def _separate(
-    design: AbstractDesign, ensemble: Ensemble | None, launches: int
-) -> tuple[Setup, Setup]:
-    """Setup without the numbers that differ from flight to flight, and those alone."""
+def _setups(design: AbstractDesign, ensemble: Ensemble | None, launches: int) -> Setup:
+    """The setup, whose uncertain numbers differ from flight to flight."""
     inputs = None if ensemble is None else uncertain_inputs(design)
     if ensemble is None or inputs is None:
-        return design.setup, tree.map_leaves(lambda _: None, design.setup)
+        return design.setup
     stated = inputs.values[None]
     drawn = draw(inputs, ensemble.members, ensemble.seed)
-    samples = np.concatenate([stated, drawn, np.repeat(stated, launches, axis=0)])
-    with float64():
-        shapes = [
-            jax.eval_shape(inputs.build, jax.ShapeDtypeStruct(shape, float))
-            for shape in ((inputs.values.size,), (inputs.values.size, _ANOTHER))
-        ]
-        moved = tree.map_leaves(lambda one, many: one.shape != many.shape, *shapes)
-        _, constant = tree.partition(inputs.build(inputs.values), moved)
-
-        def moving(values: Any) -> Setup:
-            found, _ = tree.partition(inputs.build(values), moved)
-            return tree.map_leaves(jnp.asarray, found)
-
-        return constant, tree.map_leaves(np.asarray, jax.vmap(moving)(samples))
+    found: Setup = inputs.setup_of(
+        np.concatenate([stated, drawn, np.repeat(stated, launches, axis=0)])
+    )
+    return found
 
 
 def _wind_errors(ensemble: Ensemble | None, launches: int) -> WindError | None:
@@ -205,7 +180,7 @@ def _of_members(drawn: Any, ensemble: Ensemble, launches: int) -> Any:
     """What members meet, one by one or all the same, and the other flights do not."""
     times = ensemble.members if ensemble.together else 1
     return tree.map_leaves(
-        lambda part: _among_others(np.repeat(part, times, axis=0), launches), drawn
+        lambda part: _among_others(np.repeat(part, times, axis=0), launches)[:, None], drawn
     )
 
 
@@ -233,7 +208,7 @@ def _drags(ensemble: Ensemble | None, launches: int) -> Any:
     if ensemble is None or not np.any(ensemble.drag):
         return None
     normal = np.random.default_rng(ensemble.seed + _DRAG).standard_normal(ensemble.members)
-    return np.exp(_among_others(float(ensemble.drag) * normal, launches))
+    return np.exp(_among_others(float(ensemble.drag) * normal, launches))[:, None]
 
 
 def _among_others(members: np.ndarray, launches: int) -> np.ndarray:
@@ -279,102 +254,92 @@ def _move(place: Place, north: Any, east: Any) -> tuple[Array, Array]:
     return latitude_and_longitude(here + north[:, None] * to_north + east[:, None] * to_east)
 
 
-def each(flights: Flights, function: Callable[..., Any], *more: Any) -> Any:
-    """A function of craft, start and ``more`` of each flight; results have a leading axis."""
-
-    def one(varied: Setup, start: Start, errors: Errors, *rest: Any) -> Any:
-        craft = Craft(tree.combine(varied, flights.setup), flights.rule, *errors)
-        return function(craft, start, *rest)
-
-    return jax.vmap(one)(flights.varied, flights.starts, flights.errors, *more)
-
-
-def _integrate(flights: Flights, limits: Limits, elapsed: Any, accuracy: Accuracy) -> Track:
-    found: Track = each(
-        flights, lambda craft, start: track(craft, start, limits, elapsed, accuracy)
-    )
-    return found
-
-
-_tracks = entry_point(_integrate, way="xla")  # thousands of steps one after the other
-
-
 def fly_all(
     flights: Flights,
     limits: Limits,
     elapsed: np.ndarray,
     accuracy: Accuracy,
     first: Track | None = None,
-    size: int | None = None,
     keep: Keep = keep_nothing,
 ) -> Track:
     """Trajectories of flights; ``elapsed``: times to keep, shape (times,)."""
     # Fewer than there are flights where a user asks for an early end. ``first``: that of the first
-    # flight, where it is known. Few are followed one by one, more are compiled and integrated
-    # together, ``size`` of them at once. ``keep``: has those of an interrupted call.
-    count, known = flights.count, [] if first is None else [first]
-    others = count - len(known)
+    # flight, where it is known. ``keep``: has those of an interrupted call.
+    count, alone = flights.count, int(first is not None)
+    states, law = scale(flights.starts), law_of(flights, limits)
 
-    def follow_one(row: int) -> Track:
-        return follow(*one_of(flights, row), limits, elapsed, accuracy)[0]
+    def fly_some(begin: int) -> Track:
+        rows = np.arange(begin, min(begin + BATCH, count))
+        return integrate(law.take(rows), states[rows], elapsed, accuracy).track
 
-    while len(known) < count and pays_alone(others, known) and not asked_to_end():
-        row = len(known)
-        known.append(keep(row, partial(follow_one, row)))
-    alone = len(known)
-    tracks: list[Track | None] = []
-    if known:
-        tracks.append(tree.map_leaves(lambda *rows: np.stack(rows), *known))
-    size = size or min(BATCH, count - alone)
-    starts = range(alone, count, max(size, 1))
+    def compute(begin: int) -> Track | None:
+        return None if asked_to_end() else keep(begin, partial(fly_some, begin))
 
-    def fly_some(start: int) -> Track:
-        rows = np.minimum(np.arange(start, start + size), count - 1)  # filled up with the last
-        tracks = _tracks(take(flights, rows), limits, elapsed, accuracy)
-        return tree.map_leaves(lambda leaf: leaf[: count - start], tracks)
+    def whole(track: Track | None) -> bool:
+        return track is not None and not np.any(
+            np.equal(track.termination, TerminationReason.INTERRUPTED)
+        )
 
-    def compute(start: int) -> Track | None:
-        return None if asked_to_end() else keep(start, partial(fly_some, start))
-
-    if starts:
-        report("compiling what flies many at once")
-        tracks.append(compute(alone))
-    with ThreadPoolExecutor(processors()) as pool:
-        for start, some in zip(starts[1:], pool.map(compute, starts[1:]), strict=True):
-            report("flying", start, count, "flights")
+    begins = range(alone, count, BATCH)
+    tracks = [] if first is None else [tree.map_leaves(lambda leaf: np.asarray(leaf)[None], first)]
+    workers = min(processors(), len(begins))
+    with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
+        found = map(compute, begins) if pool is None else pool.map(compute, begins)
+        for begin, some in zip(begins, takewhile(whole, found), strict=False):
             tracks.append(some)
-    flown = [*takewhile(lambda some: some is not None, tracks)]
-    report("flying", count, count, "flights")
-    return tree.map_leaves(lambda *parts: np.concatenate(parts), *flown)
+            report("flying", min(begin + BATCH, count), count, "flights")
+    tracks = tracks or [unflown(take(flights, np.arange(0)), elapsed)]
+    return tree.map_leaves(lambda *parts: np.concatenate(parts), *tracks)
 
 
-def pays_alone(count: int, known: list[Track], spent: int = 0) -> bool:
-    """Whether flights are followed one by one, by what those that are known took.
+def unflown(flights: Flights, elapsed: np.ndarray) -> Track:
+    """Tracks of flights that have not begun."""
+    count, starts = flights.count, flights.starts
+    known: dict[str, Any] = {
+        "altitude": np.full((count, elapsed.size), np.inf),
+        "position": np.full((count, elapsed.size, 3), np.inf),
+        "end_elapsed": np.zeros(count),
+        "end_altitude": np.array(starts.altitude),
+        "end_position": np.array(_unit_vector(starts.place.latitude, starts.place.longitude)),
+        "termination": np.full(count, int(TerminationReason.STILL_FLYING)),
+        "steps": np.zeros(count, int),
+    }
+    known["altitude"][:, 0], known["position"][:, 0] = known["end_altitude"], known["end_position"]
+    return Track(**known)
 
-    ``spent``: steps of single flights that were taken for the same before.
+
+def note(
+    tracks: Track, rows: np.ndarray, elapsed: np.ndarray, times: np.ndarray, found: Track
+) -> None:
+    """Write down where some flights are from one time to another, and how they end.
+
+    ``elapsed``: times of the tracks; ``times``: those of what was found, among which they are.
     """
-    if count <= FEW:
-        return True
-    return bool(known) and spent + count * work_of(known) / len(known) <= COMPILATION
+    now = np.flatnonzero((elapsed > times[0]) & (elapsed <= times[-1]))
+    kept = np.searchsorted(times, elapsed[now])
+    for name in ("altitude", "position"):
+        getattr(tracks, name)[np.ix_(rows, now)] = getattr(found, name)[:, kept]
+    for name in ("end_elapsed", "end_altitude", "end_position", "termination"):
+        getattr(tracks, name)[rows] = getattr(found, name)
+    tracks.steps[rows] += found.steps
 
 
-def work_of(tracks: list[Track]) -> int:
-    """Steps of single flights that some took, or that take as long."""
-    return sum(BEGINNING + int(track.steps) for track in tracks)
+def law_of(flights: Flights, limits: Limits) -> Balanced:
+    """What flights in balance follow."""
+    return Balanced(flights.craft, np.reshape(flights.starts.place.time, (-1, 1)), limits)
+
+
+def take(flights: Flights, rows: np.ndarray) -> Flights:
+    """Some of the flights."""
+    craft = tree.take_rows(flights.craft, (flights.count, 1), rows)
+    starts = tree.map_leaves(lambda leaf: np.asarray(leaf)[rows], flights.starts)
+    return replace(flights, craft=craft, starts=starts)
 
 
 def one_of(flights: Flights, row: int) -> tuple[Craft, Start]:
-    """Who flies one of the flights, and from where."""
-    parts = flights.varied, flights.starts, flights.errors
-    varied, start, errors = tree.map_leaves(lambda leaf: np.asarray(leaf)[row], parts)
-    return Craft(tree.combine(varied, flights.setup), flights.rule, *errors), start
-
-
-def take(flights: Flights, rows: Any) -> Flights:
-    """Some of the flights."""
-    parts = flights.varied, flights.starts, flights.errors
-    varied, starts, errors = tree.map_leaves(lambda leaf: np.asarray(leaf)[rows], parts)
-    return replace(flights, varied=varied, starts=starts, errors=errors)
+    """Who flies one of the flights, and from where; the craft's numbers have the shape (1, 1)."""
+    one = take(flights, np.array([row]))
+    return one.craft, tree.map_leaves(lambda leaf: leaf[0], one.starts)
 
 
 def guide_of(flights: Flights) -> tuple[Craft, Start]:
@@ -393,10 +358,6 @@ def around_guide(flights: Flights, guide: Track, elapsed: np.ndarray) -> Flights
     rate = (turned[last] - turned[last - 1]) / (elapsed[last] - elapsed[last - 1]) if last else 0.0
     at = np.minimum(np.arange(elapsed.size), last)
     middle = _unit_vector(latitude[at], turned[at] + rate * (elapsed - elapsed[at]))
-    path = tree.map_leaves(
-        lambda leaf: np.broadcast_to(leaf, (flights.count, *leaf.shape)),
-        Spline.through(elapsed, np.asarray(middle)),
-    )
-    assert flights.errors.waves is not None
-    waves = replace(flights.errors.waves, middle=path)
-    return replace(flights, errors=flights.errors._replace(waves=waves))
+    assert flights.craft.waves is not None
+    waves = replace(flights.craft.waves, middle=Spline.through(elapsed, np.asarray(middle)))
+    return replace(flights, craft=replace(flights.craft, waves=waves))

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array import tree
 from lightflyer.compute.store import versions
 from lightflyer.core.atomic_files import output_directory
 from lightflyer.core.errors import OutputError
@@ -16,7 +17,6 @@ from lightflyer.design.design import AbstractDesign, digest
 from lightflyer.environment.wind.gridded import winds_in_files
 from lightflyer.mission.path.integration import Track
 from lightflyer.mission.path.termination import TerminationReason
-from lightflyer.pytree import tree
 
 _FLIGHTS = "flights.json"
 

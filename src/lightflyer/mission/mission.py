@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import lightflyer
+from lightflyer.array import tree
+from lightflyer.array.namespace import float64
 from lightflyer.config.designs import as_design
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.precision import float64
 from lightflyer.core.quantity import Duration, Quantity, quantity_of, require_record
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
@@ -25,7 +27,7 @@ from lightflyer.mission.first_seconds import begin
 from lightflyer.mission.fleet import BATCH, Ensemble, Flights, flights_of, one_of
 from lightflyer.mission.kept import Keep, describe_work, keep_in, keep_nothing
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
-from lightflyer.mission.path.dynamics import Inertia
+from lightflyer.mission.path.dynamics import Inertia, follow
 from lightflyer.mission.path.integration import (
     LONGEST_STEP,
     TOLERANCE,
@@ -33,7 +35,6 @@ from lightflyer.mission.path.integration import (
     Limits,
     Start,
     Track,
-    track,
 )
 from lightflyer.mission.path.moments import (
     VARIABLES,
@@ -52,7 +53,6 @@ from lightflyer.mission.path.release import (
     require_release_inside,
     require_rule,
 )
-from lightflyer.mission.path.single import follow
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of, describe_object
 from lightflyer.mission.report.dataset import Several, add_several, add_survival, dataset_of
@@ -63,8 +63,6 @@ from lightflyer.mission.report.landing import HIGHEST_GROUND, Landing, add_landi
 from lightflyer.mission.report.station import add_station, stay_of
 from lightflyer.mission.telemetry import Receiver, add_telemetry
 from lightflyer.numerics.rootfind import SolverStatus
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
 from lightflyer.statics.balance import ENERGY_TOLERANCE, require_converged
 
 if TYPE_CHECKING:
@@ -242,14 +240,14 @@ def trajectory(
     tolerance: float = TOLERANCE,
     longest_step: float = LONGEST_STEP,
 ) -> Track:
-    """Way of one flyer as plain arrays, for gradients and transformations of JAX.
+    """Way of one flyer as plain arrays.
 
     Parameters
     ----------
     flyer, environment, model, release, attitude, tolerance
-        As for :func:`fly`; their numbers may be traced.
+        As for :func:`fly`.
     elapsed : array, shape (times,)
-        Times since the release to keep [s], increasing from zero, concrete.
+        Times since the release to keep [s], increasing from zero.
     longest_step : float
         Of the integration [s].
 
@@ -259,12 +257,8 @@ def trajectory(
 
     Notes
     -----
-    Differentiable backwards (``jax.grad``) in every number of flyer, environment, model and
-    release. The tolerance holds for the trajectory and not for its gradient, which is that of the
-    steps taken. By day and by night it is good to 1e-4. Through a sunset or a sunrise, whose
-    penumbra begins and ends sharply, it is a few percent off unless steps are short: with
-    ``longest_step=3.0`` it is good to 1e-4 again, but for the time of a release, in which it is
-    good to 1e-3 m/s.
+    By NumPy, and not differentiable by JAX: a difference of two flights tells how they depend on a
+    number.
 
     Examples
     --------
@@ -281,14 +275,8 @@ def trajectory(
     times = np.asarray(elapsed, float)
     accuracy = Accuracy.for_duration(float(times[-1]), tolerance, longest_step)
     craft = Craft(Setup(flyer, environment, model), attitude or Own())
-    return _trajectory(craft, release, limits, times, accuracy)
-
-
-@entry_point
-def _trajectory(
-    craft: Craft, release: Release, limits: Limits, elapsed: Any, accuracy: Accuracy
-) -> Track:
-    return track(craft, release.start(), limits, elapsed, accuracy)
+    found, _ = follow(craft, release.start(), limits, times, accuracy)
+    return found
 
 
 @dataclass(frozen=True)
@@ -362,7 +350,7 @@ def _describe(
         "attitude": mission.rule,
         "altitudes": plan.limits,
         "times": plan.elapsed,
-        "flights": tree.leaves((flights.varied, flights.starts, flights.errors)),
+        "flights": [flights.starts, flights.varied],
     }
     return describe_work(mission.design, parts) | {"accuracy, batch": f"{plan.accuracy}, {BATCH}"}
 

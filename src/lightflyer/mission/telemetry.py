@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.records import field
 from lightflyer.budget.link import RadioLink
 from lightflyer.budget.payload import Budget
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.quantity import Altitude, Checked, Latitude, Longitude, Steepness
 from lightflyer.mission.areas import units_of
-from lightflyer.mission.path.single import Way
-from lightflyer.pytree.module import field
+from lightflyer.mission.path.integration import Way
 from lightflyer.statics.grid_refinement import crossing, peak
 
 if TYPE_CHECKING:

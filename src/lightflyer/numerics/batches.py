@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.pytree import tree
+from lightflyer.array import tree
 
 
 def in_batches(function: Callable[..., Any], arrays: Sequence[Any], size: int) -> Any:

@@ -1,13 +1,13 @@
 """Tables on rectangular grids, interpolated by local cubics with a continuous derivative."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module, field
+from lightflyer.array.namespace import Array, xp
+from lightflyer.array.records import Module, field
 
 _ORDER = 4  # coefficients of a cubic, and nodes that one piece looks at
 _PARABOLA = 3  # nodes that make one
@@ -15,6 +15,8 @@ _PARABOLA = 3  # nodes that make one
 
 class Axis(Module):
     """Nodes along one dimension of a table, and the cubic Hermite pieces between them."""
+
+    is_table: ClassVar[bool] = True  # Its arrays are nodes, not elements
 
     # The slope at a node is that of the parabola through it and its two neighbours; at an end of
     # the axis, of the parabola through the last three nodes. Three nodes make one parabola, two a
@@ -45,20 +47,20 @@ class Axis(Module):
 
     def weights(self, x: Any) -> tuple[Array, Array]:
         """Nodes that count at a position, and by how much; returns ``index``, ``weight``."""
-        nodes, powers = jnp.asarray(self.nodes), jnp.asarray(self.powers)
+        nodes, powers = xp.asarray(self.nodes), xp.asarray(self.powers)
         if self.period is not None:
-            x = nodes[0] + jnp.mod(x - nodes[0], self.period)
+            x = nodes[0] + xp.mod(x - nodes[0], self.period)
         pieces, window = powers.shape[:2]
-        piece = jnp.clip(jnp.searchsorted(nodes, x, side="right") - 1, 0, pieces - 1)
+        piece = xp.clip(xp.searchsorted(nodes, x, side="right") - 1, 0, pieces - 1)
         following = nodes[(piece + 1) % nodes.size]
         if self.period is not None:
-            following = jnp.where(piece + 1 < nodes.size, following, nodes[0] + self.period)
+            following = xp.where(piece + 1 < nodes.size, following, nodes[0] + self.period)
         width = following - nodes[piece] if nodes.size > 1 else 1.0
         along = (x - nodes[piece]) / width
-        power = jnp.stack([along**0, along, along**2, along**3], axis=-1)
-        weight = jnp.sum(powers[piece] * power[..., None, :], axis=-1)
-        first = jnp.asarray(self.first)[piece].astype(int)
-        return (first[..., None] + jnp.arange(window)) % nodes.size, weight
+        power = xp.stack([along**0, along, along**2, along**3], axis=-1)
+        weight = xp.sum(powers[piece] * power[..., None, :], axis=-1)
+        first = xp.asarray(self.first)[piece].astype(int)
+        return (first[..., None] + xp.arange(window)) % nodes.size, weight
 
 
 def _piece(nodes: np.ndarray, piece: int, window: int) -> np.ndarray:
@@ -92,15 +94,15 @@ def _slope(nodes: np.ndarray, at: int) -> np.ndarray:
 
 def interpolate(table: Any, axes: Sequence[Axis], position: Sequence[Any]) -> Array:
     """Value of a table between its nodes, once continuously differentiable, shape (..., ...)."""
-    found = [axis.weights(x) for axis, x in zip(axes, jnp.broadcast_arrays(*position), strict=True)]
+    found = [axis.weights(x) for axis, x in zip(axes, xp.broadcast_arrays(*position), strict=True)]
     spread = []
     for number, (index, _) in enumerate(found):
         shape = [1] * len(found)
         shape[number] = index.shape[-1]
         spread.append(index.reshape(*index.shape[:-1], *shape))
-    values = jnp.asarray(table)[tuple(spread)]
+    values = xp.asarray(table)[tuple(spread)]
     for _, weight in found:
         leading = weight.ndim - 1
         shape = [*weight.shape, *[1] * (values.ndim - weight.ndim)]
-        values = jnp.sum(weight.reshape(shape) * values, axis=leading)
+        values = xp.sum(weight.reshape(shape) * values, axis=leading)
     return values

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
-from lightflyer.program.spline import Sums, spline
-from lightflyer.pytree.lazy_jax import Array, lax
+from lightflyer.array.memory import kept
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.numerics.power_spline import Sums, spline
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,10 @@ class Curves:
             tuple(tuple(column) for column in jumps.T.tolist()),
         )
 
+    @kept
     def __call__(self, x: Numeric) -> list[Array]:
         """Values of all curves at ``x``, any shape."""
-        inside = lax.clamp(self.knots[0], x, self.knots[-1])
+        inside = xp.clip(x, self.knots[0], self.knots[-1])
         curves = zip(self.constants, self.squares, self.cubes, strict=True)
         return [
             spline(Sums(self.knots[:-1], (constant, 0.0, square, cubes[0]), cubes[1:], 3), inside)

@@ -1,18 +1,22 @@
 """Newton's method for very many small systems at once.
 
 Every array element is a system of its own. The Jacobian is taken and solved element by element, in
-array operations that XLA fuses, and each element ends by itself.
+array operations, and each element ends by itself: by NumPy, those that have ended are left out.
 """
 
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from lightflyer.numerics.linear import solve_linear
+from lightflyer.array import tree
+from lightflyer.array.linear import solve_linear
+from lightflyer.array.namespace import Array, call, xp
+from lightflyer.array.records import Module
+from lightflyer.array.transformations import either, repeat_while, with_slopes
 from lightflyer.numerics.rootfind import (
     MAXIMUM_STEPS,
     RELATIVE_TOLERANCE,
@@ -20,9 +24,6 @@ from lightflyer.numerics.rootfind import (
     RootOutcome,
     SolverStatus,
 )
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import Module
 
 Unknowns: TypeAlias = tuple[Array, ...]
 
@@ -45,6 +46,9 @@ The step is at hand, and an unknown that hardly matters to the residual may need
 _LARGEST_LOSS = 0.9
 """Largest share of its distance to the lower bound that an unknown may lose in a step."""
 
+_FEW, _MANY_LEFT = 64, 0.6
+"""Elements, and share of them, above which those that have ended are not worth leaving out."""
+
 _SHRINKAGE = 0.3  # A step that does not help is shortened to this share
 
 
@@ -56,18 +60,13 @@ class _Newton(Module):
     step: Unknowns
 
 
-def _newton(function: Callable[[Unknowns], Unknowns], point: Unknowns) -> _Newton:
-    """Newton's step, with the Jacobian taken one unknown at a time."""
-    # What does not depend on an unknown is then no work.
-    value: Unknowns = ()
-    columns = []
-    for index, entry in enumerate(point):
-
-        def of_one(unknown: Array, index: int = index) -> Unknowns:
-            return function((*point[:index], unknown, *point[index + 1 :]))
-
-        value, column = jax.jvp(of_one, (entry,), (jnp.ones_like(entry),))
-        columns.append(column)
+def _newton(
+    function: Callable[[Unknowns], Unknowns], point: Unknowns, lower: tuple[float, ...]
+) -> _Newton:
+    """Newton's step; ``lower``: bounds of the unknowns."""
+    value, columns = with_slopes(function, point, lower)
+    if len(value) != len(point):
+        raise ValueError(f"{len(point)} unknowns need as many equations, not {len(value)}")
     rows = tuple(zip(*columns, strict=True))
     return _Newton(value, rows, solve_linear(rows, [-entry for entry in value]))
 
@@ -99,7 +98,7 @@ class SafeNewton:
     # is measured by the sum of what its terms would change if every unknown changed by itself and
     # by its step, so that neither the equations' scale nor that of the unknowns matters.
     #
-    # Both are one loop because a function takes longer to compile than the rules around it to run.
+    # Both are one loop because XLA takes longer to compile a function than the rules to run.
 
     lower: tuple[float, ...]  # Bounds that the unknowns never reach
     tolerance: float | Array = RELATIVE_TOLERANCE  # Largest residual at a root
@@ -107,30 +106,62 @@ class SafeNewton:
     careful_steps: int = MAXIMUM_STEPS  # Bounds on the steps of each search
 
     def search(
-        self, function: Callable[[Unknowns], Unknowns], start: Unknowns
+        self,
+        function: Callable[..., Unknowns],
+        start: Unknowns,
+        parameters: tuple[Any, ...] = (),
     ) -> tuple[Unknowns, RootOutcome]:
         """Roots of all elements, or the best points of those that have not ended."""
-        scale = tuple(jnp.ones_like(entry) for entry in start)
+        shape = start[0].shape
+        scale = tuple(xp.ones_like(entry) for entry in start)
         state = _State(
             start=start,
             point=start,
-            is_careful=jnp.zeros(start[0].shape, bool),
-            careful=_Careful(start, scale, jnp.full_like(start[0], np.inf)),
-            status=jnp.full(start[0].shape, SolverStatus.STEP_LIMIT, jnp.int8),
-            steps=jnp.zeros((), int),
+            is_careful=xp.zeros(shape, bool),
+            careful=_Careful(start, scale, xp.full_like(start[0], np.inf)),
+            status=xp.full(shape, int(SolverStatus.STEP_LIMIT), np.int8),
+            steps=xp.zeros((), int),
         )
         most = self.plain_steps + self.careful_steps
-        end = jax.lax.while_loop(
-            lambda at: jnp.any(_searching(at.status)) & (at.steps < most),
-            lambda at: self._move_active(function, at),
-            state,
-        )
-        unfinished = _searching(end.status) & end.is_careful
-        return _select(unfinished, end.careful.base, end.point), RootOutcome(end.status, end.steps)
+        if call.jax is not None:
+            state = repeat_while(
+                lambda at: xp.any(_searching(at.status)) & (at.steps < most),
+                lambda at: self._move_active(lambda point: function(point, *parameters), at),
+                state,
+            )
+        else:
+            state = self._search_active(function, state, parameters, most)
+        unfinished = _searching(state.status) & state.is_careful
+        root = _select(unfinished, state.careful.base, state.point)
+        return root, RootOutcome(state.status, state.steps)
+
+    def _search_active(
+        self,
+        function: Callable[..., Unknowns],
+        state: _State,
+        parameters: tuple[Any, ...],
+        most: int,
+    ) -> _State:
+        """The state at the end, without steps of elements that have ended."""
+        whole, places, shape, finder = state, None, state.status.shape, self
+        while state.steps < most:
+            searching = _searching(state.status)
+            count = np.count_nonzero(searching)
+            if not count:
+                break
+            if len(shape) == 1 and shape[0] > _FEW and count < _MANY_LEFT * shape[0]:
+                rows = np.flatnonzero(searching)
+                whole = tree.put_rows(whole, places, state)
+                places = rows if places is None else places[rows]
+                given = state, parameters, finder.tolerance
+                state, parameters, tolerance = tree.take_rows(given, shape, rows)
+                finder, shape = replace(finder, tolerance=tolerance), (count,)
+            state = finder._move_active(lambda point: function(point, *parameters), state)  # noqa: B023
+        return tree.put_rows(whole, places, state)
 
     def _move_active(self, function: Callable[[Unknowns], Unknowns], state: _State) -> _State:
         """The state after a step of every element that is still searching."""
-        newton = _newton(function, state.point)
+        newton = _newton(function, state.point, self.lower)
         plain, plain_verdict, fails = self._plain(newton, state.point, state)
         searching, is_careful = _searching(state.status), state.is_careful
 
@@ -138,20 +169,20 @@ class SafeNewton:
             point, verdict, memory = self._careful(newton, state.point, state.careful)
             return (
                 _select(is_careful, point, plain),
-                jnp.where(is_careful, verdict, plain_verdict),
-                tree.map_leaves(lambda a, b: jnp.where(is_careful, a, b), memory, state.careful),
+                xp.where(is_careful, verdict, plain_verdict),
+                tree.map_leaves(lambda a, b: xp.where(is_careful, a, b), memory, state.careful),
             )
 
         # hardly any element needs care
-        point, verdict, memory = jax.lax.cond(
-            jnp.any(is_careful), with_careful, lambda: (plain, plain_verdict, state.careful)
+        point, verdict, memory = either(
+            xp.any(is_careful), with_careful, lambda: (plain, plain_verdict, state.careful)
         )
         return _State(
             start=state.start,
             point=_select(searching, point, state.point),
             is_careful=is_careful | (searching & fails),
             careful=memory,
-            status=jnp.where(searching, verdict, state.status),
+            status=xp.where(searching, verdict, state.status),
             steps=state.steps + 1,
         )
 
@@ -168,11 +199,11 @@ class SafeNewton:
         # A point that is not finite at the very first step ends an element: no method could do
         # better.
         target = tuple(
-            old + jnp.maximum(change, _LARGEST_LOSS * (bound - old))
+            old + xp.maximum(change, _LARGEST_LOSS * (bound - old))
             for old, change, bound in zip(point, newton.step, self.lower, strict=True)
         )
         finite = _all_finite(target)
-        near = jnp.where(state.steps < _PATIENCE, _NEAR, _NEAR_AT_LAST)
+        near = xp.where(state.steps < _PATIENCE, _NEAR, _NEAR_AT_LAST)
         verdict = _choose(
             (self._is_root(newton) | _is_short(newton.step, point, near), SolverStatus.CONVERGED),
             (finite | (state.steps > 0), SolverStatus.STEP_LIMIT),
@@ -190,12 +221,12 @@ class SafeNewton:
         better = _level(newton.value, memory.scale) < memory.level
         onward, advance = self._onward(newton, point)
         backward, retreat = self._backward(memory, point)
-        verdict = jnp.where(better, onward, backward)
+        verdict = xp.where(better, onward, backward)
         base = _select(better, point, memory.base)
         failed = verdict > SolverStatus.STEP_LIMIT
         ahead = _select(failed, base, _select(better, advance, retreat))
         scale = _select(better, _scale(newton, point), memory.scale)
-        level = jnp.where(better, _level(newton.value, scale), memory.level)
+        level = xp.where(better, _level(newton.value, scale), memory.level)
         return ahead, verdict, _Careful(base, scale, level)
 
     def _onward(self, newton: _Newton, point: Unknowns) -> tuple[Array, Unknowns]:
@@ -221,10 +252,10 @@ class SafeNewton:
 
     def _in_bounds(self, point: Unknowns, step: Unknowns) -> Unknowns:
         """Where a step leads if all of it is shortened so as to keep above the bounds."""
-        share = jnp.ones_like(point[0])
+        share = xp.ones_like(point[0])
         for old, change, bound in zip(point, step, self.lower, strict=True):
-            allowed = _LARGEST_LOSS * (old - bound) / jnp.maximum(-change, sys.float_info.min)
-            share = jnp.minimum(share, allowed)
+            allowed = _LARGEST_LOSS * (old - bound) / xp.maximum(-change, sys.float_info.min)
+            share = xp.minimum(share, allowed)
         return tuple(old + share * change for old, change in zip(point, step, strict=True))
 
 
@@ -234,30 +265,30 @@ def _searching(status: Array) -> Array:
 
 def _choose(*cases: tuple[Array, SolverStatus], otherwise: SolverStatus) -> Array:
     """SolverStatus of the first case that holds, element by element."""
-    chosen = jnp.int8(otherwise)
+    chosen: Array = np.int8(otherwise)
     for holds, status in reversed(cases):
-        chosen = jnp.where(holds, jnp.int8(status), chosen)
+        chosen = xp.where(holds, np.int8(status), chosen)
     return chosen
 
 
 def _select(condition: Array, true: Unknowns, false: Unknowns) -> Unknowns:
-    return tuple(jnp.where(condition, a, b) for a, b in zip(true, false, strict=True))
+    return tuple(xp.where(condition, a, b) for a, b in zip(true, false, strict=True))
 
 
 def _largest(entries: Sequence[Array]) -> Array:
-    return reduce(jnp.maximum, [jnp.abs(entry) for entry in entries])
+    return reduce(xp.maximum, [xp.abs(entry) for entry in entries])
 
 
 def _all(conditions: Sequence[Array]) -> Array:
-    return reduce(jnp.logical_and, conditions)
+    return reduce(xp.logical_and, conditions)
 
 
 def _all_finite(point: Unknowns) -> Array:
-    return _all([jnp.isfinite(entry) for entry in point])
+    return _all([xp.isfinite(entry) for entry in point])
 
 
 def _is_short(step: Unknowns, point: Unknowns, share: Array | float) -> Array:
-    return _all([jnp.abs(a) <= share * jnp.abs(b) for a, b in zip(step, point, strict=True)])
+    return _all([xp.abs(a) <= share * xp.abs(b) for a, b in zip(step, point, strict=True)])
 
 
 def _is_still(new: Unknowns, old: Unknowns) -> Array:
@@ -269,8 +300,8 @@ def _level(value: Unknowns, scale: Unknowns) -> Array:
 
 
 def _scale(newton: _Newton, point: Unknowns) -> Unknowns:
-    size = [jnp.abs(a) + jnp.abs(b) for a, b in zip(point, newton.step, strict=True)]
+    size = [xp.abs(a) + xp.abs(b) for a, b in zip(point, newton.step, strict=True)]
     terms = [
-        [jnp.abs(slope) * b for slope, b in zip(row, size, strict=True)] for row in newton.jacobian
+        [xp.abs(slope) * b for slope, b in zip(row, size, strict=True)] for row in newton.jacobian
     ]
-    return tuple(1.0 / reduce(jnp.add, row) for row in terms)
+    return tuple(1.0 / reduce(xp.add, row) for row in terms)

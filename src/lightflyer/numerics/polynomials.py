@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import xp
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
-from lightflyer.program.horner import as_tuples, polynomial
-from lightflyer.pytree.lazy_jax import jnp, lax
+from lightflyer.numerics.horner import as_tuples, polynomial
 
 _ERROR_POWERS = [(0,), (1,), (2,)]
 _MARGIN = 0.02  # how far beyond an end a corner lies, and half of the width of its rounding
@@ -25,10 +25,12 @@ def hold_within(value: Any, low: float, high: float) -> Any:
     # the ends the value is itself. Twice differentiable, without transcendental functions, which
     # would cost more than all else in a heat balance.
     from_middle = value - (low + high) / 2.0
-    beyond = jnp.abs(from_middle) - (high - low) / 2.0
-    rounded = polynomial(_ROUNDED, lax.clamp(0.0, beyond, 2.0 * _MARGIN))
-    excess = lax.select(beyond < 2.0 * _MARGIN, rounded, beyond - _MARGIN)
-    return value - jnp.sign(from_middle) * excess
+    beyond = xp.abs(from_middle) - (high - low) / 2.0
+    if type(beyond) in (np.ndarray, np.float64) and not np.any(beyond > 0.0):
+        return value  # as nearly always
+    rounded = polynomial(_ROUNDED, xp.clip(beyond, 0.0, 2.0 * _MARGIN))
+    excess = xp.where(beyond < 2.0 * _MARGIN, rounded, beyond - _MARGIN)
+    return value - xp.sign(from_middle) * excess
 
 
 def least_squares(

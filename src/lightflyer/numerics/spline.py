@@ -1,16 +1,18 @@
 """Tabulated curves as piecewise cubics that JAX evaluates."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module
+from lightflyer.array.namespace import Array, xp
+from lightflyer.array.records import Module
 
 
 class Spline(Module):
     """Piecewise cubic."""
+
+    is_table: ClassVar[bool] = True  # Its arrays are nodes, not elements
 
     nodes: Any  # shape (n,); increasing abscissae
     # shape (4, n - 1); of each piece, in powers of the distance to its left node, highest first
@@ -35,9 +37,13 @@ class Spline(Module):
         return cls(nodes=nodes, coefficients=np.stack([cubic, quadratic, left, values[:-1]]))
 
     def __call__(self, x: Any) -> Array:
-        """Value at ``x``, any shape; the outer pieces continue beyond the table."""
-        nodes, coefficients = jnp.asarray(self.nodes), jnp.asarray(self.coefficients)
-        piece = jnp.clip(jnp.searchsorted(nodes, x, side="right") - 1, 0, nodes.size - 2)
+        """Value at ``x``, any shape; the outer pieces continue beyond the table.
+
+        Axes of values that are vectors come last.
+        """
+        nodes, coefficients = xp.asarray(self.nodes), xp.asarray(self.coefficients)
+        piece = xp.clip(xp.searchsorted(nodes, x, side="right") - 1, 0, nodes.size - 2)
         cubic, quadratic, linear, constant = coefficients[:, piece]
         distance = x - nodes[piece]
+        distance = distance.reshape(distance.shape + (1,) * (coefficients.ndim - 2))
         return constant + distance * (linear + distance * (quadratic + distance * cubic))

@@ -7,19 +7,12 @@ search nor the derivatives ever form a matrix that couples elements. For one unk
 
 import math
 from collections.abc import Callable
-from functools import partial
 from typing import Any, TypeAlias
 
-from lightflyer.numerics.linear import solve_linear
+from lightflyer.array.namespace import Array, Numeric, call, xp
+from lightflyer.array.transformations import implicit, shape_of
 from lightflyer.numerics.newton import SafeNewton
-from lightflyer.numerics.rootfind import (
-    MAXIMUM_STEPS,
-    RELATIVE_TOLERANCE,
-    RootOutcome,
-    change_with,
-)
-from lightflyer.program.tracing import with_parameters
-from lightflyer.pytree.lazy_jax import Array, ArrayLike, custom_jvp, jax, jnp
+from lightflyer.numerics.rootfind import MAXIMUM_STEPS, RELATIVE_TOLERANCE, RootOutcome
 
 Unknowns: TypeAlias = tuple[Array, ...]
 
@@ -28,8 +21,9 @@ _PLAIN_STEPS = 30
 
 
 def solve_system(
-    residual: Callable[[Unknowns], Unknowns],
-    guess: tuple[ArrayLike, ...] | Callable[[], tuple[ArrayLike, ...]],
+    residual: Callable[..., Unknowns],
+    guess: tuple[Numeric, ...] | Callable[[], tuple[Numeric, ...]],
+    parameters: tuple[Any, ...] = (),
     *,
     lower: float | tuple[float, ...] = -math.inf,
     tolerance: float | Array = RELATIVE_TOLERANCE,
@@ -38,89 +32,49 @@ def solve_system(
     """Find where several functions of as many unknowns vanish, element by element."""
     # Newton's method in all elements at once; each stops by itself. Where that fails, the search
     # starts again from the guess with steps that are shortened until they reduce the residual.
+    # ``guess``: of the shape of the elements, or single numbers. ``parameters``: further arguments
+    # of the residual, with all that is an element's own, so that those that have ended can be left
+    # out.
     #
     # The derivative is that of the implicit function. It is not finite where the Jacobian is
     # singular.
-    first: Callable[[], tuple[ArrayLike, ...]] = guess if callable(guess) else lambda: guess
-    zeros = _zeros(residual, first)
-    bounds = lower if isinstance(lower, tuple) else (lower,) * len(zeros)
-    if len(bounds) != len(zeros):
-        raise ValueError(f"{len(zeros)} unknowns need as many bounds, not {len(bounds)}")
-
-    def equations(point: Unknowns) -> Unknowns:
-        return tuple(jnp.broadcast_to(entry, zeros[0].shape) for entry in residual(point))
 
     def search() -> tuple[Unknowns, RootOutcome]:
+        first = tuple(xp.asarray(entry, float) for entry in (guess() if callable(guess) else guess))
+        bounds = lower if isinstance(lower, tuple) else (lower,) * len(first)
+        if len(bounds) != len(first):
+            raise ValueError(f"{len(first)} unknowns need as many bounds, not {len(bounds)}")
+        shape = xp.broadcast_shapes(*(xp.shape(entry) for entry in first))
+        if call.jax is not None or shape == ():
+            found = shape_of(residual, first, *parameters)
+            shape = xp.broadcast_shapes(*found, shape)
         start = tuple(
-            jnp.broadcast_to(_usable(jnp.asarray(entry, float), bound), zeros[0].shape)
-            for entry, bound in zip(first(), bounds, strict=True)
+            xp.broadcast_to(_usable(entry, bound), shape)
+            for entry, bound in zip(first, bounds, strict=True)
         )
         finder = SafeNewton(
             bounds, tolerance, min(_PLAIN_STEPS, maximum_steps), careful_steps=maximum_steps
         )
-        return finder.search(equations, start)
+        return finder.search(residual, start, parameters)
 
-    plain, around = with_parameters(search)
-    root, outcome = plain(*map(jax.lax.stop_gradient, around))
-    return implicit_system(equations, root), outcome
+    return implicit_system(lambda point: residual(point, *parameters), search)
 
 
-def implicit_system(residual: Callable[[Unknowns], Unknowns], root: Unknowns) -> Unknowns:
-    """Attach the derivative of a root to its value, however it was found."""
+def implicit_system(
+    residual: Callable[[Unknowns], Unknowns], search: Callable[[], tuple[Unknowns, Any]]
+) -> tuple[Unknowns, Any]:
+    """What a search for a root gives; under JAX the root has the derivative of its equations."""
+    if call.jax is None:
+        return search()
+    # only the shapes are used, and what is not is not compiled
+    guess = tuple(xp.zeros(shape, float) for shape in shape_of(lambda: search()[0]))
 
-    def equations(point: Unknowns) -> Unknowns:
-        return tuple(jnp.broadcast_to(entry, root[0].shape) for entry in residual(point))
+    def wide(point: Unknowns) -> Unknowns:
+        return tuple(xp.broadcast_to(entry, guess[0].shape) for entry in residual(point))
 
-    converted, parameters = with_parameters(equations, root)
-    return _attach(converted, root, *parameters)
-
-
-@partial(custom_jvp, nondiff_argnums=(0,))
-def _attach(
-    equations: Callable[..., Unknowns],  # noqa: ARG001
-    root: Unknowns,
-    *parameters: Array,  # noqa: ARG001
-) -> Unknowns:
-    """A root that moves with the parameters of its equations."""
-    return root
-
-
-@partial(_attach.defjvp, symbolic_zeros=True)
-def _move(
-    equations: Callable[..., Unknowns], primals: tuple[Any, ...], tangents: tuple[Any, ...]
-) -> tuple[Unknowns, Unknowns]:
-    (start, *parameters), (_, *changes) = primals, tangents
-    root = _attach(equations, start, *parameters)
-    moved = change_with(partial(equations, root), parameters, changes)
-    _, linear = jax.linearize(lambda point: equations(point, *parameters), root)
-    return root, _invert(linear, tuple(-entry for entry in moved))
-
-
-def _zeros(
-    residual: Callable[[Unknowns], Unknowns], first: Callable[[], tuple[ArrayLike, ...]]
-) -> Unknowns:
-    """Zeros in the shape of the unknowns."""
-
-    def both() -> tuple[Unknowns, Unknowns]:
-        point = tuple(jnp.asarray(entry, float) for entry in first())
-        return point, residual(point)
-
-    point, equations = jax.eval_shape(both)
-    if len(equations) != len(point):
-        raise ValueError(f"{len(point)} unknowns need as many equations, not {len(equations)}")
-    shape = jnp.broadcast_shapes(*(entry.shape for entry in (*point, *equations)))
-    return tuple(jnp.zeros(shape, float) for _ in point)
+    return implicit(wide, guess, lambda *_: search())
 
 
 def _usable(guess: Array, bound: float) -> Array:
     stand_in = bound + 1.0 if math.isfinite(bound) else 0.0
-    return jnp.where(jnp.isfinite(guess) & (guess > bound), guess, stand_in)
-
-
-def _invert(linear: Callable[[Unknowns], Unknowns], vector: Unknowns) -> Unknowns:
-    """Solve an elementwise linear map, whose Jacobian is one small block an element."""
-    columns = []
-    for index in range(len(vector)):
-        unit = tuple(jnp.full_like(entry, place == index) for place, entry in enumerate(vector))
-        columns.append(linear(unit))
-    return solve_linear(tuple(zip(*columns, strict=True)), vector)
+    return xp.where(xp.isfinite(guess) & (guess > bound), guess, stand_in)

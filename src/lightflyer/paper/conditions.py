@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.design.setup import Setup
 from lightflyer.design.tables import LEVITATION, tabulate
 from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
@@ -27,7 +28,6 @@ from lightflyer.force.lu2023 import PRINTED, REPORTED, Lu2023, Reading
 from lightflyer.gas.air import LU2023_AIR
 from lightflyer.numerics.batches import in_batches
 from lightflyer.numerics.rootfind import SolverStatus
-from lightflyer.program.entry_point import entry_point
 from lightflyer.statics.balance import require_converged
 
 REPORTED_MEAN = Reading(

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.constants import c, h, k
 from scipy.optimize import brentq, minimize_scalar
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.core import constants
-from lightflyer.core.types import Numeric
 from lightflyer.design.outputs import OUTPUTS, json_name
 from lightflyer.film.properties import FilmProperties
 from lightflyer.paper.conditions import (

@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Array, by_jax, load_jax, xp
 from lightflyer.compute.devices import OnDevices
 from lightflyer.compute.evaluation import Evaluator
-from lightflyer.core.precision import float64
 from lightflyer.core.progress import Counted
 from lightflyer.parametric.reduction_plan import Designs, ReductionSpec, plan_reductions, samples_of
 from lightflyer.parametric.reductions import Partial
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
 from lightflyer.study.study import Study
 
 Partials = dict[str, Partial]
@@ -125,23 +124,23 @@ class _Program:
         self.designs = self._length * self._devices.count
 
         def reduced(first: Array, stop: Array) -> Any:
-            numbers = first[0] + jnp.arange(self._length, dtype=first.dtype)
+            numbers = first[0] + xp.arange(self._length, dtype=first.dtype)
             inside = numbers < stop[0]
-            given = evaluator.inputs(jnp.minimum(numbers, study.size - 1))
-            outputs, converged = jax.vmap(evaluator.of_one)(*given)
+            given = evaluator.inputs(xp.minimum(numbers, study.size - 1))
+            outputs, converged = load_jax().vmap(evaluator.of_one)(*given)
             known = {
-                name: jnp.where(inside & converged & jnp.isfinite(column), column, np.nan)
+                name: xp.where(inside & converged & xp.isfinite(column), column, np.nan)
                 for name, column in outputs.items()
             }
             seen = Designs(study, first[0] // samples, known, numbers)
             found = {part.name: part.partial_on_device(seen, inside) for part in kept}
-            failures = jnp.count_nonzero(inside & ~converged)
-            return tree.map_leaves(lambda leaf: jnp.asarray(leaf)[None], (found, failures))
+            failures = xp.count_nonzero(inside & ~converged)
+            return tree.map_leaves(lambda leaf: xp.asarray(leaf)[None], (found, failures))
 
-        self._run = jax.jit(self._devices.divide_work(reduced))
+        self._run = load_jax().jit(self._devices.divide_work(reduced))
 
     def __call__(self, start: int, stop: int) -> Any:
         """Partials and failures, with the devices as leading axis; they may still be computed."""
         firsts = start + self._length * np.arange(self._devices.count)
-        with float64():
+        with by_jax():
             return self._run(*self._devices.place((firsts, np.full_like(firsts, stop))))

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
+from lightflyer.array.namespace import Array, load_jax, xp
 
 Partial = dict[str, Any]  # Arrays by name
 
@@ -75,13 +75,13 @@ class Best(AbstractReduction):
 
     def on_device(self, columns: Columns, first: Any, inside: Any = True) -> Partial:
         del inside  # others have no value
-        values = jnp.asarray(columns[self.output])
-        known = jnp.isfinite(values)
+        values = xp.asarray(columns[self.output])
+        known = xp.isfinite(values)
         # of equals the one with the lower index comes first
-        score, places = jax.lax.top_k(
-            jnp.where(known, self._sign * values, -np.inf), min(self.count, values.size)
+        score, places = load_jax().lax.top_k(
+            xp.where(known, self._sign * values, -np.inf), min(self.count, values.size)
         )
-        designs = jnp.where(jnp.isfinite(score), first + places.astype(jnp.int64), _NONE)
+        designs = xp.where(xp.isfinite(score), first + places.astype(xp.int64), _NONE)
         return {"designs": designs, "values": values[places]}
 
     def merge(self, one: Partial, other: Partial) -> Partial:
@@ -128,29 +128,29 @@ class Front(AbstractReduction):
 
     def on_device(self, columns: Columns, first: Any, inside: Any = True) -> Partial:
         del inside  # others have no value
-        gain, cost = (jnp.asarray(columns[name]) for name in (self.gain, self.cost))
+        gain, cost = (xp.asarray(columns[name]) for name in (self.gain, self.cost))
         worth, price = self._signs
-        known = jnp.isfinite(gain) & jnp.isfinite(cost)
-        places = jnp.arange(gain.size, dtype=jnp.int64)
-        price_, loss, places = jax.lax.sort(
+        known = xp.isfinite(gain) & xp.isfinite(cost)
+        places = xp.arange(gain.size, dtype=xp.int64)
+        price_, loss, places = load_jax().lax.sort(
             (
-                jnp.where(known, price * cost, np.inf),
-                jnp.where(known, -worth * gain, np.inf),
+                xp.where(known, price * cost, np.inf),
+                xp.where(known, -worth * gain, np.inf),
                 places,
             ),
             num_keys=3,
         )
-        before = jnp.concatenate([jnp.full(1, np.inf), jax.lax.cummin(loss)[:-1]])
+        before = xp.concatenate([xp.full(1, np.inf), load_jax().lax.cummin(loss)[:-1]])
         unbeaten = loss < before
         size = min(self.capacity, gain.size)
-        (kept,) = jnp.nonzero(unbeaten, size=size, fill_value=0)
-        found = jnp.count_nonzero(unbeaten)
-        designs = jnp.where(jnp.arange(size) < found, first + places[kept], _NONE)
+        (kept,) = xp.nonzero(unbeaten, size=size, fill_value=0)
+        found = xp.count_nonzero(unbeaten)
+        designs = xp.where(xp.arange(size) < found, first + places[kept], _NONE)
         return {
             "designs": designs,
             "gain": -worth * loss[kept],
             "cost": price * price_[kept],
-            "left_out": jnp.maximum(found - size, 0),
+            "left_out": xp.maximum(found - size, 0),
         }
 
     def is_whole(self, partial: Partial) -> bool:
@@ -244,17 +244,17 @@ class Spread(AbstractReduction):
 
     def on_device(self, columns: Columns, first: Any, inside: Any = True) -> Partial:
         del first
-        values = jnp.asarray(columns[self.output])
-        known = jnp.isfinite(values)
-        bits = jax.lax.bitcast_convert_type(jnp.abs(values), jnp.int64)
-        cells = jnp.clip((bits >> _SHIFT) - _FIRST + 1, 0, _CELLS + 1)
-        signed = jnp.where(values < 0.0, -cells, cells) + _CELLS + 1
-        counts: Array = jnp.zeros(2 * _CELLS + 3, jnp.int64).at[signed].add(known)
+        values = xp.asarray(columns[self.output])
+        known = xp.isfinite(values)
+        bits = load_jax().lax.bitcast_convert_type(xp.abs(values), xp.int64)
+        cells = xp.clip((bits >> _SHIFT) - _FIRST + 1, 0, _CELLS + 1)
+        signed = xp.where(values < 0.0, -cells, cells) + _CELLS + 1
+        counts: Array = xp.zeros(2 * _CELLS + 3, xp.int64).at[signed].add(known)
         return {
             "counts": counts,
-            "least": jnp.min(values, where=known, initial=np.inf),
-            "largest": jnp.max(values, where=known, initial=-np.inf),
-            "missing": jnp.count_nonzero(~known & inside),
+            "least": xp.min(values, where=known, initial=np.inf),
+            "largest": xp.max(values, where=known, initial=-np.inf),
+            "missing": xp.count_nonzero(~known & inside),
         }
 
     def merge(self, one: Partial, other: Partial) -> Partial:

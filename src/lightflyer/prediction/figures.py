@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from lightflyer.array.namespace import float64
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.precision import float64
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.outputs import OUTPUTS, node_outputs
 from lightflyer.files.drawing import (

@@ -144,7 +144,7 @@ def pareto(
     places, losses = places[order], losses[order]
     if function.is_quick:
         function.match(places[len(places) // 2])
-        losses = -function.scores_of_many(places, population)[:, : len(problem.objectives)]
+        losses = -function.scores_of_many(places)[:, : len(problem.objectives)]
     designs = {
         bounds.field.name: np.asarray(bounds.value(places[:, row]))
         for row, bounds in enumerate(problem.bounds)
@@ -192,7 +192,7 @@ def _search(
 
         def _evaluate(self, points: np.ndarray, out: dict[str, Any], *_: Any, **__: Any) -> None:
             counted.add()
-            scores = function.scores_of_many(points, population)
+            scores = function.scores_of_many(points)
             losses = np.where(np.isfinite(scores), -scores, _NO_VALUE)
             out["F"], out["G"] = losses[:, :count], losses[:, count:]
 

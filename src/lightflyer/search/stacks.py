@@ -130,7 +130,7 @@ def _screen(function: ObjectiveFunction, choice: Choice, ends: float) -> tuple[l
             break
         report("screening stacks", number, len(sequences), "stacks")
         _turn(function, choice, sequence)
-        table.append(function.scores_of_many(points, POINTS))
+        table.append(function.scores_of_many(points))
     scores = np.array(table)
     values = scores[..., 0][np.isfinite(scores).all(axis=-1)]
     if not values.size:

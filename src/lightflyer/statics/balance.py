@@ -20,12 +20,15 @@ flyer would have if all its nodes were equally warm; Newton's method for systems
 import math
 from collections.abc import Iterator
 from functools import reduce
+from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module, field
 from lightflyer.core.checks import is_concrete, is_traced
+from lightflyer.core.entry_point import elementwise_entry_point
 from lightflyer.core.errors import ConvergenceError
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.display_units import number_text
 from lightflyer.files.result_text import Parts, PrintedResult, rows_of
@@ -36,15 +39,12 @@ from lightflyer.numerics.rootfind import (
     SMALLEST_SHARE,
     RootOutcome,
     SolverStatus,
-    bracketed_power_newton,
     describe_status,
+    find_power_root,
     implicit_root,
 )
 from lightflyer.numerics.system import solve_system
-from lightflyer.program.entry_point import elementwise_entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module, field
-from lightflyer.statics.equations import Balance, FlightEquations, total
+from lightflyer.statics.equations import FlightEquations, total
 
 _ROUGH = 1e-2  # Tolerance of a temperature from which a search for several unknowns begins
 ENERGY_TOLERANCE = 1e-10  # Largest imbalance of a converged equilibrium, over the absorbed power
@@ -98,8 +98,7 @@ class Equilibrium(PrintedResult, Module):
 
 
 def _largest(values: tuple[Numeric, ...]) -> Numeric:
-    maximum = jnp.maximum if is_traced(values) else np.maximum
-    return reduce(maximum, values)
+    return reduce(xp.maximum, values)
 
 
 def equilibrium(
@@ -155,34 +154,32 @@ def equilibrium(
 
 
 def uniform_excess(
-    equations: FlightEquations,
-    balance: Balance,
-    power: Array,
-    tolerance: float = RELATIVE_TOLERANCE,
+    equations: FlightEquations, power: Array, tolerance: float = RELATIVE_TOLERANCE
 ) -> tuple[Array, RootOutcome]:
     """Excess at which the flyer loses a power if all its nodes are equally warm."""
 
     def loss(excess: Array) -> Array:
-        gas, own, _ = balance(*equations.unknowns_at(excess))
-        return total(gas + own)
+        return total(equations.losses(equations.unknowns_at(excess)))
 
     flyer, state = equations.flyer, equations.state
     dark = power == 0.0
     # without light there is nothing to solve; a stand-in keeps the search finite
-    target = jnp.where(dark, _stand_in(flyer, state), power)
-    sign = jnp.sign(target)
+    target = xp.where(dark, _stand_in(flyer, state), power)
+    sign = xp.sign(target)
     highest = flyer.highest_excess(state, target)
     # the secant from zero through the highest: close where gas dominates too
-    secant = highest * jnp.abs(target / loss(sign * highest))
-    size, outcome = bracketed_power_newton(
+    most = xp.abs(loss(sign * highest))
+    secant = highest * xp.abs(target) / most
+    size, outcome = find_power_root(
         lambda size: sign * loss(sign * size),
-        target=jnp.abs(target),
+        target=xp.abs(target),
         lower=highest * SMALLEST_SHARE,
         upper=highest,
         guess=secant,
         tolerance=tolerance,
+        known=(highest, most),
     )
-    return jnp.where(dark, 0.0, sign * size), outcome
+    return xp.where(dark, 0.0, sign * size), outcome
 
 
 def _stand_in(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
@@ -191,41 +188,50 @@ def _stand_in(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
 
 
 def imbalances(
-    balance: Balance, unknowns: tuple[Array, ...], powers: tuple[Array, ...]
+    found: tuple[tuple[Array, ...], ...], powers: tuple[Array, ...], size: Array
 ) -> tuple[Array, ...]:
-    """What vanishes where each node loses what it absorbs: heat over all powers, then flows [1]."""
-    size = total(tuple(jnp.abs(power) for power in powers))
-    scale = jnp.where(size == 0.0, 1.0, size)
-    gas, own, flows = balance(*unknowns)
+    """What vanishes where each node loses what it absorbs: heat over a power, then flows [1].
+
+    ``found``: of :meth:`FlightEquations.balance`; ``size``: of :func:`largest_power` [W].
+    """
+    gas, own, flows = found
     parts = zip(gas, own, powers, strict=True)
-    return *((taken + given - power) / scale for taken, given, power in parts), *flows
+    return *((taken + given - power) / size for taken, given, power in parts), *flows
+
+
+def largest_power(powers: tuple[Array, ...]) -> Array:
+    """What imbalances are measured by [W]."""
+    size = total(tuple(xp.abs(power) for power in powers))
+    return xp.where(size == 0.0, 1.0, size)
 
 
 def solve_balance(
     equations: FlightEquations,
-    balance: Balance,
     powers: tuple[Array, ...],
-    shape: tuple[int, ...],
     guess: tuple[Array, ...] | None = None,
     tolerance: float | Array = RELATIVE_TOLERANCE,
 ) -> tuple[tuple[Array, ...], RootOutcome]:
     """Unknowns at which each node loses what it absorbs; ``powers``: that [W]."""
 
-    def equation(unknowns: tuple[Array, ...]) -> tuple[Array, ...]:
-        return imbalances(balance, unknowns, powers)
+    def residual(
+        unknowns: tuple[Array, ...], equations: FlightEquations, powers: Any, size: Array
+    ) -> tuple[Array, ...]:
+        return imbalances(equations.balance(unknowns), powers, size)
 
     def equally_warm(tolerance: float = RELATIVE_TOLERANCE) -> tuple[Array, RootOutcome]:
-        return uniform_excess(equations, balance, total(powers), tolerance)
+        return uniform_excess(equations, total(powers), tolerance)
 
+    given = equations, powers, largest_power(powers)
     if equations.has_one_unknown:
-        excess, outcome = implicit_root(lambda one: equation((one,))[0], equally_warm, shape)
+        excess, outcome = implicit_root(lambda one: residual((one,), *given)[0], equally_warm)
         return (excess,), outcome
     flyer = equations.flyer
     # no temperature falls to absolute zero; flows have no such bound
     lower = (-1.0,) * len(flyer.nodes) + (-math.inf,) * len(flyer.flows)
     return solve_system(
-        equation,
+        residual,
         guess or (lambda: flyer.first_guess(equations.state, equally_warm(_ROUGH)[0])),
+        given,
         lower=lower,
         tolerance=tolerance,
     )
@@ -236,10 +242,9 @@ def solve_equilibrium(equations: FlightEquations) -> Equilibrium:
     """Temperatures and heat flows, converged or not."""
     flyer, state = equations.flyer, equations.state
     powers = equations.powers(state.radiation.irradiance)
-    balance, shape = equations.trace_whole_balance(powers)
-    unknowns, outcome = solve_balance(equations, balance, powers, shape)
-    gas, own, _ = balance(*unknowns)
-    worst = _furthest(imbalances(balance, unknowns, powers))
+    unknowns, outcome = solve_balance(equations, powers)
+    gas, own, _ = found = equations.balance(unknowns)
+    worst = _furthest(imbalances(found, powers, largest_power(powers)))
     return Equilibrium(
         nodes=flyer.nodes,
         temperatures=tuple(
@@ -256,14 +261,14 @@ def solve_equilibrium(equations: FlightEquations) -> Equilibrium:
 
 def _furthest(values: tuple[Array, ...]) -> Array:
     """The value that is farthest from zero."""
-    return reduce(lambda a, b: jnp.where(jnp.abs(b) > jnp.abs(a), b, a), values)
+    return reduce(lambda a, b: xp.where(xp.abs(b) > xp.abs(a), b, a), values)
 
 
 def status_within(status: Array, residual: Array, tolerance: float) -> Array:
     """A status, corrected where the residual does not bear it out."""
-    kept = jnp.where(jnp.abs(residual) <= tolerance, status, int(SolverStatus.TOLERANCE_MISSED))
-    kept = jnp.where(status == int(SolverStatus.CONVERGED), kept, status)
-    return jnp.where(jnp.isnan(residual), int(SolverStatus.NOT_FINITE), kept)
+    kept = xp.where(xp.abs(residual) <= tolerance, status, int(SolverStatus.TOLERANCE_MISSED))
+    kept = xp.where(status == int(SolverStatus.CONVERGED), kept, status)
+    return xp.where(xp.isnan(residual), int(SolverStatus.NOT_FINITE), kept)
 
 
 def status_lines(status: Numeric) -> Iterator[str]:

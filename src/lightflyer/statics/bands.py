@@ -9,10 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module, field
+from lightflyer.array.transformations import repeat, shape_of, stop_gradient
 from lightflyer.core.checks import is_traced
-from lightflyer.core.precision import float64
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import require_record
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.display_units import number_text, suitable
 from lightflyer.files.result_text import Parts, PrintedResult, rows_of
@@ -21,13 +24,9 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
     RootOutcome,
     SolverStatus,
-    bracketed_newton,
+    find_root,
     implicit_root,
 )
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import Module, field
 from lightflyer.statics.balance import require_converged, status_lines
 from lightflyer.statics.equations import FlightEquations
 from lightflyer.statics.grid_refinement import (
@@ -183,11 +182,8 @@ def levitation_bands(
     count = (
         _POINTS if coordinate.step is None else max(3, round((high - low) / coordinate.step) + 1)
     )
-    xp: Any = jnp if is_traced((low, high)) else np  # which loads no JAX
-    with float64():
-        ends = xp.asarray([low, high], np.float64)
-        first, last = xp.log(ends) if coordinate.logarithmic else ends
-        grid = xp.linspace(first, last, count)
+    first, last = (xp.log(low), xp.log(high)) if coordinate.logarithmic else (low, high)
+    grid = xp.linspace(first, last, count)
     searched = _Searched(flyer, environment, model, coordinate.logarithmic, usable)
     bands = _levitation_bands(searched, grid)
     if throw:
@@ -207,37 +203,35 @@ class _Searched(Module):
     def margin(self, place: Array) -> Array:
         """Lift over weight, minus one, at a coordinate or its logarithm."""
         # or, where less, by how much the films are cooler than they bear, as a share of that
-        place = jnp.exp(place) if self.logarithmic else place
+        place = xp.exp(place) if self.logarithmic else place
         state, highest = self.environment.state(place), self.flyer.highest_temperature
         equations = FlightEquations(self.flyer, state, self.model)
         force, _, balance = lift_and_payload(equations)
         margin = force / equations.weight - 1.0
         if not self.usable or highest is None:
             return margin
-        return jnp.minimum(margin, 1.0 - balance.temperature / highest)
+        return xp.minimum(margin, 1.0 - balance.temperature / highest)
 
 
 @entry_point
 def _levitation_bands(searched: _Searched, grid: Array) -> Band:
     # the table only chooses brackets: the edges' derivative comes from their own equation
-    frozen = jax.lax.stop_gradient(searched)
+    frozen = stop_gradient(searched)
     margins, peak, height = scan(frozen.margin, grid)
     places, margins = with_point(grid, margins, peak, height)
     found = [band_brackets(places, margins > 0.0, number) for number in range(1, MOST_BANDS + 1)]
-    outside, inside, exists, is_open = (
-        jnp.stack(part, axis=1) for part in zip(*found, strict=True)
-    )
+    outside, inside, exists, is_open = (xp.stack(part, axis=1) for part in zip(*found, strict=True))
     edges, outcome = _edges(searched.margin, outside, inside, exists & ~is_open)
-    edges = jnp.where(is_open, inside, edges)
-    edges = jnp.exp(edges) if searched.logarithmic else edges
-    edges = jnp.where(exists, edges, np.nan)
+    edges = xp.where(is_open, inside, edges)
+    edges = xp.exp(edges) if searched.logarithmic else edges
+    edges = xp.where(exists, edges, np.nan)
     return Band(
         lower=edges[0],
         upper=edges[1],
         exists=exists[0],
         lower_open=is_open[0],
         upper_open=is_open[1],
-        status=jnp.max(outcome.status, axis=0),
+        status=xp.max(outcome.status, axis=0),
         unit=searched.environment.coordinate.unit,
     )
 
@@ -247,18 +241,18 @@ def scan(function: Callable[[Array], Array], grid: Array) -> tuple[Array, Array,
     # Each stage looks at as many points as the grid has, evenly spaced between the neighbours of
     # the last stage's best. One loop does it all because compiling the function costs more than
     # running it.
-    shape = jax.eval_shape(function, grid[0]).shape
-    fractions = jnp.linspace(0.0, 1.0, grid.size).reshape(-1, *[1] * len(shape))
+    shape = shape_of(function, grid[0])
+    fractions = xp.linspace(0.0, 1.0, grid.size).reshape(-1, *[1] * len(shape))
 
-    def look(ends: tuple[Array, Array], _: None) -> tuple[Any, tuple[Array, ...]]:
+    def look(ends: tuple[Array, Array]) -> tuple[Any, tuple[Array, ...]]:
         lower, upper = ends
         points = lower + fractions * (upper - lower)
         values = function(points)
         best, before, after = best_of(values)
         return (at(points, before), at(points, after)), (values, at(points, best), at(values, best))
 
-    whole = jnp.full(shape, grid[0]), jnp.full(shape, grid[-1])
-    _, (values, peaks, heights) = jax.lax.scan(look, whole, None, length=_STAGES)
+    whole = xp.full(shape, grid[0]), xp.full(shape, grid[-1])
+    _, (values, peaks, heights) = repeat(look, whole, _STAGES)
     return values[0], peaks[-1], heights[-1]
 
 
@@ -271,21 +265,21 @@ def _edges(
     width = inside - outside
 
     def residual(way: Array) -> Array:
-        return jnp.where(wanted, margin(outside + way * width), way - 0.5)
+        return xp.where(wanted, margin(outside + way * width), way - 0.5)
 
-    half = jnp.full(width.shape, 0.5)
+    half = xp.full(width.shape, 0.5)
 
     def search() -> tuple[Array, RootOutcome]:
-        return bracketed_newton(residual, half - 0.5, half + 0.5, half, EDGE_TOLERANCE)
+        return find_root(residual, half - 0.5, half + 0.5, half, EDGE_TOLERANCE)
 
-    way, outcome = implicit_root(residual, search, width.shape)
+    way, outcome = implicit_root(residual, search)
     return outside + way * width, outcome
 
 
 @entry_point
 def widest(bands: Band) -> Band:
     """The widest of some bands, whose leading axis it lacks."""
-    width = jnp.where(bands.exists, bands.upper - bands.lower, -np.inf)
+    width = xp.where(bands.exists, bands.upper - bands.lower, -np.inf)
     number_of_widest = first_largest(width)
     numbers = np.arange(width.shape[0], dtype=np.int32).reshape(-1, *[1] * (width.ndim - 1))
 
@@ -293,7 +287,7 @@ def widest(bands: Band) -> Band:
         # chosen band by band: JAX cannot transpose a lookup within a caller's single precision
         chosen = field[0]
         for number, entry in zip(numbers[1:], field[1:], strict=True):
-            chosen = jnp.where(number == number_of_widest, entry, chosen)
+            chosen = xp.where(number == number_of_widest, entry, chosen)
         return chosen
 
     return tree.map_leaves(of_widest, bands)

@@ -1,18 +1,20 @@
 """What a flyer at rest gains, loses and carries: what balance and levitation solve."""
 
-from collections.abc import Callable
 from functools import reduce
-from typing import Any, TypeAlias
+from typing import Any
 
+import numpy as np
+
+from lightflyer.array.memory import kept
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module
+from lightflyer.core.checks import is_traced
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import require_fit, require_record, shapes_in
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import Module
 
 
 @entry_point
@@ -31,10 +33,6 @@ def weight(flyer: AbstractFlyer, state: EnvironmentState) -> Numeric:
     return flyer.mass * state.gravity
 
 
-Balance: TypeAlias = Callable[..., tuple[tuple[Array, ...], ...]]
-"""By the unknowns: what each node loses to the gas and else [W], and the equations of flows [1]."""
-
-
 class FlightEquations(Module):
     """Powers and forces of a flyer at rest, by its unknowns: excess of each node, then flows."""
 
@@ -42,12 +40,14 @@ class FlightEquations(Module):
     state: EnvironmentState
     model: AbstractForceModel
 
-    def __check_init__(self) -> None:
+    def __post_init__(self) -> None:  # also where a public function makes it of given parts
         require_record("flyer", (AbstractFlyer,), self.flyer)
         require_record("state", (EnvironmentState,), self.state)
         require_record("model", (AbstractForceModel,), self.model)
         self.model.require_flyer(type(self.flyer))
         self.model.require_gas(self.state.gas)
+
+    def __check_init__(self) -> None:
         require_fit({
             **shapes_in(self.flyer, "flyer."),
             **shapes_in(self.state, "state."),
@@ -76,44 +76,35 @@ class FlightEquations(Module):
 
     def powers(self, irradiance: Numeric) -> tuple[Array, ...]:
         """Net power that each node absorbs under an irradiance of the beam [W]."""
-        areas, gains = self.flyer.beam_areas(self.state), self.flyer.heat_gains(self.state)
+        areas, gains = _areas_and_gains(self.flyer, self.state)
         return tuple(irradiance * area + gain for area, gain in zip(areas, gains, strict=True))
 
     def irradiance_for(self, loss: Array) -> tuple[Array, Array]:
         """Irradiance under which all nodes together gain a power [W/m²], and whether one does."""
         area = total(self.flyer.beam_areas(self.state))
         needed = loss - total(self.flyer.heat_gains(self.state))
-        return needed / jnp.where(area > 0.0, area, 1.0), area > 0.0
+        return needed / xp.where(area > 0.0, area, 1.0), area > 0.0
 
     def heat_flows(self, unknowns: tuple[Any, ...]) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
         """Power that each node loses to the gas, and by radiation and to the others [W]."""
-        gas = self.model.heat_loss(self.flyer, self.state, unknowns)
-        gas = require_record("heat_loss()", (tuple,), gas)
+        gas: Any = self.model.heat_loss(self.flyer, self.state, unknowns)
+        nodes = self.flyer.nodes
+        if not isinstance(gas, tuple) or len(gas) != len(nodes):
+            given = f"{len(gas)}" if isinstance(gas, tuple) else type(gas).__name__
+            raise ParameterError(
+                f"heat_loss() of {type(self.model).__name__} must give a tuple with a power for "
+                f"each node of the flyer ({', '.join(nodes)}), not {given}"
+            )
         return gas, self.flyer.heat_losses(self.state, unknowns)
 
     def losses(self, unknowns: tuple[Any, ...]) -> tuple[Array, ...]:
         """Power that each node loses [W]."""
         return tuple(taken + given for taken, given in zip(*self.heat_flows(unknowns), strict=True))
 
-    def trace_balance(self, shape: tuple[int, ...]) -> Balance:
-        """All but the powers of the equations, traced once for all who call it."""
-
-        def balance(*unknowns: Array) -> tuple[tuple[Array, ...], ...]:
-            flows = self.model.flow_balance(self.flyer, self.state, unknowns)
-            return *self.heat_flows(unknowns), tuple(flows)
-
-        traced = jax.jit(balance)
-        return lambda *unknowns: traced(*(jnp.broadcast_to(one, shape) for one in unknowns))
-
-    def trace_whole_balance(self, powers: tuple[Array, ...]) -> tuple[Balance, tuple[int, ...]]:
-        """The same in the shape that it gives with the powers, and that shape."""
-        # traced once more only where the shape of the powers is not the whole one
-        nothing = self.unknowns_at(jnp.zeros(()))
-        given = jnp.shape(total(powers))
-        balance = self.trace_balance(given)
-        gas, own, _ = jax.eval_shape(balance, *nothing)
-        shape = jnp.broadcast_shapes(given, *(part.shape for part in (*gas, *own)))
-        return (balance if shape == given else self.trace_balance(shape)), shape
+    def balance(self, unknowns: tuple[Array, ...]) -> tuple[tuple[Array, ...], ...]:
+        """What each node loses to the gas and else [W], and the equations of flows [1]."""
+        flows = self.model.flow_balance(self.flyer, self.state, unknowns)
+        return *self.heat_flows(unknowns), tuple(flows)
 
     def upward_force(self, unknowns: tuple[Any, ...]) -> Array:
         """Vertical part of the gas's force, and the flyer's buoyancy [N]."""
@@ -121,8 +112,23 @@ class FlightEquations(Module):
         if not hasattr(force, "dtype") and not isinstance(force, float):
             raise ParameterError(f"force() must give an array, not {type(force).__name__}")
         if self.flyer.attitude is not None:
-            force = force * jnp.cos(self.flyer.attitude.tilt)
+            force = force * xp.cos(self.flyer.attitude.tilt)
         return force + self.buoyancy(unknowns)
+
+    def require_force(self, force: Any, converged: Any) -> None:
+        """Raise unless a force of a model has the shape of flyer and surroundings, and numbers."""
+        if is_traced(force):
+            return
+        name = f"force() of {type(self.model).__name__}"
+        parts = (self.flyer, "flyer."), (self.state, "state."), (self.model, "")
+        shapes = [shape for part in parts for shape in shapes_in(*part).values()]
+        if np.shape(force) != (expected := np.broadcast_shapes(*shapes)):
+            raise ParameterError(
+                f"{name} gives an array of shape {np.shape(force)} where flyer and surroundings "
+                f"have {expected}"
+            )
+        if np.any(np.isnan(force) & converged):
+            raise ParameterError(f"{name} gives NaN at temperatures that balance the heat")
 
     def buoyancy(self, unknowns: tuple[Any, ...]) -> Numeric:
         """Buoyancy that the model adds to its force [N]; zero for a published one that has none."""
@@ -133,6 +139,14 @@ class FlightEquations(Module):
     def largest_payload(self, lift: Numeric) -> Numeric:
         """Mass that a lift carries beside the flyer's own [kg]."""
         return lift / self.state.gravity - self.flyer.own_mass
+
+
+@kept
+def _areas_and_gains(
+    flyer: AbstractFlyer, state: EnvironmentState
+) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+    """Light that each node absorbs, per irradiance [m²], and its other gains [W]."""
+    return flyer.beam_areas(state), flyer.heat_gains(state)
 
 
 def total(parts: tuple[Numeric, ...]) -> Any:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Numeric
 
 Function: TypeAlias = Callable[[np.ndarray], np.ndarray]
 """Takes places of shape (n, ...), returns values of that shape: one function a column."""

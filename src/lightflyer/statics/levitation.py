@@ -2,16 +2,15 @@
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module
+from lightflyer.core.entry_point import elementwise_entry_point
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.display_units import number_text
 from lightflyer.files.result_text import Parts, PrintedResult, rows_of
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE, AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import SolverStatus, reach
-from lightflyer.program.entry_point import elementwise_entry_point
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import Module
 from lightflyer.statics.balance import (
     require_converged,
     status_lines,
@@ -118,33 +117,26 @@ def _levitate(equations: FlightEquations) -> Levitation:
         found = find_by_irradiance(equations)
     # the answer, without what belongs to stand-ins
     levitates = found.levitates & (found.irradiance <= HIGHEST_IRRADIANCE)
-    residual = jnp.where(levitates, found.residual, 0.0)
+    residual = xp.where(levitates, found.residual, 0.0)
     status = status_within(found.status, residual, LOAD_TOLERANCE)
-    status = jnp.where(levitates, status, int(SolverStatus.CONVERGED))
+    status = xp.where(levitates, status, int(SolverStatus.CONVERGED))
     return Levitation(
-        irradiance=jnp.where(levitates, jnp.maximum(found.irradiance, 0.0), np.inf),
-        temperature=jnp.where(levitates, found.temperature, np.nan),
+        irradiance=xp.where(levitates, xp.maximum(found.irradiance, 0.0), np.inf),
+        temperature=xp.where(levitates, found.temperature, np.nan),
         levitates=levitates,
         residual=residual,
-        status=jnp.where(jnp.isnan(found.strongest), int(SolverStatus.NOT_FINITE), status),
+        status=xp.where(xp.isnan(found.strongest), int(SolverStatus.NOT_FINITE), status),
     )
 
 
 def _by_temperature(equations: FlightEquations) -> LiftOff:
     """One node: the temperature that carries the load, then the irradiance that holds it."""
 
-    def pushed(excess: Array) -> Array:
+    def force(excess: Array) -> Array:
         return equations.upward_force((excess,))
 
     state, load = equations.state, equations.weight
     hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
-    traced = jax.jit(pushed)
-    given = jnp.broadcast_to(hottest, jnp.shape(load + hottest))
-    shape = jnp.broadcast_shapes(given.shape, jax.eval_shape(traced, given).shape)
-
-    def force(excess: Array) -> Array:
-        return traced(jnp.broadcast_to(excess, shape))
-
     strongest = force(hottest)
     excess, reaches, outcome = reach(force, hottest, strongest, load)
     irradiance, collects = equations.irradiance_for(total(equations.losses((excess,))))

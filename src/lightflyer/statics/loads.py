@@ -1,11 +1,10 @@
 """Loads: force of the gas, and the payload that it carries."""
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import elementwise_entry_point
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.program.entry_point import elementwise_entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.statics.balance import Equilibrium, require_converged, solve_equilibrium
 from lightflyer.statics.equations import FlightEquations
 
@@ -37,7 +36,8 @@ def lift(
     ConvergenceError
         If the heat balance has not converged and ``throw`` is true.
     ParameterError
-        If the model is not for the flyer or the gas.
+        If the model is not for the flyer or the gas, or its force is no number or has a shape that
+        does not fit.
 
     Notes
     -----
@@ -51,9 +51,11 @@ def lift(
     >>> print(f"{lf.lift(disk, state, lf.Lu2023()) / lf.statics.weight(disk, state):.6f}")
     1.589948
     """
-    force, _, balance = lift_and_payload(FlightEquations(flyer, state, model))
+    equations = FlightEquations(flyer, state, model)
+    force, _, balance = lift_and_payload(equations)
     if throw:
         require_converged("heat balance", balance.status, balance.residual)
+        equations.require_force(force, balance.converged)
     return force
 
 
@@ -103,9 +105,9 @@ def _force_vector(equations: FlightEquations) -> tuple[Array, Array, Array, Equi
     force = equations.model.force(flyer, equations.state, balance.unknowns)
     if flyer.attitude is None:
         return 0.0 * force, 0.0 * force, force, balance
-    sideways = force * jnp.sin(flyer.attitude.tilt)
-    x, y = jnp.cos(flyer.attitude.azimuth), jnp.sin(flyer.attitude.azimuth)
-    return sideways * x, sideways * y, force * jnp.cos(flyer.attitude.tilt), balance
+    sideways = force * xp.sin(flyer.attitude.tilt)
+    x, y = xp.cos(flyer.attitude.azimuth), xp.sin(flyer.attitude.azimuth)
+    return sideways * x, sideways * y, force * xp.cos(flyer.attitude.tilt), balance
 
 
 def payload(

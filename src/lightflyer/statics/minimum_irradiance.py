@@ -10,15 +10,21 @@ derivative.
 """
 
 import math
-from collections.abc import Callable
-from functools import partial, reduce
+from dataclasses import replace
+from functools import reduce
 from typing import NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.linear import solve_linear
+from lightflyer.array.namespace import Array, call, xp
+from lightflyer.array.records import Module
+from lightflyer.array.transformations import repeat_while, stop_gradient, with_slopes
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE
 from lightflyer.numerics.rootfind import (
     MAXIMUM_STEPS,
+    RELATIVE_TOLERANCE,
     SMALLEST_SHARE,
     BracketSearch,
     SolverStatus,
@@ -26,10 +32,7 @@ from lightflyer.numerics.rootfind import (
     power_step,
 )
 from lightflyer.numerics.system import implicit_system
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import Module
-from lightflyer.statics.balance import imbalances, solve_balance
+from lightflyer.statics.balance import imbalances, largest_power, solve_balance
 from lightflyer.statics.equations import FlightEquations, total
 
 _DIMMEST = 1e-5  # light looked at after darkness, over the brightest
@@ -40,6 +43,9 @@ _HOPE = 0.5  # share of the load that a cubic must expect at a peak for a look t
 _NEARLY = 0.2, 2.0  # range of a force's growth, over that of one that is linear, to believe it
 _TOLERANCE = 1e-6  # of a balance: the step after it, which is taken, squares what is left
 _ROUGH = 1e-3  # the same on the way to light that carries the load
+_PATIENCE = 8  # steps of a balance before the careful search begins
+_FEW = 64  # elements that are not worth being taken apart
+_MANY_LEFT = 0.7  # share of the elements above which those that have ended are not left out
 _STEEPEST = 2.0  # power of the light with which an unknown is taken to grow, at most
 
 # what an element looks at: darkness is 0, then come the lights
@@ -52,9 +58,6 @@ T = TypeVar("T")
 Unknowns: TypeAlias = tuple[Array, ...]
 Balanced: TypeAlias = tuple[Array, Unknowns]
 """Force and unknowns of a heat balance, or their slopes over the light."""
-
-Look = Callable[[Array, Unknowns, Array], tuple[Balanced, Balanced]]
-"""What a light leads to, and its slopes, by unknowns about those in it and a tolerance."""
 
 
 class Knot(Module):
@@ -85,6 +88,12 @@ class LeastLight(Module):
     bracket: BracketSearch
 
     @property
+    def tolerance(self) -> Array:
+        """Imbalance before a balance's last step, over all powers, that will do for a look."""
+        scans = (self.stage > 0) & (self.stage <= _AT_BRIGHTEST)
+        return xp.where(scans, _ROUGH, _TOLERANCE)
+
+    @property
     def in_the_dark(self) -> Array:
         """Whether the load is carried without light."""
         return self.carries & (self.light == 0.0)
@@ -93,7 +102,7 @@ class LeastLight(Module):
     def status(self) -> Array:
         """Why the search ended; that no light suffices is an answer."""
         searched = self.carries & (self.light > 0.0)
-        return jnp.where(searched, self.bracket.status, jnp.int8(SolverStatus.CONVERGED))
+        return xp.where(searched, self.bracket.status, np.int8(SolverStatus.CONVERGED))
 
 
 class LiftOff(NamedTuple):
@@ -118,96 +127,166 @@ def find_by_irradiance(equations: FlightEquations) -> LiftOff:
     hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
     loss = total(equations.losses(equations.unknowns_at(hottest)))
     brightest, collects = equations.irradiance_for(loss)
-    shape = jnp.shape(brightest + load)
+    shape = xp.shape(brightest + load)
 
-    still, top, least = jax.lax.stop_gradient((equations, brightest, load))
-    dark = still.flyer.first_guess(still.state, jnp.zeros(shape))
-    found = find_least_light(partial(_force_in, still, shape), top, least, dark)
+    still, top, least = stop_gradient((equations, brightest, load))
+    dark = still.flyer.first_guess(still.state, xp.zeros(shape))
+    found = find_least_light(still, top, least, dark)
     share = found.light / top
     held = ~found.carries | found.in_the_dark
-    balance = equations.trace_balance(shape)
 
     def residual(point: tuple[Array, ...]) -> tuple[Array, ...]:
-        *unknowns, way = point
+        unknowns, way = point[:-1], point[-1]
         powers = equations.powers(way * top)
-        push = equations.upward_force(tuple(unknowns)) / load - 1.0
-        return *imbalances(balance, tuple(unknowns), powers), jnp.where(held, way - share, push)
+        push = equations.upward_force(unknowns) / load - 1.0
+        balance = equations.balance(unknowns)
+        off = imbalances(balance, powers, largest_power(powers))
+        return *off, xp.where(held, way - share, push)
 
-    *rest, share = implicit_system(residual, (*found.unknowns, share))
+    (*rest, share), _ = implicit_system(residual, lambda: ((*found.unknowns, share), None))
     unknowns = tuple(rest)
-    temperature = state.temperature * (1.0 + reduce(jnp.maximum, unknowns[: len(flyer.nodes)]))
+    temperature = state.temperature * (1.0 + reduce(xp.maximum, unknowns[: len(flyer.nodes)]))
     off = equations.upward_force(unknowns) / load - 1.0
     levitates = found.carries & collects & (temperature <= HIGHEST_TEMPERATURE)
     return LiftOff(
         levitates=found.in_the_dark | levitates,
         irradiance=share * top,
         temperature=temperature,
-        residual=jnp.where(found.in_the_dark, 0.0, off),
+        residual=xp.where(found.in_the_dark, 0.0, off),
         status=found.status,
         strongest=found.force,
     )
 
 
 def _force_in(
-    equations: FlightEquations,
-    shape: tuple[int, ...],
-    light: Array,
-    guess: Unknowns,
-    tolerance: Array,
+    equations: FlightEquations, light: Array, guess: Unknowns, tolerance: Array
 ) -> tuple[Balanced, Balanced]:
     """Force in a light [N] and the unknowns, and how they change with it; ``guess``: of those."""
-    balance = equations.trace_balance(shape)
+    unknowns, _ = solve_balance(equations, equations.powers(light), guess, tolerance)
+    found, slopes, _ = _step_in(equations, light, unknowns)
+    return found, slopes
 
-    def force(light: Array) -> Balanced:
-        unknowns, _ = solve_balance(
-            equations, balance, equations.powers(light), shape, guess, tolerance
-        )
-        return jnp.broadcast_to(equations.upward_force(unknowns), shape), unknowns
 
-    found: tuple[Balanced, Balanced] = jax.jvp(force, (light,), (jnp.ones_like(light),))
+def _step_in(
+    equations: FlightEquations, light: Array, unknowns: Unknowns
+) -> tuple[Balanced, Balanced, Array]:
+    """Newton's step of a balance: force and unknowns after it, their slopes, and what it was for.
+
+    The last is the largest imbalance before the step, over all powers.
+    """
+    size = largest_power(equations.powers(light))
+
+    def together(point: tuple[Array, ...]) -> tuple[Array, ...]:
+        unknowns, light = point[:-1], point[-1]
+        balance, powers = equations.balance(unknowns), equations.powers(light)
+        return *imbalances(balance, powers, size), equations.upward_force(unknowns)
+
+    (*left, force), (*columns, by_light) = with_slopes(
+        together, (*unknowns, light), (-1.0,) * len(equations.flyer.nodes)
+    )
+    rows = tuple(zip(*(column[:-1] for column in columns), strict=True))
+    pushes = [column[-1] for column in columns]
+    steps = solve_linear(rows, [-one for one in left])
+    # singular equations, far beyond any light that lifts, lead nowhere
+    finite = reduce(xp.logical_and, [xp.isfinite(step) for step in steps])
+    steps = tuple(xp.where(finite, step, 0.0) for step in steps)
+    changes = solve_linear(rows, [-one for one in by_light[:-1]])  # of the implicit functions
+    force = force + sum(push * step for push, step in zip(pushes, steps, strict=True))
+    slope = by_light[-1] + sum(push * one for push, one in zip(pushes, changes, strict=True))
+    unknowns = tuple(one + step for one, step in zip(unknowns, steps, strict=True))
+    found = xp.broadcast_to(force, xp.shape(light)), unknowns
+    return found, (slope, changes), reduce(xp.maximum, [xp.abs(one) for one in left])
+
+
+def find_least_light(
+    equations: FlightEquations, brightest: Array, load: Array, unknowns: Unknowns
+) -> LeastLight:
+    """Find the dimmest light in which a force carries a load; ``unknowns``: in darkness, about."""
+    brightest, load = xp.broadcast_arrays(brightest, load)
+    start, most = _start(brightest, unknowns), MAXIMUM_STEPS + _DONE
+    if call.jax is None:
+        return _find_step_by_step(equations, start, brightest, load)
+
+    def look(at: LeastLight) -> LeastLight:
+        looked = _force_in(equations, at.light, at.unknowns, at.tolerance)
+        return _advance(at, *looked, brightest, load)
+
+    found, _ = repeat_while(
+        lambda at: xp.any(at[0].stage != _DONE) & (at[1] < most),
+        lambda at: (look(at[0]), at[1] + 1),
+        (start, xp.zeros((), int)),
+    )
     return found
 
 
-def find_least_light(look: Look, brightest: Array, load: Array, unknowns: Unknowns) -> LeastLight:
-    """Find the dimmest light in which a force carries a load; ``unknowns``: in darkness, about."""
-    brightest, load = jnp.broadcast_arrays(brightest, load)
+def _find_step_by_step(
+    equations: FlightEquations, at: LeastLight, brightest: Array, load: Array
+) -> LeastLight:
+    """The same by NumPy: light and balance go on together, each element by itself."""
+    # An element's light changes once a step of its balance was for hardly anything; what has not
+    # come to that after some steps is left to the careful search. Those that have ended are left
+    # out.
+    whole, places, tries = at, None, np.zeros(at.stage.shape, int)
+    for _ in range(_PATIENCE * (MAXIMUM_STEPS + _DONE)):
+        searching = at.stage != _DONE
+        if not searching.any():
+            break
+        if searching.ndim == 1 and np.count_nonzero(searching) < _MANY_LEFT * searching.size:
+            rows = np.flatnonzero(searching)
+            whole = tree.put_rows(whole, places, at)
+            places = rows if places is None else places[rows]
+            given = equations, at, brightest, load, tries
+            equations, at, brightest, load, tries = tree.take_rows(given, searching.shape, rows)
+        found, slopes, imbalance = _step_in(equations, at.light, at.unknowns)
+        settled = imbalance <= at.tolerance
+        lost = ~settled & ((tries == _PATIENCE) | ~_is_possible(equations, found[1]))
+        if (lost & (at.stage != _DONE)).any():
+            careful = _force_in(equations, at.light, at.unknowns, at.tolerance)
+            found, slopes = _select(lost, careful, (found, slopes))
+        settled, tries = settled | lost, np.where(settled | lost, 0, tries + 1)
+        closer = replace(at, unknowns=_select(at.stage == _DONE, at.unknowns, found[1]))
+        if settled.ndim == 1 and settled.size > _FEW:
+            rows = np.flatnonzero(settled)
+            if rows.size:
+                looked = at, found, slopes, brightest, load
+                some = _advance(*tree.take_rows(looked, settled.shape, rows))
+                closer = tree.put_rows(closer, rows, some)
+            at = closer
+        else:
+            at = _select(settled, _advance(at, found, slopes, brightest, load), closer)
+    return tree.put_rows(whole, places, at)
 
-    def advance(at: tuple[LeastLight, Array]) -> tuple[LeastLight, Array]:
-        search, steps = at
-        return _advance(search, look, brightest, load), steps + 1
 
-    def unfinished(at: tuple[LeastLight, Array]) -> Array:
-        search, steps = at
-        return jnp.any(search.stage != _DONE) & (steps < MAXIMUM_STEPS + _DONE)
-
-    start = _start(brightest, unknowns)
-    end, _ = jax.lax.while_loop(unfinished, advance, (start, jnp.zeros((), int)))
-    return end
+def _is_possible(equations: FlightEquations, unknowns: Unknowns) -> Array:
+    """Whether all temperatures are above absolute zero, and all unknowns numbers."""
+    finite = [np.isfinite(one) for one in unknowns]
+    warm = [one > -1.0 for one in unknowns[: len(equations.flyer.nodes)]]
+    return reduce(np.logical_and, [*finite, *warm])
 
 
 def _start(brightest: Array, unknowns: Unknowns) -> LeastLight:
-    nothing = jnp.zeros_like(brightest)
+    nothing = xp.zeros_like(brightest)
     darkness = Knot(nothing, nothing, nothing)
     return LeastLight(
-        stage=jnp.zeros(brightest.shape, np.int32),
+        stage=xp.zeros(brightest.shape, np.int32),
         light=nothing,
         force=nothing,
-        carries=jnp.zeros(brightest.shape, bool),
-        unknowns=tuple(jnp.broadcast_to(one, brightest.shape) for one in unknowns),
+        carries=xp.zeros(brightest.shape, bool),
+        unknowns=tuple(xp.broadcast_to(one, brightest.shape) for one in unknowns),
         dark=darkness,
-        skipped=jnp.zeros(brightest.shape, bool),
+        skipped=xp.zeros(brightest.shape, bool),
         rising=darkness,
         peak=(darkness, darkness),
-        height=jnp.full_like(brightest, -np.inf),
+        height=xp.full_like(brightest, -np.inf),
         bracket=BracketSearch.within(nothing, brightest, brightest),
     )
 
 
-def _advance(at: LeastLight, look: Look, brightest: Array, load: Array) -> LeastLight:
-    """The search after a look at its light."""
-    scans = (at.stage > 0) & (at.stage <= _AT_BRIGHTEST)
-    tolerance = jnp.where(scans, _ROUGH, _TOLERANCE)
-    (force, unknowns), (slope, changes) = look(at.light, at.unknowns, tolerance)
+def _advance(
+    at: LeastLight, found: Balanced, slopes: Balanced, brightest: Array, load: Array
+) -> LeastLight:
+    """The search after a look at its light: force and unknowns there, and their slopes."""
+    (force, unknowns), (slope, changes) = found, slopes
     here = Knot(at.light, force, at.light * slope)
     growth = (force - at.dark.force) / (at.dark.slope * at.light)
     belied = at.skipped & ~((_NEARLY[0] < growth) & (growth < _NEARLY[1]) & (slope > 0.0))
@@ -215,11 +294,17 @@ def _advance(at: LeastLight, look: Look, brightest: Array, load: Array) -> Least
     carries = looking & (force >= load)
     begins = carries & (at.light > 0.0)
     residual, newton = power_step(force, slope, at.light, load)
-    lower = jnp.where(at.rising.light > 0.0, at.rising.light, SMALLEST_SHARE * at.light)
+    # Newton's error falls as its square: after a step from here there is nothing to look at
+    close = xp.abs(newton - at.light) <= math.sqrt(RELATIVE_TOLERANCE) * at.light
+    lower = xp.where(at.rising.light > 0.0, at.rising.light, SMALLEST_SHARE * at.light)
     bracket = _select(
         begins,
         BracketSearch.within(lower, at.light, _between(at.rising, here, load)),
-        _select(searching, at.bracket.advance(residual, newton, geometric_middle), at.bracket),
+        _select(
+            searching,
+            at.bracket.advance(residual, newton, geometric_middle, close=close),
+            at.bracket,
+        ),
     )
     rising, peak, height = _peaks(at, here)
     vertex, _ = _vertex(*peak)
@@ -228,21 +313,21 @@ def _advance(at: LeastLight, look: Look, brightest: Array, load: Array) -> Least
     goes_on = looking & ~carries & ~hopeless & (at.stage < _AT_PEAK)
     in_the_dark = at.stage == 0
     dark = _select(in_the_dark, Knot(at.light, force, slope), at.dark)
-    first = jnp.where(belied, 1, jnp.where(in_the_dark, _first_stage(dark, brightest, load), 0))
+    first = xp.where(belied, 1, xp.where(in_the_dark, _first_stage(dark, brightest, load), 0))
     moves = goes_on | belied
     stage = _next_stage(at, carries | (looking & hopeless), begins, bracket.active)
-    stage = jnp.where(moves, jnp.where(first > 0, first, stage), stage)
-    brighter = jnp.where(at.stage >= _AT_BRIGHTEST, vertex, _RATIO * at.light)
-    brighter = jnp.where(first > 0, _DIMMEST * _RATIO ** (first - 1.0) * brightest, brighter)
-    light = jnp.where(begins | searching, bracket.point, jnp.where(moves, brighter, at.light))
+    stage = xp.where(moves, xp.where(first > 0, first, stage), stage)
+    brighter = xp.where(at.stage >= _AT_BRIGHTEST, vertex, _RATIO * at.light)
+    brighter = xp.where(first > 0, _DIMMEST * _RATIO ** (first - 1.0) * brightest, brighter)
+    light = xp.where(begins | searching, bracket.point, xp.where(moves, brighter, at.light))
     # the last step of a bracketed search is so short that nothing has to be looked at thereafter
-    step = jnp.where(searching, light - at.light, 0.0)
+    step = xp.where(searching, light - at.light, 0.0)
     ends = tuple(one + step * change for one, change in zip(unknowns, changes, strict=True))
     following = _select(stage == _DONE, ends, _ahead(at.light, light, unknowns, changes))
     return LeastLight(
         stage=stage,
         light=light,
-        force=jnp.where(looking, force, at.force),
+        force=xp.where(looking, force, at.force),
         carries=at.carries | carries,
         unknowns=_select(at.stage == _DONE, at.unknowns, following),
         dark=dark,
@@ -257,41 +342,41 @@ def _advance(at: LeastLight, look: Look, brightest: Array, load: Array) -> Least
 def _first_stage(dark: Knot, brightest: Array, load: Array) -> Array:
     """Of lights in equal ratios the last but one that is too dim if the force grows linearly."""
     grows = dark.slope > 0.0
-    needed = (load - dark.force) / jnp.where(grows, dark.slope, 1.0)
-    ratio = jnp.where(grows & (needed > 0.0), needed / (_DIMMEST * brightest), 1.0)
-    return jnp.clip(jnp.floor(jnp.log(ratio) / math.log(_RATIO)), 1, _FURTHEST).astype(np.int32)
+    needed = (load - dark.force) / xp.where(grows, dark.slope, 1.0)
+    ratio = xp.where(grows & (needed > 0.0), needed / (_DIMMEST * brightest), 1.0)
+    return xp.clip(xp.floor(xp.log(ratio) / math.log(_RATIO)), 1, _FURTHEST).astype(np.int32)
 
 
 def _between(low: Knot, high: Knot, load: Array) -> Array:
     """Light between two in which a force carries a load, about."""
     # by the cubic for the light over the force, in logarithms, else in proportion to the force
     known = (low.light > 0.0) & (low.force > 0.0) & (low.slope > 0.0) & (high.slope > 0.0)
-    width, gain = jnp.log(high.light / low.light), jnp.log(high.force / low.force)
-    way = jnp.log(load / low.force) / gain
+    width, gain = xp.log(high.light / low.light), xp.log(high.force / low.force)
+    way = xp.log(load / low.force) / gain
     first, last = gain * low.force / low.slope, gain * high.force / high.slope
     turn = 3.0 * width - 2.0 * first - last
     found = way * (first + way * (turn + way * (first + last - 2.0 * width)))
     inside = known & (found > 0.0) & (found < width)
-    return jnp.where(inside, low.light * jnp.exp(found), high.light * load / high.force)
+    return xp.where(inside, low.light * xp.exp(found), high.light * load / high.force)
 
 
 def _ahead(light: Array, following: Array, unknowns: Unknowns, changes: Unknowns) -> Unknowns:
     """Unknowns in another light, about: each is taken as a power of the light."""
-    ratio = jnp.where(light > 0.0, following / jnp.where(light > 0.0, light, 1.0), 1.0)
+    ratio = xp.where(light > 0.0, following / xp.where(light > 0.0, light, 1.0), 1.0)
     found = []
     for value, change in zip(unknowns, changes, strict=True):
-        power = light * change / jnp.where(value == 0.0, 1.0, value)
-        grown = value * ratio ** jnp.clip(power, -_STEEPEST, _STEEPEST)
+        power = light * change / xp.where(value == 0.0, 1.0, value)
+        grown = value * ratio ** xp.clip(power, -_STEEPEST, _STEEPEST)
         line = value + change * (following - light)
-        found.append(jnp.where((light > 0.0) & (value != 0.0), grown, line))
+        found.append(xp.where((light > 0.0) & (value != 0.0), grown, line))
     return tuple(found)
 
 
 def _next_stage(at: LeastLight, carries: Array, begins: Array, active: Array) -> Array:
-    after = jnp.minimum(at.stage + 1, _DONE)
-    after = jnp.where((at.stage == _IN_BRACKET) & active, _IN_BRACKET, after)
-    after = jnp.where((at.stage == _AT_PEAK) | carries, _DONE, after)
-    return jnp.where(begins, _IN_BRACKET, after).astype(np.int32)
+    after = xp.minimum(at.stage + 1, _DONE)
+    after = xp.where((at.stage == _IN_BRACKET) & active, _IN_BRACKET, after)
+    after = xp.where((at.stage == _AT_PEAK) | carries, _DONE, after)
+    return xp.where(begins, _IN_BRACKET, after).astype(np.int32)
 
 
 def _peaks(at: LeastLight, here: Knot) -> tuple[Knot, tuple[Knot, Knot], Array]:
@@ -304,23 +389,23 @@ def _peaks(at: LeastLight, here: Knot) -> tuple[Knot, tuple[Knot, Knot], Array]:
     left = _select(higher, at.rising, _select(closes_in & rises, here, left))
     right = _select(higher | (closes_in & ~rises), here, right)
     rising = _select(scans & rises, here, at.rising)
-    return rising, (left, right), jnp.where(higher, height, at.height)
+    return rising, (left, right), xp.where(higher, height, at.height)
 
 
 def _vertex(left: Knot, right: Knot) -> tuple[Array, Array]:
     """Light and height of the peak of a cubic over the light's logarithm, between two looks."""
-    ratio = right.light / jnp.where(left.light > 0.0, left.light, 1.0)
-    ratio = jnp.where(ratio > 1.0, ratio, _RATIO)  # of stand-ins
-    width = jnp.log(ratio)
+    ratio = right.light / xp.where(left.light > 0.0, left.light, 1.0)
+    ratio = xp.where(ratio > 1.0, ratio, _RATIO)  # of stand-ins
+    width = xp.log(ratio)
     gain, first, last = right.force - left.force, width * left.slope, width * right.slope
     # of the cubic's derivative, which goes from ``first`` to ``last`` along the way from 0 to 1
     square, linear = 3.0 * (first + last) - 6.0 * gain, 6.0 * gain - 4.0 * first - 2.0 * last
-    root = jnp.sqrt(jnp.maximum(linear**2 - 4.0 * square * first, 0.0)) - linear
-    way = jnp.clip(2.0 * first / jnp.where(root > 0.0, root, 1.0), 0.0, 1.0)
+    root = xp.sqrt(xp.maximum(linear**2 - 4.0 * square * first, 0.0)) - linear
+    way = xp.clip(2.0 * first / xp.where(root > 0.0, root, 1.0), 0.0, 1.0)
     height = left.force + way * (first + way * (0.5 * linear + way * square / 3.0))
     return left.light * ratio**way, height
 
 
 def _select(condition: Array, first: T, second: T) -> T:
-    chosen: T = tree.map_leaves(lambda a, b: jnp.where(condition, a, b), first, second)
+    chosen: T = tree.map_leaves(lambda a, b: xp.where(condition, a, b), first, second)
     return chosen

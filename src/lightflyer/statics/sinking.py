@@ -5,24 +5,23 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import is_concrete
+from lightflyer.core.entry_point import elementwise_entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Altitude, require_record
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.numerics.rootfind import (
     RootOutcome,
     SolverStatus,
-    bracketed_power_newton,
+    find_power_root,
     implicit_root,
 )
-from lightflyer.program.arguments import reads_units
-from lightflyer.program.entry_point import elementwise_entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, is_tracer, jnp
-from lightflyer.pytree.module import Module
 from lightflyer.statics.balance import require_converged, solve_equilibrium
 from lightflyer.statics.equations import FlightEquations, weight
 
@@ -63,18 +62,18 @@ def steady_speed(drag: Callable[[Array], Array], force: Array) -> tuple[Array, R
         Of the sign of the force [m/s]. Differentiable in all that ``drag`` and ``force`` use.
     outcome : RootOutcome
     """
-    size = jnp.abs(force)
+    size = xp.abs(force)
     at_rest = size == 0.0
-    slope = drag(jnp.full_like(force, _SLOW)) / _SLOW
-    target = jnp.where(at_rest, slope * _SLOW, size)
+    slope = drag(xp.full_like(force, _SLOW)) / _SLOW
+    target = xp.where(at_rest, slope * _SLOW, size)
     fastest = target / slope
 
     def search() -> tuple[Array, RootOutcome]:
         lower, upper = (share * fastest for share in _BRACKET)
-        found, outcome = bracketed_power_newton(drag, target, lower, upper, guess=fastest)
-        return jnp.where(at_rest, 0.0, jnp.sign(force) * found), outcome
+        found, outcome = find_power_root(drag, target, lower, upper, guess=fastest)
+        return xp.where(at_rest, 0.0, xp.sign(force) * found), outcome
 
-    return implicit_root(lambda speed: drag(speed) - force, search, jnp.shape(force))
+    return implicit_root(lambda speed: drag(speed) - force, search)
 
 
 def sinking_speed(
@@ -145,7 +144,7 @@ def _require_level(flyer: AbstractFlyer) -> None:
 
 @elementwise_entry_point
 def _sinking_cold(flyer: AbstractFlyer, state: EnvironmentState) -> Sinking:
-    unknowns = (jnp.zeros(()),) * (len(flyer.nodes) + len(flyer.flows))
+    unknowns = (xp.zeros(()),) * (len(flyer.nodes) + len(flyer.flows))
     return Sinking(*_steady(flyer, state, unknowns, flyer.buoyancy(state, unknowns)), 0.0)
 
 
@@ -155,14 +154,14 @@ def sinking(equations: FlightEquations) -> Sinking:
     balance = solve_equilibrium(equations)
     lift = equations.upward_force(balance.unknowns)
     speed, status = _steady(equations.flyer, equations.state, balance.unknowns, lift)
-    return Sinking(speed, jnp.maximum(status, balance.status), balance.residual)
+    return Sinking(speed, xp.maximum(status, balance.status), balance.residual)
 
 
 def _steady(
     flyer: AbstractFlyer, state: EnvironmentState, unknowns: tuple[Array, ...], lift: Numeric
 ) -> tuple[Array, Array]:
-    slow = flyer.drag(state, unknowns, jnp.full_like(lift, _SLOW))
-    force = weight(flyer, state) - lift + jnp.zeros_like(slow)
+    slow = flyer.drag(state, unknowns, xp.full_like(lift, _SLOW))
+    force = weight(flyer, state) - lift + xp.zeros_like(slow)
     speed, outcome = steady_speed(lambda speed: flyer.drag(state, unknowns, speed), force)
     return speed, outcome.status
 
@@ -178,11 +177,10 @@ def in_the_dark(state: EnvironmentState) -> EnvironmentState:
     -------
     EnvironmentState
     """
-    light = state.radiation.irradiance  # where it is traced, none is a constant
     return tree.replace_at(
         lambda state: (state.radiation.irradiance, state.radiation.diffuse_above),
         state,
-        (jnp.zeros_like(light) if is_tracer(light) else 0.0 * light, 0.0),
+        (xp.zeros_like(state.radiation.irradiance), 0.0),
     )
 
 

@@ -2,9 +2,8 @@
 
 from typing import NamedTuple
 
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.structure.laminate import Stiffness
 
 _EDGE_FREE = 192.0  # of a round film with a free edge: its energy of stretching is E t K² πR⁶/384
@@ -19,7 +18,7 @@ class Curl(NamedTuple):
     @property
     def rolls(self) -> Array:
         """Whether it rolls up in one direction."""
-        return jnp.asarray(self.largest != self.smallest)
+        return xp.asarray(self.largest != self.smallest)
 
 
 @entry_point
@@ -28,7 +27,7 @@ def critical_curvature(stiffness: Stiffness, radius: Numeric) -> Array:
     # .. math:: \kappa_c = \sqrt{\frac{192\,D(1-\nu)}{E t R^4}}
     #
     # which is 4t/(R²√(1+ν)) of one layer. Source: [Freund2000]_.
-    return jnp.sqrt(_EDGE_FREE * stiffness.twisting / stiffness.membrane) / radius**2
+    return xp.sqrt(_EDGE_FREE * stiffness.twisting / stiffness.membrane) / radius**2
 
 
 @entry_point
@@ -63,17 +62,17 @@ def curl_of_film(curvature: Numeric, stiffness: Stiffness, radius: Numeric) -> C
     [Freund2000]_, [FreundSuresh2003]_ ch. 2.6
     """
     critical = critical_curvature(stiffness, radius)
-    wanted = jnp.abs(curvature) / critical
+    wanted = xp.abs(curvature) / critical
     ratio = stiffness.twisting / stiffness.bending
     # the one real root of ratio·x³ + x = wanted
-    slope = 1.5 * jnp.sqrt(3.0 * ratio)
-    dish = 2.0 / jnp.sqrt(3.0 * ratio) * jnp.sinh(jnp.arcsinh(slope * wanted) / 3.0)
+    slope = 1.5 * xp.sqrt(3.0 * ratio)
+    dish = 2.0 / xp.sqrt(3.0 * ratio) * xp.sinh(xp.arcsinh(slope * wanted) / 3.0)
     mean = wanted / (1.0 + ratio)
     rolled = mean > 1.0
-    spread = jnp.sqrt(jnp.where(rolled, mean**2 - 1.0, 1.0))
-    largest = jnp.where(rolled, mean + spread, dish)
-    smallest = jnp.where(rolled, 1.0 / (mean + spread), dish)
-    sign = jnp.sign(curvature) * critical
+    spread = xp.sqrt(xp.where(rolled, mean**2 - 1.0, 1.0))
+    largest = xp.where(rolled, mean + spread, dish)
+    smallest = xp.where(rolled, 1.0 / (mean + spread), dish)
+    sign = xp.sign(curvature) * critical
     return Curl(sign * largest, sign * smallest)
 
 
@@ -84,8 +83,8 @@ def projected_share(curl: Curl, radius: Numeric) -> Array:
     #     \qquad \langle\vartheta^2\rangle = \tfrac14(\kappa_1^2+\kappa_2^2)R^2
     #
     # by the angle ϑ to the horizontal; the first term of its series is a bound.
-    square = 0.25 * (curl.largest**2 + curl.smallest**2) * jnp.asarray(radius) ** 2
-    return jnp.maximum(1.0 - 0.5 * square, 0.0)
+    square = 0.25 * (curl.largest**2 + curl.smallest**2) * xp.asarray(radius) ** 2
+    return xp.maximum(1.0 - 0.5 * square, 0.0)
 
 
 @entry_point
@@ -98,4 +97,4 @@ def tac_within(tac: Numeric, projected: Numeric) -> Array:
     #
     # Free molecules meet the face again unless they leave by the opening; exact for a spherical cap
     # with diffuse reflection, of which every part sees the opening under φ.
-    return tac / (1.0 - (1.0 - jnp.asarray(tac)) * (1.0 - projected))
+    return tac / (1.0 - (1.0 - xp.asarray(tac)) * (1.0 - projected))

@@ -2,9 +2,8 @@
 
 import math
 
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 
 _ROD = math.pi**2  # Euler's load of a rod between hinges: π² EI/L²
 
@@ -18,7 +17,7 @@ def fold_curvature(tension: Numeric, stiffness: Numeric) -> Array:
     # .. math:: \kappa = \sqrt{2N/D}
     #
     # Euler's elastica: ½Dκ² = N(1 - cos φ) between the hold and far away.
-    return jnp.sqrt(2.0 * jnp.asarray(tension) / stiffness)
+    return xp.sqrt(2.0 * xp.asarray(tension) / stiffness)
 
 
 @entry_point
@@ -29,9 +28,9 @@ def fold_tension(
 
     ``margin``: that stress [Pa]; ``per_tension`` [1/m], ``per_curvature`` [Pa m].
     """
-    bent = per_curvature * jnp.sqrt(2.0 / jnp.asarray(stiffness))
+    bent = per_curvature * xp.sqrt(2.0 / xp.asarray(stiffness))
     # of the quadratic equation of the tension's root, without cancellation
-    return (2.0 * margin / (bent + jnp.sqrt(bent**2 + 4.0 * per_tension * margin))) ** 2
+    return (2.0 * margin / (bent + xp.sqrt(bent**2 + 4.0 * per_tension * margin))) ** 2
 
 
 @entry_point
@@ -42,7 +41,7 @@ def tether_mass(
 
     ``weight`` [N], ``length`` [m], ``density`` [kg/m³], ``strength`` [Pa], ``safety`` [1].
     """
-    return safety * weight * length * density / jnp.asarray(strength)
+    return safety * weight * length * density / xp.asarray(strength)
 
 
 @entry_point
@@ -54,5 +53,5 @@ def rod_mass(
     ``load`` [N], ``length`` [m], ``density`` [kg/m³], ``modulus`` [Pa], ``safety`` [1].
     """
     # .. math:: m = \rho A L, \qquad nP = \frac{\pi^2 E}{L^2}\,\frac{A^2}{4\pi}
-    area = 2.0 * length * jnp.sqrt(math.pi * safety * load / (_ROD * jnp.asarray(modulus)))
+    area = 2.0 * length * xp.sqrt(math.pi * safety * load / (_ROD * xp.asarray(modulus)))
     return density * area * length

@@ -9,6 +9,9 @@ from collections.abc import Callable
 from functools import reduce
 from typing import NamedTuple
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module, field
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import (
     Checked,
     Expansion,
@@ -17,10 +20,6 @@ from lightflyer.core.quantity import (
     Stress,
     Thickness,
 )
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module, field
 from lightflyer.structure.holes import tension_at_holes
 
 ROOM_TEMPERATURE = 293.15  # at which stresses of layers are stated [K]
@@ -67,7 +66,7 @@ class Laminate(Module):
     @property
     def heights(self) -> list[Array]:
         """Height of the middle of each layer over the bottom face [m]."""
-        found, below = [], jnp.zeros(())
+        found, below = [], xp.zeros(())
         for layer in reversed(self.layers):
             found.append(below + 0.5 * layer.thickness)
             below = below + layer.thickness
@@ -114,7 +113,7 @@ def flat_load(film: Laminate, temperature: Numeric) -> tuple[Array, Array]:
     The moment, about the neutral height, is positive where the top is in tension.
     """
     neutral = laminate_stiffness(film).neutral
-    tension = moment = jnp.zeros(())
+    tension = moment = xp.zeros(())
     for layer, height in zip(film.layers, film.heights, strict=True):
         force = _held_stress(layer, temperature) * layer.thickness
         tension, moment = tension + force, moment + force * (height - neutral)
@@ -166,7 +165,7 @@ def layer_stresses(
                 held + in_plane * (other + layer.poisson * one),
             )
             ends.append(tension_at_holes(*stresses, open_fraction))
-        found.append(reduce(jnp.maximum, ends))
+        found.append(reduce(xp.maximum, ends))
     return tuple(found)
 
 
@@ -177,7 +176,7 @@ def bending_stresses(film: Laminate) -> tuple[Array, ...]:
     return tuple(
         layer.modulus
         / (1.0 - layer.poisson**2)
-        * (jnp.abs(height - neutral) + 0.5 * layer.thickness)
+        * (xp.abs(height - neutral) + 0.5 * layer.thickness)
         for layer, height in zip(film.layers, film.heights, strict=True)
     )
 

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp, special
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
+from lightflyer.numerics.special import xlogy
 from lightflyer.structure.laminate import Stiffness
 
 _PLATE = 64.0  # of a clamped round plate: p = 64 D w/b⁴ [TimoshenkoWoinowskyKrieger1959]
@@ -19,7 +19,7 @@ _SIGNS = np.resize([-1.0, 1.0], _WAVES.size)  # halfway between them
 
 def _bent(inner: Numeric, poisson: Numeric) -> Array:
     """What the free edge leaves of the bending within a ring [1]; ``inner``: ring over radius."""
-    within = (1.0 - poisson) * (0.1875 - 0.125 * jnp.asarray(inner) ** 2) - 0.25
+    within = (1.0 - poisson) * (0.1875 - 0.125 * xp.asarray(inner) ** 2) - 0.25
     return within / (1.0 + poisson)
 
 
@@ -59,14 +59,12 @@ def free_plate_profile(
     ----------
     [TimoshenkoWoinowskyKrieger1959]_ ch. 3
     """
-    inner, way = ring / jnp.asarray(radius), at / jnp.asarray(radius)
-    further, square = jnp.maximum(way, inner), way**2
+    inner, way = ring / xp.asarray(radius), at / xp.asarray(radius)
+    further, square = xp.maximum(way, inner), way**2
     within = square**2 / 64.0 + 0.5 * _bent(inner, poisson) * square
-    beyond = (
-        further**2 - inner**2 - special.xlogy(inner**2, further) + special.xlogy(inner**2, inner)
-    )
+    beyond = further**2 - inner**2 - xlogy(inner**2, further) + xlogy(inner**2, inner)
     size = load * radius**2 / (math.pi * stiffness)
-    return size * (within + 0.125 * (beyond - special.xlogy(square, further)))
+    return size * (within + 0.125 * (beyond - xlogy(square, further)))
 
 
 @entry_point
@@ -85,9 +83,9 @@ def three_point_profile(
     """The same with the load at three points of the ring: towards one, and between two [m]."""
     # The ring's solution, and a sum over waves cos mφ, m = 3, 6, … Each is that of a point load in
     # an endless plate, R² ln R, with A rᵐ + B rᵐ⁺², which frees the edge of moment and shear.
-    inner, way = jnp.broadcast_arrays(ring / jnp.asarray(radius), at / jnp.asarray(radius))
-    a, x, m = inner[..., None], way[..., None], jnp.asarray(_WAVES)
-    nu = jnp.asarray(poisson)[..., None]
+    inner, way = xp.broadcast_arrays(ring / xp.asarray(radius), at / xp.asarray(radius))
+    a, x, m = inner[..., None], way[..., None], xp.asarray(_WAVES)
+    nu = xp.asarray(poisson)[..., None]
     power = a**m
     second = -(1.0 - nu) / (3.0 + nu) * power * (1.0 / m - a**2 / (m + 1.0))
     moment = (
@@ -96,16 +94,16 @@ def three_point_profile(
         + second * ((m + 2.0) * (m + 1.0) + nu * (m + 2.0 - m**2))
     )
     first = -moment / ((1.0 - nu) * m * (m - 1.0))
-    far = jnp.maximum(x, a)
-    near = jnp.minimum(x, a) / far
+    far = xp.maximum(x, a)
+    near = xp.minimum(x, a) / far
     endless = x * a * near ** (m - 1.0) * (1.0 / (m - 1.0) + near**2 / (m + 1.0))
     endless = endless - (x**2 + a**2) * near**m / m
     waves = endless + x**m * (first + second * x**2)
     size = -load * radius**2 / (8.0 * math.pi * stiffness)
     even = free_plate_profile(load, radius, ring, stiffness, poisson, at)
     return (
-        even + size * jnp.sum(waves, axis=-1),
-        even + size * jnp.sum(jnp.asarray(_SIGNS) * waves, axis=-1),
+        even + size * xp.sum(waves, axis=-1),
+        even + size * xp.sum(xp.asarray(_SIGNS) * waves, axis=-1),
     )
 
 
@@ -117,8 +115,8 @@ def load_curvatures(
 
     The ring must be wider than a point. Curvature is nowhere larger than the larger of the two.
     """
-    inner = ring / jnp.asarray(radius)
-    middle = _bent(inner, poisson) - 0.25 * jnp.log(inner)
+    inner = ring / xp.asarray(radius)
+    middle = _bent(inner, poisson) - 0.25 * xp.log(inner)
     size = load / (math.pi * stiffness)
     return size * middle, size * (middle + 0.1875 * inner**2)
 
@@ -128,9 +126,9 @@ def shear_profile(
     load: Numeric, radius: Numeric, ring: Numeric, shear_stiffness: Numeric, at: Numeric
 ) -> Array:
     """What shear adds to the rise of such a plate [m]; stiffness [N/m], ring wider than a point."""
-    way, inner = at / jnp.asarray(radius), ring / jnp.asarray(radius)
+    way, inner = at / xp.asarray(radius), ring / xp.asarray(radius)
     size = load / (2.0 * math.pi * shear_stiffness)
-    return size * (jnp.log(jnp.maximum(way, inner) / inner) - 0.5 * way**2)
+    return size * (xp.log(xp.maximum(way, inner) / inner) - 0.5 * way**2)
 
 
 @entry_point
@@ -147,11 +145,11 @@ def three_point_shear(
     ``hold``: radius of each point [m].
     """
     # the sum of waves of a point load and its image beyond the free edge, cos mφ, m = 3, 6, …
-    inner, way = ring / jnp.asarray(radius), at / jnp.asarray(radius)
-    near = jnp.minimum(way, inner) / jnp.maximum(way, inner)
-    at_hold, image = jnp.minimum(near, 1.0 - hold / jnp.asarray(ring)), (way * inner) ** 3
-    towards = jnp.log1p(-(at_hold**3)) + jnp.log1p(-image)
-    between = jnp.log1p(near**3) + jnp.log1p(image)
+    inner, way = ring / xp.asarray(radius), at / xp.asarray(radius)
+    near = xp.minimum(way, inner) / xp.maximum(way, inner)
+    at_hold, image = xp.minimum(near, 1.0 - hold / xp.asarray(ring)), (way * inner) ** 3
+    towards = xp.log1p(-(at_hold**3)) + xp.log1p(-image)
+    between = xp.log1p(near**3) + xp.log1p(image)
     size = load / (6.0 * math.pi * shear_stiffness)
     even = shear_profile(load, radius, ring, shear_stiffness, at)
     return even + size * towards, even + size * between
@@ -201,11 +199,11 @@ def clamped_deflection(
 def _largest_root(linear: Numeric, cubic: Numeric, load: Numeric) -> Array:
     """Largest x of cubic·x³ + linear·x = load; the cubic term is positive, the load not below 0."""
     ratio = linear / cubic
-    size = jnp.maximum(jnp.abs(ratio), _SMALLEST)
-    width = 2.0 * jnp.sqrt(size / 3.0)
+    size = xp.maximum(xp.abs(ratio), _SMALLEST)
+    width = 2.0 * xp.sqrt(size / 3.0)
     steep = 4.0 * (load / cubic) / width**3
     three = steep < 1.0  # roots; a stand-in keeps the other branch's derivative finite
-    folded = jnp.cos(jnp.arccos(jnp.where(three, steep, 0.5)) / 3.0)
-    lone = jnp.cosh(jnp.arccosh(jnp.where(three, 2.0, steep)) / 3.0)
-    buckled = jnp.where(three, folded, lone)
-    return width * jnp.where(ratio >= 0.0, jnp.sinh(jnp.arcsinh(steep) / 3.0), buckled)
+    folded = xp.cos(xp.arccos(xp.where(three, steep, 0.5)) / 3.0)
+    lone = xp.cosh(xp.arccosh(xp.where(three, 2.0, steep)) / 3.0)
+    buckled = xp.where(three, folded, lone)
+    return width * xp.where(ratio >= 0.0, xp.sinh(xp.arcsinh(steep) / 3.0), buckled)

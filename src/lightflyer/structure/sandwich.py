@@ -6,11 +6,10 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import field
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Checked, Length, Modulus, Thickness
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import field
 from lightflyer.structure.laminate import Stiffness
 
 _CLAMPED_BUCKLING = 3.831705970207512**2
@@ -77,7 +76,7 @@ class Ligaments(Checked):
     @property
     def cell_radius(self) -> Numeric:
         """Radius of a circle of a post's share of the area [m]."""
-        return jnp.sqrt(1.0 / (math.pi * self.number_density))
+        return xp.sqrt(1.0 / (math.pi * self.number_density))
 
     @property
     def free_radius(self) -> Numeric:
@@ -111,7 +110,7 @@ def root_stiffness(ligaments: Ligaments, film: Stiffness) -> Array:
     # radius b, as they do halfway to posts that turn alike: 2 % from finite elements of a square
     # cell (studies/structure).
     share = ligaments.radius / ligaments.cell_radius
-    open_ring = -jnp.log(share) - 0.25 * (1.0 - share**2) * (3.0 - share**2)
+    open_ring = -xp.log(share) - 0.25 * (1.0 - share**2) * (3.0 - share**2)
     return 4.0 * math.pi * film.plate / open_ring
 
 

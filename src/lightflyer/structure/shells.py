@@ -2,9 +2,8 @@
 
 import math
 
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.structure.laminate import Stiffness
 
 SPHERE_KNOCK_DOWN = 0.14  # share of the classical pressure that built spheres bear [NASA-SP-8032]
@@ -21,8 +20,8 @@ def sphere_buckling_pressure(
     # .. math:: p = \gamma\,\frac{4\sqrt{D\,Et}}{R^2}
     #
     # which is 2Et²/(R²√(3(1-ν²))) of one layer. Source: [NASA-SP-8032]_
-    rigid = jnp.sqrt(stiffness.plate * stiffness.membrane)
-    return knock_down * 4.0 * rigid / jnp.asarray(radius) ** 2
+    rigid = xp.sqrt(stiffness.plate * stiffness.membrane)
+    return knock_down * 4.0 * rigid / xp.asarray(radius) ** 2
 
 
 @entry_point
@@ -37,7 +36,7 @@ def cylinder_buckling_pressure(
     #
     # of moderate length. Source: [NASA-SP-8007]_
     rigid = stiffness.plate**0.75 * stiffness.membrane**0.25
-    return knock_down * _CYLINDER * rigid / (length * jnp.asarray(radius) ** 1.5)
+    return knock_down * _CYLINDER * rigid / (length * xp.asarray(radius) ** 1.5)
 
 
 @entry_point
@@ -48,4 +47,4 @@ def rim_buckling_pressure(radius: Numeric, opening: Numeric, plate: Numeric) -> 
     """
     # That of the free end of a long tube, whose opening is as wide as the tube; a shell bends over
     # the opening's radius, and its tension by pressure goes with the shell's.
-    return _RING * plate / (radius * jnp.asarray(opening) ** 2)
+    return _RING * plate / (radius * xp.asarray(opening) ** 2)

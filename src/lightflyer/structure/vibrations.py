@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 
 _LOWEST_MEMBRANE = 2.404825557695773  # the first zero of the Bessel function J₀
 _LOWEST_SHEAR = 3.054236928227140  # the first zero of the derivative of J₂
@@ -32,8 +31,8 @@ def free_plate_frequency(
     """Lowest frequency of a free round plate [Hz], whose edge then bends as a saddle."""
     # Ritz's method with (1, r²) r² cos 2φ: 0.4 % above the exact frequency [Leissa1969].
     across = (19.0 + poisson) / 5.0
-    square = 480.0 * (across - jnp.sqrt(across**2 - 0.2 * (3.0 + poisson) * (1.0 - poisson)))
-    return jnp.sqrt(square * stiffness / areal_density) / (2.0 * math.pi * radius**2)
+    square = 480.0 * (across - xp.sqrt(across**2 - 0.2 * (3.0 + poisson) * (1.0 - poisson)))
+    return xp.sqrt(square * stiffness / areal_density) / (2.0 * math.pi * radius**2)
 
 
 @entry_point
@@ -41,7 +40,7 @@ def free_shear_frequency(
     radius: Numeric, areal_density: Numeric, shear_stiffness: Numeric
 ) -> Array:
     """The same of a plate that only shears [Hz]; stiffness [N/m]."""
-    return _LOWEST_SHEAR / (2.0 * math.pi * radius) * jnp.sqrt(shear_stiffness / areal_density)
+    return _LOWEST_SHEAR / (2.0 * math.pi * radius) * xp.sqrt(shear_stiffness / areal_density)
 
 
 @entry_point
@@ -55,18 +54,18 @@ def umbrella_frequency(
     """
     # Rayleigh's quotient of the form under a static load, with the centre of mass at rest. A plate
     # held in its middle is 0.6 % above the exact frequency.
-    weights = jnp.asarray(_AREAS[1])
-    mean = jnp.sum(weights * profile, axis=-1)
-    square = jnp.sum(weights * profile**2, axis=-1)
+    weights = xp.asarray(_AREAS[1])
+    mean = xp.sum(weights * profile, axis=-1)
+    square = xp.sum(weights * profile**2, axis=-1)
     shift = -(own_mass * mean + payload * ring) / (own_mass + payload)
     inertia = own_mass * (square + shift * (2.0 * mean + shift)) + payload * (ring + shift) ** 2
-    return jnp.sqrt((mean - ring) / inertia) / (2.0 * math.pi)
+    return xp.sqrt((mean - ring) / inertia) / (2.0 * math.pi)
 
 
 @entry_point
 def membrane_frequency(radius: Numeric, areal_density: Numeric, tension: Numeric) -> Array:
     """Lowest frequency of a round membrane that is held at its edge [Hz]; ``tension`` [N/m]."""
-    return _LOWEST_MEMBRANE / (2.0 * math.pi * radius) * jnp.sqrt(tension / areal_density)
+    return _LOWEST_MEMBRANE / (2.0 * math.pi * radius) * xp.sqrt(tension / areal_density)
 
 
 @entry_point
@@ -85,9 +84,9 @@ def sphere_frequency(
     # Lamb's equation, .. math:: (1-\nu^2)x^2 - (7+3\nu)x + 4 = 0, \qquad x = m\omega^2R^2/(Et)
     # of two waves [Leissa1973]; gas adds ρR/2 within and ρR/3 outside to the mass per area.
     half, squared = 0.5 * (7.0 + 3.0 * poisson), 1.0 - poisson**2
-    root = 4.0 / (half + jnp.sqrt(half**2 - 4.0 * squared))
+    root = 4.0 / (half + xp.sqrt(half**2 - 4.0 * squared))
     moved = gas_density * radius * (1.0 / _SADDLE + 1.0 / (_SADDLE + 1.0))
-    return jnp.sqrt(root * membrane / (areal_density + moved)) / (2.0 * math.pi * radius)
+    return xp.sqrt(root * membrane / (areal_density + moved)) / (2.0 * math.pi * radius)
 
 
 @entry_point
@@ -104,13 +103,13 @@ def open_sphere_frequency(
     """
     # Rayleigh's displacements tan²(θ/2) (sin θ cos 2φ, -sin θ sin 2φ, (2 + cos θ) cos 2φ), θ from
     # the point opposite the opening [Rayleigh1894]. All strain is change of curvature and twist.
-    share = opening / jnp.asarray(radius)
-    end = np.pi - jnp.arcsin(share)
-    nodes, weights = map(jnp.asarray, _MERIDIAN)
+    share = opening / xp.asarray(radius)
+    end = np.pi - xp.arcsin(share)
+    nodes, weights = map(xp.asarray, _MERIDIAN)
     angle = end[..., None] * nodes
-    sine, grows = jnp.sin(angle), jnp.tan(0.5 * angle) ** _SADDLE
-    bent = jnp.sum(weights * grows**2 / sine**3, axis=-1)
-    moves = (2.0 + jnp.cos(angle)) ** 2 + 2.0 * sine**2
-    moved = jnp.sum(weights * grows**2 * moves * sine, axis=-1)
+    sine, grows = xp.sin(angle), xp.tan(0.5 * angle) ** _SADDLE
+    bent = xp.sum(weights * grows**2 / sine**3, axis=-1)
+    moves = (2.0 + xp.cos(angle)) ** 2 + 2.0 * sine**2
+    moved = xp.sum(weights * grows**2 * moves * sine, axis=-1)
     energy = 4.0 * (1.0 - poisson) * _RAYLEIGH**2 * plate * bent
-    return jnp.sqrt(energy / (areal_density * moved)) / (2.0 * math.pi * radius**2)
+    return xp.sqrt(energy / (areal_density * moved)) / (2.0 * math.pi * radius**2)

@@ -1,41 +1,28 @@
-"""Derivatives of a prediction's results in its inputs, through the root-finds."""
+"""Derivatives of a prediction's results in its inputs, by differences of converged solutions.
+
+Each is the mean of the slopes on both sides, which at a kink are two. An input at the end of its
+range has the slope of the side that is possible.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 
-from lightflyer.design.tables import NIGHT_SPEED, predicted_names, tabulate_places
-from lightflyer.program.entry_point import elementwise_entry_point, only
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import jax, jnp
+from lightflyer.array.namespace import by_numpy
+from lightflyer.design.tables import NIGHT_SPEED, predicted_names
 from lightflyer.statics.sinking import night_change, night_places
 from lightflyer.uncertainty.inputs import Inputs
+from lightflyer.uncertainty.monte_carlo import tabulate_samples
 
 Table = dict[str, np.ndarray]
 
 
-_COORDINATE_STEP = 1e-4  # relative, over which slopes are compared for second derivatives
-
-
-@elementwise_entry_point
-def _along(setup: Any, coordinate: Any, change: Any, coordinate_change: Any) -> Any:
-    """Outputs, and how they change with the setup and the coordinate in one direction."""
-
-    def outputs(moved: Any, place: Any) -> dict[str, Any]:
-        light = jnp.broadcast_to(moved.environment.radiation.irradiance, place.shape)
-        found: dict[str, Any] = tabulate_places(moved, place, light)
-        return found
-
-    direction = change, coordinate_change * jnp.ones_like(coordinate)
-    value, changes = jax.jvp(outputs, (setup, coordinate), direction)
-    return value | {_change_of(name): one for name, one in changes.items()}
-
-
-def _change_of(name: str) -> str:
-    return f"change of {name}"
+_SHARE = 3e-5  # of a standard uncertainty, over which outputs are compared
+_SHARE_OF_SLOPES = 2e-4  # the same where slopes are compared thereafter, which rounding blurs more
+_COORDINATE_SHARE = 1e-5  # of the coordinate, over which they are
+_FAR = 5e-4  # of the coordinate, over which slopes are compared for second derivatives
 
 
 @dataclass(frozen=True)
@@ -45,10 +32,8 @@ class Derivatives:
     inputs: Inputs
     coordinate: np.ndarray  # shape (n,)
     value: Table  # shape (n,)
-    # shape (k + 1, n); derivatives of the value, and of its slope over the coordinate, in the k
-    # inputs and, last, the coordinate
+    # shape (k + 1, n); derivatives in the k inputs and, last, the coordinate
     change: Table
-    slope_change: Table
 
     @cached_property
     def covariance(self) -> np.ndarray:
@@ -72,8 +57,17 @@ class Derivatives:
 
     def optimum(self, objective: str, point: int) -> np.ndarray:
         """Gradient of the coordinate of an optimum, shape (k,)."""
-        rows = self.slope_change[objective][:, point]
+        rows = self._slope_change(objective)[:, point]
         return -rows[:-1] / rows[-1]
+
+    def _slope_change(self, name: str) -> np.ndarray:
+        """Derivatives of an output's slope over the coordinate, shape (k + 1, n)."""
+        step = _FAR * self.coordinate
+        both = np.concatenate([self.coordinate - step, self.coordinate + step])
+        (rows,) = np.moveaxis(_directions(self.inputs, both, (name,), _SHARE_OF_SLOPES)[1], 1, 0)
+        below, above = np.split(rows, 2, axis=1)
+        # at sea level there is none
+        return (above - below) / np.where(step > 0.0, 2.0 * step, np.nan)
 
     def moving(self, name: str, point: int, coordinate: np.ndarray) -> np.ndarray:
         """Gradient of an output where the coordinate has a gradient itself, shape (k,)."""
@@ -93,58 +87,40 @@ class Derivatives:
 
 
 def _directions(
-    inputs: Inputs, coordinate: np.ndarray, names: Sequence[str]
+    inputs: Inputs, coordinate: np.ndarray, names: Sequence[str], share: float = _SHARE
 ) -> tuple[np.ndarray, np.ndarray]:
     """Outputs, shape (outputs, n), and their derivatives in the k inputs and the coordinate."""
     # those (k + 1, outputs, n)
-    setup, tangents = inputs.setup_and_tangents
-    still = tree.map_leaves(np.zeros_like, setup)
-    changes, advance = [*tangents, still], np.r_[np.zeros(len(tangents)), 1.0]
-    run = only(_along, [*names, *map(_change_of, names)])
-    if any(np.ndim(leaf) and np.any(leaf) for leaf in tree.leaves(tangents)):  # tables move
-        moves = [run(setup, coordinate, *one) for one in zip(changes, advance, strict=True)]
-        found = {name: np.stack([move[name] for move in moves]) for name in moves[0]}
-    else:  # all directions at once
-        shape = len(changes), coordinate.size
-        base, change = (
-            tree.map_leaves(partial(_in_rows, shape, part), setup, *changes) for part in (0, 1)
-        )
-        places, forward = np.tile(coordinate, len(changes)), np.repeat(advance, coordinate.size)
-        found = {
-            name: row.reshape(shape) for name, row in run(base, places, change, forward).items()
-        }
-    return (
-        np.stack([found[name][0] for name in names]),
-        np.stack([found[_change_of(name)] for name in names], axis=1),
-    )
-
-
-def _in_rows(shape: tuple[int, int], part: int, number: Any, *changes: Any) -> Any:
-    """A number, or its change in each direction, at each place, unless it never changes."""
-    if not np.any(changes):
-        return (number, changes[0])[part]
-    return np.broadcast_to((number, np.reshape(changes, (-1, 1)))[part], shape).ravel()
+    values, count = inputs.values, inputs.values.size
+    low, high = (values + side * share * inputs.spreads for side in (-1.0, 1.0))
+    low = np.where(low < inputs.ranges[:, 0], values, low)
+    high = np.where(high > inputs.ranges[:, 1], values, high)
+    far = _COORDINATE_SHARE * np.where(coordinate > 0.0, coordinate, 1.0)
+    # each input, then the coordinate, less, and then more; last all as they are
+    samples = np.tile(values, (2 * count + 3, 1))
+    places = np.tile(coordinate, (2 * count + 3, 1))
+    for first, ends in ((0, low), (count + 1, high)):
+        samples[np.arange(first, first + count), np.arange(count)] = ends
+    places[count], places[2 * count + 1] = coordinate - far, coordinate + far
+    down, up = (np.vstack([np.tile(one[:, None], coordinate.size), far])[:, None]
+                for one in (values - low, high - values))  # fmt: skip
+    with by_numpy():  # where a step is impossible by so little, nothing is raised
+        table = tabulate_samples(inputs, samples, places, names)
+        rows = np.stack([table[name] for name in names], axis=1)
+        below, above, here = rows[: count + 1], rows[count + 1 : -1], rows[-1]
+        slopes = (above - below) / (up + down)
+        # where there is nothing on one side, the slope is that of the other
+        slopes = np.where(np.isnan(below), (above - here) / up, slopes)
+        return here, np.where(np.isnan(above), (here - below) / down, slopes)
 
 
 def derivatives(inputs: Inputs, coordinate: np.ndarray) -> Derivatives:
     """Derivatives of all outputs of a prediction; ``coordinate`` (n,)."""
-    # First derivatives are exact. Those of slopes, which say how an optimum moves, are differences
-    # of exact ones: differentiating twice would take far longer to compile.
-    step = _COORDINATE_STEP * coordinate
-    shifted = np.concatenate([coordinate, coordinate - step, coordinate + step])
     names = predicted_names(inputs.design.setup)
-    values, changes = _directions(inputs, shifted, names)
-    value = dict(zip(names, values, strict=True))
-    change = {name: changes[:, row] for row, name in enumerate(names)}
-    count = coordinate.size
-    step = np.where(step > 0.0, step, np.nan)  # at sea level there is none
+    values, changes = _directions(inputs, coordinate, names)
     return Derivatives(
         inputs,
         coordinate,
-        value={name: values[:count] for name, values in value.items()},
-        change={name: rows[:, :count] for name, rows in change.items()},
-        slope_change={
-            name: (rows[:, 2 * count :] - rows[:, count : 2 * count]) / (2.0 * step)
-            for name, rows in change.items()
-        },
+        value=dict(zip(names, values, strict=True)),
+        change={name: changes[:, row] for row, name in enumerate(names)},
     )

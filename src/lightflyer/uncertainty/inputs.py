@@ -7,23 +7,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import xp
+from lightflyer.array.records import Module, field
 from lightflyer.core.errors import ParameterError, ParameterWarning
-from lightflyer.core.precision import float64
 from lightflyer.core.quantity import require_possible
 from lightflyer.design.design import AbstractDesign
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import is_tracer, jax, jnp
-from lightflyer.pytree.module import Module, field
 from lightflyer.uncertainty.correlation import correlation_matrix
 
 _STEP = 1e-3  # relative, over which costly parts of a design are compared
-_DIFFERENCES = {
-    0: np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0,
-    2: np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0,
-    -2: np.array([3.0, -16.0, 36.0, -48.0, 25.0]) / 12.0,
-}
-"""Weights of five places in a row for the slope at the middle one, the first and the last."""
 _MOST_DRAWS = 1000
 _EVEN = 12.0**-0.5  # standard deviation of a number that lies evenly between -1/2 and 1/2
 
@@ -49,9 +41,7 @@ class Change(Module):
 
     def apply(self, prepared: Any, shift: Any) -> Any:
         """The costly part after a shift of the input."""
-        # a size whose slope at zero is that of neither side, also where JAX differentiates it
-        sign = jnp.sign(shift) if is_tracer(shift) else np.sign(shift)
-        bent = shift * (sign if self.bounded else shift)
+        bent = shift * (xp.sign(shift) if self.bounded else shift)
         return tree.map_leaves(
             lambda base, slope, bend: base + _beside(shift, slope) + _beside(bent, bend),
             prepared,
@@ -104,56 +94,6 @@ class Inputs:
             del numbers[name]
         return self.design.build(numbers, prepared)
 
-    @cached_property
-    def setup_and_tangents(self) -> tuple[Any, list[Any]]:
-        """Setup at the inputs' values, and its derivative in each of them."""
-        found, structure = tree.flatten(self.build(self.values))
-        base = [np.asarray(leaf, float) for leaf in found]
-        try:
-            tangents = self._differences(base)
-        except ParameterError:  # what belongs together leaves no room
-            tangents = self._derivatives()
-        moved = [
-            tree.unflatten(structure, [leaf[row] for leaf in tangents])
-            for row in range(len(self.values))
-        ]
-        return tree.unflatten(structure, base), moved
-
-    def _differences(self, base: list[np.ndarray]) -> list[np.ndarray]:
-        """Derivatives in each input, shape (k, ...), by differences of fourth order."""
-        # a setup is nearly linear in its inputs, so that these agree with exact ones to rounding
-        step = _STEP * np.where(self.values == 0.0, self.spreads, abs(self.values))
-        too_low, too_high = (
-            beyond * (self.values + 2.0 * beyond * step) >= beyond * end
-            for beyond, end in zip((-1.0, 1.0), self.ranges.T, strict=True)
-        )
-        side = 2 * (too_low.astype(int) - too_high)
-        near = np.arange(-2, 3) + side[:, None]  # (k, 5)
-        samples = np.repeat(np.diag(step), 5, axis=0) * near.reshape(-1, 1) + self.values
-        weights = np.array([_DIFFERENCES[one] for one in side]) / step[:, None]
-
-        def slope(here: np.ndarray, rows: Any) -> np.ndarray:
-            if np.shape(rows)[:2] != (len(samples), 1):
-                return np.zeros((len(step), *here.shape))
-            rows = np.reshape(rows, (*near.shape, *here.shape)) - here
-            found: np.ndarray = np.einsum("ks,ks...->k...", weights, rows)
-            return found
-
-        return list(map(slope, base, tree.leaves(self._build_rows(samples))))
-
-    def _derivatives(self) -> list[np.ndarray]:
-        """Derivatives in each input, shape (k, ...), exact."""
-
-        def leaves(inputs: Any) -> list[Any]:
-            return [jnp.asarray(leaf, float) for leaf in tree.leaves(self.build(inputs))]
-
-        @entry_point
-        def along(values: Any, directions: Any) -> Any:
-            return jax.vmap(jax.linearize(leaves, values)[1])(directions)
-
-        found: list[np.ndarray] = along(self.values, np.eye(len(self.values)))
-        return found
-
     def setup_of(self, samples: np.ndarray) -> Any:
         """Setup whose uncertain numbers are arrays over samples; ``samples`` (samples, k)."""
         if not any(samples is known for known, _ in self._last):
@@ -161,7 +101,7 @@ class Inputs:
         return self._last[0][1]
 
     def _build_rows(self, samples: np.ndarray) -> Any:
-        with float64(), warnings.catch_warnings():
+        with warnings.catch_warnings():
             # a sample beyond what is usual is no news: its distribution was stated
             warnings.simplefilter("ignore", ParameterWarning)
             return self.build(samples.T[:, :, None])

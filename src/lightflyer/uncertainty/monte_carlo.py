@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.core.entry_point import entry_point
 from lightflyer.design.operating_point import sinks_at_night
 from lightflyer.design.tables import NIGHT_SPEED, table_of, tabulate
 from lightflyer.environment.base import Coordinate
@@ -18,8 +20,6 @@ from lightflyer.prediction.edges_and_optima import (
     widest_of,
 )
 from lightflyer.prediction.evaluator import Table
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
 from lightflyer.statics.grid_refinement import crossing, rows_around
 from lightflyer.statics.sinking import night_length, night_places
 from lightflyer.uncertainty.inputs import Inputs

@@ -11,6 +11,7 @@ from packaging.requirements import Requirement
 from rich.table import Table
 
 import lightflyer
+from lightflyer.array.namespace import has_jax, load_jax
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
 from lightflyer.core.cache import SETTING, cache_folder
@@ -39,7 +40,7 @@ def doctor_command(*, json_output: Json = False) -> None:
         "requirements": _requirements(None),
         "extras": {name: _requirements(name) for name in _extras()},
         "plug_ins": _plug_ins(),
-        "kept_programs": _cache(),
+        "compiled_code": _cache(),
     }
     if json_output:
         print_json(found)
@@ -54,13 +55,13 @@ def doctor_command(*, json_output: Json = False) -> None:
 
 def _numerics() -> dict[str, Any]:
     """Devices and libraries of linear algebra."""
-    import jax
     import numpy as np
 
     blas = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
+    devices = load_jax().devices() if has_jax() else []
     return {
-        "jax": jax.__version__,
-        "devices": [f"{device.device_kind} ({device.platform})" for device in jax.devices()],
+        "jax": load_jax().__version__ if has_jax() else None,
+        "devices": [f"{device.device_kind} ({device.platform})" for device in devices],
         "numpy": np.__version__,
         "blas": f"{blas['name']} {blas['version']}",
     }
@@ -101,7 +102,7 @@ def _plug_ins() -> list[str]:
 
 
 def _cache() -> dict[str, Any]:
-    """Where programs are kept, and how many."""
+    """Where the code of Numba and XLA is kept, and how much."""
     folder = cache_folder()
     if folder is None:
         return {"folder": None, "writable": False, "files": 0, "bytes": 0}
@@ -117,10 +118,12 @@ def _overview(found: dict[str, Any]) -> Table:
         "lightflyer": f"{found['lightflyer']} in {Path(lightflyer.__file__).parent}",
         "Python": f"{found['python']}, {sys.executable}",
         "system": f"{found['system']}, {found['cores']} cores",
-        "JAX": f"{found['jax']} on {', '.join(found['devices'])}",
+        "JAX": f"{found['jax']} on {', '.join(found['devices'])}"
+        if found["jax"]
+        else "not installed",
         "NumPy": f"{found['numpy']} with {found['blas']}",
         "plug-ins": ", ".join(found["plug_ins"]) or "none",
-        "kept programs": _in_words(found["kept_programs"]),
+        "compiled code": _in_words(found["compiled_code"]),
     }
     for name, text in rows.items():
         table.add_row(name, text)

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from lightflyer.parametric.run import SweepReport
     from lightflyer.study.study import Study
 
+_LONG = 10.0  # Seconds of a sweep from which on something quicker is worth a word
+
 
 def sweep_command(
     study_file: Path,
@@ -168,6 +170,8 @@ def _warnings(study: "Study", best: "BestDesign | None") -> tuple[str, ...]:
 
 def report_line(report: "SweepReport") -> str:
     """What a sweep did, in a line."""
+    from lightflyer.array.namespace import has_jax
+
     if not report.computed:
         return f"{report.designs:,} designs: all were already computed, and are intact"
     parts = [f"{report.designs:,} designs"]
@@ -178,7 +182,10 @@ def report_line(report: "SweepReport") -> str:
         parts.append(f"{report.damaged} damaged {chunks} computed again")
     rate = in_words(report.computed / max(report.seconds, 1e-9))
     parts.append(f"{report.computed:,} computed in {report.seconds:.1f} s ({rate} a second)")
-    return ", ".join(parts)
+    line = ", ".join(parts)
+    if report.seconds > _LONG and not has_jax():
+        return f"{line}; JAX makes large sweeps quicker: pip install 'lightflyer[jax]'"
+    return line
 
 
 def _best(dataset: "xr.Dataset") -> "tuple[str, BestDesign | None]":

@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.core.quantity import Altitude
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module
 
 
 class AbstractAtmosphere(Module):
@@ -49,4 +48,4 @@ class AbstractAtmosphere(Module):
 
     def _nan_outside(self, altitude: Altitude, value: Numeric) -> Array:
         lowest, highest = self.altitude_range
-        return jnp.where((altitude >= lowest) & (altitude <= highest), value, np.nan)
+        return xp.where((altitude >= lowest) & (altitude <= highest), value, np.nan)

@@ -11,14 +11,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.atmosphere.nrlmsis import Indices, evaluate
 from lightflyer.environment.base import Place
 from lightflyer.numerics.cubic_grid import Axis, interpolate
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _DAY = 86400.0
 TROPICAL_YEAR = 365.2425 * _DAY  # Length of a year of the Gregorian calendar, on average [s]
@@ -75,13 +75,13 @@ _PARITIES = np.array([(-1) ** _WAVES[number % len(_WAVES)].zonal for number in _
 """Sign of each term half a turn of longitude away, which is where one comes out at a pole."""
 
 
-def _yearly(season: Any, xp: Any = jnp) -> Any:
+def _yearly(season: Any, xp: Any = xp) -> Any:
     """One, then cosines and sines of the harmonics of the year, shape (..., 13)."""
     angle = xp.asarray(season)[..., None] * np.arange(1.0, _MEAN.harmonics + 1)
     return xp.concatenate([xp.ones_like(angle[..., :1]), xp.cos(angle), xp.sin(angle)], axis=-1)
 
 
-def _basis(season: Any, day: Any, longitude: Any, xp: Any = jnp) -> Any:
+def _basis(season: Any, day: Any, longitude: Any, xp: Any = xp) -> Any:
     """Waves times harmonics of the year, shape (..., terms)."""
     per_day, zonal, _ = np.array(_WAVES, float).T
     phase = xp.asarray(day)[..., None] * per_day + xp.asarray(longitude)[..., None] * zonal
@@ -193,8 +193,8 @@ class GlobalNRLMSIS(AbstractAtmosphere):
             _TURN * (place.time / _DAY + _NOON),
             place.longitude,
         )
-        temperature, log_pressure, ratio = jnp.moveaxis(
-            jnp.sum(found * terms[..., None, :], axis=-1), -1, 0
+        temperature, log_pressure, ratio = xp.moveaxis(
+            xp.sum(found * terms[..., None, :], axis=-1), -1, 0
         )
         return temperature, log_pressure, ratio
 
@@ -205,7 +205,7 @@ class GlobalNRLMSIS(AbstractAtmosphere):
     @entry_point
     def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:
         """Pressure [Pa], the sum of the species' number densities times kT."""
-        return self._nan_outside(altitude, jnp.exp(self._fields(altitude, place)[1]))
+        return self._nan_outside(altitude, xp.exp(self._fields(altitude, place)[1]))
 
     @entry_point
     def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
+from lightflyer.array.namespace import xp
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Altitude
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
-from lightflyer.program.entry_point import entry_point
-from lightflyer.program.horner import polynomial
-from lightflyer.pytree.lazy_jax import jnp
+from lightflyer.numerics.horner import polynomial
 
 # Inverse temperature [1/K] as a polynomial in altitude [km], lowest power first. The paper
 # prints three digits of each, which is useless above 20 km; these come with the code of
@@ -95,9 +95,9 @@ class Lu2023Atmosphere(AbstractAtmosphere):
     def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         integral = _METRES_PER_KILOMETRE * polynomial(_INTEGRAL, _place(altitude))
         exponent = constants.GRAVITY_LU2023 / constants.GAS_CONSTANT_LU2023 * integral
-        return self._nan_outside(altitude, constants.SEA_LEVEL_PRESSURE * jnp.exp(-exponent))
+        return self._nan_outside(altitude, constants.SEA_LEVEL_PRESSURE * xp.exp(-exponent))
 
     @entry_point
     def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         """One: the paper's gas does not change with altitude."""
-        return jnp.ones_like(altitude)
+        return xp.ones_like(altitude)

@@ -6,7 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
     Altitude,
@@ -15,15 +18,11 @@ from lightflyer.core.quantity import (
     TemperatureOffset,
 )
 from lightflyer.core.text import span
-from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.environment.planet import MARS_PLANET
 from lightflyer.files.table import shipped_table
 from lightflyer.numerics.spline import Spline
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import field
 
 SURFACE_PRESSURE = 636.0
 """At the areoid, mean of the northern summer [Pa]; [Seiff1982]_ as in [Pitts1990]_ table XI.
@@ -159,31 +158,36 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
     @entry_point
     def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         exponent = self.molar_mass / _GAS_CONSTANT * self._weight_over_temperature(altitude)
-        return self._nan_outside(altitude, self.surface_pressure * jnp.exp(-exponent))
+        return self._nan_outside(altitude, self.surface_pressure * xp.exp(-exponent))
 
     @entry_point
     def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         """One: the composition is the same at all altitudes."""
-        return self._nan_outside(altitude, jnp.ones_like(altitude))
+        return self._nan_outside(altitude, xp.ones_like(altitude))
 
     def _weight_over_temperature(self, altitude: Array) -> Array:
         """Integral of g/T from altitude 0 [m²/(s² K)]."""
-        nodes, offset = jnp.asarray(self.profile.nodes), jnp.asarray(self.temperature_offset)
-        start, width = nodes[:-1, None], jnp.diff(nodes)[:, None]
-        between = start + _NODES * width
-        whole = self._integrand(between, offset[..., None, None]) * _WEIGHTS * width
-        below = jnp.cumsum(jnp.sum(whole, axis=-1), axis=-1)
-        below = jnp.concatenate([jnp.zeros_like(below[..., :1]), below[..., :-1]], axis=-1)
-        piece = jnp.clip(jnp.searchsorted(nodes, altitude, side="right") - 1, 0, nodes.size - 2)
+        nodes, offset = xp.asarray(self.profile.nodes), xp.asarray(self.temperature_offset)
+        start, width = nodes[:-1, None], xp.diff(nodes)[:, None]
+        between, offsets, of_offset = start + _NODES * width, offset, None
+        if isinstance(offset, np.ndarray) and offset.ndim:  # the same for many altitudes
+            offsets, of_offset = np.unique(offset, return_inverse=True)
+        whole = self._integrand(between, offsets[..., None, None]) * _WEIGHTS * width
+        below = xp.cumsum(xp.sum(whole, axis=-1), axis=-1)
+        below = xp.concatenate([xp.zeros_like(below[..., :1]), below[..., :-1]], axis=-1)
+        piece = xp.clip(xp.searchsorted(nodes, altitude, side="right") - 1, 0, nodes.size - 2)
         rest = (altitude - nodes[piece])[..., None]
         within = nodes[piece][..., None] + _NODES * rest
-        partial = jnp.sum(self._integrand(within, offset[..., None]) * _WEIGHTS * rest, axis=-1)
+        partial = xp.sum(self._integrand(within, offset[..., None]) * _WEIGHTS * rest, axis=-1)
         if offset.ndim == 0:
             return below[piece] + partial
-        shape = jnp.broadcast_shapes(offset.shape, altitude.shape)
-        rows = jnp.broadcast_to(below, (*shape, below.shape[-1]))
-        chosen = jnp.broadcast_to(piece, shape)[..., None]
-        return jnp.take_along_axis(rows, chosen, axis=-1)[..., 0] + partial
+        shape = xp.broadcast_shapes(xp.shape(offset), xp.shape(altitude))
+        piece = xp.broadcast_to(piece, shape)
+        if of_offset is not None:
+            row = np.broadcast_to(of_offset.reshape(offset.shape), shape)
+            return below[row, piece] + partial
+        rows = xp.broadcast_to(below, (*shape, below.shape[-1]))
+        return xp.take_along_axis(rows, piece[..., None], axis=-1)[..., 0] + partial
 
     def _integrand(self, altitude: Array, offset: Array) -> Array:
         return MARS_PLANET.gravity_at(altitude) / (self.profile(altitude) + offset)

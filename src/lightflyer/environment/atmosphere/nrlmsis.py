@@ -5,7 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import xp
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import MissingExtraError
 from lightflyer.core.quantity import (
     Altitude,
@@ -18,8 +20,6 @@ from lightflyer.core.quantity import (
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.numerics.spline import Spline
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import jnp
 
 _VERSION = 2.1
 _TOP = 200e3
@@ -168,7 +168,7 @@ class NRLMSIS(AbstractAtmosphere):
     @entry_point
     def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
         """Pressure [Pa], the sum of the species' number densities times kT."""
-        return self._nan_outside(altitude, jnp.exp(self.log_pressure(altitude)))
+        return self._nan_outside(altitude, xp.exp(self.log_pressure(altitude)))
 
     @entry_point
     def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002

@@ -6,15 +6,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, xp
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Altitude
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.files.table import shipped_table
 from lightflyer.gas.air import US1976_AIR
 from lightflyer.numerics.spline import Spline
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 # [USSA1976] table 4: bases of the layers below 86 km in geopotential altitude [m'], and the
 # gradients of molecular-scale temperature above them [K/m'].
@@ -67,19 +67,19 @@ def geopotential_altitude(altitude: Altitude) -> Any:
 def _in_layers(altitude: Array) -> tuple[Array, Array]:
     """Molecular-scale temperature [K] and log-pressure below 86 km."""
     geopotential = geopotential_altitude(altitude)
-    layer = jnp.searchsorted(jnp.asarray(_LAYER_BASES[1:]), geopotential, side="right")
-    base = jnp.asarray(_BASE_TEMPERATURES)[layer]
-    lapse = jnp.asarray(_LAPSE_RATES)[layer]
-    above_base = geopotential - jnp.asarray(_LAYER_BASES)[layer]
+    layer = xp.searchsorted(xp.asarray(_LAYER_BASES[1:]), geopotential, side="right")
+    base = xp.asarray(_BASE_TEMPERATURES)[layer]
+    lapse = xp.asarray(_LAPSE_RATES)[layer]
+    above_base = geopotential - xp.asarray(_LAYER_BASES)[layer]
     isothermal = lapse == 0.0
-    safe_lapse = jnp.where(isothermal, 1.0, lapse)
-    integral = jnp.where(
+    safe_lapse = xp.where(isothermal, 1.0, lapse)
+    integral = xp.where(
         isothermal,
         above_base / base,
         # the argument is chosen, too, so that the unused branch has no NaN derivative
-        jnp.log1p(jnp.where(isothermal, 0.0, safe_lapse * above_base / base)) / safe_lapse,
+        xp.log1p(xp.where(isothermal, 0.0, safe_lapse * above_base / base)) / safe_lapse,
     )
-    log_pressure = jnp.asarray(_BASE_LOG_PRESSURES)[layer] - _HYDROSTATIC * integral
+    log_pressure = xp.asarray(_BASE_LOG_PRESSURES)[layer] - _HYDROSTATIC * integral
     return base + lapse * above_base, log_pressure
 
 
@@ -111,7 +111,7 @@ def _upper_table() -> _UpperTable:
     return _UpperTable(Spline.hermite(altitude, log_pressure, slopes), ratio)
 
 
-def _upper_temperature(altitude: Altitude, xp: ModuleType = jnp) -> Any:
+def _upper_temperature(altitude: Altitude, xp: ModuleType = xp) -> Any:
     """Kinetic temperature above 86 km [K], with the array module that ``altitude`` is of."""
     radius = constants.EARTH_EFFECTIVE_RADIUS
     along = xp.clip((altitude - _Z8) / _ELLIPSE_B, -0.99, 0.0)
@@ -124,25 +124,25 @@ def _upper_temperature(altitude: Altitude, xp: ModuleType = jnp) -> Any:
 
 
 def _temperature(altitude: Array) -> Array:
-    molecular_scale, _ = _in_layers(jnp.minimum(altitude, _HOMOSPHERE_TOP))
+    molecular_scale, _ = _in_layers(xp.minimum(altitude, _HOMOSPHERE_TOP))
     kinetic = molecular_scale * _ratio_in_layers(altitude)
-    return jnp.where(altitude < _HOMOSPHERE_TOP, kinetic, _upper_temperature(altitude))
+    return xp.where(altitude < _HOMOSPHERE_TOP, kinetic, _upper_temperature(altitude))
 
 
 def _ratio_in_layers(altitude: Array) -> Array:
-    return jnp.interp(altitude, jnp.asarray(_RATIO_ALTITUDES), jnp.asarray(_RATIOS))
+    return xp.interp(altitude, xp.asarray(_RATIO_ALTITUDES), xp.asarray(_RATIOS))
 
 
 def _pressure(altitude: Array) -> Array:
-    _, layers = _in_layers(jnp.minimum(altitude, _HOMOSPHERE_TOP))
+    _, layers = _in_layers(xp.minimum(altitude, _HOMOSPHERE_TOP))
     upper = _upper_table().log_pressure(altitude)
-    return jnp.exp(jnp.where(altitude < _HOMOSPHERE_TOP, layers, upper))
+    return xp.exp(xp.where(altitude < _HOMOSPHERE_TOP, layers, upper))
 
 
 def _molar_mass_ratio(altitude: Array) -> Array:
     table = _upper_table()
-    upper = jnp.interp(altitude, jnp.asarray(table.log_pressure.nodes), jnp.asarray(table.ratio))
-    return jnp.where(altitude < _HOMOSPHERE_TOP, _ratio_in_layers(altitude), upper)
+    upper = xp.interp(altitude, xp.asarray(table.log_pressure.nodes), xp.asarray(table.ratio))
+    return xp.where(altitude < _HOMOSPHERE_TOP, _ratio_in_layers(altitude), upper)
 
 
 class US1976(AbstractAtmosphere):
@@ -202,9 +202,7 @@ class US1976(AbstractAtmosphere):
     def viscosity(self, altitude: Altitude) -> Any:
         """Dynamic viscosity [Pa s]; the standard gives it to 86 km, NaN above."""
         viscosity = US1976_AIR.viscosity(_temperature(altitude))
-        return jnp.where(
-            altitude <= _HOMOSPHERE_TOP, self._nan_outside(altitude, viscosity), np.nan
-        )
+        return xp.where(altitude <= _HOMOSPHERE_TOP, self._nan_outside(altitude, viscosity), np.nan)
 
     @entry_point
     def mean_free_path(self, altitude: Altitude) -> Any:
@@ -213,7 +211,7 @@ class US1976(AbstractAtmosphere):
         #
         # with a fixed collision diameter: 4 % above :func:`lightflyer.gas.mean_free_path` at sea
         # level. The force models use the latter.
-        cross_section = jnp.sqrt(2.0) * np.pi * _COLLISION_DIAMETER**2
+        cross_section = xp.sqrt(2.0) * np.pi * _COLLISION_DIAMETER**2
         number_density = (
             constants.AVOGADRO_US1976
             * _pressure(altitude)

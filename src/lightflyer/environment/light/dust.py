@@ -4,11 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Checked, Fraction, OpticalDepth
 from lightflyer.core.text import span
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 OPTICAL_DEPTH = 0.3
 """Vertical, of the whole air in visible light [1]: a clear season; the default of Mars-GRAM,
@@ -87,20 +86,20 @@ class Dust(Checked):
 
 @entry_point
 def _depth_above(dust: Dust, share_of_pressure: Numeric) -> Array:
-    share = jnp.asarray(share_of_pressure)
+    share = xp.asarray(share_of_pressure)
 
     def column(part: Array) -> Array:
-        mixed = jnp.exp(dust.fall_off * (1.0 - 1.0 / (part[..., None] * _NODES)))
-        return part * jnp.sum(mixed * _WEIGHTS, axis=-1)
+        mixed = xp.exp(dust.fall_off * (1.0 - 1.0 / (part[..., None] * _NODES)))
+        return part * xp.sum(mixed * _WEIGHTS, axis=-1)
 
-    return dust.optical_depth * column(share) / column(jnp.ones(()))
+    return dust.optical_depth * column(share) / column(xp.ones(()))
 
 
 @entry_point
 def air_mass(cosine: Numeric, distance: Numeric) -> Array:
     """Slant path through an even spherical layer over the vertical one [1]."""
     steep = distance / _THICKNESS * cosine
-    return jnp.sqrt(steep**2 + 2.0 * distance / _THICKNESS + 1.0) - steep
+    return xp.sqrt(steep**2 + 2.0 * distance / _THICKNESS + 1.0) - steep
 
 
 @entry_point
@@ -119,17 +118,17 @@ def two_stream_transmittance(
     g3 = 0.25 * (2.0 - 3.0 * skew * cosine)
     g4 = 1.0 - g3
     a1 = g1 * g4 + g2 * g3
-    k = jnp.sqrt(jnp.maximum(g1**2 - g2**2, _SINGULAR))
+    k = xp.sqrt(xp.maximum(g1**2 - g2**2, _SINGULAR))
     slant = k * cosine
     resonance = 1.0 - slant**2
-    resonance = jnp.where(jnp.abs(resonance) < _SINGULAR, _SINGULAR, resonance)
+    resonance = xp.where(xp.abs(resonance) < _SINGULAR, _SINGULAR, resonance)
     # all over exp(k depth), so that thick layers do not overflow
-    fading = jnp.exp(-2.0 * k * depth)
+    fading = xp.exp(-2.0 * k * depth)
     below = (k + g1) + (k - g1) * fading
-    beam = jnp.exp(-depth / cosine)
+    beam = xp.exp(-depth / cosine)
     up = (1.0 + slant) * (a1 + k * g4) * beam
     down = (1.0 - slant) * (a1 - k * g4) * fading * beam
-    straight = 2.0 * k * (g4 + a1 * cosine) * jnp.exp(-k * depth)
+    straight = 2.0 * k * (g4 + a1 * cosine) * xp.exp(-k * depth)
     return beam - share * (up - down - straight) / (resonance * below)
 
 
@@ -138,10 +137,10 @@ def dusty_light(
     dust: Dust, depth: Numeric, lowest_depth: Numeric, cosine: Numeric, distance: Numeric
 ) -> DustyLight:
     """What dust leaves of sunlight at a place; ``distance``: from the planet's centre."""
-    mass = air_mass(jnp.abs(cosine), distance)
+    mass = air_mass(xp.abs(cosine), distance)
     under = 2.0 * lowest_depth * air_mass(0.0, distance) - depth * mass
-    path = jnp.where(cosine < 0.0, under, depth * mass)
-    high = 1.0 / air_mass(jnp.maximum(cosine, 0.0), distance)
+    path = xp.where(cosine < 0.0, under, depth * mass)
+    high = 1.0 / air_mass(xp.maximum(cosine, 0.0), distance)
     passed = two_stream_transmittance(depth, high, dust.scattered_share, dust.asymmetry)
-    scattered = high * jnp.maximum(passed - jnp.exp(-depth / high), 0.0)
-    return DustyLight(jnp.exp(-path), scattered)
+    scattered = high * xp.maximum(passed - xp.exp(-depth / high), 0.0)
+    return DustyLight(xp.exp(-path), scattered)

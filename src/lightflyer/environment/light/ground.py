@@ -5,14 +5,13 @@ from typing import Final
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Checked, Fraction, Irradiance
 from lightflyer.core.text import span
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 
 class AbstractGround(Checked):
@@ -119,6 +118,6 @@ class Knocke1988Ground(AbstractGround):
 @entry_point
 def _zonal(coefficients: tuple[float, float, float], place: Place) -> Array:
     mean, seasonal, curved = coefficients
-    sine = jnp.sin(place.latitude) + 0.0 * place.longitude
-    season = jnp.cos(2.0 * np.pi * (place.time - _MIDWINTER) / SECONDS_PER_YEAR)
+    sine = xp.sin(place.latitude) + 0.0 * place.longitude
+    season = xp.cos(2.0 * np.pi * (place.time - _MIDWINTER) / SECONDS_PER_YEAR)
     return mean + seasonal * season * sine + curved * 0.5 * (3.0 * sine**2 - 1.0)

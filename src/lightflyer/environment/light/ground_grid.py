@@ -4,18 +4,17 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.core.checks import is_traced, require_data
 from lightflyer.core.clock import EPOCH, dates_of
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Fraction, Irradiance, quantity_of
 from lightflyer.core.text import span
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
 from lightflyer.environment.light.ground import AbstractGround, UniformGround
 from lightflyer.numerics.cubic_grid import Axis, interpolate
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module
 
 _DAY = 86_400.0
 _YEAR = 365.2425 * _DAY  # of the Gregorian calendar, on average
@@ -45,7 +44,7 @@ class _Field(Module):
         if self.ends is None:
             return value
         first, last = self.ends
-        return jnp.where((place.time >= first) & (place.time <= last), value, np.nan)
+        return xp.where((place.time >= first) & (place.time <= last), value, np.nan)
 
 
 class GriddedGround(AbstractGround):
@@ -101,12 +100,12 @@ class GriddedGround(AbstractGround):
     def albedo_at(self, place: Place) -> Array:
         if self.albedo is None:
             return self.otherwise.albedo_at(place)
-        return jnp.clip(self._value(self.albedo, place), 0.0, 1.0)
+        return xp.clip(self._value(self.albedo, place), 0.0, 1.0)
 
     def infrared_at(self, place: Place) -> Array:
         if self.infrared is None:
             return self.otherwise.infrared_at(place)
-        return jnp.maximum(self._value(self.infrared, place), 0.0)
+        return xp.maximum(self._value(self.infrared, place), 0.0)
 
     def _value(self, field: _Field, place: Place) -> Array:
         require_data(self.margins(place))

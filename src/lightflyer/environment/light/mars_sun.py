@@ -8,9 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import RADIANS_PER_DEGREE
-from lightflyer.core.types import Numeric
 from lightflyer.environment.light.sun import (
     SECONDS_PER_DAY,
     TERRESTRIAL_MINUS_UNIVERSAL,
@@ -18,8 +19,6 @@ from lightflyer.environment.light.sun import (
     SunPosition,
 )
 from lightflyer.environment.planet import MARS_ECCENTRICITY, MARS_SEMI_MAJOR_AXIS
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 PERIHELION: Final = 251.0
 """Areocentric longitude of the sun at perihelion, about 2000 [deg]; [AllisonMcEwen2000]_."""
@@ -64,7 +63,7 @@ def solar_longitude(time: Numeric) -> Array:
     """Areocentric longitude of the sun, which tells the season of Mars [rad]; 0 to 2π."""
     # Source: [AllisonMcEwen2000]_, with the coefficients of its later revision.
     longitude, _, _ = _season(_days(time))
-    return jnp.mod(longitude, 2.0 * np.pi)
+    return xp.mod(longitude, 2.0 * np.pi)
 
 
 @entry_point
@@ -79,16 +78,16 @@ def sun_from_mars(time: Numeric) -> SunPosition:
     sols = (days - _MIDNIGHT_DAYS) / _DAYS_PER_SOL + _MIDNIGHT
     east = _HALF_TURN * RADIANS_PER_DEGREE - 2.0 * np.pi * sols  # of the mean sun
     east = east - _sines(_EQUATION_OF_TIME, 2.0 * longitude) + centre
-    height = OBLIQUITY_SINE * jnp.sin(longitude)
-    level = jnp.sqrt(1.0 - height**2)
-    direction = jnp.stack([level * jnp.cos(east), level * jnp.sin(east), height], axis=-1)
-    cosines = (part * jnp.cos(order * anomaly) for order, part in enumerate(_DISTANCE))
-    distance = MARS_SEMI_MAJOR_AXIS * sum(cosines, jnp.zeros_like(anomaly))
+    height = OBLIQUITY_SINE * xp.sin(longitude)
+    level = xp.sqrt(1.0 - height**2)
+    direction = xp.stack([level * xp.cos(east), level * xp.sin(east), height], axis=-1)
+    cosines = (part * xp.cos(order * anomaly) for order, part in enumerate(_DISTANCE))
+    distance = MARS_SEMI_MAJOR_AXIS * sum(cosines, xp.zeros_like(anomaly))
     return SunPosition(direction, distance * constants.ASTRONOMICAL_UNIT)
 
 
 def _days(time: Numeric) -> Array:
-    return jnp.asarray((time + TERRESTRIAL_MINUS_UNIVERSAL) / SECONDS_PER_DAY)
+    return xp.asarray((time + TERRESTRIAL_MINUS_UNIVERSAL) / SECONDS_PER_DAY)
 
 
 def _season(days: Array) -> tuple[Array, Array, Array]:
@@ -98,16 +97,16 @@ def _season(days: Array) -> tuple[Array, Array, Array]:
     )
     amplitude, period, phase = _PERTURBATIONS.T
     angle = (_PERTURBATION_RATE * days[..., None] / period + phase) * RADIANS_PER_DEGREE
-    perturbed = jnp.sum(amplitude * jnp.cos(angle), axis=-1) * RADIANS_PER_DEGREE
-    growth = _CENTRE_RATE * days * RADIANS_PER_DEGREE * jnp.sin(anomaly)
+    perturbed = xp.sum(amplitude * xp.cos(angle), axis=-1) * RADIANS_PER_DEGREE
+    growth = _CENTRE_RATE * days * RADIANS_PER_DEGREE * xp.sin(anomaly)
     centre = _sines(_CENTRE, anomaly) + growth + perturbed
     return mean_sun + centre, anomaly, centre
 
 
 def _sines(amplitudes: tuple[float, ...], angle: Array) -> Array:
     """Sum of sines of multiples of an angle, amplitudes in degrees [rad]."""
-    parts = (part * jnp.sin(order * angle) for order, part in enumerate(amplitudes, start=1))
-    return RADIANS_PER_DEGREE * sum(parts, jnp.zeros_like(angle))
+    parts = (part * xp.sin(order * angle) for order, part in enumerate(amplitudes, start=1))
+    return RADIANS_PER_DEGREE * sum(parts, xp.zeros_like(angle))
 
 
 @entry_point
@@ -116,13 +115,13 @@ def distance_in_season(longitude: Numeric) -> Array:
     # .. math:: r = \frac{a(1-e^2)}{1 + e\cos(L_s - L_p)}
     past_perihelion = longitude - PERIHELION * RADIANS_PER_DEGREE
     focal = MARS_SEMI_MAJOR_AXIS * (1.0 - MARS_ECCENTRICITY**2)
-    return focal / (1.0 + MARS_ECCENTRICITY * jnp.cos(past_perihelion))
+    return focal / (1.0 + MARS_ECCENTRICITY * xp.cos(past_perihelion))
 
 
 @entry_point
 def zenith_angle_in_season(longitude: Numeric, latitude: Numeric, hour: Numeric) -> Array:
     """Angle between sun and vertical by season, latitude and local true solar time [rad]."""
-    sine = OBLIQUITY_SINE * jnp.sin(longitude)
+    sine = OBLIQUITY_SINE * xp.sin(longitude)
     turned = (hour - NOON) / NOON * np.pi
-    across = jnp.cos(latitude) * jnp.sqrt(1.0 - sine**2) * jnp.cos(turned)
-    return jnp.arccos(jnp.clip(jnp.sin(latitude) * sine + across, -1.0, 1.0))
+    across = xp.cos(latitude) * xp.sqrt(1.0 - sine**2) * xp.cos(turned)
+    return xp.arccos(xp.clip(xp.sin(latitude) * sine + across, -1.0, 1.0))

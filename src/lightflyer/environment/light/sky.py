@@ -6,11 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.core import constants
 from lightflyer.core.checks import require_data
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Altitude, Checked, Irradiance
 from lightflyer.core.text import span
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
 from lightflyer.environment.horizon import (
     EARTH_LIMB,
@@ -24,9 +26,6 @@ from lightflyer.environment.light.sun import AbstractSun, EarthSun, SunInSky, su
 from lightflyer.environment.light.sun_table import TabulatedSun
 from lightflyer.environment.planet import EARTH_PLANET, Planet
 from lightflyer.environment.radiation import SKY_INFRARED, Radiation
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import Module
 
 VIEW_OF_PLANET = "(R/(R+h))² at altitude h"  # View factor of the ground, in words
 
@@ -123,19 +122,18 @@ class Daylight(AbstractSky, Checked):
 
         def search(side: float, start: Array) -> Array:
             """Noon at side 0, first light at -1, last at 1."""
-
-            def nearer(_: int, time: Array) -> Array:
+            time = start
+            for _ in range(_PASSES):
                 angle, sunset = turn(time)
-                return time + (side * jnp.arccos(jnp.clip(sunset, -1.0, 1.0)) - angle) / moving
+                time = time + (side * xp.arccos(xp.clip(sunset, -1.0, 1.0)) - angle) / moving
+            return time
 
-            return jax.lax.fori_loop(0, _PASSES, nearer, start)
-
-        shape = jnp.broadcast_shapes(*(jnp.shape(part) for part in (altitude, *place)))
-        noon = search(0.0, place.time + jnp.zeros(shape))
+        shape = xp.broadcast_shapes(*(xp.shape(part) for part in (altitude, *place)))
+        noon = search(0.0, place.time + xp.zeros(shape))
         _, sunset = turn(noon)
-        half_day = jnp.arccos(jnp.clip(sunset, -1.0, 1.0))
+        half_day = xp.arccos(xp.clip(sunset, -1.0, 1.0))
         first, last = (
-            jnp.where(jnp.abs(sunset) < 1.0, search(side, noon + side * half_day / moving), np.nan)
+            xp.where(xp.abs(sunset) < 1.0, search(side, noon + side * half_day / moving), np.nan)
             for side in (-1.0, 1.0)
         )
         return LightHours(first, noon, last, half_day / np.pi)
@@ -145,10 +143,10 @@ class Daylight(AbstractSky, Checked):
         # A cosine beyond ±1 is that of a sun which stays above or below the horizon.
         sun = self.sun.position(place.time)
         x, y, z = (sun.direction[..., axis] for axis in range(3))
-        angle = jnp.mod(place.longitude - jnp.arctan2(y, x) + np.pi, _TURN) - np.pi
+        angle = xp.mod(place.longitude - xp.arctan2(y, x) + np.pi, _TURN) - np.pi
         seen = sun_in_sky(sun, place.latitude, place.longitude)
-        above = jnp.sin(self.depression(altitude, place, seen)) + jnp.sin(place.latitude) * z
-        return angle, -above / (jnp.cos(place.latitude) * jnp.hypot(x, y))
+        above = xp.sin(self.depression(altitude, place, seen)) + xp.sin(place.latitude) * z
+        return angle, -above / (xp.cos(place.latitude) * xp.hypot(x, y))
 
     def assumptions(self) -> tuple[str, ...]:
         heat = (
@@ -170,7 +168,7 @@ class Daylight(AbstractSky, Checked):
 @entry_point
 def _daylight(sky: Daylight, altitude: Altitude, place: Place) -> Radiation:
     sun = sky.sun.position_above(place)
-    angular_radius = jnp.arcsin(constants.SOLAR_RADIUS / sun.distance)
+    angular_radius = xp.arcsin(constants.SOLAR_RADIUS / sun.distance)
     ground_view = (sky.planet.radius / (sky.planet.radius + altitude)) ** 2
     elevation = 0.5 * np.pi - sun.zenith_angle + sky.depression(altitude, place, sun)
     astronomical_units = sun.distance / constants.ASTRONOMICAL_UNIT

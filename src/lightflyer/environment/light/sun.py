@@ -9,13 +9,12 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import RADIANS_PER_DEGREE
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import Place
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module
 
 SECONDS_PER_DAY: Final = 86_400.0
 DAYS_PER_CENTURY: Final = 36_525.0
@@ -141,13 +140,13 @@ def sun_from_earth(time: Numeric) -> SunPosition:
     nutation, obliquity = _nutation_and_obliquity(terrestrial / DAYS_PER_CENTURY)
     apparent = longitude + np.pi + nutation + _ABERRATION * _ARC_SECOND / distance
     # right ascension is where the ecliptic's vector points in the equator's frame
-    along, ahead = jnp.cos(apparent), jnp.sin(apparent)
-    equatorial = along, jnp.cos(obliquity) * ahead, jnp.sin(obliquity) * ahead
-    turned = _sidereal_angle(days) + nutation * jnp.cos(obliquity)
-    direction = jnp.stack(
+    along, ahead = xp.cos(apparent), xp.sin(apparent)
+    equatorial = along, xp.cos(obliquity) * ahead, xp.sin(obliquity) * ahead
+    turned = _sidereal_angle(days) + nutation * xp.cos(obliquity)
+    direction = xp.stack(
         [
-            jnp.cos(turned) * equatorial[0] + jnp.sin(turned) * equatorial[1],
-            jnp.cos(turned) * equatorial[1] - jnp.sin(turned) * equatorial[0],
+            xp.cos(turned) * equatorial[0] + xp.sin(turned) * equatorial[1],
+            xp.cos(turned) * equatorial[1] - xp.sin(turned) * equatorial[0],
             equatorial[2],
         ],
         axis=-1,
@@ -168,7 +167,7 @@ def _heliocentric(millennia: Array) -> tuple[Array, Array]:
 
 def _cosines(terms: np.ndarray, millennia: Array) -> Array:
     amplitude, phase, rate = terms.T
-    return jnp.sum(amplitude * jnp.cos(phase + rate * millennia[..., None]), axis=-1)
+    return xp.sum(amplitude * xp.cos(phase + rate * xp.asarray(millennia)[..., None]), axis=-1)
 
 
 def _nutation_and_obliquity(centuries: Array) -> tuple[Array, Array]:
@@ -177,9 +176,9 @@ def _nutation_and_obliquity(centuries: Array) -> tuple[Array, Array]:
         (first + rate * centuries) * RADIANS_PER_DEGREE for first, rate in (_NODE, _MEAN_LONGITUDE)
     )
     by_node, by_sun = _NUTATION_LONGITUDE
-    nutation = by_node * jnp.sin(node) + by_sun * jnp.sin(2.0 * longitude)
+    nutation = by_node * xp.sin(node) + by_sun * xp.sin(2.0 * longitude)
     by_node, by_sun = _NUTATION_OBLIQUITY
-    tilt = by_node * jnp.cos(node) + by_sun * jnp.cos(2.0 * longitude)
+    tilt = by_node * xp.cos(node) + by_sun * xp.cos(2.0 * longitude)
     mean = (_OBLIQUITY[0] + _OBLIQUITY[1] * centuries) * RADIANS_PER_DEGREE
     return nutation * _ARC_SECOND, mean + tilt * _ARC_SECOND
 
@@ -198,15 +197,15 @@ def sun_in_sky(sun: SunPosition, latitude: Numeric, longitude: Numeric) -> SunIn
     # Differentiable; where the sun stands in the zenith or the nadir, the derivatives of the angles
     # are those of a sun that stays there.
     x, y, z = (sun.direction[..., axis] for axis in range(3))
-    outward = jnp.cos(longitude) * x + jnp.sin(longitude) * y
-    east = jnp.cos(longitude) * y - jnp.sin(longitude) * x
-    north = jnp.cos(latitude) * z - jnp.sin(latitude) * outward
-    up = jnp.cos(latitude) * outward + jnp.sin(latitude) * z
+    outward = xp.cos(longitude) * x + xp.sin(longitude) * y
+    east = xp.cos(longitude) * y - xp.sin(longitude) * x
+    north = xp.cos(latitude) * z - xp.sin(latitude) * outward
+    up = xp.cos(latitude) * outward + xp.sin(latitude) * z
     level = east**2 + north**2
     overhead = level == 0.0
-    sideways = jnp.where(overhead, 0.0, jnp.sqrt(jnp.where(overhead, 1.0, level)))
+    sideways = xp.where(overhead, 0.0, xp.sqrt(xp.where(overhead, 1.0, level)))
     return SunInSky(
-        zenith_angle=jnp.arctan2(sideways, up),
-        azimuth=jnp.arctan2(jnp.where(overhead, 0.0, east), jnp.where(overhead, 1.0, north)),
+        zenith_angle=xp.arctan2(sideways, up),
+        azimuth=xp.arctan2(xp.where(overhead, 0.0, east), xp.where(overhead, 1.0, north)),
         distance=sun.distance,
     )

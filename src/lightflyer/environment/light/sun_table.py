@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.environment.light.sun import SECONDS_PER_DAY, AbstractSun, SunPosition
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import jnp
 
 _SPACING = 2.0 * SECONDS_PER_DAY  # in which cubics follow the sun to 1e-7
 _FEWEST = 4  # points of a cubic spline
@@ -74,14 +73,14 @@ def _position(table: TabulatedSun, time: Numeric) -> SunPosition:
     since = time - table.start
     pieces = table.coefficients.shape[0]
     within = (since >= 0.0) & (since <= pieces * table.spacing * (1.0 + 1e-12))
-    piece = jnp.clip(since // table.spacing, 0, pieces - 1).astype(int)
+    piece = xp.clip(since // table.spacing, 0, pieces - 1).astype(int)
     along = (since - piece * table.spacing)[..., None]
-    third, second, first, zeroth = jnp.moveaxis(table.coefficients[piece], -2, 0)
+    third, second, first, zeroth = xp.moveaxis(table.coefficients[piece], -2, 0)
     fixed = ((third * along + second) * along + first) * along + zeroth
-    x, y, z, distance = jnp.moveaxis(fixed, -1, 0)
+    x, y, z, distance = xp.moveaxis(fixed, -1, 0)
     turned = table.rotation_rate * since
-    cosine, sine = jnp.cos(turned), jnp.sin(turned)
-    direction = jnp.stack([x * cosine + y * sine, y * cosine - x * sine, z], axis=-1)
+    cosine, sine = xp.cos(turned), xp.sin(turned)
+    direction = xp.stack([x * cosine + y * sine, y * cosine - x * sine, z], axis=-1)
     return SunPosition(
-        jnp.where(within[..., None], direction, np.nan), jnp.where(within, distance, np.nan)
+        xp.where(within[..., None], direction, np.nan), xp.where(within, distance, np.nan)
     )

@@ -6,14 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric, call, xp
+from lightflyer.array.records import Module
 from lightflyer.core.checks import is_traced, require_data
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Altitude
-from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import Module
 
 
 class Air(NamedTuple):
@@ -65,10 +64,11 @@ class AbstractWind(Module):
         return {}
 
     def _require_margins(self, altitude: Altitude, place: Place, wind: Wind) -> Wind:
-        """A wind where there is one: else an error, or NaN where that cannot be known yet."""
+        """A wind where there is one: else an error, or NaN within a public function."""
         margins = self.margins(altitude, place)
         require_data(margins)
-        return _blank_unreached(wind, tuple(margins.values())) if is_traced(margins) else wind
+        inner = bool(margins) and (call.depth or is_traced(margins))
+        return _blank_unreached(wind, tuple(margins.values())) if inner else wind
 
     @abc.abstractmethod
     def describe(self) -> tuple[str, ...]:
@@ -77,5 +77,5 @@ class AbstractWind(Module):
 
 @entry_point
 def _blank_unreached(wind: Wind, margins: tuple[Numeric, ...]) -> Wind:
-    reached = reduce(jnp.logical_and, [margin >= 0.0 for margin in margins])
-    return Wind(*(jnp.where(reached, part, np.nan) for part in wind))
+    reached = reduce(xp.logical_and, [margin >= 0.0 for margin in margins])
+    return Wind(*(xp.where(reached, part, np.nan) for part in wind))

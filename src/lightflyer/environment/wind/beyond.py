@@ -3,16 +3,15 @@
 from functools import partial, reduce
 from typing import Any
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Altitude, require_record
-from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind, Air
 from lightflyer.environment.wind.gridded import GriddedWind, by_parts
 from lightflyer.environment.wind.reach import TWO_KILOMETRES
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 
 class WindBeyondData(AbstractWind):
@@ -54,7 +53,7 @@ class WindBeyondData(AbstractWind):
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         within = _within(self.data, altitude, place) - 1.0
         found = self.beyond.margins(altitude, place)
-        return {name: jnp.maximum(margin, within) for name, margin in found.items()}
+        return {name: xp.maximum(margin, within) for name, margin in found.items()}
 
     def share_of_data(self, altitude: Altitude, place: Place) -> Any:
         """Weight of the data in the wind [1]: one inside, zero where they end."""
@@ -72,7 +71,7 @@ class WindBeyondData(AbstractWind):
 @entry_point
 def _within(data: AbstractWind, altitude: Altitude, place: Place) -> Numeric:
     """How far the nearest end of the data is, in the units of margins."""
-    return reduce(jnp.minimum, data.margins(altitude, place).values())
+    return reduce(xp.minimum, data.margins(altitude, place).values())
 
 
 @entry_point
@@ -81,7 +80,7 @@ def _weight(data: AbstractWind, altitude: Altitude, place: Place) -> Numeric:
 
 
 def _smooth(within: Numeric) -> Numeric:
-    share = jnp.clip(within, 0.0, 1.0)
+    share = xp.clip(within, 0.0, 1.0)
     return share**2 * (3.0 - 2.0 * share)
 
 
@@ -89,8 +88,8 @@ def _inner(lowest: float, highest: float, altitude: Altitude) -> Array:
     """The altitude, which stays within the data and slows down in their last two kilometres [m]."""
 
     def slowed(distance: Numeric) -> Array:
-        inside = jnp.clip(distance / TWO_KILOMETRES, 0.0, 1.0)
-        return jnp.maximum(distance, 0.5 * TWO_KILOMETRES * (1.0 + inside**2))
+        inside = xp.clip(distance / TWO_KILOMETRES, 0.0, 1.0)
+        return xp.maximum(distance, 0.5 * TWO_KILOMETRES * (1.0 + inside**2))
 
     return lowest + slowed(highest - slowed(highest - altitude) - lowest)
 
@@ -101,13 +100,13 @@ def _air(
 ) -> Air:
     margins = wind.data.margins(altitude, place).items()
     sides = [margin for name, margin in margins if not name.startswith("altitude")]
-    beside = _smooth(reduce(jnp.minimum, sides, jnp.asarray(1.0)))
+    beside = _smooth(reduce(xp.minimum, sides, xp.asarray(1.0)))
     inner = _inner(*wind.data.reach.ends[1], altitude)
     data = wind.data.air(inner, place, atmosphere)
     assert data is not None
     known = beside > 0.0  # elsewhere NaN
-    warmer = jnp.where(known, data.temperature - atmosphere.temperature(inner, place), 0.0)
-    ratio = jnp.where(known, data.pressure / atmosphere.pressure(inner, place), 1.0)
+    warmer = xp.where(known, data.temperature - atmosphere.temperature(inner, place), 0.0)
+    ratio = xp.where(known, data.pressure / atmosphere.pressure(inner, place), 1.0)
     return Air(
         atmosphere.temperature(altitude, place) + _weight(wind.data, altitude, place) * warmer,
         atmosphere.pressure(altitude, place) * ratio**beside,
@@ -120,8 +119,8 @@ def _velocity(wind: WindBeyondData, altitude: Altitude, place: Place) -> Wind:
     inner = wind.data.velocity(altitude, place)
     outer = wind.beyond.velocity(altitude, place)
     parts = (
-        weight * jnp.where(weight > 0.0, here, 0.0)  # NaN where a wind does not reach
-        + (1.0 - weight) * jnp.where(weight < 1.0, there, 0.0)
+        weight * xp.where(weight > 0.0, here, 0.0)  # NaN where a wind does not reach
+        + (1.0 - weight) * xp.where(weight < 1.0, there, 0.0)
         for here, there in zip(inner, outer, strict=True)
     )
     return Wind(*parts)

@@ -5,16 +5,15 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import legendre
 
+from lightflyer.array.namespace import Numeric, xp
 from lightflyer.core import constants
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude, require_record
-from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.global_nrlmsis import TROPICAL_YEAR, GlobalNRLMSIS
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.numerics.cubic_grid import Axis, interpolate
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import jnp
 
 HIGHEST = 100e3
 """Altitude above which tides, waves and ions drive more of the wind than the balance holds [m]."""
@@ -56,7 +55,7 @@ def balanced_rotation(forcing: Numeric, sine_latitude: Numeric, rotation_rate: N
     #
     # Source: [Andrews1987]_ ch. 3, [Lieberman1999]_.
     ratio = forcing / (rotation_rate**2 * sine_latitude)
-    return -rotation_rate * ratio / (1.0 + jnp.sqrt(1.0 - ratio))
+    return -rotation_rate * ratio / (1.0 + xp.sqrt(1.0 - ratio))
 
 
 def normal_gravity(sine: Any) -> Any:
@@ -173,5 +172,5 @@ def _velocity(wind: GradientWind, altitude: Altitude, place: Place) -> Wind:
         (place.time, place.latitude, altitude),
     )
     distance = EARTH_PLANET.curvature_radius(place.latitude, np.pi / 2) + altitude
-    east = rotation * distance * jnp.cos(place.latitude)
-    return Wind(east, jnp.zeros_like(east), jnp.zeros_like(east))
+    east = rotation * distance * xp.cos(place.latitude)
+    return Wind(east, xp.zeros_like(east), xp.zeros_like(east))

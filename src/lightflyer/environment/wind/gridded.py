@@ -8,10 +8,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core.checks import is_traced
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Altitude
-from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind, Air
@@ -19,10 +22,6 @@ from lightflyer.environment.wind.dataset import WindGrid, read_grid
 from lightflyer.environment.wind.reach import Reach, next_to
 from lightflyer.environment.wind.store import Store, open_wind
 from lightflyer.numerics.cubic_grid import Axis, interpolate
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import field
 
 T = TypeVar("T")
 
@@ -156,7 +155,7 @@ class GriddedWind(AbstractWind):
             look = partial(GriddedWind.air, atmosphere=atmosphere)
             return Air(*by_parts(look, self, altitude, place, Air))
         temperature, log_pressure = self.at_level(self.reach.level(altitude, place), place)[3:]
-        return Air(temperature, jnp.exp(log_pressure))
+        return Air(temperature, xp.exp(log_pressure))
 
     def part(self, place: Place) -> "GriddedWind":
         """The wind around a place, in memory; everywhere where all is."""
@@ -294,7 +293,7 @@ def _as_vectors(grid: WindGrid) -> np.ndarray:
     return np.concatenate([horizontal, grid.up[..., None], *air], axis=-1)
 
 
-def _directions(latitude: Any, longitude: Any, xp: Any = jnp) -> tuple[Any, Any]:
+def _directions(latitude: Any, longitude: Any, xp: Any = xp) -> tuple[Any, Any]:
     """Unit vectors east and north in the frame of the planet, shape (..., 3)."""
     latitude, longitude = xp.broadcast_arrays(latitude, longitude)
     sine, cosine = xp.sin(longitude), xp.cos(longitude)
@@ -330,8 +329,8 @@ def _interpolate(
     position = (place.time, level, place.latitude, longitude)
     found = interpolate(table, axes, position)
     if bounds is not None:  # beyond a part of the data there are others
-        found = jnp.where(_is_within(bounds, position)[..., None], found, np.nan)
+        found = xp.where(_is_within(bounds, position)[..., None], found, np.nan)
     east, north = _directions(place.latitude, place.longitude)
     horizontal = found[..., :3]
-    along = (jnp.sum(horizontal * part, axis=-1) for part in (east, north))
-    return (*along, *jnp.moveaxis(found[..., 3:], -1, 0))
+    along = (xp.sum(horizontal * part, axis=-1) for part in (east, north))
+    return (*along, *xp.moveaxis(found[..., 3:], -1, 0))

@@ -12,14 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Altitude
-from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.global_nrlmsis import TROPICAL_YEAR
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 HIGHEST = 110e3
 """Altitude above which storms of the magnetic field, left out here, change the wind [m]."""
@@ -107,46 +106,46 @@ class HWM14(AbstractWind):
 
 @entry_point
 def _velocity(wind: HWM14, altitude: Altitude, place: Place) -> Wind:
-    heights = jnp.asarray(wind.heights)
-    altitude, latitude, longitude, time = jnp.broadcast_arrays(altitude, *place)
-    piece = jnp.clip(jnp.searchsorted(heights, altitude, side="right") - 1, 0, heights.size - 2)
+    heights = xp.asarray(wind.heights)
+    altitude, latitude, longitude, time = xp.broadcast_arrays(altitude, *place)
+    piece = xp.clip(xp.searchsorted(heights, altitude, side="right") - 1, 0, heights.size - 2)
     above = altitude - heights[piece]
-    powers = jnp.stack([above**3, above**2, above, jnp.ones_like(above)], axis=-1)
+    powers = xp.stack([above**3, above**2, above, xp.ones_like(above)], axis=-1)
     season = _season(_TURN * (time / TROPICAL_YEAR + 1.0 / _YEAR_OF_MODEL))
     local_time = _TURN * (time / _DAY + _NOON) + longitude
     shapes = _shapes(latitude, longitude, local_time)
     # products and sums: JAX's derivative of a contraction needs its switch for double precision
-    amplitudes = jnp.asarray(wind.pieces)[piece]
-    amplitudes = jnp.sum(amplitudes * powers[..., None, None, None, None, None], axis=-6)
-    amplitudes = jnp.sum(amplitudes * season[..., None, :, None, None, None], axis=-4)
-    winds = jnp.sum(amplitudes * shapes[..., None], axis=(-4, -3, -2))
+    amplitudes = xp.asarray(wind.pieces)[piece]
+    amplitudes = xp.sum(amplitudes * powers[..., None, None, None, None, None], axis=-6)
+    amplitudes = xp.sum(amplitudes * season[..., None, :, None, None, None], axis=-4)
+    winds = xp.sum(amplitudes * shapes[..., None], axis=(-4, -3, -2))
     east, north = winds[..., 0], winds[..., 1]
-    return Wind(east, north, jnp.zeros_like(east))
+    return Wind(east, north, xp.zeros_like(east))
 
 
 def _season(angle: Array) -> Array:
-    terms = [jnp.ones_like(angle)]
+    terms = [xp.ones_like(angle)]
     for harmonic in range(1, _HARMONICS + 1):
-        terms += [jnp.cos(harmonic * angle), jnp.sin(harmonic * angle)]
-    return jnp.stack(terms, axis=-1)
+        terms += [xp.cos(harmonic * angle), xp.sin(harmonic * angle)]
+    return xp.stack(terms, axis=-1)
 
 
 def _shapes(latitude: Array, longitude: Array, local_time: Array) -> Array:
     """Vector spherical harmonics, shape (..., families, degrees, 4)."""
     # The last axis is V cos, V sin, W sin, W cos of the family's phase; of the zonal mean it is the
     # sine of the degree times the colatitude, and nothing.
-    degree = jnp.arange(1, _DEGREE + 1)
-    sine = jnp.sin(degree * (0.5 * np.pi - latitude[..., None]))
-    nothing = jnp.zeros_like(sine)
-    families = [jnp.stack([sine, nothing, nothing, nothing], axis=-1)]
+    degree = xp.arange(1, _DEGREE + 1)
+    sine = xp.sin(degree * (0.5 * np.pi - latitude[..., None]))
+    nothing = xp.zeros_like(sine)
+    families = [xp.stack([sine, nothing, nothing, nothing], axis=-1)]
     phases = [(order, longitude) for order in range(1, _STATIONARY + 1)]
     phases += [(order, local_time) for order in range(1, _MIGRATING + 1)]
     for order, angle in phases:
-        slope, over_sine = _harmonics(jnp.sin(latitude), jnp.cos(latitude), order)
-        cosine, sine = (f(order * angle)[..., None] for f in (jnp.cos, jnp.sin))
+        slope, over_sine = _harmonics(xp.sin(latitude), xp.cos(latitude), order)
+        cosine, sine = (f(order * angle)[..., None] for f in (xp.cos, xp.sin))
         parts = [slope * cosine, slope * sine, over_sine * sine, over_sine * cosine]
-        families.append(jnp.stack(parts, axis=-1))
-    return jnp.stack(families, axis=-3)
+        families.append(xp.stack(parts, axis=-1))
+    return xp.stack(families, axis=-3)
 
 
 def _harmonics(x: Array, y: Array, order: int) -> tuple[Array, Array]:
@@ -159,8 +158,8 @@ def _harmonics(x: Array, y: Array, order: int) -> tuple[Array, Array]:
     # with Legendre functions of unit norm in :math:`x = \cos\theta`; :math:`y = \sin\theta`. Their
     # quotients by y are computed, so that nothing is singular at the poles.
     start = np.sqrt(0.5 * np.prod([(2 * k + 1) / (2 * k) for k in range(1, order + 1)]))
-    before, now = jnp.zeros_like(x), start * y ** (order - 1)
-    slopes, quotients = [jnp.zeros_like(x)] * (order - 1), [jnp.zeros_like(x)] * (order - 1)
+    before, now = xp.zeros_like(x), start * y ** (order - 1)
+    slopes, quotients = [xp.zeros_like(x)] * (order - 1), [xp.zeros_like(x)] * (order - 1)
     for n in range(order, _DEGREE + 1):
         scale = 1.0 / np.sqrt(n * (n + 1))
         back = np.sqrt((n**2 - order**2) * (2 * n + 1) / (2 * n - 1))
@@ -170,7 +169,7 @@ def _harmonics(x: Array, y: Array, order: int) -> tuple[Array, Array]:
         forward = np.sqrt((2 * n + 1) * (2 * n + 3) / gap)
         lag = np.sqrt((2 * n + 3) * (n**2 - order**2) / ((2 * n - 1) * gap))
         before, now = now, forward * x * now - lag * before
-    return jnp.stack(slopes, axis=-1), jnp.stack(quotients, axis=-1)
+    return xp.stack(slopes, axis=-1), xp.stack(quotients, axis=-1)
 
 
 def _pieces(knots: np.ndarray, levels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -4,18 +4,17 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import field
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Altitude
-from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind, Air
 from lightflyer.environment.wind.gridded import GriddedWind, parts_along
 from lightflyer.environment.wind.reach import Reach
 from lightflyer.numerics.cubic_grid import Axis, interpolate
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import field
 
 T = TypeVar("T")
 
@@ -40,7 +39,7 @@ class MetWind(AbstractWind):
             return None
         level = self.reach.level(altitude, place)
         temperature, log_pressure = _interpolate(self.columns, self.axes, place.time, level)[3:]
-        return Air(temperature, jnp.exp(log_pressure))
+        return Air(temperature, xp.exp(log_pressure))
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         return self.reach.margins(altitude, place)
@@ -51,7 +50,7 @@ class MetWind(AbstractWind):
 
 @entry_point
 def _interpolate(columns: Any, axes: tuple[Axis, Axis], time: Numeric, level: Numeric) -> Any:
-    return tuple(jnp.moveaxis(interpolate(columns, axes, (time, level)), -1, 0))
+    return tuple(xp.moveaxis(interpolate(columns, axes, (time, level)), -1, 0))
 
 
 def with_met_winds(whole: T, place: Place) -> T:

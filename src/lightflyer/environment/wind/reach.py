@@ -4,14 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import Module, field
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude
-from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place
 from lightflyer.environment.wind.dataset import EPOCH
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import Module, field
 
 _TURN = 2.0 * np.pi
 # Units of margins, in which ends compare.
@@ -97,4 +96,4 @@ def _date(seconds: float) -> str:
 
 @entry_point
 def _minus_log_pressure(atmosphere: AbstractAtmosphere, altitude: Altitude, place: Place) -> Any:
-    return -jnp.log(atmosphere.pressure(altitude, place))
+    return -xp.log(atmosphere.pressure(altitude, place))

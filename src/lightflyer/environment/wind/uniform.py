@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import (
     Altitude,
     Checked,
@@ -9,12 +11,9 @@ from lightflyer.core.quantity import (
     require_record,
 )
 from lightflyer.core.text import span
-from lightflyer.core.types import Numeric
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind, Air
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import jnp
 
 
 class UniformWind(Checked, AbstractWind):
@@ -93,8 +92,8 @@ class SumOfWinds(AbstractWind):
 
 @entry_point
 def _uniform(parts: tuple[Numeric, ...], where: tuple[Numeric, ...]) -> Wind:
-    shape = jnp.broadcast_shapes(*(jnp.shape(value) for value in (*parts, *where)))
-    return Wind(*(jnp.broadcast_to(part, shape) for part in parts))
+    shape = xp.broadcast_shapes(*(xp.shape(value) for value in (*parts, *where)))
+    return Wind(*(xp.broadcast_to(part, shape) for part in parts))
 
 
 @entry_point

@@ -5,13 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import AbstractVar
 from lightflyer.core.checks import is_traced
-from lightflyer.core.types import Numeric
+from lightflyer.core.entry_point import entry_point
 from lightflyer.film.media.medium import Extrapolation, Medium
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import AbstractVar
 
 
 class Compound(Medium):
@@ -73,7 +72,7 @@ def indices(parts: Sequence[Medium], wavelength: np.ndarray) -> tuple[Numeric, N
 @entry_point
 def stack_arrays(values: tuple[Numeric, ...]) -> Numeric:
     """One array of several, in double precision."""
-    return jnp.stack(values)
+    return xp.stack(values)
 
 
 def vector(value: Any) -> Numeric:

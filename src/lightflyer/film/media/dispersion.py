@@ -16,8 +16,11 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core.checks import is_traced, require_range
 from lightflyer.core.constants import PLANCK, SPEED_OF_LIGHT
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
     Checked,
@@ -27,13 +30,9 @@ from lightflyer.core.quantity import (
     PhotonEnergy,
     Quantity,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, require_covered
-from lightflyer.film.media.pairs import Pair, root
+from lightflyer.numerics.complex_parts import imaginary, real
 from lightflyer.numerics.special import dawson
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import field
 
 _NODES = [0.5 * (1.0 + np.polynomial.legendre.leggauss(80)[0]),
           0.5 * np.polynomial.legendre.leggauss(80)[1]]  # fmt: skip
@@ -123,31 +122,31 @@ class TaucLorentz(Term):
         # in units of the centre, where sums of logarithms lose no digits
         numbers = (energy, self.amplitude, self.broadening, self.gap)
         e, a, c, g = (one / self.energy for one in numbers)
-        above = jnp.maximum(e - g, 0.0)
+        above = xp.maximum(e - g, 0.0)
         imaginary = c * above**2 / (((e**2 - 1.0) ** 2 + (c * e) ** 2) * e)
         return a * _tauc_lorentz_real(e, c, g), a * imaginary
 
 
 def _tauc_lorentz_real(e: Numeric, c: Numeric, g: Numeric) -> Numeric:
-    alpha, gamma_squared = jnp.sqrt(4.0 - c**2), 1.0 - 0.5 * c**2
+    alpha, gamma_squared = xp.sqrt(4.0 - c**2), 1.0 - 0.5 * c**2
     excess = e**2 - gamma_squared
     zeta = excess**2 + 0.25 * (alpha * c) ** 2
     log_part = (g**2 - 1.0) * e**2 + (g * c) ** 2 - (1.0 + 3.0 * g**2)
     angle_part = (e**2 - 1.0) * (1.0 + g**2) + (g * c) ** 2
     ratio = (1.0 + g**2 + alpha * g) / (1.0 + g**2 - alpha * g)
-    angles = np.pi - jnp.arctan((2.0 * g + alpha) / c) + jnp.arctan((alpha - 2.0 * g) / c)
-    turn = np.pi + 2.0 * jnp.arctan(2.0 * (gamma_squared - g**2) / (alpha * c))
+    angles = np.pi - xp.arctan((2.0 * g + alpha) / c) + xp.arctan((alpha - 2.0 * g) / c)
+    turn = np.pi + 2.0 * xp.arctan(2.0 * (gamma_squared - g**2) / (alpha * c))
     # both logarithms of |E - gap| together: (E - gap)² ln|E - gap| has no pole at the gap
     apart = e - g
-    safe = jnp.where(jnp.abs(apart) < _NEAR_GAP, 1.0, jnp.abs(apart))
+    safe = xp.where(xp.abs(apart) < _NEAR_GAP, 1.0, xp.abs(apart))
     sum_squared = (e + g) ** 2
     logs = (
-        -(apart**2) / e * jnp.log(safe)
-        + sum_squared / e * jnp.log(e + g)
-        - g * jnp.log((1.0 - g**2) ** 2 + (g * c) ** 2)
+        -(apart**2) / e * xp.log(safe)
+        + sum_squared / e * xp.log(e + g)
+        - g * xp.log((1.0 - g**2) ** 2 + (g * c) ** 2)
     )
     terms = (
-        0.5 * c * log_part / alpha * jnp.log(ratio)
+        0.5 * c * log_part / alpha * xp.log(ratio)
         - angle_part * angles
         + 2.0 * g * excess / alpha * turn
         + c * logs
@@ -181,7 +180,7 @@ class Gaussian(Term):
         sigma = self.broadening / (2.0 * np.sqrt(np.log(2.0)))
         near, far = (energy - self.energy) / sigma, (energy + self.energy) / sigma
         real = 2.0 / np.sqrt(np.pi) * (dawson(far) - dawson(near))
-        imaginary = jnp.exp(-(near**2)) - jnp.exp(-(far**2))
+        imaginary = xp.exp(-(near**2)) - xp.exp(-(far**2))
         return self.amplitude * real, self.amplitude * imaginary
 
 
@@ -209,20 +208,20 @@ class CodyLorentz(Term):
 
     @entry_point
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:
-        here, square, real = self._absorbed(energy), energy**2, jnp.zeros_like(energy)
+        here, square, real = self._absorbed(energy), energy**2, xp.zeros_like(energy)
         for at, part in zip(*_NODES, strict=True):
             e = self.gap + self.energy * at / (1.0 - at)
             apart = e**2 - square
-            safe = jnp.where(apart == 0.0, 1.0, apart)
+            safe = xp.where(apart == 0.0, 1.0, apart)
             step = part * self.energy / (1.0 - at) ** 2
             excess = (e * self._absorbed(e) - energy * here) / safe
-            real = real + step * jnp.where(apart == 0.0, 0.0, excess)
-        safe = jnp.where(energy == self.gap, 1.0, jnp.abs(self.gap - energy))
-        pole = here * jnp.log((self.gap + energy) / safe)
+            real = real + step * xp.where(apart == 0.0, 0.0, excess)
+        safe = xp.where(energy == self.gap, 1.0, xp.abs(self.gap - energy))
+        pole = here * xp.log((self.gap + energy) / safe)
         return (2.0 * real + pole) / np.pi, here
 
     def _absorbed(self, e: Numeric) -> Numeric:
-        above = jnp.maximum(e - self.gap, 0.0) ** 2
+        above = xp.maximum(e - self.gap, 0.0) ** 2
         peak = self.amplitude * self.energy * self.broadening * e
         shape = above / (above + self.transition**2)
         return shape * peak / ((e**2 - self.energy**2) ** 2 + (self.broadening * e) ** 2)
@@ -362,9 +361,10 @@ def _index_of(
     if cauchy is not None:
         inverse = (energy / (PLANCK * SPEED_OF_LIGHT)) ** 2
         n = cauchy.a + cauchy.b * inverse + cauchy.c * inverse**2
-        return n, jnp.zeros_like(n)
-    real, imaginary = constant + jnp.zeros_like(energy), jnp.zeros_like(energy)
+        return n, xp.zeros_like(n)
+    permittivity = constant + 0j * energy
     for term in terms:
-        parts: Pair = term.permittivity(energy)
-        real, imaginary = real + parts[0], imaginary + parts[1]
-    return root((real, imaginary))
+        first, second = term.permittivity(energy)
+        permittivity = permittivity + (first + 1j * second)
+    index = xp.sqrt(permittivity)
+    return real(index), imaginary(index)

@@ -8,11 +8,11 @@ A mixture of parts with permittivities :math:`\varepsilon_i=(n_i+ik_i)^2` and vo
 from collections.abc import Callable
 from typing import TypeAlias
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.transformations import stop_gradient
 from lightflyer.core.checks import Choice
-from lightflyer.core.types import Numeric
-from lightflyer.film.media.pairs import Pair, multiply_real, over, plus, root, sum_first_axis, times
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp, lax
+from lightflyer.core.entry_point import entry_point
+from lightflyer.numerics.complex_parts import imaginary, real
 
 SPHERES = 1.0 / 3.0  # Depolarisation factor of spheres
 
@@ -62,51 +62,42 @@ def bruggeman(
     >>> print(f"{n:.4f} {k:.1f}")
     1.2418 0.0
     """
-    index, fraction = _pair(n, k), _align(fraction, jnp.ndim(n))
-    solve = _bruggeman_of_two if index[0].shape[0] == 2 else _bruggeman_of_many
+    index, fraction = xp.asarray(n) + 1j * xp.asarray(k), _align(fraction, xp.ndim(n))
+    solve = _bruggeman_of_two if index.shape[0] == 2 else _bruggeman_of_many
     return _index(solve(index, fraction, depolarisation))
 
 
-def _bruggeman_of_two(index: Pair, fraction: Array, depolarisation: Numeric) -> Pair:
+def _bruggeman_of_two(index: Array, fraction: Array, depolarisation: Numeric) -> Array:
     """Permittivity over the geometric mean of both: a quadratic's root with real part > 0."""
     # The product of the roots is real and negative, so exactly one has a positive real part, and it
     # is the one with the principal square root.
-    scale = times((index[0][0], index[1][0]), (index[0][1], index[1][1]))
-    weight = fraction - depolarisation
-    middle = over(sum_first_axis(multiply_real(times(index, index), weight)), scale)
-    square = times(middle, middle)
-    other = 1.0 - depolarisation
-    inside = square[0] + 4.0 * depolarisation * other, square[1]
-    return multiply_real(times(scale, plus(middle, root(inside))), 0.5 / other)
+    scale, other = index[0] * index[1], 1.0 - depolarisation
+    middle = (index * index * (fraction - depolarisation)).sum(axis=0) / scale
+    inside = middle * middle + 4.0 * depolarisation * other
+    return scale * (middle + xp.sqrt(inside)) * (0.5 / other)
 
 
-def _bruggeman_of_many(index: Pair, fraction: Array, depolarisation: Numeric) -> Pair:
+def _bruggeman_of_many(index: Array, fraction: Array, depolarisation: Numeric) -> Array:
     """The root as an eigenvalue of a diagonal matrix changed by one of rank one."""
-    permittivity, other = times(index, index), 1.0 - depolarisation
-    pole = multiply_real(permittivity, -depolarisation / other)
-    residue = multiply_real(permittivity, fraction / other)
-    value = _eigenvalue(*(lax.stop_gradient(part) for part in (permittivity, pole, residue)))
+    permittivity, other = index * index, 1.0 - depolarisation
+    pole, residue = permittivity * (-depolarisation / other), permittivity * (fraction / other)
+    value = _eigenvalue(*(stop_gradient(part) for part in (permittivity, pole, residue)))
     for _ in range(_POLISHING):
-        apart = value[0] - pole[0], value[1] - pole[1]
-        terms = over(residue, apart)
-        excess, slope = sum_first_axis(terms), sum_first_axis(over(terms, apart))
-        value = plus(value, over((excess[0] - 1.0, excess[1]), slope))
+        terms = residue / (value - pole)
+        value = value + (terms.sum(axis=0) - 1.0) / (terms / (value - pole)).sum(axis=0)
     return value
 
 
-def _eigenvalue(permittivity: Pair, pole: Pair, residue: Pair) -> Pair:
+def _eigenvalue(permittivity: Array, pole: Array, residue: Array) -> Array:
     """Eigenvalue in the half-plane of the permittivities."""
-    poles, residues = (
-        jnp.moveaxis(lax.complex(*jnp.broadcast_arrays(*part)), 0, -1) for part in (pole, residue)
-    )
-    matrix = poles[..., None] * jnp.eye(poles.shape[-1]) + residues[..., None]
-    roots = jnp.linalg.eigvals(matrix)
-    angle = jnp.arctan2(permittivity[1], permittivity[0])
+    poles, residues = xp.moveaxis(pole, 0, -1), xp.moveaxis(residue, 0, -1)
+    matrix = poles[..., None] * xp.eye(poles.shape[-1]) + residues[..., None]
+    roots = xp.linalg.eigvals(matrix)
+    angle = xp.arctan2(imaginary(permittivity), real(permittivity))
     middle = 0.5 * (angle.min(axis=0) + angle.max(axis=0))[..., None]
-    towards = (roots.real * jnp.cos(middle) + roots.imag * jnp.sin(middle)) / jnp.abs(roots)
-    chosen = jnp.argmax(towards, axis=-1)[..., None]
-    value = jnp.take_along_axis(roots, chosen, axis=-1)[..., 0]
-    return value.real, value.imag
+    towards = (real(roots) * xp.cos(middle) + imaginary(roots) * xp.sin(middle)) / xp.abs(roots)
+    chosen = xp.argmax(towards, axis=-1)[..., None]
+    return xp.take_along_axis(roots, chosen, axis=-1)[..., 0]
 
 
 @entry_point
@@ -125,20 +116,15 @@ def maxwell_garnett(
     #
     # Source: [MaxwellGarnett1904]_; for several parts and ellipsoids in several orientations
     # [Markel2016]_.
-    index, fraction = _pair(n, k), _align(fraction, jnp.ndim(n))
-    permittivity = times(index, index)
-    host = permittivity[0][0], permittivity[1][0]
-    rest = permittivity[0][1:] - host[0], permittivity[1][1:] - host[1]
-    factors = jnp.atleast_1d(depolarisation)
-    moment = above = jnp.zeros(()), jnp.zeros(())
+    permittivity, fraction = _permittivity(n, k), _align(fraction, xp.ndim(n))
+    host = permittivity[0]
+    rest = permittivity[1:] - host
+    factors = xp.atleast_1d(depolarisation)
+    moment = above = 0.0
     for factor in factors:
-        one = sum_first_axis(
-            multiply_real(over(rest, plus(host, multiply_real(rest, factor))), fraction[1:])
-        )
-        moment = plus(moment, multiply_real(one, 1.0 / factors.size))
-        above = plus(above, multiply_real(one, factor / factors.size))
-    more = over(moment, (1.0 - above[0], -above[1]))
-    return _index(times(host, (1.0 + more[0], more[1])))
+        one = (rest / (host + rest * factor) * fraction[1:]).sum(axis=0) / factors.size
+        moment, above = moment + one, above + one * factor
+    return _index(host * (1.0 + moment / (1.0 - above)))
 
 
 @entry_point
@@ -150,8 +136,7 @@ def parallel(
     #
     # .. math:: \varepsilon=\sum_i f_i\varepsilon_i
     del depolarisation
-    index = _pair(n, k)
-    return _index(sum_first_axis(multiply_real(times(index, index), _align(fraction, jnp.ndim(n)))))
+    return _index((_permittivity(n, k) * _align(fraction, xp.ndim(n))).sum(axis=0))
 
 
 @entry_point
@@ -165,10 +150,7 @@ def series(
     #
     # Source: [Markel2016]_.
     del depolarisation
-    index, fraction = _pair(n, k), _align(fraction, jnp.ndim(n))
-    shares = over((fraction, jnp.zeros_like(fraction)), times(index, index))
-    inverse = sum_first_axis(shares)
-    return _index(over((jnp.ones_like(inverse[0]), jnp.zeros_like(inverse[0])), inverse))
+    return _index(1.0 / (_align(fraction, xp.ndim(n)) / _permittivity(n, k)).sum(axis=0))
 
 
 class Rule(Choice):
@@ -222,17 +204,19 @@ _LAWS: dict[Rule, Law] = {
 }
 
 
-def _pair(n: Numeric, k: Numeric) -> Pair:
-    return jnp.asarray(n), jnp.asarray(k)
+def _permittivity(n: Numeric, k: Numeric) -> Array:
+    index = xp.asarray(n) + 1j * xp.asarray(k)
+    return index * index
 
 
 def _align(fraction: Numeric, axes: int) -> Array:
     """Fractions with the axes of the indices behind the first."""
-    fraction = jnp.asarray(fraction)
+    fraction = xp.asarray(fraction)
     return fraction.reshape(fraction.shape + (1,) * (axes - fraction.ndim))
 
 
-def _index(permittivity: Pair) -> Pair:
+def _index(permittivity: Array) -> tuple[Array, Array]:
     """Index from a permittivity in the upper half-plane."""
-    n, k = root(permittivity)
-    return n, jnp.where(k < 0.0, 0.0, k)  # rounding of lossless parts
+    index = xp.sqrt(permittivity)
+    n, k = real(index), imaginary(index)
+    return n, xp.where(k < 0.0, 0.0, k)  # rounding of lossless parts

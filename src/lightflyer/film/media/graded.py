@@ -2,15 +2,15 @@
 
 from numpy.typing import ArrayLike
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Numeric
+from lightflyer.array.records import field
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.film.media.compound import Compound, vector
 from lightflyer.film.media.effective_media import Rule, Shape
 from lightflyer.film.media.medium import Medium
 from lightflyer.film.media.mixture import Mixture
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.module import field
 
 SHEETS = 20  # Sheets of a graded layer, unless it says otherwise
 

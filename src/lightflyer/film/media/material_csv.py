@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from lightflyer.core.constants import PLANCK, SPEED_OF_LIGHT
 from lightflyer.core.errors import ConfigurationError
@@ -196,6 +195,8 @@ def _common(
 
 def _read_page(path: Path) -> Indices:
     """Refractive indices of a page of refractiveindex.info in YAML."""
+    import yaml  # which most films can spare
+
     text = plain_text(read_bytes(path), str(path))
     try:
         page = yaml.safe_load(text)

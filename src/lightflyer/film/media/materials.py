@@ -14,15 +14,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lightflyer.array.namespace import Numeric
+from lightflyer.array.records import field
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Density, Length
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 from lightflyer.film.media.material_csv import read_index_csv
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, require_covered
-from lightflyer.program.arguments import reads_units
-from lightflyer.pytree.module import field
 
 GIVEN = "given by the user"
 

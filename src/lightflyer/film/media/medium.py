@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lightflyer.array.namespace import Numeric
+from lightflyer.array.records import AbstractVar, Module
 from lightflyer.core.checks import Choice
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
-from lightflyer.pytree.module import AbstractVar, Module
 
 MICROMETRE = 1e-6
 

@@ -3,16 +3,15 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core.checks import is_concrete, is_traced, require_positive, require_range
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.film.media.compound import Compound, indices, vector
 from lightflyer.film.media.effective_media import Rule, Shape
 from lightflyer.film.media.materials import GIVEN, vacuum
 from lightflyer.film.media.medium import MICROMETRE, Medium
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import field
 
 MOST_INCLUSIONS = 0.3
 """Volume fraction of inclusions to which Maxwell Garnett's law is commonly used [1]."""
@@ -224,4 +223,4 @@ def porous(
 
 @entry_point
 def _with_rest(fractions: Numeric) -> Numeric:
-    return jnp.concatenate([(1.0 - fractions.sum())[None], fractions])
+    return xp.concatenate([(1.0 - fractions.sum())[None], fractions])

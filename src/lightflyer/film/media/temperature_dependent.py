@@ -6,15 +6,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core.checks import is_concrete, require_range
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.film.media.compound import Compound, indices
 from lightflyer.film.media.materials import GIVEN, Material
 from lightflyer.film.media.medium import Medium
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import field
 
 
 class TemperatureDependentMedium(Compound):
@@ -143,10 +142,10 @@ def _timeless(part: Medium) -> Medium:
 def _interpolate(
     n: Numeric, k: Numeric, temperatures: Numeric, temperature: Numeric
 ) -> tuple[Numeric, Numeric]:
-    steps = jnp.searchsorted(temperatures, temperature, side="right") - 1
-    lower = jnp.clip(steps, 0, temperatures.size - 2)
+    steps = xp.searchsorted(temperatures, temperature, side="right") - 1
+    lower = xp.clip(steps, 0, temperatures.size - 2)
     share = (temperature - temperatures[lower]) / (temperatures[lower + 1] - temperatures[lower])
-    share = jnp.clip(share, 0.0, 1.0)  # of a traced temperature, which may be beyond
+    share = xp.clip(share, 0.0, 1.0)  # of a traced temperature, which may be beyond
     return (
         n[lower] + share * (n[lower + 1] - n[lower]),
         k[lower] + share * (k[lower + 1] - k[lower]),

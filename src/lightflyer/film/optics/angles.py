@@ -4,8 +4,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Numeric, xp
 from lightflyer.core.checks import is_traced, require_positive, require_range
-from lightflyer.core.types import Numeric
+from lightflyer.core.entry_point import entry_point
 from lightflyer.film.optics.integration import (
     DIRECTIONS,
     POINTS_PER_E_FOLD,
@@ -17,9 +19,6 @@ from lightflyer.film.optics.integration import (
 from lightflyer.film.optics.spectra import Spectrum, am0
 from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.film.optics.transfer_matrix import Structure, transfer
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import jnp
 
 POLARISATIONS = ("s", "p", "mean")  # Names along the axis of polarisation of tables
 
@@ -122,7 +121,7 @@ def _by_angle(film: Film, side: Side, grid: Grid, incidence: Numeric) -> Directi
         tree.map_leaves(lambda *parts: sum(parts), *(_directional(*one) for one in arguments))
         for arguments in ([(*piece, block) for piece in pieces] for block in blocks)
     ]
-    join = jnp.concatenate if is_traced(rows) else np.concatenate
+    join = xp.concatenate if is_traced(rows) else np.concatenate
     shares = DirectionalShares(*(join(part, axis=1)[:, :count] for part in zip(*rows, strict=True)))
     if film.open_fraction is None:
         return shares
@@ -145,7 +144,7 @@ def _directional(
     optics = transfer(
         n[:, None], k[:, None], layers, wavelength, incidence[:, None], structure, inside=False
     )
-    scattered = optics.scattered + jnp.zeros_like(optics.reflectance)
+    scattered = optics.scattered + xp.zeros_like(optics.reflectance)
     absorbed = 1.0 - optics.reflectance - optics.transmittance - scattered
     parts = (optics.reflectance, optics.transmittance, absorbed, scattered)
     return DirectionalShares(*(part @ weight.T for part in parts))

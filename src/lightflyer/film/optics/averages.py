@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric
+from lightflyer.array.records import Module, field
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
 from lightflyer.film.optics.integration import (
     POINTS_PER_E_FOLD,
@@ -23,7 +24,6 @@ from lightflyer.film.optics.integration import (
 )
 from lightflyer.film.optics.spectra import Spectrum, am0, blackbody_fraction
 from lightflyer.film.optics.stack import GRAZING, Film, Side
-from lightflyer.pytree.module import Module, field
 
 
 class Average(Module):

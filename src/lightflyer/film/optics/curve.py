@@ -5,15 +5,13 @@ whose radiation passes.
 """
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.core.checks import is_traced
-from lightflyer.core.types import Numeric
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import Module
+from lightflyer.core.entry_point import entry_point
 
 LOWEST_TEMPERATURE, HIGHEST_TEMPERATURE = 100.0, 1500.0
 """Temperatures between which curves are made [K]."""
@@ -22,7 +20,6 @@ NODES = 20
 """Temperatures at which a curve equals the computed emittance. With 20, the curves of all materials
 of the library stay within 1e-5 of it between the nodes."""
 
-_UNROLLED = 5  # terms of a step of the loop: twice as fast as one, and compiles no longer
 _BETWEEN_NODES = 0.1  # margin for what a curve does between its nodes
 
 
@@ -66,9 +63,11 @@ class EmittanceCurve(Module):
     @entry_point
     def __call__(self, temperature: Numeric) -> Array:
         """Emittance at a temperature [K], any shape."""
-        value, _ = self._horner(
-            self._scale_temperature(temperature), self._scale_temperature(temperature)
-        )
+        x = self._scale_temperature(temperature)
+        coefficients = xp.asarray(self.coefficients)
+        value = coefficients[..., 0]
+        for place in range(1, NODES):
+            value = value * x + coefficients[..., place]
         return value
 
     @entry_point
@@ -85,31 +84,26 @@ class EmittanceCurve(Module):
 
     def _horner(self, x: Array, y: Array) -> tuple[Array, Array]:
         """Polynomial at ``x``, and its divided difference between ``x`` and ``y``."""
-
-        def step(carry: tuple[Array, Array], coefficient: Array) -> tuple[Any, None]:
-            value, slope = carry
-            return (value * x + coefficient, slope * y + value), None
-
-        zero = jnp.zeros_like(x + y)
-        # a loop, hardly unrolled: it runs inside every heat balance and has to compile quickly
-        powers = jnp.moveaxis(jnp.asarray(self.coefficients), -1, 0)
-        (value, slope), _ = jax.lax.scan(step, (zero, zero), powers, unroll=_UNROLLED)
+        coefficients = xp.asarray(self.coefficients)
+        value, slope = coefficients[..., 0], xp.zeros(())
+        for place in range(1, NODES):
+            value, slope = value * x + coefficients[..., place], slope * y + value
         return value, slope
 
     def _scale_temperature(self, temperature: Numeric) -> Array:
-        span = jnp.log(self.highest / self.lowest)
-        held = jnp.clip(temperature, self.lowest, self.highest)
-        return 2.0 * jnp.log(held / self.lowest) / span - 1.0
+        span = xp.log(self.highest / self.lowest)
+        held = xp.clip(temperature, self.lowest, self.highest)
+        return 2.0 * xp.log(held / self.lowest) / span - 1.0
 
     def _distance(self, temperature: Numeric, excess: Numeric) -> Array:
         """Difference of the scaled temperatures."""
         hot = temperature * (1.0 + excess)
-        inside = (jnp.minimum(hot, temperature) >= self.lowest) & (
-            jnp.maximum(hot, temperature) <= self.highest
+        inside = (xp.minimum(hot, temperature) >= self.lowest) & (
+            xp.maximum(hot, temperature) <= self.highest
         )
-        span = jnp.log(self.highest / self.lowest)
-        near = 2.0 * jnp.log1p(excess) / span
-        return jnp.where(
+        span = xp.log(self.highest / self.lowest)
+        near = 2.0 * xp.log1p(excess) / span
+        return xp.where(
             inside, near, self._scale_temperature(hot) - self._scale_temperature(temperature)
         )
 
@@ -159,7 +153,5 @@ def emittance_bounds(emittance: Numeric) -> tuple[Numeric, Numeric]:
     """Bounds of the emittance of a face over all temperatures, whether constant or a curve [1]."""
     if not isinstance(emittance, EmittanceCurve):
         return emittance, emittance
-    values = emittance(node_temperatures())
-    many = jnp.ndim(emittance.coefficients) > 1  # curves that differ along the leading axes
-    lowest, highest = (end(values, axis=-1, keepdims=many) for end in (jnp.min, jnp.max))
+    lowest, highest = (end(emittance.at_nodes, axis=-1) for end in (xp.min, xp.max))
     return (1.0 - _BETWEEN_NODES) * lowest, (1.0 + _BETWEEN_NODES) * highest

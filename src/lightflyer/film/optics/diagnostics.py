@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.core.quantity import Density, Quantity, quantity_of
-from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import MICROMETRE, Medium
 from lightflyer.film.optics.averages import Average, thermal_coverage
 from lightflyer.film.optics.curve import EmittanceCurve

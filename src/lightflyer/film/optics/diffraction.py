@@ -13,7 +13,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Numeric
 
 LARGEST_DEFICIT = 0.05
 """Share that may be missing from what falls on a hole before it is worth a warning [1]."""

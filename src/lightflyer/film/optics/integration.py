@@ -5,15 +5,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.transformations import stop_gradient
 from lightflyer.core.checks import is_traced
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import MICROMETRE
 from lightflyer.film.optics.spectra import Spectrum, planck
 from lightflyer.film.optics.stack import Film, Side
 from lightflyer.film.optics.transfer_matrix import Structure, transfer
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp, lax
 
 DIRECTIONS = 16  # Directions in a hemispherical average, Gauss-Legendre in the cosine
 
@@ -23,9 +23,8 @@ POINTS_PER_E_FOLD = 4000
 COARSE_POINTS_PER_E_FOLD = POINTS_PER_E_FOLD // 10
 """The same where a film's change is asked: an emittance to 1e-3, its ± to 1 % of itself."""
 
-# Directions at wavelengths computed at a time where nothing is traced. Arrays of a layer stay in
-# the processor's cache, and below the size (128 KiB, in glibc) from which memory is asked of the
-# system and given back each time: with eight times as many an average takes up to twice as long.
+# Directions at wavelengths computed at a time where nothing is traced: arrays of both polarisations
+# (128 KiB) stay in the processor's cache.
 _AT_ONCE = 4096
 _WIDEST = (0.1e-6, 3e-3)  # [m]; outside lies less than 1e-5 of what any body from 100 K radiates
 
@@ -71,7 +70,7 @@ def thermal_range(film: Film) -> tuple[float, float]:
 def light_grid(film: Film, spectrum: Spectrum, incidence: Numeric, diffuse: bool) -> Grid:
     """Grid of an absorptance: the wavelengths of the light's table; with one spectrum."""
     wavelength, weight = spectrum.between(*film.covered_range)
-    beam = jnp.cos(incidence) if is_traced(incidence) else np.cos(incidence)
+    beam = xp.cos(incidence) if is_traced(incidence) else np.cos(incidence)
     cosine, share = hemisphere() if diffuse else (beam, 1.0)
     return Grid(wavelength, weight[None], cosine, share)
 
@@ -170,17 +169,17 @@ def _spectral(
     share: Numeric,
 ) -> SpectralShares:
     """Shares of unpolarised light at each wavelength, weighted over directions."""
-    incidence = jnp.arccos(jnp.atleast_1d(cosine))[:, None]
+    incidence = xp.arccos(xp.atleast_1d(cosine))[:, None]
     layers = thickness.reshape(-1, 1, 1)
     optics = transfer(
         n[:, None], k[:, None], layers, wavelength, incidence, structure, inside=False
     ).polarisation_mean()
-    scattered = optics.scattered + jnp.zeros_like(optics.reflectance)
+    scattered = optics.scattered + xp.zeros_like(optics.reflectance)
     absorbed = 1.0 - optics.reflectance - optics.transmittance - scattered
     # rounding below zero, of clear films; the derivative stays
-    absorbed = absorbed + lax.stop_gradient(jnp.maximum(-absorbed, 0.0))
+    absorbed = absorbed + stop_gradient(xp.maximum(-absorbed, 0.0))
     found = SpectralShares(absorbed, optics.transmittance, optics.reflectance, scattered)
-    return SpectralShares(*(jnp.atleast_1d(share) @ part for part in found))
+    return SpectralShares(*(xp.atleast_1d(share) @ part for part in found))
 
 
 @entry_point

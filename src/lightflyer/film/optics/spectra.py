@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.core import constants
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Length, Temperature
 from lightflyer.files.table import shipped_table
 from lightflyer.film.media.material_csv import read_spectrum_csv
-from lightflyer.program.arguments import reads_units
 
 SECOND_RADIATION_CONSTANT = constants.PLANCK * constants.SPEED_OF_LIGHT / constants.BOLTZMANN
 """hc/k [m K]."""

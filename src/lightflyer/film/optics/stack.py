@@ -6,7 +6,10 @@ from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core.checks import is_traced, require_positive, require_range
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
     Checked,
@@ -18,7 +21,6 @@ from lightflyer.core.quantity import (
     require_fit,
     require_record,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import Medium
 from lightflyer.film.optics.transfer_matrix import (
     StackOptics,
@@ -26,9 +28,6 @@ from lightflyer.film.optics.transfer_matrix import (
     ellipsometric_angles,
     structured_optics,
 )
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import field
 
 Side: TypeAlias = Literal["top", "bottom"]
 
@@ -302,9 +301,9 @@ def _column(values: list[Numeric]) -> Numeric:
     """Numbers as one array."""
     if all(isinstance(value, int | float | np.ndarray | np.floating) for value in values):
         return np.array(values, float)
-    return jnp.stack([jnp.asarray(value) for value in values])
+    return xp.stack([xp.asarray(value) for value in values])
 
 
 @entry_point
 def _stack(values: tuple[Numeric, ...]) -> Numeric:
-    return jnp.stack(jnp.broadcast_arrays(*values))
+    return xp.stack(xp.broadcast_arrays(*values))

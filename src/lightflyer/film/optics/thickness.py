@@ -6,10 +6,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from lightflyer.array import tree
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.film.optics.stack import Film
-from lightflyer.pytree import tree
 
 T = TypeVar("T")
 

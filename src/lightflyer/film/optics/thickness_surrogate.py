@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
 from lightflyer.film.optics.integration import (
     POINTS_PER_E_FOLD,
@@ -22,8 +23,6 @@ from lightflyer.film.optics.integration import (
 from lightflyer.film.optics.spectra import Spectrum, am0
 from lightflyer.film.optics.stack import GRAZING, Film
 from lightflyer.film.optics.transfer_matrix import transfer
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module
 
 DIRECTIONS = 4  # Directions of a hemispherical average, Gauss-Legendre in the cosine
 
@@ -95,19 +94,19 @@ class ThicknessSurrogate(Module):
     ) -> dict[str, Any]:
         """Optical properties of a film by name, to be traced; ``thickness`` (layers,)."""
         light, heat = self.light, self.heat
-        beam = jnp.cos(jnp.minimum(incidence, GRAZING))
+        beam = xp.cos(xp.minimum(incidence, GRAZING))
         n, k, wavelength = (
-            jnp.concatenate([one, other], axis=-1)
+            xp.concatenate([one, other], axis=-1)
             for one, other in zip(light.optics, heat.optics, strict=True)
         )
         cosine, share = hemisphere(DIRECTIONS)
         # both faces at once: the second half of each array is the film upside down
-        n, k, depth = (jnp.stack([part, part[::-1]], axis=1) for part in (n, k, thickness[:, None]))
+        n, k, depth = (xp.stack([part, part[::-1]], axis=1) for part in (n, k, thickness[:, None]))
         absorbed, through = _shares(n, k, depth, wavelength, cosine, share)
         of_light, of_heat = slice(None, light.wavelength.size), slice(light.wavelength.size, None)
         lit, lit_through = _shares(
             light.n[:, None], light.k[:, None], thickness[:, None, None], light.wavelength,
-            jnp.atleast_1d(beam), np.ones(1),
+            xp.atleast_1d(beam), np.ones(1),
         )  # fmt: skip
         top, bottom = (heat.weight @ face[of_heat] for face in absorbed)
         found = {
@@ -130,11 +129,11 @@ def _shares(
 ) -> tuple[Array, Array]:
     """Absorptance and transmittance of unpolarised light, as means over directions."""
     # Arrays have the axes (layers, faces, wavelengths); the shares are of shape (faces, w).
-    n, k, thickness = (jnp.asarray(part)[:, :, None] for part in (n, k, thickness))
-    incidence = jnp.arccos(cosine)[:, None]
-    optics = transfer(n, k, thickness, jnp.asarray(wavelength), incidence, inside=False)
+    n, k, thickness = (xp.asarray(part)[:, :, None] for part in (n, k, thickness))
+    incidence = xp.arccos(cosine)[:, None]
+    optics = transfer(n, k, thickness, xp.asarray(wavelength), incidence, inside=False)
     reflected, passed = (
-        jnp.einsum("pfaw,a->fw", part, 0.5 * share)
+        xp.einsum("pfaw,a->fw", part, 0.5 * share)
         for part in (optics.reflectance, optics.transmittance)
     )
     return 1.0 - reflected - passed, passed
@@ -152,7 +151,7 @@ def _pad(sampled: Sampled, missing: int) -> Sampled:
 
 
 def _curve(values: Array) -> EmittanceCurve:
-    return EmittanceCurve.through(jnp.maximum(values, _LEAST_EMITTANCE))
+    return EmittanceCurve.through(xp.maximum(values, _LEAST_EMITTANCE))
 
 
 def _choose(n: np.ndarray, k: np.ndarray, grid: Grid, points: int) -> np.ndarray:

@@ -11,22 +11,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module, field
+from lightflyer.core.entry_point import entry_point
 from lightflyer.film.optics.coherent import (
     Beam,
-    Complex,
     Fields,
     HalfSpace,
     Sheets,
-    magnitude,
     net_power,
     respond,
-    sheets,
 )
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module, field
+from lightflyer.numerics.complex_parts import imaginary, magnitude, real
 
 
 class StackOptics(Module):
@@ -78,7 +74,7 @@ class StackOptics(Module):
 
 @entry_point
 def _sum(groups: Numeric, parts: Numeric) -> Numeric:
-    return jnp.tensordot(groups, parts, axes=1)
+    return xp.tensordot(groups, parts, axes=1)
 
 
 class Structure(Module):
@@ -194,8 +190,7 @@ def transfer(
     # With ``inside`` false the absorptances of layers are left out, as an array without rows,
     # unless interfaces are rough: what is scattered is what is missing beside them.
     group = _grouped(n, k, thickness, wavelength, incidence, structure, inside=inside)
-    shares = [jnp.stack(pair) for pair in zip(*group.shares(), strict=True)]
-    reflected, passed, absorbed = shares[0], shares[1], jnp.swapaxes(shares[2], 0, 1)
+    reflected, passed, absorbed = group.shares()
     scattered: Numeric = 0.0
     if group.kappa is not None:
         scattered = 1.0 - reflected - passed - absorbed.sum(axis=0)
@@ -217,9 +212,10 @@ def ellipsometric_angles(
     # e^{-iωt}, and those of p polarisation are tangential. Light that has been through an
     # incoherent layer is not counted: it is elsewhere on the detector, or scattered at the back.
     group = _grouped(n, k, thickness, wavelength, incidence, structure, inside=False)
-    (a, b), (c, d) = (one.ratio for one in group.first())
-    s, p = magnitude((a, b)), magnitude((c, d))
-    return jnp.stack([s - p, -2.0 * (a * c + b * d), 2.0 * (a * d - b * c)]) / (s + p)
+    s, p = group.first().ratio
+    powers, product = (magnitude(s), magnitude(p)), xp.conj(s) * p
+    parts = [powers[0] - powers[1], -2.0 * real(product), 2.0 * imaginary(product)]
+    return xp.stack(parts) / (powers[0] + powers[1])
 
 
 def _grouped(
@@ -233,18 +229,29 @@ def _grouped(
     inside: bool,
 ) -> "_Grouped":
     structure = Structure() if structure is None else structure
-    n, k, thickness, wavelength = (jnp.asarray(one) for one in (n, k, thickness, wavelength))
-    above, (below_n, below_k) = jnp.asarray(structure.above), structure.below
-    beam = Beam(above, jnp.cos(incidence))
-    outside, substrate = beam.half, beam.into(jnp.asarray(below_n), jnp.asarray(below_k))
-    layers = sheets(beam, n, k, (4.0 * np.pi) * thickness / wavelength)
     roughness = structure.roughness
-    inside = inside or roughness is not None
-    kappa = None if roughness is None else (2.0 * np.pi) * jnp.asarray(roughness) / wavelength
-    shape = jnp.broadcast_shapes(
-        layers.exponent[0].shape[1:], outside.magnetic[0].shape, substrate.normal[0].shape,
-        wavelength.shape, () if kappa is None else kappa.shape[1:],
+
+    def aligned(value: Numeric, leading: int) -> Array:
+        """An array whose axes behind the leading ones are as many as the widest array's."""
+        array = xp.asarray(value)
+        ones = (1,) * (leading + rank - array.ndim)
+        return array.reshape(array.shape[:leading] + ones + array.shape[leading:])
+
+    each_layer = n, k, thickness
+    single = wavelength, incidence, structure.above, *structure.below
+    rows = each_layer if roughness is None else (*each_layer, roughness)
+    rank = max([*(xp.ndim(one) - 1 for one in rows), *map(xp.ndim, single)])
+    n, k, thickness = (aligned(one, 1) for one in each_layer)
+    wavelength, incidence, above, below_n, below_k = (aligned(one, 0) for one in single)
+    beam = Beam(above, xp.cos(incidence))
+    outside, substrate = beam.half, beam.into(below_n, below_k)
+    layers = beam.through(n, k, (4.0 * np.pi) * thickness / wavelength)
+    kappa = None if roughness is None else (2.0 * np.pi) * aligned(roughness, 1) / wavelength
+    shape = xp.broadcast_shapes(
+        layers.decay.shape[1:], outside.normal.shape, substrate.normal.shape, wavelength.shape,
+        () if kappa is None else kappa.shape[1:],
     )  # fmt: skip
+    inside = inside or kappa is not None
     return _Grouped(outside, layers, substrate, kappa, structure.coherent, shape, inside)
 
 
@@ -264,82 +271,58 @@ class _Grouped(NamedTuple):
         """Numbers of the incoherent layers."""
         return tuple(number for number, one in enumerate(self.coherent) if not one)
 
-    def shares(self) -> list[tuple[Array, Array, Array]]:
-        """Reflectance, transmittance and layers' absorptances of s and of p polarisation."""
-        count = self.layers.exponent[0].shape[0]
+    def first(self) -> Fields:
+        """What the layers above the first incoherent one do to the light."""
+        end = next(iter(self.thick), self.layers.normal.shape[0])
+        below = self.layers.medium(end) if self.thick else self.substrate
+        kappa = None if self.kappa is None else self.kappa[: end + 1]
+        part = self.layers.cut(slice(end))
+        return respond(self.outside, part, below, kappa, self.shape, inside=False)
+
+    def shares(self) -> tuple[Array, Array, Array]:
+        """Reflectance, transmittance and layers' absorptances, by adding powers."""
         starts = [0, *(number + 1 for number in self.thick)]
-        ends = [*self.thick, count]
-        halves = [self.outside, *(self._medium(number) for number in self.thick), self.substrate]
-        down, up = [], []
+        ends = [*self.thick, self.layers.normal.shape[0]]
+        media = [self.outside, *map(self.layers.medium, self.thick), self.substrate]
+        down: list[Fields] = []  # what groups of coherent layers do to waves from above
+        up: list[Fields] = []  # and to waves from below
         for place, (start, end) in enumerate(zip(starts, ends, strict=True)):
-            part, above, below = self.layers.cut(start, end), halves[place], halves[place + 1]
+            part, above, below = self.layers.cut(slice(start, end)), *media[place : place + 2]
             kappa = None if self.kappa is None else self.kappa[start : end + 1]
             down.append(respond(above, part, below, kappa, self.shape, inside=self.inside))
             if place < len(self.thick):
-                turned = None if kappa is None else kappa[::-1]
-                flipped = part.flip()
-                up.append(respond(below, flipped, above, turned, self.shape, inside=self.inside))
-        decays = [self.layers.cut(number, number + 1).decay[0] for number in self.thick]
-        return [
-            _shares_of_powers(
-                [pair[number] for pair in down],
-                [pair[number] for pair in up],
-                [half.admittances[number] for half in halves],
-                decays,
-                self.inside,
-            )
-            for number in (0, 1)
-        ]
-
-    def first(self) -> tuple[Fields, Fields]:
-        """What the layers above the first incoherent one do to the light, s, then p."""
-        end = next(iter(self.thick), self.layers.exponent[0].shape[0])
-        below = self._medium(end) if self.thick else self.substrate
-        kappa = None if self.kappa is None else self.kappa[: end + 1]
-        part = self.layers.cut(0, end)
-        return respond(self.outside, part, below, kappa, self.shape, inside=False)
-
-    def _medium(self, number: int) -> HalfSpace:
-        one: HalfSpace = tree.map_leaves(lambda part: part[number], self.layers.half)
-        return one
-
-
-def _shares_of_powers(
-    down: list[Fields],
-    up: list[Fields],
-    admittances: list[Complex],
-    decays: list[Array],
-    inside: bool,
-) -> tuple[Array, Array, Array]:
-    """Shares of one polarisation, by adding powers in the incoherent layers."""
-    # ``down`` and ``up`` are what groups of coherent layers do to waves from above and from below,
-    # ``admittances`` those of the media between them, ``decays`` the falls of power in these.
-    reflected = magnitude(down[-1].ratio)
-    returns: list[Array] = []  # upward over downward power at the top of each incoherent layer
-    gains: list[Array] = []
-    for first, back, decay in zip(down[-2::-1], up[::-1], decays[::-1], strict=True):
-        returned = decay * decay * reflected
-        gain = 1.0 / (1.0 - magnitude(back.ratio) * returned)
-        reflected = magnitude(first.ratio) + first.passed * back.passed * returned * gain
-        returns.insert(0, returned)
-        gains.insert(0, gain)
-    beams = [jnp.ones_like(reflected)]  # squared downward field above each group
-    rising = []  # squared upward field below each group but the last
-    for one, gain, returned, decay in zip(down[:-1], gains, returns, decays, strict=True):
-        entered = beams[-1] * one.passed * gain
-        rising.append(entered * returned)
-        beams.append(entered * decay)
-    outside = admittances[0][0]
-    passed = beams[-1] * down[-1].passed * admittances[-1][0] / outside
-    absorbed = _absorption(down, up, admittances, beams, rising) if inside else []
-    rows = [jnp.zeros((0, *reflected.shape)), *(part / outside for part in absorbed)]
-    return reflected, passed, jnp.concatenate(rows)
+                turned = slice(None, None, -1)
+                part, kappa = part.cut(turned), None if kappa is None else kappa[turned]
+                up.append(respond(below, part, above, kappa, self.shape, inside=self.inside))
+        decays = [self.layers.decay[number] for number in self.thick]
+        reflected = magnitude(down[-1].ratio)
+        returns: list[Array] = []  # upward over downward power at the top of each incoherent layer
+        gains: list[Array] = []
+        for first, back, decay in zip(down[-2::-1], up[::-1], decays[::-1], strict=True):
+            returned = decay * decay * reflected
+            gain = 1.0 / (1.0 - magnitude(back.ratio) * returned)
+            reflected = magnitude(first.ratio) + first.passed * back.passed * returned * gain
+            returns.insert(0, returned)
+            gains.insert(0, gain)
+        beams = [xp.ones_like(reflected)]  # squared downward field above each group
+        rising = []  # squared upward field below each group but the last
+        for one, gain, returned, decay in zip(down[:-1], gains, returns, decays, strict=True):
+            entered = beams[-1] * one.passed * gain
+            rising.append(entered * returned)
+            beams.append(entered * decay)
+        incident = self.outside.admittance
+        admittances = [one.admittance for one in media]
+        passed = beams[-1] * down[-1].passed * real(self.substrate.admittance) / incident
+        if not self.inside:
+            return reflected, passed, xp.zeros((0, *reflected.shape))
+        absorbed = _absorption(down, up, admittances, beams, rising)
+        return reflected, passed, xp.concatenate(absorbed) / incident
 
 
 def _absorption(
     down: list[Fields],
     up: list[Fields],
-    admittances: list[Complex],
+    admittances: list[Array],
     beams: list[Array],
     rising: list[Array],
 ) -> list[Array]:
@@ -352,10 +335,10 @@ def _absorption(
         found.append(group)
         if place < len(up):
             own, following = admittances[place + 1], down[place + 1]
-            top = own[0] * one.passed * beams[place]
+            top = real(own) * one.passed * beams[place]
             top = top - net_power(own, up[place].ratio) * rising[place]
             bottom = net_power(own, following.ratio) * beams[place + 1]
             if place + 1 < len(up):
-                bottom = bottom - own[0] * up[place + 1].passed * rising[place + 1]
+                bottom = bottom - real(own) * up[place + 1].passed * rising[place + 1]
             found.append((top - bottom)[None])
     return found

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.film.media.medium import MICROMETRE
 from lightflyer.film.optics.averages import Average, Shares, heat_shares, light_shares
 from lightflyer.film.optics.diagnostics import film_warnings

@@ -18,16 +18,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.kinetic.collisions import HEATED_RANGE
 from lightflyer.force.kinetic.ratios import denseness, heating_of, thinness
+from lightflyer.numerics.horner import polynomial
 from lightflyer.numerics.polynomials import hold_within, place_between
-from lightflyer.program.horner import polynomial
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 # powers of floor, lid and side wall: floor and lid may be exchanged, with the same or the
 # opposite result
@@ -112,7 +111,7 @@ class Surroundings(NamedTuple):
         """Push on a disk of like faces [N]; ``excess``: T_h/T_c − 1."""
         # From small to large temperature differences it grows as the recoil of molecules does, with
         # the root of the temperature; solved at 1.8 and 2.34 times the gas's, within 7 %.
-        growth = 2.0 * (jnp.sqrt(1.0 + excess) - 1.0)
+        growth = 2.0 * (xp.sqrt(1.0 + excess) - 1.0)
         return state.pressure * disk.area * self.lift * growth
 
 
@@ -135,20 +134,20 @@ def reservoir(
 
 def resistance_ratio(opened: Numeric, kept: Numeric) -> Array:
     """Force or heat over that of free molecules where a share of the resistance is left [1]."""
-    return jnp.asarray(opened / (opened + kept * (1.0 - opened)))
+    return xp.asarray(opened / (opened + kept * (1.0 - opened)))
 
 
 def _keep(factor: Numeric, opened: Numeric) -> Array:
     """Share of the resistance that is left where a factor is on force or heat [1]."""
-    return (1.0 / factor - opened) / jnp.maximum(1.0 - opened, _LEAST_RESISTANCE)
+    return (1.0 / factor - opened) / xp.maximum(1.0 - opened, _LEAST_RESISTANCE)
 
 
 def _keep_hot(kept: Numeric, power: float, knudsen: Numeric, ratio: Numeric) -> Array:
     """Share of the resistance that is left around a hot disk; ``kept``: at small differences."""
     heating = hold_within(heating_of(ratio), *np.log(HEATED_RANGE))
     thin = 1.0 / (1.0 + (_HEATED_KNUDSEN / knudsen) ** 3)
-    logarithm = jnp.log(jnp.maximum(kept, _LEAST_RESISTANCE))
-    return jnp.exp(logarithm * jnp.exp(power * thin * heating))
+    logarithm = xp.log(xp.maximum(kept, _LEAST_RESISTANCE))
+    return xp.exp(logarithm * xp.exp(power * thin * heating))
 
 
 @dataclass(frozen=True)
@@ -174,19 +173,19 @@ class ChamberFit:
         """Effect on a disk; ``ratio``: T_h/T_c."""
         place, dense = thinness(knudsen, self.knudsen_range), denseness(knudsen)
         # thermal stress, which pushes like faces in dense gas, is of second order
-        beyond = jnp.minimum(knudsen / self.knudsen_range[0], 1.0) ** 2
+        beyond = xp.minimum(knudsen / self.knudsen_range[0], 1.0) ** 2
         near = nearness(chamber, self.nearest)
 
         def value(coefficients: Any, terms: Any) -> Array:
             parts = zip(coefficients, terms, strict=True)
-            return sum((polynomial(own, place) * term for own, term in parts), jnp.zeros(()))
+            return sum((polynomial(own, place) * term for own, term in parts), xp.zeros(()))
 
-        heat_kept = jnp.exp(value(self.kept, _terms(near, _EVEN, 1.0)))
-        beside = jnp.exp(value(self.force, _terms(near, _EVEN, 1.0)) * dense)
+        heat_kept = xp.exp(value(self.kept, _terms(near, _EVEN, 1.0)))
+        beside = xp.exp(value(self.force, _terms(near, _EVEN, 1.0)) * dense)
         force, heat = opened
         factor = beside * resistance_ratio(heat, heat_kept) / heat
         lift = value(self.lift, _terms(near, _ODD, -1.0))
-        lift *= beyond * dense * tac / REFERENCE_TAC
+        lift = lift * (beyond * dense * tac / REFERENCE_TAC)
         heat_kept = _keep_hot(heat_kept, _HEATED_HEAT_POWER, knudsen, ratio)
         return Surroundings(_keep(factor, force), heat_kept, lift, FORCE_ERROR, HEAT_ERROR)
 
@@ -204,7 +203,7 @@ def nearness(chamber: Chamber, nearest: Chamber | None = None) -> tuple[Any, ...
     if nearest is None:
         return tuple(1.0 / (1.0 + np.asarray(distance)) for distance in chamber)
     held = zip(chamber, nearest, strict=True)
-    return tuple(1.0 / (1.0 + jnp.maximum(distance, least)) for distance, least in held)
+    return tuple(1.0 / (1.0 + xp.maximum(distance, least)) for distance, least in held)
 
 
 def _terms(near: tuple[Any, ...], powers: Any, exchanged: float) -> list[Any]:

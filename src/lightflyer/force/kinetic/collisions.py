@@ -19,14 +19,13 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic.ratios import heating_of
 from lightflyer.gas.base import AbstractGas
+from lightflyer.numerics.horner import polynomial
 from lightflyer.numerics.polynomials import hold_within, least_squares, place_between
 from lightflyer.numerics.special import root_sum_square
-from lightflyer.program.horner import polynomial
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _REFERENCE_TAC = 0.9
 _TACS = (0.3, 1.0)  # little beyond those of the table, 0.4 and 0.9
@@ -62,12 +61,12 @@ class Heated(NamedTuple):
 
     def __call__(self, kind: str, ratio: Numeric, exponent: Numeric) -> Array:
         """Change for a kind of gas, a temperature ratio and a viscosity exponent [1]."""
-        return jnp.exp(self.logarithm(kind, ratio, exponent))
+        return xp.exp(self.logarithm(kind, ratio, exponent))
 
     def logarithm(self, kind: str, ratio: Numeric, exponent: Numeric) -> Array:
         """The same as a logarithm [1]."""
         held = hold_within(heating_of(ratio), *np.log(HEATED_RANGE))
-        return jnp.asarray(self.slope * (self.neutral[kind] - exponent) * held)
+        return xp.asarray(self.slope * (self.neutral[kind] - exponent) * held)
 
 
 # fitted to direct simulations of other gases than nitrogen in studies/kinetic_collisions
@@ -114,12 +113,12 @@ class CollisionFit:
     def factors(self, knudsen: Numeric, exponent: Numeric, tac: Numeric) -> tuple[Array, Array]:
         """:math:`r_F` and :math:`r_Q` of small temperature differences [1]."""
         low, high = np.log(self.knudsen_range)
-        place = place_between(jnp.clip(jnp.log(knudsen), low, high), low, high)
+        place = place_between(xp.clip(xp.log(knudsen), low, high), low, high)
         stiff = hold_within(exponent, *self.exponent_range) - _REFERENCE_EXPONENT
-        rough = jnp.clip(tac, *self.tac_range) - _REFERENCE_TAC
+        rough = xp.clip(tac, *self.tac_range) - _REFERENCE_TAC
         return (
-            jnp.exp(polynomial(self.force, stiff, rough, place)),
-            jnp.exp(polynomial(self.heat, stiff, rough, place)),
+            xp.exp(polynomial(self.force, stiff, rough, place)),
+            xp.exp(polynomial(self.heat, stiff, rough, place)),
         )
 
 
@@ -152,7 +151,7 @@ class HeatedGas:
         """Factors of force and heat, :math:`r_F` and :math:`r_Q` [1]."""
         force, heat = collision_fit(self.kind).factors(knudsen, self.exponent, tac)
         if self.kind == "diatomic":
-            heat *= self._simulated_conduction / self._conduction
+            heat = heat * (self._simulated_conduction / self._conduction)
         return (
             force * FORCE_HEATED(self.kind, self.ratio, self.exponent),
             heat * HEAT_HEATED(self.kind, self.ratio, self.exponent),
@@ -177,7 +176,7 @@ def heat_error(of_table: Array, ratio: Array, collisions: Collisions) -> Array:
 
 def with_collisions(ratio: Numeric, factor: Numeric) -> Array:
     """A ratio to free molecules where collisions take a factor more [1]."""
-    return jnp.asarray(ratio / (ratio + factor * (1.0 - ratio)))
+    return xp.asarray(ratio / (ratio + factor * (1.0 - ratio)))
 
 
 @lru_cache

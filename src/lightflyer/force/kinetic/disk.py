@@ -3,9 +3,12 @@
 import math
 from typing import Any, ClassVar, Literal
 
+from lightflyer.array.memory import kept
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import field
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import StandardErrors
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
@@ -43,9 +46,6 @@ from lightflyer.force.kinetic.warm_floor import push_of_floor
 from lightflyer.force.membranes.schafer2025_table import internal_factors
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.numerics.special import root_sum_square
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import field
 
 Polyatomic = Literal["refused", "scaled"]
 """What becomes of a gas of neither kind that the tables are for."""
@@ -110,12 +110,14 @@ class KineticDisk(AbstractWalled):
             ratio = scaled_heat_ratio(ratio, _resistance(state, excess))
         resisting = (_kind(state.gas), knudsen, ratio)
         ratio = kinetic_walls.heat_ratio(flyer, excess, resisting, self.walls)
-        ratio *= _keep(flyer, state, excess, knudsen, ratio, self.film_balance).heat
+        ratio = ratio * _keep(flyer, state, excess, knudsen, ratio, self.film_balance).heat
         if self.heat_error is not None:
             own = heat_error(fit.table_errors(knudsen)[1], ratio, self.collisions)
             if around.heat_error:
                 own = root_sum_square(own, around.heat_error)
-            ratio *= 1.0 + self.heat_error * _with_scaling(own, _SCALED_HEAT_ERROR, state.gas)
+            ratio = ratio * (
+                1.0 + self.heat_error * _with_scaling(own, _SCALED_HEAT_ERROR, state.gas)
+            )
         return (ratio * disk_conductance(flyer, state, excess) * excess,)
 
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
@@ -127,22 +129,24 @@ class KineticDisk(AbstractWalled):
         ratio = with_collisions(around.force_ratio(fit.force_ratio(knudsen, *place)), of_force)
         heat = with_collisions(around.heat_ratio(fit.heat_ratio(knudsen, *place)), of_heat)
         if state.gas.molecules not in GASES:
-            ratio *= scaled_heat_ratio(heat, _resistance(state, excess)) / heat
+            ratio = ratio * (scaled_heat_ratio(heat, _resistance(state, excess)) / heat)
         resisting = (_kind(state.gas), knudsen, ratio)
         found = kinetic_walls.force(flyer, state, excess, resisting, self.walls)
-        found *= _keep(flyer, state, excess, knudsen, heat, self.film_balance).force
+        found = found * _keep(flyer, state, excess, knudsen, heat, self.film_balance).force
         push = around.push(flyer, state, excess)
         if self.force_error is not None:
             heated = FORCE_HEATED.logarithm(_kind(state.gas), place[0], place[-1])
             own = force_error(fit.table_errors(knudsen)[0], ratio, self.collisions, heated)
             if around.force_error:
                 own = root_sum_square(own, around.force_error)
-            found *= 1.0 + self.force_error * _with_scaling(own, _SCALED_FORCE_ERROR, state.gas)
-            push *= 1.0 + self.force_error * PUSH_ERROR
+            found = found * (
+                1.0 + self.force_error * _with_scaling(own, _SCALED_FORCE_ERROR, state.gas)
+            )
+            push = push * (1.0 + self.force_error * PUSH_ERROR)
         if state.floor_excess is not None:
-            push += push_of_floor(flyer, state, knudsen, self.force_error)
+            push = push + push_of_floor(flyer, state, knudsen, self.force_error)
         if flyer.attitude is not None:  # floor and lid do not turn with the disk
-            push *= jnp.cos(flyer.attitude.tilt)
+            push = push * xp.cos(flyer.attitude.tilt)
         return found + push
 
     def ranges(self, flyer: Disk, state: EnvironmentState, temperature: Numeric) -> Looks:
@@ -182,7 +186,7 @@ class KineticDisk(AbstractWalled):
 
 @entry_point
 def _where_heating_matters(ratio: Numeric, knudsen: Numeric, otherwise: float) -> Array:
-    return jnp.where(jnp.abs(ratio - 1.0) > _SMALL, knudsen, otherwise)
+    return xp.where(xp.abs(ratio - 1.0) > _SMALL, knudsen, otherwise)
 
 
 def scaled_heat_ratio(ratio: Numeric, resistance: Numeric) -> Array:
@@ -193,7 +197,7 @@ def scaled_heat_ratio(ratio: Numeric, resistance: Numeric) -> Array:
     # is 1.155, it is right to 1 % for small differences and to 3 % up to :math:`T_h/T_c = 2.4`. A
     # force that keeps its ratio to the heat is right to 2 % and 9 %. In carbon dioxide s is 1.10
     # times that of the diatomic table.
-    return jnp.asarray(1.0 / (1.0 + resistance * (1.0 / ratio - 1.0)))
+    return xp.asarray(1.0 / (1.0 + resistance * (1.0 / ratio - 1.0)))
 
 
 def _place(disk: Disk, state: EnvironmentState, excess: Numeric) -> tuple[Any, ...]:
@@ -209,9 +213,15 @@ def viscosity_exponent(gas: AbstractGas, temperature: Numeric, ratio: Numeric) -
     # that a heat balance does not look up the viscosity again and again. From 150 K to 500 K and
     # ratios of 0.7 to 2.4 it is within 0.03 of the slope between both temperatures for carbon
     # dioxide, 0.007 for other gases.
-    cold, warm = (gas.viscosity_exponent(factor * temperature) for factor in (1.0, _WARM))
+    cold, warm = _viscosity_exponents(gas, temperature)
     share = 0.5 * heating_of(ratio) / math.log(_WARM)
-    return jnp.asarray(cold + share * (warm - cold))
+    return xp.asarray(cold + share * (warm - cold))
+
+
+@kept
+def _viscosity_exponents(gas: AbstractGas, temperature: Numeric) -> tuple[Array, Array]:
+    cold, warm = (gas.viscosity_exponent(factor * temperature) for factor in (1.0, _WARM))
+    return cold, warm
 
 
 def _factors(
@@ -273,6 +283,7 @@ def _resistance(state: EnvironmentState, excess: Numeric) -> Numeric:
     return free / dense / _DIATOMIC_RESISTANCE
 
 
+@kept
 def _fit_and_knudsen_number(disk: Disk, state: EnvironmentState) -> tuple[KineticFit, Any]:
     knudsen = knudsen_number(state.pressure, state.temperature, disk.radius, state.gas)
     return kinetic_fit(_kind(state.gas)), knudsen

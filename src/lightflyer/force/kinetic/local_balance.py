@@ -20,16 +20,15 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic.ratios import heating_of, thinness
+from lightflyer.numerics.horner import polynomial
 from lightflyer.numerics.polynomials import least_squares, place_between
-from lightflyer.program.horner import polynomial
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 FilmBalance = Literal["isothermal", "local"]
 """One temperature of the whole film, or one that follows from each spot's balance of heat."""
@@ -73,9 +72,9 @@ class LocalBalanceFit:
         """What is kept of the isothermal film's force and heat loss."""
         share = gas_share(disk, state, excess, heat_ratio)
         evened = share / (share + (1.0 - share) * knudsen / (knudsen + _KNUDSEN_0))
-        scale = evened * jnp.exp(-_HEATING_EXPONENT * jnp.maximum(heating_of(1.0 + excess), 0.0))
+        scale = evened * xp.exp(-_HEATING_EXPONENT * xp.maximum(heating_of(1.0 + excess), 0.0))
         place = thinness(knudsen, self.knudsen_range)
-        force, heat = (jnp.exp(polynomial(own, place)) for own in (self.force, self.heat))
+        force, heat = (xp.exp(polynomial(own, place)) for own in (self.force, self.heat))
         return RemainingShares(1.0 - scale * force, 1.0 - scale * heat)
 
 
@@ -84,9 +83,9 @@ def gas_share(disk: Disk, state: EnvironmentState, excess: Numeric, heat_ratio: 
     film = disk.film
     gas = heat_ratio * disk_conductance(disk, state, excess)
     emittance = film.emittance_top + film.emittance_bottom
-    hot = state.temperature * jnp.maximum(1.0 + excess, 0.0)
+    hot = state.temperature * xp.maximum(1.0 + excess, 0.0)
     sent = 4.0 * emittance * state.radiation.stefan_boltzmann * disk.area
-    return jnp.asarray(gas / (gas + sent * hot**3 * state.temperature))
+    return xp.asarray(gas / (gas + sent * hot**3 * state.temperature))
 
 
 @lru_cache

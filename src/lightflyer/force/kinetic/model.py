@@ -6,9 +6,11 @@ from typing import Any, ClassVar, Literal
 
 import pydantic
 
+from lightflyer.array.namespace import Array, Numeric
+from lightflyer.array.records import field
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Fraction, StandardErrors
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
@@ -24,9 +26,6 @@ from lightflyer.force.kinetic.walls import Wall
 from lightflyer.force.laws.membrane_transmission import Transmission
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import AbstractGas
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array
-from lightflyer.pytree.module import field
 
 _IDLE = {
     "transmission": "transmission = {0.transmission} has no effect: a disk has no holes",

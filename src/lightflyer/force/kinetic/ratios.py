@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.memory import kept
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.numerics.horner import polynomial
 from lightflyer.numerics.polynomials import hold_within, place_between
-from lightflyer.program.horner import polynomial
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 BOUNDARY_TAC = 0.85  # Mean TAC in the table of walls
 
@@ -63,8 +63,8 @@ class Resistance:
         """Value at a place, for a viscosity exponent that differs from the table's."""
         heated = polynomial(self.heating, place.heating, place.tac_variable, place.hot_thinness)
         if exponent_difference is not None:
-            heated += exponent_difference * polynomial(
-                self.exponent, place.heating, place.hot_thinness
+            heated = heated + (
+                exponent_difference * polynomial(self.exponent, place.heating, place.hot_thinness)
             )
         return place.heating * heated + polynomial(self.limit, place.tac_variable, place.thinness)
 
@@ -96,12 +96,12 @@ class Unlikeness:
         where, tac = place.thinness, place.tac_variable
         hot = thinness(knudsen, self.hot_knudsen_range)
         logarithm = polynomial(self.resistance, where, tac)
-        logarithm += place.heating * polynomial(self.hot_resistance, hot, tac)
+        logarithm = logarithm + (place.heating * polynomial(self.hot_resistance, hot, tac))
         of_force = polynomial(self.force, where, tac)
-        of_force += place.heating * polynomial(self.hot_force, hot, tac)
-        resistance = place.tac * jnp.exp(logarithm) / knudsen
-        apart = jnp.minimum(width(tac_difference, place.tac), 1.0)
-        return apart * resistance / (1.0 + resistance), jnp.exp(of_force)
+        of_force = of_force + (place.heating * polynomial(self.hot_force, hot, tac))
+        resistance = place.tac * xp.exp(logarithm) / knudsen
+        apart = xp.minimum(width(tac_difference, place.tac), 1.0)
+        return apart * resistance / (1.0 + resistance), xp.exp(of_force)
 
 
 @dataclass(frozen=True)
@@ -141,10 +141,10 @@ class KineticFit:
         place = self._place(knudsen, ratio, tac)
         fitted = self.force(place, self._exponent_difference(viscosity_exponent))
         # below the table the force is that of the edge, ∝ Kn²
-        resistance = jnp.exp(fitted) / (place.dense * knudsen)
+        resistance = xp.exp(fitted) / (place.dense * knudsen)
         if tac_difference is not None:
             gw, k = self.unlikeness.at(place, knudsen, tac_difference)
-            resistance *= 1.0 - k * gw
+            resistance = resistance * (1.0 - k * gw)
         return 1.0 / (1.0 + resistance)
 
     def heat_ratio(
@@ -162,18 +162,18 @@ class KineticFit:
         exponent = self.viscosity_exponent + (0.0 if difference is None else difference)
         conducted = self.conduction - conduction_growth(place.heating, exponent)
         fitted = conducted + (fitted - conducted) * place.dense
-        inverse = 1.0 + jnp.exp(fitted) * tac / knudsen
+        inverse = 1.0 + xp.exp(fitted) * tac / knudsen
         if tac_difference is not None:
             gw, _ = self.unlikeness.at(place, knudsen, tac_difference)
-            inverse += gw / (1.0 - gw)
+            inverse = inverse + (gw / (1.0 - gw))
         return 1.0 / inverse
 
     def table_errors(self, knudsen: Numeric) -> tuple[Array, Array]:
         """Relative standard errors of force and heat by the solver and the fit [1]."""
         place = thinness(knudsen, self.knudsen_range)
         return (
-            jnp.exp(polynomial(self.force_error, place)),
-            jnp.exp(polynomial(self.heat_error, place)),
+            xp.exp(polynomial(self.force_error, place)),
+            xp.exp(polynomial(self.heat_error, place)),
         )
 
     def wall_factors(
@@ -187,9 +187,9 @@ class KineticFit:
         # Walls take a share of the gas's resistance to heat that does not depend on the TAC to 1 %,
         # and raise the force over the heat by a factor that does not.
         place = thinness(knudsen, self.wall_knudsen_range)
-        nearness = 1.0 / jnp.maximum(distance, self.nearest_wall)
+        nearness = 1.0 / xp.maximum(distance, self.nearest_wall)
         opened = self.heat_ratio(knudsen, 1.0, tac)
-        kept = jnp.exp(nearness * polynomial(self.heat_wall, nearness, place))
+        kept = xp.exp(nearness * polynomial(self.heat_wall, nearness, place))
         walled = 1.0 / (1.0 + kept * (1.0 / opened - 1.0))
         like = heat = walled / opened
         if tac_difference is not None:
@@ -197,21 +197,26 @@ class KineticFit:
             unlike = self.heat_ratio(knudsen, 1.0, tac, tac_difference)
             heat = 1.0 / (unlike * (1.0 / walled + 1.0 / unlike - 1.0 / opened))
         beside = polynomial(self.force_wall, nearness, place)
-        return like * jnp.exp(nearness * beside * denseness(knudsen)), heat
+        return like * xp.exp(nearness * beside * denseness(knudsen)), heat
 
     def _place(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Place:
-        inside = jnp.clip(tac, *self.tac_range)
         return Place(
             thinness(knudsen, self.knudsen_range),
             thinness(knudsen, self.hot_knudsen_range),
-            jnp.minimum(knudsen / self.knudsen_range[0], 1.0),
+            xp.minimum(knudsen / self.knudsen_range[0], 1.0),
             hold_within(heating_of(ratio), *np.log(self.ratio_range)),
-            inside,
-            jnp.log(inside + TAC_OFFSET),
+            *_tac_variables(tac, self.tac_range),
         )
 
     def _exponent_difference(self, viscosity_exponent: Numeric | None) -> Numeric | None:
         return None if viscosity_exponent is None else viscosity_exponent - self.viscosity_exponent
+
+
+@kept
+def _tac_variables(tac: Numeric, ends: tuple[float, float]) -> tuple[Array, Array]:
+    """A mean TAC within the table, and the logarithm of it plus the offset."""
+    inside = xp.clip(tac, *ends)
+    return inside, xp.log(inside + TAC_OFFSET)
 
 
 def conduction_growth(heating: Any, exponent: Any) -> Any:
@@ -229,13 +234,14 @@ def conduction_growth(heating: Any, exponent: Any) -> Any:
 
 def heating_of(ratio: Numeric) -> Array:
     r""":math:`\ln(T_h/T_c)`, also of iterates of a heat balance that are no temperatures."""
-    return jnp.log(jnp.maximum(ratio, COLDEST))
+    return xp.log(xp.maximum(ratio, COLDEST))
 
 
+@kept
 def thinness(knudsen: Numeric, ends: tuple[float, float]) -> Array:
     """Where among the Knudsen numbers of a table one is, from −1 to 1."""
     low, high = np.log(ends)
-    return place_between(jnp.clip(jnp.log(knudsen), low, high), low, high)
+    return place_between(xp.clip(xp.log(knudsen), low, high), low, high)
 
 
 def width(tac_difference: Any, tac: Any) -> Any:

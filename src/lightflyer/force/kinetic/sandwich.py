@@ -3,9 +3,11 @@
 import math
 from typing import Any, ClassVar
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import field
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import StandardErrors
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
@@ -39,9 +41,6 @@ from lightflyer.force.membranes.sandwich import (
     sandwich_remarks,
 )
 from lightflyer.gas.base import AbstractGas, knudsen_number
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import field
 
 _DENSE = "the table of kinetic ends there, and the force is extrapolated by a power law"
 _APART = 0.3  # TACs further apart change the heat by 1 % at Kn 0.1, which the table leaves out
@@ -84,7 +83,9 @@ class KineticSandwich(AbstractWalled):
             state.gas.heat_capacity_ratio,
         )
         if self.heat_error is not None:
-            free *= 1.0 + self.heat_error * fit.relative_heat_error(rarefaction_of(flyer, state))
+            free = free * (
+                1.0 + self.heat_error * fit.relative_heat_error(rarefaction_of(flyer, state))
+            )
         even = (1.0 - ratios.heat) / passed.even
         odd = (1.0 - ratios.heat_difference) / passed.thin_share
         from_top, from_bottom = passed.heat((top, bottom), even, odd)
@@ -96,8 +97,8 @@ class KineticSandwich(AbstractWalled):
         fit, ratios, taken = _ratios(flyer, state, unknowns, passed, self.collisions)
         place = rarefaction_of(flyer, state), passed.open_fraction, passed.tac
         if state.wall_distance is not None:
-            distance = jnp.maximum(state.wall_distance / flyer.radius, fit.nearest_wall)
-            taken *= near_walls(place[0], distance)
+            distance = xp.maximum(state.wall_distance / flyer.radius, fit.nearest_wall)
+            taken = taken * near_walls(place[0], distance)
         of_walls = force_factors(state.gas.molecules, place, unknowns, self.walls, taken)
         by_temperature, by_tac = ratios.force, ratios.tac_force
         if self.force_error is not None:
@@ -121,7 +122,7 @@ class KineticSandwich(AbstractWalled):
              flyer.bottom.tac_bottom - flyer.top.tac_top),
             (Validity("open_fraction", 0.0, HIGHEST_OPEN_FRACTION, _OPEN), flyer.open_fraction),
             (_held_heating(fit),
-             _effect_of_heating(flyer, state, jnp.asarray(temperature), passed)),
+             _effect_of_heating(flyer, state, xp.asarray(temperature), passed)),
         ]  # fmt: skip
         if state.wall_distance is not None:
             near = Validity("the walls' distance over the radius", fit.nearest_wall, math.inf, WALL)
@@ -164,11 +165,10 @@ def _effect_of_heating(
         for ratio in (temperature / state.temperature, 1.0)
     )
     changes = [
-        jnp.abs(one / other - 1.0)
-        for one, other in ((hot.force, cold.force), (hot.heat, cold.heat))
+        xp.abs(one / other - 1.0) for one, other in ((hot.force, cold.force), (hot.heat, cold.heat))
     ]
     low, high = fit.hot_range
-    return jnp.where((delta < low) | (delta > high), jnp.maximum(*changes), 0.0)
+    return xp.where((delta < low) | (delta > high), xp.maximum(*changes), 0.0)
 
 
 def passage_of(flyer: Sandwich, transmission: Transmission) -> MembraneTransmission:
@@ -202,7 +202,7 @@ def _ratios(
         molecules = HeatedGas(gas, gas.molecules, cold, mean, exponent)
         of_force, of_heat = molecules.factors(knudsen, passed.tac)
         factors = of_force, of_force, of_heat, of_heat
-        taken *= of_force
+        taken = taken * of_force
         ratios = Ratios(*map(with_collisions, ratios, factors))
     if state.wall_distance is None:
         return fit, ratios, taken

@@ -31,17 +31,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic.collisions import MODEL_FORCE_ERROR, MODEL_HEAT_ERROR
 from lightflyer.force.kinetic.ratios import KineticFit
 from lightflyer.force.kinetic.table import GASES
 from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.numerics.horner import as_tuples, polynomial
 from lightflyer.numerics.polynomials import error_fit, least_squares, place_between
 from lightflyer.numerics.special import root_sum_square
-from lightflyer.program.horner import as_tuples, polynomial
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 HIGHEST_OPEN_FRACTION = 0.99  # Where the table ends [1]
 RAREFACTION_OF_KNUDSEN = np.sqrt(np.pi) / 4.0  # δ Kn, with the Knudsen number of the diameter
@@ -151,7 +150,7 @@ class Resistance:
 
     def __call__(self, place: Numeric, beyond: Numeric, *variables: Numeric) -> Array:
         """Value at a place in the table, and so far beyond it in the logarithm."""
-        slope = jnp.clip(polynomial(self.slope, *variables), *_SLOPES)
+        slope = xp.clip(polynomial(self.slope, *variables), *_SLOPES)
         return polynomial(self.inside, *variables, place) + slope * beyond
 
 
@@ -195,7 +194,7 @@ class SandwichFit:
     ) -> Ratios:
         r"""Force and heat over their free-molecular values."""
         place, beyond = self._place(rarefaction)
-        mean = jnp.clip(tac, *self.tac_range)
+        mean = xp.clip(tac, *self.tac_range)
         heating = self._heating(temperature_ratio)
         hot = 1.0 / (1.0 - heating)
         disk = self._disk_resistance(rarefaction, mean, hot, viscosity_exponent)
@@ -206,7 +205,7 @@ class SandwichFit:
         solid = (1.0 - open_fraction) * rarefaction
 
         def ratio(resistance: Resistance, scale: Numeric, *variables: Numeric) -> Array:
-            return 1.0 / (1.0 + scale * jnp.exp(resistance(place, beyond, *variables)))
+            return 1.0 / (1.0 + scale * xp.exp(resistance(place, beyond, *variables)))
 
         back = polynomial(self.heat_difference, open_fraction, mean, place)
         cold = 1.0 - back * solid * tac / (1.0 + rarefaction)
@@ -224,7 +223,7 @@ class SandwichFit:
         return self._growth(0, rarefaction, open_fraction, self._heating(temperature_ratio))
 
     def _heating(self, temperature_ratio: Numeric) -> Array:
-        return jnp.clip(1.0 - 1.0 / temperature_ratio, _COLDEST, self.heating_limit)
+        return xp.clip(1.0 - 1.0 / temperature_ratio, _COLDEST, self.heating_limit)
 
     def _growth(
         self, which: int, rarefaction: Numeric, open_fraction: Numeric, heating: Numeric
@@ -234,8 +233,8 @@ class SandwichFit:
         place = place_of(rarefaction, self.hot_range)[0]
         change = polynomial(coefficients, heating, open_fraction, place)
         if _RELATIVE[which]:
-            change -= polynomial(coefficients, heating, 0.0, place)
-        return jnp.exp(heating * change)
+            change = change - polynomial(coefficients, heating, 0.0, place)
+        return xp.exp(heating * change)
 
     def _disk_resistance(
         self,
@@ -246,27 +245,27 @@ class SandwichFit:
     ) -> tuple[Array, Array]:
         """Resistance to force and to heat of a hot disk without holes over that in this table."""
         least = self.disk.knudsen_range[0]
-        knudsen = jnp.maximum(RAREFACTION_OF_KNUDSEN / rarefaction, least)
+        knudsen = xp.maximum(RAREFACTION_OF_KNUDSEN / rarefaction, least)
         there = RAREFACTION_OF_KNUDSEN / knudsen
         place, _ = self._place(there)
         where = (knudsen, temperature_ratio, tac, None, viscosity_exponent)
         force = 1.0 / self.disk.force_ratio(*where) - 1.0
         heat = 1.0 / self.disk.heat_ratio(*where) - 1.0
         return (
-            force / (there * jnp.exp(self.tac_force(place, 0.0, 0.0, tac))),
-            heat / (tac * there * jnp.exp(self.heat(place, 0.0, tac))),
+            force / (there * xp.exp(self.tac_force(place, 0.0, 0.0, tac))),
+            heat / (tac * there * xp.exp(self.heat(place, 0.0, tac))),
         )
 
     def relative_force_error(self, rarefaction: Numeric, force_ratio: Numeric) -> Array:
         """Relative standard error of the force: the table's and the equation's [1]."""
         # That of the equation stays for molecules, too: around holes they have not been compared.
-        of_table = jnp.exp(polynomial(self.force_error, self._place(rarefaction)[0]))
+        of_table = xp.exp(polynomial(self.force_error, self._place(rarefaction)[0]))
         of_equation = MODEL_FORCE_ERROR * (1.0 - force_ratio)
         return root_sum_square(of_table, _FIT_ERROR[0], of_equation)
 
     def relative_heat_error(self, rarefaction: Numeric) -> Array:
         """Relative standard error of the heat loss; as :meth:`relative_force_error`."""
-        of_table = jnp.exp(polynomial(self.heat_error, self._place(rarefaction)[0]))
+        of_table = xp.exp(polynomial(self.heat_error, self._place(rarefaction)[0]))
         return root_sum_square(of_table, _FIT_ERROR[1], MODEL_HEAT_ERROR)
 
     def wall_factors(
@@ -274,9 +273,9 @@ class SandwichFit:
     ) -> Ratios:
         """Between walls over open space [1]; ``distance``: of the walls, in radii of the disk."""
         place = place_of(rarefaction, self.wall_range)[0]
-        near = 1.0 / jnp.maximum(distance, self.nearest_wall)
+        near = 1.0 / xp.maximum(distance, self.nearest_wall)
         return Ratios(
-            *(jnp.exp(near * polynomial(one, near, open_fraction, place)) for one in self.walls)
+            *(xp.exp(near * polynomial(one, near, open_fraction, place)) for one in self.walls)
         )
 
     def _place(self, rarefaction: Numeric) -> tuple[Array, Array]:
@@ -286,8 +285,8 @@ class SandwichFit:
 def place_of(rarefaction: Numeric, ends: tuple[float, float]) -> tuple[Array, Array]:
     """Where in a table a rarefaction is, from −1 to 1, and how far beyond its dense end."""
     low, high = np.log(ends)
-    logarithm = jnp.log(rarefaction)
-    return place_between(jnp.clip(logarithm, low, high), low, high), jnp.maximum(
+    logarithm = xp.log(rarefaction)
+    return place_between(xp.clip(logarithm, low, high), low, high), xp.maximum(
         logarithm - high, 0.0
     )
 

@@ -25,8 +25,8 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, by_numpy, xp
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
-from lightflyer.core.types import Numeric
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic.sandwich_table import (
     RAREFACTION_OF_KNUDSEN,
@@ -45,10 +45,8 @@ from lightflyer.force.kinetic.walls import (
     uncertain,
     wall_fit,
 )
+from lightflyer.numerics.horner import polynomial
 from lightflyer.numerics.polynomials import least_squares
-from lightflyer.program.entry_point import evaluate_once
-from lightflyer.program.horner import polynomial
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _DENSITY = 1.8  # δ at which thin gas gives way to dense, for what is fitted only
 _DEGREE, _PLACE_DEGREE = 3, 4
@@ -67,10 +65,10 @@ class SandwichWallsFit:
     def added(self, rarefaction: Numeric, open_fraction: Numeric, faces: Accommodations) -> Array:
         r"""What collisions add to the push of the normal motion, :math:`\alpha_n` [1]."""
         values = (open_fraction, *faces)[: len(self.ranges)]
-        inside = [jnp.clip(v, *range_) for v, range_ in zip(values, self.ranges, strict=True)]
+        inside = [xp.clip(v, *range_) for v, range_ in zip(values, self.ranges, strict=True)]
         place, _ = place_of(rarefaction, self.rarefaction_range)
         found = polynomial(self.coefficients, place, *inside)
-        return jnp.asarray(_denseness(rarefaction) * found)
+        return xp.asarray(_denseness(rarefaction) * found)
 
 
 def _denseness(rarefaction: Any) -> Any:
@@ -97,7 +95,8 @@ def fit_columns(table: dict[str, np.ndarray], gas: str) -> SandwichWallsFit:
         fit = sandwich_fit(gas)
         return fit.ratios(rarefaction, open_fraction, tac, share, 1.0).force
 
-    maxwell = evaluate_once(ratio, rarefaction, table["open_fraction"], tac)
+    with by_numpy():
+        maxwell = ratio(rarefaction, table["open_fraction"], tac)
     dense = _denseness(rarefaction)
     powers = [
         (place, *others)
@@ -124,9 +123,10 @@ def _ends_fit(gas: str) -> tuple[Any, ...]:
 
     def added(rarefaction: Array, hole: Array, tac: Array) -> Array:
         found = [fit.added(rarefaction, hole, end) for end in ends(tac, gas)]
-        return jnp.stack(found) / _denseness(rarefaction)
+        return xp.stack(found) / _denseness(rarefaction)
 
-    found = evaluate_once(added, rarefaction, hole, tac)
+    with by_numpy():
+        found = added(rarefaction, hole, tac)
     return tuple(
         least_squares(one, variables, _SHARED_POWERS, 1.0 / _denseness(rarefaction))
         for one in found
@@ -137,7 +137,7 @@ def ends(tac: Any, gas: str) -> tuple[Accommodations, Accommodations]:
     """How a face may share its TAC at most: in its normal motion, and in what it traps."""
     kinds = kinds_of(gas)
     bounced = BOUNCED / kinds  # of all energy of a molecule that is not trapped
-    trapped = jnp.maximum((tac - bounced) / (1.0 - bounced), 0.0)
+    trapped = xp.maximum((tac - bounced) / (1.0 - bounced), 0.0)
     return (
         Accommodations(left_to_normal(tac, kinds), 1.0, 1.0),
         Accommodations(trapped + BOUNCED * (1.0 - trapped), trapped, trapped),
@@ -169,7 +169,7 @@ def force_factors(
         return 1.0, 1.0
     rarefaction, open_fraction, tac = place
     knudsen, mean = RAREFACTION_OF_KNUDSEN / rarefaction, 0.5 * (excess[0] + excess[1])
-    free = 0.5 * (jnp.sqrt(1.0 + mean) + 1.0) / jnp.sqrt(1.0 + tac * mean)
+    free = 0.5 * (xp.sqrt(1.0 + mean) + 1.0) / xp.sqrt(1.0 + tac * mean)
     of_tacs = free * wall_fit(gas).force_factor(knudsen, 1.0 + mean, tac)
     if walls.wall == "cercignani-lampis":
         stated = walls.stated(gas)
@@ -179,29 +179,29 @@ def force_factors(
         shared = [k is None for k in (stated.tangential, stated.rotational)]
         weights = scattering_fit(gas).weights(knudsen, faces)
         differences = 3.0 - sum(shared), *(float(one) for one in shared)
-        of_tacs *= sum(w * d for w, d in zip(weights, differences, strict=True))
+        of_tacs = of_tacs * sum(w * d for w, d in zip(weights, differences, strict=True))
         return (_push_of_free(faces.normal, excess) + kept * added) / tac, of_tacs
     # from accommodated walls towards Maxwell's
     way = 0.0 if walls.wall == "accommodated" else 0.5
     of_tacs = uncertain(of_tacs + way * (1.0 - of_tacs), (1.0 - way) * (1.0 - of_tacs), walls.error)
     if walls.sharing is None:
         return 1.0, of_tacs
-    share = jnp.clip(jnp.asarray(walls.sharing) / NORMAL_HALF_WIDTH_95, -1.0, 1.0)
+    share = xp.clip(xp.asarray(walls.sharing) / NORMAL_HALF_WIDTH_95, -1.0, 1.0)
     upper, lower = _factors_at_ends(gas, place, excess, kept)
-    found = 1.0 + jnp.maximum(share, 0.0) * (upper - 1.0) + jnp.maximum(-share, 0.0) * (lower - 1.0)
+    found = 1.0 + xp.maximum(share, 0.0) * (upper - 1.0) + xp.maximum(-share, 0.0) * (lower - 1.0)
     return found, of_tacs * sharing_factor(gas, knudsen, tac, mean, walls.sharing)
 
 
 def near_walls(rarefaction: Numeric, distance: Numeric) -> Array:
     """Share that a reservoir leaves of what collisions add [1]; ``distance``: in disk radii."""
     # through solutions at rarefactions of 0.2, 1 and 5 and distances of 3 and 6, within 0.02
-    return jnp.asarray(1.0 - distance**-1.5 / (1.0 + rarefaction) ** 2)
+    return xp.asarray(1.0 - distance**-1.5 / (1.0 + rarefaction) ** 2)
 
 
 def _push_of_free(normal: Numeric, excess: tuple[Array, ...]) -> Array:
     """Push of the normal motion, over that at Maxwell walls with a TAC of 1 [1]."""
-    maxwell, found = (sum(jnp.sqrt(1.0 + one * face) for face in excess) for one in (1.0, normal))
-    return jnp.asarray(normal * maxwell / found)
+    maxwell, found = (sum(xp.sqrt(1.0 + one * face) for face in excess) for one in (1.0, normal))
+    return xp.asarray(normal * maxwell / found)
 
 
 def _factors_at_ends(
@@ -213,7 +213,7 @@ def _factors_at_ends(
     """Force over that at Maxwell walls at both :func:`ends` [1]."""
     rarefaction, open_fraction, tac = place
     fit = sandwich_walls_fit(gas)
-    held, hole = jnp.clip(tac, *_UNKNOWN_TACS), jnp.clip(open_fraction, *fit.ranges[0])
+    held, hole = xp.clip(tac, *_UNKNOWN_TACS), xp.clip(open_fraction, *fit.ranges[0])
     at = place_of(rarefaction, fit.rarefaction_range)[0], hole, held
     dense = kept * _denseness(rarefaction)
     return [

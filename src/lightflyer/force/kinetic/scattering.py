@@ -16,12 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.kinetic_theory.walls import normal_accommodation
+from lightflyer.numerics.horner import polynomial
 from lightflyer.numerics.polynomials import least_squares, place_between
-from lightflyer.program.horner import polynomial
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _KINDS = ("normal", "tangential", "rotational")
 _KNUDSEN_0 = 0.25  # where thin gas gives way to dense, for what is fitted only
@@ -59,7 +58,7 @@ class Stated(NamedTuple):
     def held(self, tac: Numeric) -> Accommodations:
         """The same, where the normal one is held within what a wall can do."""
         found = self.of(tac)
-        return found._replace(normal=jnp.clip(found.normal, 0.0, 1.0))
+        return found._replace(normal=xp.clip(found.normal, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
@@ -73,8 +72,8 @@ class ScatteringFit:
     def weights(self, knudsen: Numeric, means: Accommodations) -> tuple[Array, ...]:
         """:math:`w_n`, :math:`w_t` and :math:`w_r` [1]."""
         low, high = np.log(self.knudsen_range)
-        position = place_between(jnp.clip(jnp.log(knudsen), low, high), low, high)
-        inside = [jnp.clip(m, *range_) for m, range_ in zip(means, self.ranges, strict=True)]
+        position = place_between(xp.clip(xp.log(knudsen), low, high), low, high)
+        inside = [xp.clip(m, *range_) for m, range_ in zip(means, self.ranges, strict=True)]
         dense = _denseness(knudsen)
         normal, *others = (dense * polynomial(c, position, *inside) for c in self.coefficients)
         return 1.0 + normal, *others
@@ -90,7 +89,7 @@ class ScatteringFit:
         top, bottom = (
             rest + sum(w * one for w, one in zip(weights, face, strict=True)) for face in faces
         )
-        return jnp.asarray(top), jnp.asarray(bottom)
+        return xp.asarray(top), xp.asarray(bottom)
 
 
 def fit_columns(table: dict[str, np.ndarray], accommodated: np.ndarray) -> ScatteringFit:

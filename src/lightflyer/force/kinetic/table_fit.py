@@ -16,8 +16,8 @@ from lightflyer.force.kinetic.ratios import (
 )
 from lightflyer.force.kinetic.table import Table, WallTable, kinetic_table, wall_table
 from lightflyer.kinetic_theory.model_gases import GasModel, gas_model
+from lightflyer.numerics.horner import as_tuples, polynomial, trim_zeros
 from lightflyer.numerics.polynomials import least_squares, place_between
-from lightflyer.program.horner import as_tuples, polynomial, trim_zeros
 
 SMALL = 0.1  # Differences of TACs up to this stand for the limit of small ones
 
@@ -129,8 +129,8 @@ def _conduction(gas: GasModel) -> float:
     conductivity = 2.5 / gas.translational_rate
     modes = 4.0
     if gas.has_rotation:
-        conductivity += 1.0 / gas.rotational_rate
-        modes += 2.0
+        conductivity = conductivity + (1.0 / gas.rotational_rate)
+        modes = modes + 2.0
     return float(np.log(np.pi * modes / (32.0 * conductivity)))
 
 

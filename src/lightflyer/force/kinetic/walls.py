@@ -32,11 +32,13 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.memory import kept
+from lightflyer.array.namespace import Array, Numeric, by_numpy, xp
+from lightflyer.array.records import field
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Fraction, StandardErrors
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.table import shipped_table
@@ -54,11 +56,8 @@ from lightflyer.force.kinetic.scattering import fit_columns as fit_scattering
 from lightflyer.force.kinetic.scattering import ranges as scattering_ranges
 from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.laws.faces import accommodated_force, maxwell_force
+from lightflyer.numerics.horner import polynomial
 from lightflyer.numerics.polynomials import hold_within, least_squares, place_between
-from lightflyer.program.entry_point import evaluate_once
-from lightflyer.program.horner import polynomial
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import field
 
 Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
 """What becomes of molecules at a face; unknown is the middle of the next two."""
@@ -186,27 +185,36 @@ class WallFit:
     heat: Any
 
     def _logarithm(self, coefficients: Any, knudsen: Numeric, ratio: Numeric, tac: Array) -> Array:
-        low, high = np.log(self.knudsen_range)
-        position, heated = (
-            place_between(jnp.clip(jnp.log(knudsen), *np.log(range_)), low, high)
-            for range_ in (self.knudsen_range, self.heated_range)
-        )
+        position = _position(knudsen, self.knudsen_range, self.knudsen_range)
+        heated = _position(knudsen, self.heated_range, self.knudsen_range)
         heating = hold_within(heating_of(ratio), *self.heating_range)
         cold, hot = coefficients[0], coefficients[1:]
         found = polynomial(cold, tac, position) + heating * polynomial(hot, heating, tac, heated)
-        return jnp.asarray(found * _denseness(knudsen))
+        return xp.asarray(found * _denseness(knudsen))
 
     def force_factor(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Array:
         r""":math:`\hat F_a/\hat F` [1]."""
-        held = jnp.clip(tac, *self.tac_range)
-        return jnp.exp(self._logarithm(self.force, knudsen, ratio, held))
+        held = _held(tac, self.tac_range)
+        return xp.exp(self._logarithm(self.force, knudsen, ratio, held))
 
     def heat_factor(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Array:
         r""":math:`\hat Q_a/\hat Q` [1]; as :meth:`force_factor`."""
-        held = jnp.clip(tac, *self.tac_range)
-        return jnp.exp((1.0 - held) * self._logarithm(self.heat, knudsen, ratio, held))
+        held = _held(tac, self.tac_range)
+        return xp.exp((1.0 - held) * self._logarithm(self.heat, knudsen, ratio, held))
 
 
+@kept
+def _position(knudsen: Numeric, held: tuple[float, float], ends: tuple[float, float]) -> Array:
+    """Where a Knudsen number, held in a range, is between two, from −1 to 1."""
+    return place_between(xp.clip(xp.log(knudsen), *np.log(held)), *np.log(ends))
+
+
+@kept
+def _held(tac: Numeric, ends: tuple[float, float]) -> Array:
+    return xp.clip(tac, *ends)
+
+
+@kept
 def _denseness(knudsen: Any) -> Any:
     return 1.0 / (1.0 + knudsen / _KNUDSEN_0)
 
@@ -269,11 +277,12 @@ def _sharing_fit(gas: str) -> tuple[Any, Any]:
     tac = 0.5 * (lowest + highest + places * (highest - lowest))
 
     def weights(normal: Array, other: Array) -> Array:
-        return jnp.stack(fit.weights(knudsen, Accommodations(normal, other, other))[:kinds])
+        return xp.stack(fit.weights(knudsen, Accommodations(normal, other, other))[:kinds])
 
     left = np.maximum(kinds * tac - (kinds - 1), 0.0)
     means = (tac, tac), (left, np.ones_like(tac))
-    even, alone = (evaluate_once(weights, *mean) for mean in means)
+    with by_numpy():
+        even, alone = (weights(*mean) for mean in means)
     upper = kinds * alone[0] / even.sum(axis=0)
     gain = (kinds * even[0] - even.sum(axis=0)) / even.sum(axis=0)
     dense, variables = _denseness(knudsen), (positions, places)
@@ -286,7 +295,7 @@ def _sharing_fit(gas: str) -> tuple[Any, Any]:
 
 def left_to_normal(tac: Any, kinds: int) -> Any:
     """Accommodation of normal energy where all else accommodates wholly [1]."""
-    return jnp.maximum(kinds * jnp.asarray(tac) - (kinds - 1), 0.0)
+    return xp.maximum(kinds * xp.asarray(tac) - (kinds - 1), 0.0)
 
 
 def _shared_tacs(kinds: int) -> tuple[float, float]:
@@ -306,18 +315,18 @@ def sharing_factor(
     # ``error``: in standard errors; the ends are those of a 95 % band, and nothing is beyond them
     kinds = kinds_of(gas)
     low, high = np.log(scattering_fit(gas).knudsen_range)
-    position = place_between(jnp.clip(jnp.log(knudsen), low, high), low, high)
+    position = place_between(xp.clip(xp.log(knudsen), low, high), low, high)
     tacs = _shared_tacs(kinds)
-    place = place_between(jnp.clip(tac, *tacs), *tacs)
+    place = place_between(xp.clip(tac, *tacs), *tacs)
     upper, gain = (
         thin + _denseness(knudsen) * polynomial(coefficients, position, place)
         for thin, coefficients in zip((kinds, kinds - 1), _sharing_fit(gas), strict=True)
     )
-    heated = jnp.sqrt((1.0 + tac * excess) / (1.0 + left_to_normal(tac, kinds) * excess))
-    way = jnp.clip(jnp.asarray(error) / NORMAL_HALF_WIDTH_95, -1.0, 1.0)
+    heated = xp.sqrt((1.0 + tac * excess) / (1.0 + left_to_normal(tac, kinds) * excess))
+    way = xp.clip(xp.asarray(error) / NORMAL_HALF_WIDTH_95, -1.0, 1.0)
     trapped = BOUNCED / (kinds - BOUNCED) * gain
-    return jnp.asarray(
-        1.0 + (heated * upper - 1.0) * jnp.maximum(way, 0.0) + trapped * jnp.minimum(way, 0.0)
+    return xp.asarray(
+        1.0 + (heated * upper - 1.0) * xp.maximum(way, 0.0) + trapped * xp.minimum(way, 0.0)
     )
 
 
@@ -328,7 +337,8 @@ def force_at_walls_of_one_temperature(table: dict[str, np.ndarray], gas: str) ->
         place = knudsen, 1.0, tac
         return kinetic_fit(gas).force_ratio(*place) * wall_fit(gas).force_factor(*place)
 
-    return evaluate_once(force, table["knudsen"], mean_tac(table, rotates=gas == "diatomic"))
+    with by_numpy():
+        return force(table["knudsen"], mean_tac(table, rotates=gas == "diatomic"))
 
 
 def force(
@@ -386,7 +396,7 @@ def heat_ratio(
 
 
 def _larger(one: Array, other: Array) -> Array:
-    return jnp.where(jnp.abs(one) > jnp.abs(other), one, other)
+    return xp.where(xp.abs(one) > xp.abs(other), one, other)
 
 
 def uncertain(value: Array, bound: Array, error: Numeric | None) -> Array:

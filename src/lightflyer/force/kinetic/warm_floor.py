@@ -14,11 +14,10 @@ solutions behind :mod:`lightflyer.environment.warm_floor`, for TACs of 0.85; the
 0.003 and 5 % (r.m.s.).
 """
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.warm_floor import distances, middle_distance
 from lightflyer.flyer.disk import Disk
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _FIRST, _SECOND, _STEEPNESS = 0.1679, 0.0516, 1.1198  # a, b, c
 
@@ -37,9 +36,9 @@ def push_of_floor(
     numbers = _FIRST, _SECOND, _STEEPNESS
     push = joined_push(floor, lid, wall, knudsen, disk.film.tac_bottom, *numbers)
     if error is not None:
-        known = jnp.minimum(knudsen / _DENSEST, 1.0) ** 2
-        push += error * (_ERROR * known + _RELATIVE_ERROR * push)
-    growth = 2.0 * (jnp.sqrt(1.0 + state.floor_excess) - 1.0)
+        known = xp.minimum(knudsen / _DENSEST, 1.0) ** 2
+        push = push + (error * (_ERROR * known + _RELATIVE_ERROR * push))
+    growth = 2.0 * (xp.sqrt(1.0 + state.floor_excess) - 1.0)
     return state.pressure * disk.area * push * growth
 
 
@@ -55,7 +54,7 @@ def joined_push(
 ) -> Array:
     """Push for small excesses, distances in radii [p A per unit of the floor's excess]."""
     # a wall that is infinitely far would have no derivative
-    cosine = floor / jnp.hypot(floor, jnp.minimum(wall, 1e9 * floor))
+    cosine = floor / xp.hypot(floor, xp.minimum(wall, 1e9 * floor))
     free = 0.25 * (2.0 - tac) * (1.0 - cosine**3)
     thin = knudsen / middle_distance(floor, lid, wall)
-    return jnp.asarray(free / (1.0 + first / thin + (second / thin) ** 2) ** steepness)
+    return xp.asarray(free / (1.0 + first / thin + (second / thin) ** 2) ** steepness)

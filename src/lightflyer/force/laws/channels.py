@@ -40,11 +40,10 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.files.table import shipped_table
 from lightflyer.gas.transmission_probability import coaxial_share, slot_transmission
 from lightflyer.numerics.curves import Curves
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _ROOT_PI = math.sqrt(math.pi)
 _SLIP = 1.018  # viscous slip σ_P of the Shakhov equation, diffuse walls, [SharipovSeleznev1998]
@@ -91,16 +90,16 @@ class _Slot(ChannelShape):
     entrance = math.pi**1.5 / 16.0  # Stokes flow through a slit in a thin wall, [Hasimoto1958]
 
     def coefficients(self, rarefaction: Numeric, length: Numeric | None) -> Coefficients:
-        paths = (rarefaction * jnp.exp(part) for part in _slot_curves()(jnp.log(rarefaction)))
+        paths = (rarefaction * xp.exp(part) for part in _slot_curves()(xp.log(rarefaction)))
         # a molecule that flies along the slot meets another one, or leaves by its end
         ends = (0.0, 0.0) if length is None else _slot_ends(length)
         poiseuille, creep = (
-            jnp.log1p(1.0 / (path + end)) / _ROOT_PI for path, end in zip(paths, ends, strict=True)
+            xp.log1p(1.0 / (path + end)) / _ROOT_PI for path, end in zip(paths, ends, strict=True)
         )
         return Coefficients(self.viscous * rarefaction + _SLIP + poiseuille, _FREE_EXPONENT * creep)
 
     def direct_share(self, length: Numeric) -> Array:
-        return 1.0 / (jnp.sqrt(1.0 + length**2) + length)
+        return 1.0 / (xp.sqrt(1.0 + length**2) + length)
 
 
 class _Round(ChannelShape):
@@ -111,7 +110,7 @@ class _Round(ChannelShape):
 
     def coefficients(self, rarefaction: Numeric, length: Numeric | None) -> Coefficients:
         slipping, creeping = (
-            rarefaction * jnp.exp(part) for part in _round_curves()(jnp.log(rarefaction))
+            rarefaction * xp.exp(part) for part in _round_curves()(xp.log(rarefaction))
         )
         stretch = 1.0 if length is None else _end_stretch(length)
         free = _FREE_ROUND / stretch
@@ -134,7 +133,7 @@ def _slot_ends(length: Numeric) -> tuple[Array, Array]:
     """What bounds the paths of free molecules in a slot of finite length, for both coefficients."""
     passing = slot_transmission(length)
     free = length * passing.through / (_ROOT_PI * passing.back)
-    return 1.0 / jnp.expm1(_ROOT_PI * (free - _SLIP)), 1.0 / jnp.expm1(_ROOT_PI * free)
+    return 1.0 / xp.expm1(_ROOT_PI * (free - _SLIP)), 1.0 / xp.expm1(_ROOT_PI * free)
 
 
 def _end_stretch(length: Numeric) -> Array:
@@ -257,8 +256,8 @@ def thermomolecular_pressure(
     # :math:`\gamma`, so that the wall's temperatures cancel. That is exact for free molecules, of
     # which as many pass whatever the wall's temperature; for a hole in a thin wall; and where the
     # gas is as warm as the wall's faces, as it is at a wall much wider than the mean free path.
-    ratio = jnp.log1p(excess_warm) - jnp.log1p(excess_cold)
-    return 2.0 * pressure * jnp.sinh(0.5 * exponent * ratio)
+    ratio = xp.log1p(excess_warm) - xp.log1p(excess_cold)
+    return 2.0 * pressure * xp.sinh(0.5 * exponent * ratio)
 
 
 def pumped_flux(
@@ -305,7 +304,7 @@ def gas_at_faces(
     there = passing + 0.5 * (difference - common)
     # here² − there², without cancellation
     determinant = exchange_one * exchange_other + here * (exchange_one + exchange_other)
-    determinant += common * (2.0 * passing + difference)
+    determinant = determinant + (common * (2.0 * passing + difference))
     given_one, given_other = exchange_one * excess_one, exchange_other * excess_other
     return (
         ((exchange_other + here) * given_one + there * given_other) / determinant,

@@ -7,9 +7,8 @@ one face faster than the other. All take arrays that broadcast, and are differen
 
 import math
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.force.laws.channels import Surroundings
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _PATH = 2.0 / math.sqrt(math.pi)  # length over the mean free path, per δ of the length
 _CONDUCTION = 15.0 / (2.0 * math.sqrt(math.pi))
@@ -37,7 +36,7 @@ def disk_surroundings(rarefaction: Numeric, internal: Numeric = 1.0) -> Surround
     # In dense gas conduction around the disk and around its edge; fitted to the package's solution
     # of the kinetic equation (:math:`c_+`) and to simulations of [Schafer2025]_ (:math:`c_-`).
     common = 1.0 + _COMMON_EXCESS / (1.0 + rarefaction / _COMMON_ONSET)
-    edge = _DIFFERENCE_CONDUCTION * jnp.log1p(rarefaction / _DIFFERENCE_ONSET)
+    edge = _DIFFERENCE_CONDUCTION * xp.log1p(rarefaction / _DIFFERENCE_ONSET)
     return Surroundings(
         internal * _CONDUCTION * common / rarefaction,
         internal * (_DIFFERENCE_FREE + edge) / rarefaction,
@@ -60,4 +59,4 @@ def recoil_ratio(rarefaction: Numeric, thickness: Numeric = 0.0) -> Array:
     # edge goes as the inverse root of the distance, so that :math:`\sqrt{h/\lambda}` times more of
     # the creep counts. The second factor is that estimate.
     sharp = 1.0 + _RECOIL_SLOPE * rarefaction * (1.0 + rarefaction**_RECOIL_POWER)
-    return 1.0 / (sharp * jnp.sqrt(1.0 + _PATH * rarefaction * thickness))
+    return 1.0 / (sharp * xp.sqrt(1.0 + _PATH * rarefaction * thickness))

@@ -5,8 +5,7 @@ excess of a face is :math:`\theta = (T_h - T_c)/T_c`, which stays exact where fa
 a millikelvin.
 """
 
-from lightflyer.core.types import Numeric
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.array.namespace import Array, Numeric, xp
 
 
 def free_molecular_conductance(
@@ -30,7 +29,7 @@ def accommodated_force(
     # .. math:: F = \frac{pA}{2}\left[\sqrt{1+\alpha_b\theta} - \sqrt{1+\alpha_t\theta}\right]
     #
     # Source: [Lu2023]_ Eq. (19), without its small-difference approximation.
-    roots = jnp.sqrt(1.0 + tac_bottom * excess) + jnp.sqrt(1.0 + tac_top * excess)
+    roots = xp.sqrt(1.0 + tac_bottom * excess) + xp.sqrt(1.0 + tac_top * excess)
     # the difference of the roots, written without cancellation
     return 0.5 * pressure * area * (tac_bottom - tac_top) * excess / roots
 
@@ -53,7 +52,7 @@ def maxwell_force(
     # the rest.
     #
     # .. math:: F = \frac{pA}{2}\,\Delta\alpha\left[\sqrt{1+\theta}-1\right]
-    growth = excess / (jnp.sqrt(1.0 + excess) + 1.0)  # √(1 + θ) − 1 without cancellation
+    growth = excess / (xp.sqrt(1.0 + excess) + 1.0)  # √(1 + θ) − 1 without cancellation
     return 0.5 * pressure * area * tac_difference * growth
 
 

@@ -1,8 +1,7 @@
 """Heat through the gas in a narrow gap between two walls, from free molecules to the continuum."""
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric
 from lightflyer.force.laws.faces import free_molecular_conductance, in_series
-from lightflyer.pytree.lazy_jax import Array
 
 
 def accommodation_between(first: Numeric, second: Numeric) -> Array:

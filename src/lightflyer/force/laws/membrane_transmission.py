@@ -17,9 +17,8 @@ energy on a membrane. Two limits are known:
 
 from typing import Literal, NamedTuple
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.force.laws.gap import accommodation_between
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 Transmission = Literal["aligned", "wide"]
 """How the holes and the gap of a sandwich let molecules pass."""
@@ -78,7 +77,7 @@ class MembraneTransmission(NamedTuple):
         r"""Recoil of the molecules that leave the planes, over half the gas pressure [1]."""
         # Free molecules push with the difference of :math:`\sum_i E_{pi}(\sqrt{1+\theta_i}-1)`
         # below and above.
-        root_top, root_bottom = jnp.sqrt(1.0 + excess_top), jnp.sqrt(1.0 + excess_bottom)
+        root_top, root_bottom = xp.sqrt(1.0 + excess_top), xp.sqrt(1.0 + excess_bottom)
         # differences of roots, written without cancellation
         apart = (excess_bottom - excess_top) / (root_bottom + root_top)
         both = excess_bottom / (root_bottom + 1.0) + excess_top / (root_top + 1.0)

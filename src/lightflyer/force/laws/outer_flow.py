@@ -17,9 +17,9 @@ through it face on. The rest is fitted to solutions of the Navier–Stokes equat
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.transformations import stop_gradient
 from lightflyer.core.validity import Validity
-from lightflyer.pytree.lazy_jax import Array, jnp, lax
 
 CREEPING = 16.0
 """Force on a disk in creeping flow, face on, over μ, radius and velocity; [HappelBrenner1983]."""
@@ -39,11 +39,11 @@ FLOW_RANGE = Validity(
 
 def through_flow_coefficient(reynolds: Numeric, creeping: Numeric = CREEPING) -> Array:
     r"""Force on a thin disk that gas streams through, over :math:`\mu a u` [1]."""
-    return jnp.sqrt(creeping**2 + (_growth(reynolds) * reynolds) ** 2)
+    return xp.sqrt(creeping**2 + (_growth(reynolds) * reynolds) ** 2)
 
 
 def _growth(reynolds: Numeric) -> Array:
-    return _JET + _LAYER / jnp.sqrt(_ONSET + jnp.abs(reynolds))
+    return _JET + _LAYER / xp.sqrt(_ONSET + xp.abs(reynolds))
 
 
 def through_flow_force(
@@ -77,21 +77,21 @@ def pumped_velocity(
 
     # between creeping flow and a jet, the root of a quadratic equation
     slope = 1.0 + outside * creeping
-    root = jnp.sqrt(slope**2 + 4.0 * outside * _LINEAR * jnp.abs(free))
+    root = xp.sqrt(slope**2 + 4.0 * outside * _LINEAR * xp.abs(free))
     reynolds = 2.0 * free / (slope + root)
     for _ in range(_STEPS):
         # Newton; the last step alone carries the derivatives
-        reynolds = lax.stop_gradient(reynolds)
+        reynolds = stop_gradient(reynolds)
         coefficient = through_flow_coefficient(reynolds, creeping)
         excess = reynolds * (1.0 + outside * coefficient) - free
         steepness = 1.0 + outside * _growth_of_force(reynolds, creeping)
-        reynolds = reynolds - excess / lax.stop_gradient(steepness)
+        reynolds = reynolds - excess / stop_gradient(steepness)
     return reynolds / scale
 
 
 def _growth_of_force(reynolds: Array, creeping: Numeric) -> Array:
     """Derivative of Re C by Re."""
-    distance = jnp.abs(reynolds)
+    distance = xp.abs(reynolds)
     factor = _growth(reynolds)
     growing = factor - 0.5 * _LAYER * distance / (_ONSET + distance) ** 1.5
     coefficient = through_flow_coefficient(reynolds, creeping)

@@ -4,14 +4,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.memory import kept
+from lightflyer.array.namespace import Array, Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force.laws.gap import gap_conductance
 from lightflyer.force.laws.membrane_transmission import MembraneTransmission, Transmission
 from lightflyer.gas.base import AbstractGas, mean_free_path
-from lightflyer.pytree.lazy_jax import Array
 
 WIDE_GAP = 2.0
 """Gap over hole radius up to which holes count as being above each other: one hole diameter."""
@@ -32,11 +32,13 @@ def rarefaction(
     return 0.5 * np.sqrt(np.pi) * radius / mean_free_path(pressure, temperature, gas)
 
 
+@kept
 def rarefaction_of(flyer: Sandwich, state: EnvironmentState) -> Array:
     """Rarefaction parameter of a sandwich [1]."""
     return rarefaction(flyer.radius, state.pressure, state.temperature, state.gas)
 
 
+@kept
 def between_membranes(
     flyer: Sandwich, state: EnvironmentState, passed: MembraneTransmission
 ) -> Array:

@@ -4,9 +4,12 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from lightflyer.array.memory import kept
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import StandardErrors
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
@@ -34,9 +37,6 @@ from lightflyer.force.membranes.schafer2025_table import (
 )
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import AbstractGas
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import field
 
 _DENSE = Validity(
     "the rarefaction parameter",
@@ -67,8 +67,25 @@ def perforated_disk_conductances(
 ) -> HeatRatios:
     r"""Heat that the gas takes from the faces of a thin disk with holes [W]; [Schafer2025]_."""
     # .. math:: Q_i = G_\mathrm{own}\,\theta_i + G_\mathrm{cross}\,\theta_j
+    # the ratio of heat capacities is the same object at any temperature but in few gases
+    ratio = gas.heat_capacity_ratio_at(
+        temperature if mean_temperature is None else mean_temperature
+    )
+    return _conductances(area, open_fraction, rarefaction, pressure, temperature, gas, ratio)
+
+
+@kept
+def _conductances(
+    area: Numeric,
+    open_fraction: Numeric,
+    rarefaction: Numeric,
+    pressure: Numeric,
+    temperature: Numeric,
+    gas: AbstractGas,
+    heat_capacity_ratio: Numeric,
+) -> HeatRatios:
     factors = internal_factors(
-        gas.heat_capacity_ratio_at(temperature if mean_temperature is None else mean_temperature),
+        heat_capacity_ratio,
         gas.specific_gas_constant,
         gas.viscosity(temperature),
         gas.conductivity(temperature),
@@ -77,6 +94,12 @@ def perforated_disk_conductances(
     # p √(2RT) A/√π, of which free molecules without internal motion take θ
     scale = 0.5 * pressure * gas.mean_speed(temperature) * area
     return HeatRatios(scale * ratios.own, scale * ratios.cross)
+
+
+@kept
+def _passing(passed: MembraneTransmission) -> Array:
+    """Share of molecules that a plane does not emit itself [1]."""
+    return 1.0 - passed.even
 
 
 class Schafer2025(AbstractForceModel):
@@ -156,7 +179,9 @@ class Schafer2025(AbstractForceModel):
             return (1.0 - (found.own + sign * found.cross) / (free * solid)) / solid
 
         from_top, from_bottom = passed.heat(
-            (top, bottom), returned(1.0 - passed.even, 1.0), returned(passed.open_fraction, -1.0)
+            (top, bottom),
+            returned(_passing(passed), 1.0),
+            returned(passed.open_fraction, -1.0),
         )
         upward = between_membranes(flyer, state, passed) * (bottom - top)
         return free * from_top - upward, free * from_bottom + upward
@@ -168,9 +193,9 @@ class Schafer2025(AbstractForceModel):
             passed.open_fraction, rarefaction_of(flyer, state)
         )
         if self.force_error is not None:
-            dense = jnp.log(rarefaction_of(flyer, state))
-            own = jnp.interp(dense, np.log(_RAREFACTIONS), _STANDARD_ERROR)
-            ratio *= 1.0 + self.force_error * own
+            dense = xp.log(rarefaction_of(flyer, state))
+            own = xp.interp(dense, np.log(_RAREFACTIONS), _STANDARD_ERROR)
+            ratio = ratio * (1.0 + self.force_error * own)
         return 0.5 * state.pressure * flyer.area * ratio * sum(passed.recoil(*unknowns))
 
     def ranges(
@@ -191,6 +216,7 @@ class Schafer2025(AbstractForceModel):
     ) -> tuple[str, ...]:
         return tuple(sandwich_remarks(flyer, self.transmission))
 
+    @kept
     def _passage(self, flyer: Sandwich) -> MembraneTransmission:
         inner = (flyer.top.tac_bottom, flyer.bottom.tac_top)
         return passage(self.transmission, flyer.open_fraction, (1.0, 1.0), inner)

@@ -31,10 +31,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.memory import kept
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.files.table import shipped_table
 from lightflyer.numerics.curves import Curves
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 TEMPERATURE_EXCESS = 1.0 / 3.0
 """Relative temperature excess of the hot face in the table: 400 K in gas at 300 K."""
@@ -99,10 +99,11 @@ class PerforatedDiskFit:
     # Of the three coefficients of :math:`g_c`, then :math:`g_d`, :math:`r_1` and :math:`r_2`
     heat: Curves
 
+    @kept
     def force_ratio(self, open_fraction: Numeric, rarefaction: Numeric) -> Array:
         r"""Force over that of free molecules, :math:`\hat F` [1]."""
-        log_edge, flow = self.force(jnp.log(rarefaction))
-        yielding = jnp.exp(log_edge) + flow * open_fraction / (1.0 + open_fraction)
+        log_edge, flow = self.force(_logarithm(rarefaction))
+        yielding = xp.exp(log_edge) + flow * open_fraction / (1.0 + open_fraction)
         return yielding / (yielding + (1.0 - open_fraction) * rarefaction)
 
     def heat_ratios(
@@ -113,7 +114,7 @@ class PerforatedDiskFit:
         dense_factor: Numeric = 1.0,
     ) -> HeatRatios:
         r"""Heat loss of a face over :math:`p v A\theta/\sqrt\pi`."""
-        zero, one, two, difference, r1, r2 = self.heat(jnp.log(rarefaction))
+        zero, one, two, difference, r1, r2 = self.heat(_logarithm(rarefaction))
         solid = 1.0 - open_fraction
         # resistances in series: that of the face changes by one factor, that of the gas by the
         # other; through the holes molecules fly freely
@@ -129,6 +130,11 @@ class PerforatedDiskFit:
             own=scale * (1.0 - solid * mean),
             cross=-0.5 * scale * solid * (common_return - difference_return),
         )
+
+
+@kept
+def _logarithm(rarefaction: Numeric) -> Array:
+    return xp.log(rarefaction)
 
 
 def internal_factors(

@@ -9,11 +9,10 @@ References
 
 from typing import NamedTuple
 
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.gas.air import AbstractAir
 from lightflyer.gas.base import AbstractGas
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 PI = 3.14  # As in the published code, 0.05 % too small
 DENSITY_CONSTANT = 287.0  # Specific gas constant of air in the density [J/(kg K)]
@@ -60,7 +59,7 @@ def viscosity(temperature: Numeric) -> Array:
     return (
         _VISCOSITY
         * ratio
-        * jnp.sqrt(ratio)
+        * xp.sqrt(ratio)
         * (_REFERENCE + _SUTHERLAND)
         / (temperature + _SUTHERLAND)
     )
@@ -69,7 +68,7 @@ def viscosity(temperature: Numeric) -> Array:
 def conductivity(thickness: Numeric, pressure: Numeric, temperature: Numeric) -> Array:
     r"""Conductivity of the air in a wall [W/(m K)]; ``thickness``: of the wall, :math:`L`."""
     # .. math:: k = \frac{0.024}{1 + 3.116\,\lambda/L}
-    thermal = jnp.sqrt(0.5 * PI * SPEED_CONSTANT * temperature)
+    thermal = xp.sqrt(0.5 * PI * SPEED_CONSTANT * temperature)
     path = viscosity(temperature) / pressure * thermal
     return CONDUCTIVITY / (1.0 + _JUMP * path / thickness)
 
@@ -77,7 +76,7 @@ def conductivity(thickness: Numeric, pressure: Numeric, temperature: Numeric) ->
 def poiseuille_coefficient(rarefaction: Numeric) -> Array:
     r"""Coefficient of the flow that a pressure drives through a slot [1]."""
     # .. math:: G_P = (\delta/6 + 1)(1 + 0.25/\sqrt\delta)
-    return (rarefaction / 6.0 + 1.0) * (1.0 + 0.25 / jnp.sqrt(rarefaction))
+    return (rarefaction / 6.0 + 1.0) * (1.0 + 0.25 / xp.sqrt(rarefaction))
 
 
 def creep_coefficient(rarefaction: Numeric) -> Array:

@@ -15,8 +15,9 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import StandardErrors
-from lightflyer.core.types import Numeric
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
@@ -38,8 +39,6 @@ from lightflyer.force.membranes.schafer2025_table import internal_factors
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.transmission_probability import slot_transmission
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _PATH = 2.0 / np.sqrt(np.pi)  # length over the mean free path, per δ of the length
 _DISK_DRAG = 16.0 / np.pi  # Stokes' drag of a disk 16μau, over its area, times a/(μu)
@@ -197,7 +196,7 @@ class ChannelPump(AbstractForceModel):
         top, bottom = unknowns
         plate = _plate_in_gas(flyer, state, unknowns)
         free = _free_conductance(flyer.area, state, state.temperature)
-        free *= _off(self.heat_error, _HEAT_ERROR)
+        free = free * _off(self.heat_error, _HEAT_ERROR)
         upward = plate.inside.conductance * (bottom - top)
         return (
             free * plate.exchange.top * (top - plate.gas_top) - upward,
@@ -287,7 +286,7 @@ class PlateInGas(NamedTuple):
 def _plate_in_gas(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> PlateInGas:
     inside, outside = _inside(flyer, state, unknowns), _outside(flyer, state, unknowns)
     straight = direct_share(SLOT, inside.length)
-    straight /= 1.0 + _PATH * inside.rarefaction * inside.length
+    straight = straight / (1.0 + _PATH * inside.rarefaction * inside.length)
     opening, film = flyer.open_fraction, flyer.solid_fraction
     exchange = Exchange(
         film * flyer.top.tac_top + opening * (1.0 - straight),
@@ -348,11 +347,11 @@ def _off(errors: Numeric | None, relative: float) -> Numeric:
 
 def _growth(excess: Array) -> Array:
     """√(1 + θ) − 1, without cancellation."""
-    return excess / (jnp.sqrt(1.0 + excess) + 1.0)
+    return excess / (xp.sqrt(1.0 + excess) + 1.0)
 
 
 def _most_probable_speed(gas: AbstractGas, temperature: Numeric) -> Array:
-    return jnp.sqrt(2.0 * gas.specific_gas_constant * temperature)
+    return xp.sqrt(2.0 * gas.specific_gas_constant * temperature)
 
 
 def _free_conductance(area: Numeric, state: EnvironmentState, temperature: Numeric) -> Array:
@@ -366,7 +365,7 @@ def _reynolds_number(
     flyer: Plate, state: EnvironmentState, plate: PlateInGas, flow: ThroughFlow
 ) -> Array:
     density = state.gas.density(state.pressure, state.temperature)
-    return density * flyer.radius * jnp.abs(flow.velocity) / plate.outside.viscosity
+    return density * flyer.radius * xp.abs(flow.velocity) / plate.outside.viscosity
 
 
 @entry_point
@@ -375,7 +374,7 @@ def _highest_reynolds_number(flyer: Plate, state: EnvironmentState, hottest: Arr
     gained = zip(flyer.beam_areas(state), flyer.heat_gains(state), strict=True)
     power = [beam * state.radiation.irradiance + other for beam, other in gained]
     conductance = _inside(flyer, state, (hottest, hottest)).conductance
-    difference = jnp.minimum(hottest, jnp.maximum(*map(jnp.abs, power)) / conductance)
+    difference = xp.minimum(hottest, xp.maximum(*map(xp.abs, power)) / conductance)
     faces = (hottest - difference, hottest)
     plate = _plate_in_gas(flyer, state, faces)
     return _reynolds_number(flyer, state, plate, _flow(flyer, state, plate))

@@ -18,7 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.memory import kept
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.hollow import HollowBody
@@ -37,7 +38,6 @@ from lightflyer.force.laws.channels import (
 from lightflyer.force.laws.faces import free_molecular_conductance
 from lightflyer.force.pumps import celenza2023_laws as published
 from lightflyer.gas.base import mean_free_path
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _RAREFIED_DRAG = 1.264  # Stokes' drag of a broad disk over that of free molecules, 16/(4/√π + √π)
 _NO_LENGTH = 1e-9  # of a hole in a thin wall, over its width or radius
@@ -123,8 +123,8 @@ def _channels(
     inner, outer = unknowns
     mean = mean_temperature(state, unknowns)
     constant, viscosity, at = _transport(state, mean, corrections)
-    speed = jnp.sqrt(2.0 * constant * mean)
-    rarefaction = state.pressure * flyer.channel_width / (viscosity * jnp.sqrt(2.0 * constant * at))
+    speed = xp.sqrt(2.0 * constant * mean)
+    rarefaction = state.pressure * flyer.channel_width / (viscosity * xp.sqrt(2.0 * constant * at))
     length = flyer.wall_thickness / flyer.channel_width
     ended = length if corrections.short_channels else None
     if corrections.channel_coefficients:
@@ -184,7 +184,7 @@ def share_at_wall(flyer: HollowBody, state: EnvironmentState) -> Array:
 
 def radius(flyer: HollowBody) -> Array:
     """Of the sphere that has the wall's area [m]."""
-    return jnp.sqrt(flyer.surface / (4.0 * np.pi))
+    return xp.sqrt(flyer.surface / (4.0 * np.pi))
 
 
 def free_molecular(state: EnvironmentState, area: Numeric) -> Array:
@@ -194,6 +194,7 @@ def free_molecular(state: EnvironmentState, area: Numeric) -> Array:
     return free_molecular_conductance(area, 1.0, state.pressure, speed, ratio)
 
 
+@kept
 def pump_flow(
     flyer: HollowBody,
     state: EnvironmentState,
@@ -216,7 +217,7 @@ def pump_flow(
     # the outlet is half of the height below the middle of the wall
     drive = errors.wall * (channels.stopping - held) - lifted
     velocity = _quadratic_root(kinetic, slope, drive)
-    pressure = kinetic * velocity * jnp.abs(velocity) + resistance * velocity + held + lifted
+    pressure = kinetic * velocity * xp.abs(velocity) + resistance * velocity + held + lifted
     wall_velocity = jet_density / density * ratio * velocity
     exchange = areas.wall * _exchange(density * wall_velocity, channels.conductance * lifted)
     return PumpFlow(velocity, wall_velocity, pressure, jet_density, exchange)
@@ -237,7 +238,7 @@ def _thermal_overpressure(
     path = mean_free_path(state.pressure, state.temperature, state.gas)
     height = height / (1.0 + path / height)
     if flyer.attitude is not None:
-        height = height * jnp.cos(flyer.attitude.tilt)
+        height = height * xp.cos(flyer.attitude.tilt)
     return 0.5 * density * state.gravity * height * inner / (1.0 + inner)
 
 
@@ -245,9 +246,9 @@ def _exchange(inward: Array, lifted: Array) -> Array:
     """Mean of what leaves, where the flow through a wall falls evenly by ``lifted`` either way."""
     # That is (J − |j|)²/4J where some of the wall sends gas out and some lets it in. What leaves on
     # the whole is not part of it.
-    most, mean = jnp.abs(lifted), jnp.abs(inward)
+    most, mean = xp.abs(lifted), xp.abs(inward)
     both = most > mean
-    return jnp.where(both, (most - mean) ** 2 / (4.0 * jnp.where(both, most, 1.0)), 0.0)
+    return xp.where(both, (most - mean) ** 2 / (4.0 * xp.where(both, most, 1.0)), 0.0)
 
 
 def _density(state: EnvironmentState, corrections: Corrections) -> Array:
@@ -268,7 +269,7 @@ def _outlet(
         return 0.0, 0.0
     hot = state.temperature * (1.0 + inner)
     constant, viscosity, at = _transport(state, hot, corrections)
-    speed = jnp.sqrt(2.0 * constant * at)
+    speed = xp.sqrt(2.0 * constant * at)
     rarefaction = state.pressure * flyer.outlet_radius / (viscosity * speed)
     held = thermomolecular_pressure(
         _outlet_exponent(flyer, state, corrections), state.pressure, inner, 0.0
@@ -281,14 +282,14 @@ def _outlet(
 def _outlet_exponent(flyer: HollowBody, state: EnvironmentState, corrections: Corrections) -> Array:
     """How far molecules pass the outlet without colliding: ½ to 0 [1]."""
     constant, viscosity, at = _transport(state, state.temperature, corrections)
-    speed = jnp.sqrt(2.0 * constant * at)
+    speed = xp.sqrt(2.0 * constant * at)
     rarefaction = state.pressure * flyer.outlet_radius / (viscosity * speed)
     return thermomolecular_exponent(ROUND, rarefaction, _NO_LENGTH)
 
 
 def _quadratic_root(square: Array, slope: Array, drive: Array) -> Array:
     """Root of ``square · v|v| + slope · v = drive`` without cancellation."""
-    root = jnp.sqrt(slope**2 + 4.0 * square * jnp.abs(drive))
+    root = xp.sqrt(slope**2 + 4.0 * square * xp.abs(drive))
     return 2.0 * drive / (slope + root)
 
 
@@ -320,13 +321,13 @@ def pump_force(
     constant, viscosity, _ = _transport(state, cold, corrections)
     drag = coefficients.drag * 8.0 * flyer.size * viscosity * flow.wall_velocity
     jet = coefficients.jet * flow.jet_density * areas.outlet
-    jet = jet * flow.jet_velocity * jnp.maximum(flow.jet_velocity, 0.0)
+    jet = jet * flow.jet_velocity * xp.maximum(flow.jet_velocity, 0.0)
     if not corrections.rarefied_force:
         return errors.force * (drag + jet)
-    per_length = state.pressure / (viscosity * jnp.sqrt(2.0 * constant * cold))
+    per_length = state.pressure / (viscosity * xp.sqrt(2.0 * constant * cold))
     drag = drag / (1.0 + _RAREFIED_DRAG / (0.5 * flyer.size * per_length))
     exponent = _outlet_exponent(flyer, state, corrections)
-    roots = jnp.sqrt(1.0 + inner) + jnp.sqrt(1.0 + outer)
+    roots = xp.sqrt(1.0 + inner) + xp.sqrt(1.0 + outer)
     recoil = state.pressure * areas.outlet * flyer.solid_fraction * (inner - outer) / roots
     # half of it times the exponent over its value to free molecules, which is one half
     return errors.force * (drag + jet) + exponent * recoil

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.hollow import HollowBody
 from lightflyer.force.convection import sphere_conductance
@@ -21,7 +21,6 @@ from lightflyer.force.pumps.hollow_flow import (
     share_at_wall,
 )
 from lightflyer.gas.transmission_probability import slot_transmission
-from lightflyer.pytree.lazy_jax import Array, jnp
 
 _DISK_CONDUCTION = 4.0  # conductance of a disk's one face to a half-space, over κ and its radius
 _HELD = 1e9  # conductance that holds the outer film at the gas temperature, over the wall's
@@ -98,7 +97,7 @@ def pump_heat(
     through = errors.heat * wall.open * (inner - share * outer)
     carried = _heat_capacity(state) * flow.exchange
     taken_inner = between + through + carried * (inner - outer)
-    taken_inner += _outlet_heat(flyer, state, inner, flow, errors)
+    taken_inner = taken_inner + _outlet_heat(flyer, state, inner, flow, errors)
     around = sphere_conductance(
         outer,
         radius=radius(flyer),
@@ -111,7 +110,7 @@ def pump_heat(
     )
     taken_outer = errors.heat * around * outer - between - share * through
     # what leaves is as warm as the outer film, and what comes in as the inner one
-    taken_outer += carried * (2.0 * outer - inner)
+    taken_outer = taken_outer + (carried * (2.0 * outer - inner))
     if not corrections.projected_light:
         own, _ = flyer.heat_losses(state, unknowns)
         gained = own - flyer.heat_gains(state)[0]
@@ -135,11 +134,11 @@ def _outlet_heat(
         free_molecular(state, flyer.outlet_area),
         _DISK_CONDUCTION * flyer.outlet_radius * gas.conductivity(temperature) * temperature,
     )
-    mass_flow = flow.jet_density * jnp.abs(flow.jet_velocity) * flyer.outlet_area
+    mass_flow = flow.jet_density * xp.abs(flow.jet_velocity) * flyer.outlet_area
     ratio = mass_flow * _heat_capacity(state) / still
     small = ratio < 1e-6  # below it the first term of the series has all digits that matter
-    safe = jnp.where(small, 1.0, ratio)
-    return still * inner * jnp.where(small, 1.0 + 0.5 * ratio, safe / -jnp.expm1(-safe))
+    safe = xp.where(small, 1.0, ratio)
+    return still * inner * xp.where(small, 1.0 + 0.5 * ratio, safe / -xp.expm1(-safe))
 
 
 def _published_heat(
@@ -166,6 +165,4 @@ def _light_on_wall(flyer: HollowBody, state: EnvironmentState) -> Array:
     """Light that falls on the wall at normal incidence over what the inner film absorbs [1]."""
     absorbed, _ = flyer.beam_areas(state)
     dark = absorbed == 0.0
-    return jnp.where(
-        dark, 1.0, flyer.surface * flyer.solid_fraction / jnp.where(dark, 1.0, absorbed)
-    )
+    return xp.where(dark, 1.0, flyer.surface * flyer.solid_fraction / xp.where(dark, 1.0, absorbed))

@@ -4,7 +4,8 @@ import abc
 from collections.abc import Mapping
 from typing import ClassVar
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.validity import Looks
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
@@ -20,8 +21,6 @@ from lightflyer.force.pumps.hollow_flow import (
     pump_results,
 )
 from lightflyer.force.pumps.hollow_heat import pump_heat
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array
 
 
 class AbstractHollowModel(AbstractForceModel):

@@ -2,14 +2,14 @@
 
 from typing import Literal
 
+from lightflyer.array.namespace import xp
+from lightflyer.array.records import field
 from lightflyer.core.quantity import StandardErrors
 from lightflyer.force.pumps.celenza2023_laws import require_air
 from lightflyer.force.pumps.hollow_flow import Corrections, Errors
 from lightflyer.force.pumps.hollow_model import AbstractHollowModel
 from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import AbstractGas
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import field
 
 _SCATTER = Errors(wall=0.10, outlet=0.25, force=0.15, heat=0.10)
 """Standard errors, relative [1].
@@ -103,7 +103,7 @@ class HollowPump(AbstractHollowModel):
         given = (getattr(self, f"{name}_error") for name in Errors._fields)
         return Errors(
             *(
-                1.0 if error is None else jnp.exp(scatter * error)
+                1.0 if error is None else xp.exp(scatter * error)
                 for error, scatter in zip(given, _SCATTER, strict=True)
             )
         )

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from lightflyer.array.namespace import float64, xp
 from lightflyer.calibration.gauge import Gauge
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.constants import STANDARD_GRAVITY
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.precision import float64
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import Measured, parse
 from lightflyer.core.validity import describe
@@ -25,8 +26,6 @@ from lightflyer.force.kinetic.model import Kinetic
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.gas.pure import ARGON
 from lightflyer.lab.estimate import Estimate, central_interval
-from lightflyer.program.arguments import reads_units
-from lightflyer.pytree.lazy_jax import jnp
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -136,7 +135,7 @@ class Vane:
             for column, number in enumerate((self.ambient, self.hot, self.cold))
         )
         with float64():
-            excess = tuple(jnp.asarray((face / ambient - 1.0)[:, None]) for face in (cold, hot))
+            excess = tuple(xp.asarray((face / ambient - 1.0)[:, None]) for face in (cold, hot))
             sharing = draws[:, 7, None] if self.wall == "unknown" else None
             model = Kinetic(force_error=draws[:, 3, None], wall=self.wall, sharing_error=sharing)
             found = model.force(self._body(draws), self._state(pressure, ambient), excess)

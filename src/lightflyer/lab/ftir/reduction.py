@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.special import ndtri
 
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Temperature
@@ -40,7 +41,6 @@ from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
 from lightflyer.lab.record import Doubt, csv_text, dataset, require_distinct
 from lightflyer.lab.spectrum_noise import noise_density
-from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -15,6 +15,7 @@ from lightflyer.calibration.diagnostics import LEAST_PROBABILITY, step_warning
 from lightflyer.calibration.inputs import instruments
 from lightflyer.calibration.points import doubts, log_uncertainty
 from lightflyer.calibration.steps import CENTRE, found_step, require_step
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
@@ -22,7 +23,6 @@ from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
 from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother
 from lightflyer.lab.record import Doubt, csv_text, dataset, joint_warnings
-from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     import xarray as xr

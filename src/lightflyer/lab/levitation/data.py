@@ -12,10 +12,10 @@ from lightflyer.calibration.points import (
     Points,
     read_points,
 )
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.table import Table
 from lightflyer.lab.gauges import end_text, rows_at_the_end
-from lightflyer.program.arguments import reads_units
 
 COLUMNS = LEVITATION_COLUMNS
 """Columns of a file of levitation points, the same as for a calibration."""

@@ -9,10 +9,11 @@ import numpy as np
 import pydantic
 from pydantic import Field
 
+from lightflyer.array.namespace import Numeric
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Incidence, Quantity
-from lightflyer.core.types import Numeric
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
 from lightflyer.files.toml_file import FileKind, place_of, read_file
@@ -25,7 +26,6 @@ from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.raw import Ordinate
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 from lightflyer.lab.record import require_distinct
-from lightflyer.program.arguments import reads_units
 
 Polarisation = Literal["s", "p", "none"]
 

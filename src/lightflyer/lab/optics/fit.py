@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ParameterError
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.film.optics.averages import absorptance, emittance
@@ -29,7 +30,6 @@ from lightflyer.lab.optics.model import OpticalModel, Problem, select_covered
 from lightflyer.lab.optics.search import STARTS, Fit, Scatter, intervals, search
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
 from lightflyer.lab.record import Doubt, dataset
-from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     import xarray as xr

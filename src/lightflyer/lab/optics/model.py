@@ -14,28 +14,25 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric, by_numpy
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.extras import extra
-from lightflyer.core.types import Numeric
 from lightflyer.film.optics.stack import Film, Side
 from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample
 from lightflyer.lab.optics.ellipsometry import ORDINATES
 from lightflyer.lab.spectrum_noise import point_noise
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import jax
 
 LEAST_ERROR = 1e-4  # Least standard error of a point [1]: no photometer is better
 
 _TOLERANCE = 1e-8
 _FLAT = 1e-2  # least curvature that a direction is taken to have, that of a prior of ten widths
 _IMPOSSIBLE = 1e6  # residual of a film that has no optical constants, in standard errors
+_STEP = 1e-6  # of the width between the bounds, over which slopes are taken
 _POLARISATIONS = {"s": [1.0, 0.0], "p": [0.0, 1.0], "none": [0.5, 0.5]}
 
 
 class OpticalModel:
     """What the instruments would read of a film without their own errors."""
-
-    # Compiled once for a film and the wavelengths of its spectra.
 
     def __init__(self, sample: OpticsSample):
         self.free = sample.free
@@ -44,12 +41,6 @@ class OpticalModel:
         self._low = np.array([one.lowest for one in sample.free])
         self._width = np.array([one.highest for one in sample.free]) - self._low
 
-        # a function of this model's own: a method would be kept for later processes by its name,
-        # and the film and the wavelengths of another sample would be read in place of these
-        def twice(position: Numeric) -> tuple[list[Numeric], list[Numeric]]:
-            return self._twice(position)
-
-        self._compiled = entry_point(jax.jacfwd(twice, has_aux=True))
         self._last: tuple[bytes, tuple[list[np.ndarray], list[np.ndarray]]] | None = None
 
     def film(self, position: Numeric) -> Film:
@@ -89,22 +80,28 @@ class OpticalModel:
         position = np.asarray(position, float)
         key = position.tobytes()
         if self._last is None or self._last[0] != key:
-            slopes, shares = self._compiled(position)
-            self._last = key, ([np.asarray(one) for one in shares],
-                               [np.asarray(one) for one in slopes])  # fmt: skip
+            self._last = key, (self._shares(position), self._slopes(position))
         return self._last[1]
 
-    def _twice(self, position: Numeric) -> tuple[list[Numeric], list[Numeric]]:
-        film, found = self.film(position), dict[int, Numeric]()
-        for side in dict.fromkeys(one.side for one in self._spectra):
-            found |= _shares(film, self._spectra, side)
-        ordered = [found[number] for number in range(len(self._spectra))]
-        return ordered, ordered
+    def _shares(self, position: np.ndarray) -> list[np.ndarray]:
+        with by_numpy():
+            film, found = self.film(position), dict[int, np.ndarray]()
+            for side in dict.fromkeys(one.side for one in self._spectra):
+                found |= _shares(film, self._spectra, side)
+        return [found[number] for number in range(len(self._spectra))]
+
+    def _slopes(self, position: np.ndarray) -> list[np.ndarray]:
+        """Derivatives of the shares in each free number, by differences."""
+        columns = []
+        for step in _STEP * np.eye(position.size):
+            below, above = self._shares(position - step), self._shares(position + step)
+            columns.append([(b - a) / (2.0 * _STEP) for a, b in zip(below, above, strict=True)])
+        return [np.stack(column, axis=-1) for column in zip(*columns, strict=True)]
 
 
 def _shares(film: Film, spectra: Sequence[FilmSpectrum], side: Side) -> dict[int, Numeric]:
     """Shares of the spectra with light from one side, by number."""
-    # All their points are computed together: one program compiles faster than several.
+    # All their points are computed together.
     mine = {number: one for number, one in enumerate(spectra) if one.side == side}
     wavelength = np.concatenate([one.spectrum.wavelength for one in mine.values()])
     incidence = np.concatenate(

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length
 from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
 from lightflyer.lab.readers.height_maps import gwyddion, igor, instruments, text
 from lightflyer.lab.readers.height_maps.channel import Channel, choose_channel, with_different_names
-from lightflyer.program.arguments import reads_units
 
 NANOMETRE = 1e-9  # [m]
 MOST_MISSING = 0.25  # Share of pixels without a height above which a map is refused; our choice

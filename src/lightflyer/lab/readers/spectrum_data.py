@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.constants import PLANCK, SPEED_OF_LIGHT
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length, Quantity
@@ -17,7 +18,6 @@ from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum as Me
 from lightflyer.lab.readers.spectra.interpretation import ReadOptions, interpret_spectrum
 from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE as PER_CENTIMETRE
 from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumMetadata
-from lightflyer.program.arguments import reads_units
 
 # as fractions, or as per cent that the header does not mark
 _SHARE = Quantity("", -20.0, 150.0)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 
 from lightflyer.calibration.inputs import assumed_accuracies
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Fraction
@@ -33,7 +34,6 @@ from lightflyer.lab.surface.particles import (
     find_particles,
 )
 from lightflyer.lab.surface.texture import Texture, texture_of
-from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     import xarray as xr

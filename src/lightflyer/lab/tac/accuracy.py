@@ -6,9 +6,9 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 
 from lightflyer.calibration.inputs import assumed_accuracies
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.quantity import Distance, Fraction, Pressure, TemperatureOffset
-from lightflyer.program.arguments import reads_units
 
 PIRANI_ACCURACY = 0.05
 """Standard uncertainty of a Pirani gauge, of the reading [1]: its maker's limits, 10 % at

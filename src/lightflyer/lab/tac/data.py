@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.calibration.gauge import Gauge
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Pressure, Quantity, Temperature
 from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.lab.gauges import end_text, rows_at_the_end
-from lightflyer.program.arguments import reads_units
 
 _LEAST_DIFFERENCE = 1e-3  # between heater and gas [K]
 

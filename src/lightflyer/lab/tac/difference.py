@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Fraction, Length
@@ -28,7 +29,6 @@ from lightflyer.lab.tac.fit import TacFit, fit_together
 from lightflyer.lab.tac.heat_law import KINETIC_LAW, AbstractHeatLaw
 from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, Bench
 from lightflyer.lab.tac.record import warnings_of, with_spread
-from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.quantity import Fraction, Length
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 from lightflyer.gas.air import AIR
@@ -54,7 +55,6 @@ from lightflyer.lab.tac.preparation import (
     prepare,
 )
 from lightflyer.lab.tac.problem import PARAMETERS
-from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

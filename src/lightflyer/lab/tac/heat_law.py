@@ -6,17 +6,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric, xp
 from lightflyer.core import constants
+from lightflyer.core.entry_point import elementwise_entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.force.kinetic.collisions import HeatedGas, with_collisions
 from lightflyer.force.kinetic.disk import viscosity_exponent
 from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.laws.faces import free_molecular_conductance
 from lightflyer.force.lu2023 import READINGS, Reading, heat_conductances
 from lightflyer.gas.base import AbstractGas, knudsen_number
-from lightflyer.program.entry_point import elementwise_entry_point
-from lightflyer.pytree.lazy_jax import jnp
 
 KINETIC = "kinetic"  # Name of the reading by the kinetic equation
 
@@ -174,13 +173,13 @@ def _kinetic(
     _, of_heat = heated.factors(knudsen, tac)
     ratio = with_collisions(ratio, of_heat)
     resistance = 1.0 / ratio - 1.0
-    _, by_walls = fit.wall_factors(knudsen, 1.0 / jnp.maximum(near, 1e-9), tac)
-    walls = jnp.where(near > 0.0, by_walls, 1.0)
-    between = jnp.maximum(1.0 / (ratio * walls) - 1.0, _LEAST_SHARE * resistance)
+    _, by_walls = fit.wall_factors(knudsen, 1.0 / xp.maximum(near, 1e-9), tac)
+    walls = xp.where(near > 0.0, by_walls, 1.0)
+    between = xp.maximum(1.0 / (ratio * walls) - 1.0, _LEAST_SHARE * resistance)
     continuum = tac * free_molecular / between
     # below the table's end conduction by the gas's own conductivity is approached
     conducted = _DISK_CONDUCTION * gas.conductivity(0.5 * (heater + ambient)) / diameter
-    share = jnp.maximum(1.0 - knudsen / fit.knudsen_range[0], 0.0)
+    share = xp.maximum(1.0 - knudsen / fit.knudsen_range[0], 0.0)
     open_space = tac * free_molecular / resistance
     return free_molecular, continuum * (conducted / open_space) ** share
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Quantity
@@ -15,7 +16,6 @@ from lightflyer.core.units import Measured
 from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.lab.thermography.camera import UNCOOLED, CameraBand
-from lightflyer.program.arguments import reads_units
 
 EVENLY = 3.0**-0.5
 """Standard deviation of an error evenly distributed between ± one limit, over that limit [1]."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Temperature
@@ -16,7 +17,6 @@ from lightflyer.lab.readers.formats import Format, Source, find_format, has_suff
 from lightflyer.lab.thermography.data import THERMAL, ZERO_CELSIUS
 from lightflyer.lab.thermography.images import flir, radiometry, scaled
 from lightflyer.lab.thermography.images.scaled import Scale
-from lightflyer.program.arguments import reads_units
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

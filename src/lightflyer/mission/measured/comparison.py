@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.array.namespace import float64
 from lightflyer.config.designs import as_design
 from lightflyer.core.clock import date_text, dates_of
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.precision import float64
 from lightflyer.core.progress import asked_to_end
 from lightflyer.core.quantity import require_record
 from lightflyer.environment.base import AbstractEnvironment
@@ -26,6 +26,7 @@ from lightflyer.mission.measured.track import MeasuredTrack, read_track
 from lightflyer.mission.measured.winds import WindOfTrack, wind_differences
 from lightflyer.mission.mission import times_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
+from lightflyer.mission.path.dynamics import follow
 from lightflyer.mission.path.integration import TOLERANCE, Accuracy
 from lightflyer.mission.path.moments import Variable
 from lightflyer.mission.path.motion import Craft, planet_of
@@ -36,7 +37,6 @@ from lightflyer.mission.path.release import (
     require_release_inside,
     require_rule,
 )
-from lightflyer.mission.path.single import follow
 from lightflyer.mission.report.dataset import degrees_of
 from lightflyer.mission.report.summary import SECONDS_AN_HOUR
 

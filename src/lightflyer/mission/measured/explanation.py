@@ -18,11 +18,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array import tree
 from lightflyer.core.progress import asked_to_end, report
+from lightflyer.mission.path.dynamics import follow
 from lightflyer.mission.path.integration import Accuracy, Limits, Start
 from lightflyer.mission.path.motion import Craft
-from lightflyer.mission.path.single import follow
-from lightflyer.pytree import tree
 
 TELLING = 6.0
 """Twice the logarithm of a ratio of likelihoods above which one explanation is preferred; strong

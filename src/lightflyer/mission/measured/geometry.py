@@ -4,11 +4,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.core.entry_point import entry_point
 from lightflyer.environment.planet import Planet
 from lightflyer.mission.areas import units_of
 from lightflyer.mission.measured.track import MeasuredTrack
 from lightflyer.mission.path.position import directions
-from lightflyer.program.entry_point import entry_point
 
 _directions = entry_point(directions)
 _LOOK = 300.0  # to either side, by which the direction of a track is found [s]

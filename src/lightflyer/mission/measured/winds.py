@@ -4,15 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.environment.base import Place, Wind
 from lightflyer.mission.measured.geometry import moved
 from lightflyer.mission.measured.track import MeasuredTrack
 from lightflyer.mission.path.moments import Course, moments
 from lightflyer.mission.path.motion import Craft
 from lightflyer.numerics.cubic_grid import Axis, interpolate
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import Module
 
 _STEP = 300.0  # over which a velocity is taken: receivers are off by metres [s]
 _MOST_STEPS = 2000
@@ -51,8 +50,8 @@ class WindOfTrack(Module):
         """A wind with it; ``elapsed``: time since the release."""
         del place
         nodes = self.axis.nodes
-        more = interpolate(self.table, (self.axis,), (jnp.clip(elapsed, nodes[0], nodes[-1]),))
-        return Wind(wind.east + more[0], wind.north + more[1], wind.up + self.upwards)
+        more = interpolate(self.table, (self.axis,), (xp.clip(elapsed, nodes[0], nodes[-1]),))
+        return Wind(wind.east + more[..., 0], wind.north + more[..., 1], wind.up + self.upwards)
 
 
 def wind_differences(

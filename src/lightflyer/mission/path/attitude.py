@@ -5,15 +5,14 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Checked, Fraction, LargestTilt
-from lightflyer.core.types import Numeric
 from lightflyer.environment.base import AbstractEnvironment, Place, Wind
 from lightflyer.environment.radiation import Attitude, Radiation
 from lightflyer.mission.areas import Circle
 from lightflyer.mission.path.position import angles_towards
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import Module
 
 _NEAR = 10e3
 """Distance from a station at which a flyer tilts by half of the largest tilt [m]."""
@@ -31,9 +30,13 @@ class Moment(Module):
     environment: AbstractEnvironment
 
     def wind_at(self, altitude: Numeric) -> Wind:
-        """Wind at other altitudes here and now, shape (...), without its error [m/s]."""
-        found = self.environment.state(altitude, self.place).wind
-        still = jnp.zeros_like(jnp.asarray(altitude, float))
+        """Wind at other altitudes here and now, shape (...), without its error [m/s].
+
+        Of several moments at once, their axes come last.
+        """
+        altitude, *place = xp.broadcast_arrays(altitude, *self.place)
+        found = self.environment.state(altitude, Place(*place)).wind
+        still = xp.zeros_like(xp.asarray(altitude, float))
         return Wind(still, still, still) if found is None else found
 
     def way_to(self, station: Circle) -> tuple[Any, Any]:
@@ -124,7 +127,7 @@ class FollowSun(AbstractAttitudeRule):
     def attitude(self, moment: Moment) -> Attitude | None:
         light = moment.radiation
         lit = light.visible_part(1.0)
-        tilt = jnp.minimum(self.share * light.zenith_angle, self.largest) * lit
+        tilt = xp.minimum(self.share * light.zenith_angle, self.largest) * lit
         return _attitude(tilt, light.azimuth)
 
     def describe(self) -> str:
@@ -160,8 +163,8 @@ class TowardsStation(AbstractAttitudeRule):
         square = east**2 + north**2
         there = square == 0.0
         # a stand-in, so that derivatives at the station are numbers
-        distance = jnp.where(there, 0.0, jnp.sqrt(jnp.where(there, 1.0, square)))
-        azimuth = jnp.arctan2(east, jnp.where(there, 1.0, north))
+        distance = xp.where(there, 0.0, xp.sqrt(xp.where(there, 1.0, square)))
+        azimuth = xp.arctan2(east, xp.where(there, 1.0, north))
         return _attitude(self.largest * distance / (distance + _NEAR), azimuth)
 
     def describe(self) -> str:

@@ -19,9 +19,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module, field
 from lightflyer.config.designs import as_design
+from lightflyer.core.arguments import strip_labels
 from lightflyer.core.checks import is_concrete
-from lightflyer.core.types import Numeric
+from lightflyer.core.entry_point import entry_point
 from lightflyer.design.diagnostics import diagnose
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
@@ -37,10 +40,6 @@ from lightflyer.mission.path.motion import (
     velocity,
     with_attitude,
 )
-from lightflyer.program.arguments import strip_labels
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module, field
 from lightflyer.statics.balance import require_converged
 
 
@@ -143,7 +142,7 @@ class _Moving(NamedTuple):
 def _drift(
     setup: Setup, altitude: Numeric, attitude: Attitude, place: Place | None
 ) -> tuple[Drift, _Moving]:
-    altitude, *angles = jnp.broadcast_arrays(altitude, attitude.tilt, attitude.azimuth)
+    altitude, *angles = xp.broadcast_arrays(altitude, attitude.tilt, attitude.azimuth)
     attitude = Attitude(*angles)
     state = replace(setup.environment.state(altitude, place), wind=None)
     around = Surroundings(with_attitude(setup.flyer, attitude), state, Wind(0.0, 0.0, 0.0))
@@ -152,8 +151,8 @@ def _drift(
     forces = craft.forces(around, heat.unknowns)
     axial, slope = steady_speeds(around, forces, heat.unknowns)
     moving = velocity(around, axial, slope)
-    speed = moving.east * jnp.sin(attitude.azimuth) + moving.north * jnp.cos(attitude.azimuth)
-    force = setup.model.force(around.flyer, state, heat.unknowns) * jnp.sin(attitude.tilt)
+    speed = moving.east * xp.sin(attitude.azimuth) + moving.north * xp.cos(attitude.azimuth)
+    force = setup.model.force(around.flyer, state, heat.unknowns) * xp.sin(attitude.tilt)
     found = Drift(speed, moving.up, force, forces.lift / forces.weight)
     return found, _Moving(state, heat.temperature, axial, slope, heat.status, heat.residual)
 

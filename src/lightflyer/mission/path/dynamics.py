@@ -1,34 +1,45 @@
-"""Flight with velocity and temperature as unknowns of their own.
+"""What flights follow: rates of change of scaled states, in balance or with inertia.
 
-From a rocket or an aircraft a flyer starts with their velocity. It is also a check of what
-:mod:`lightflyer.mission.path.integration` assumes: that both follow at once.
+In balance a state is a unit vector and an altitude. From a rocket or an aircraft a flyer starts
+with their velocity: it is then a part of the state, with its temperatures too where even heat is
+not in balance at once. That is also a check of what flights in balance assume.
 """
 
-from typing import Any
+import math
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
+import numpy as np
+
+from lightflyer.array import tree
+from lightflyer.array.namespace import Array, xp
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked, SpecificHeat
 from lightflyer.environment.base import Place, Wind
-from lightflyer.mission.path.failure import failures_of
+from lightflyer.environment.planet import Planet
+from lightflyer.environment.wind.gridded import winds_in_files
+from lightflyer.mission.path.failure import failures_of, loads
 from lightflyer.mission.path.integration import (
+    ALTITUDE_SCALE,
     Accuracy,
     Limits,
     Start,
     Track,
-    altitude_and_place,
-    controller,
-    events,
-    loads_of_state,
-    rate_of,
-    save_at,
-    scale_state,
-    track_of,
+    Way,
+    integrate,
 )
-from lightflyer.mission.path.motion import INERTIA, Craft, Surroundings, in_balance, velocity
-from lightflyer.mission.path.position import directions, unit_vector
+from lightflyer.mission.path.motion import (
+    INERTIA,
+    Craft,
+    Surroundings,
+    in_balance,
+    settle,
+    steady_speeds,
+    velocity,
+)
+from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.path.termination import TerminationReason
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module
 from lightflyer.statics.equations import FlightEquations
 
 SPECIFIC_HEAT = 1000.0
@@ -38,9 +49,7 @@ SPEED_SCALE = 100.0
 """Speed that counts as much as one radian along the ground [m/s]."""
 
 _TEMPERATURE_SCALE = 100.0  # kelvin
-_FIRST_STEP, _SHORTEST_STEP = 1e-3, 1e-8  # seconds
-PLACE = slice(0, 4)  # entries of the state that say where the flyer is
-MOVING = slice(4, 7)  # its velocity over ground, in the planet's frame
+MOVING = slice(4, 7)  # entries of the state: its velocity over ground, in the planet's frame
 _HEAT = slice(7, None)  # its temperatures
 _SLOWEST = 1e-9  # Speed across a normal below which it has no direction [m/s]
 _CLOSE = 0.01, 1.0
@@ -49,6 +58,10 @@ air are never followed wholly."""
 _SLOW, _PATIENCE = 1e-3, 60.0
 """Of :data:`~.motion.INERTIA`, for falls to end within metres, and the time that adds as much [s]:
 what is heavy never falls as slowly."""
+
+_DIFFERENCE = 1e-7  # of altitudes, over their size, by which a balloon's stiffness is taken
+_ENTRIES = 2.5  # of winds in files that are looked at together: a part has four of these or more
+_FASTEST = 60.0  # Speed at which a flyer passes a quarter of a part meanwhile [m/s]
 
 
 class Inertia(Checked):
@@ -64,178 +77,250 @@ class Inertia(Checked):
     specific_heat: SpecificHeat = SPECIFIC_HEAT
 
 
-class Thrown(Module):
-    """A trajectory with inertia."""
+def scale_state(start: Start) -> Array:
+    """State of a release: a unit vector, and the altitude in :data:`ALTITUDE_SCALE`."""
+    position = unit_vector(start.place.latitude, start.place.longitude)
+    height = xp.asarray(start.altitude)[..., None] / ALTITUDE_SCALE
+    return xp.concatenate([position, height], axis=-1)
 
-    track: Track
-    states: Array  # Scaled, shape (times, n); infinite after the end
-    end: Array  # State at the end, shape (n,)
 
-
-def state_at_release(craft: Craft, start: Start, inertia: Inertia | None) -> Array:
-    """Scaled state of a flyer that is released as warm as the gas."""
-    around = craft.surroundings(start.altitude, start.place, jnp.zeros(()))
-    given = jnp.stack(around.wind) if start.velocity is None else jnp.asarray(start.velocity)
-    nodes = 0 if inertia is None else len(craft.setup.flyer.nodes)
-    warmth = jnp.full(nodes, around.state.temperature / _TEMPERATURE_SCALE)
-    moving = jnp.asarray(given) @ _axes(start.place) / SPEED_SCALE
-    return jnp.concatenate([scale_state(start), moving, warmth])
+def rate_of(moving: Wind, place: Place, altitude: Array, planet: Planet) -> Array:
+    """Rate of a scaled state [1/s], shape (..., 4); ``moving``: velocity over ground."""
+    to_east, to_north = directions(place.latitude, place.longitude)
+    along = moving.north / (planet.curvature_radius(place.latitude, 0.0) + altitude)
+    across = moving.east / (planet.curvature_radius(place.latitude, 0.5 * np.pi) + altitude)
+    across, along, up = xp.broadcast_arrays(across, along, moving.up / ALTITUDE_SCALE)
+    level = across[..., None] * to_east + along[..., None] * to_north
+    return xp.concatenate([level, up[..., None]], axis=-1)
 
 
 def velocity_over_ground(state: Array, place: Place) -> Wind:
     """Velocity of a scaled state [m/s]."""
-    return Wind(*(_axes(place) @ state[MOVING] * SPEED_SCALE))
-
-
-def track_with_inertia(
-    craft: Craft,
-    start: Start,
-    state: Array,
-    limits: Limits,
-    elapsed: Array,
-    accuracy: Accuracy,
-    inertia: Inertia | None,
-) -> Thrown:
-    """Trajectory of one flyer from a scaled state on; ``elapsed``: shape (times,).
-
-    Without ``inertia`` heat is in balance, and steps are explicit: for minutes.
-    """
-    import diffrax
-
-    given = craft, start, limits, inertia
-    failures = failures_with_inertia(craft, inertia)
-    solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(lambda time, flown, _: rate_with_inertia(*given, time, flown)),
-        diffrax.Tsit5() if inertia is None else diffrax.Kvaerno5(),
-        t0=elapsed[0],
-        t1=elapsed[-1],
-        dt0=_FIRST_STEP,
-        y0=state,
-        saveat=save_at(elapsed),
-        stepsize_controller=controller(accuracy, _SHORTEST_STEP),
-        event=events(
-            limits, failures, lambda time, flown: 1.0 - loads_with_inertia(*given, time, flown)
-        ),
-        max_steps=accuracy.steps,
-        throw=False,
+    east, north, up = xp.moveaxis(
+        (_axes(place) @ state[..., MOVING, None])[..., 0] * SPEED_SCALE, -1, 0
     )
-    results: Any = solution
-    states, last = results.ys
-    return Thrown(track_of(solution, failures), states, last[0])
+    return Wind(east, north, up)
 
 
-def failures_with_inertia(craft: Craft, inertia: Inertia | None) -> tuple[TerminationReason, ...]:
-    """What :func:`loads_with_inertia` has, in its order."""
+scale = entry_point(scale_state)
+
+
+@dataclass(frozen=True)
+class Balanced:
+    """Flyers in balance at each moment, as a :class:`~.integration.Law`."""
+
+    craft: Craft  # Numbers have the shape (members, 1, ...), or none where they are all members'
+    released: np.ndarray  # Times of the releases, shape (members, 1)
+    limits: Limits
+
+    coupled: ClassVar[slice] = slice(3, 4)
+    first_step: ClassVar[float] = 600.0
+    shortest: ClassVar[float] = 1e-3
+
+    @property
+    def failures(self) -> tuple[TerminationReason, ...]:
+        return failures_of(self.craft.setup.flyer)
+
+    @property
+    def ahead(self) -> float:
+        """So that two parts of winds in files are wanted at once, which are kept."""
+        found, across = [math.inf], float(self.craft.planet.radius) / _FASTEST
+        for store in (wind.store for wind in winds_in_files(self.craft)):
+            assert store is not None
+            step = float(np.diff(store.axes[0]).min(initial=math.inf))
+            found.append(min(_ENTRIES * step, 0.25 * store.height * across))
+        return min(found)
+
+    def take(self, rows: np.ndarray) -> Any:
+        members = len(self.released), 1
+        if members == (1, 1):
+            return self
+        craft = tree.take_rows(self.craft, members, rows)
+        return replace(self, craft=craft, released=self.released[rows])
+
+    def around(self, elapsed: Any, states: Array) -> tuple[Array, Place, Surroundings]:
+        """Altitude [m], place and surroundings of scaled states."""
+        return self._around(elapsed, states, states[..., 3] * ALTITUDE_SCALE)
+
+    def _around(
+        self, elapsed: Any, states: Array, altitude: Array
+    ) -> tuple[Array, Place, Surroundings]:
+        place = Place(*latitude_and_longitude(states[..., :3]), self.released + elapsed)
+        around = self.craft.surroundings(self.limits.inside(altitude), place, elapsed)
+        return altitude, place, around
+
+    def rate(self, elapsed: Any, states: Array) -> Array:
+        """Rates [1/s], shape (members, n, 4)."""
+        craft, altitude = self.craft, states[..., 3] * ALTITUDE_SCALE
+        floats = craft.setup.flyer.floats
+        # a balloon's force a little higher tells how firmly it is held
+        higher = _DIFFERENCE * altitude
+        heights = np.stack([altitude, altitude + higher]) if floats else altitude
+        _, place, around = self._around(elapsed, states, heights)
+        unknowns = craft.heat(around).unknowns
+        forces = craft.forces(around, unknowns)
+        axial, slope = steady_speeds(around, forces, unknowns)
+        if floats:
+            force = np.broadcast_to(forces.axial, heights.shape)
+            axial = np.broadcast_to(axial, heights.shape)[0]
+            axial = settle(axial, force[0], (force[0] - force[1]) / higher)
+        moving = velocity(around, axial, slope)
+        if floats:
+            moving = Wind(*(np.broadcast_to(part, heights.shape)[0] for part in moving))
+        return rate_of(moving, place, altitude, craft.planet)
+
+    def loads(self, elapsed: Any, states: Array) -> Array:
+        """Loads as :func:`~.failure.loads` has them, shape (members, n, failures)."""
+        _, _, around = self.around(elapsed, states)
+        found = loads(self.craft, around, self.craft.heat(around))
+        return np.stack([np.broadcast_to(load, states.shape[:-1]) for load in found], axis=-1)
+
+
+@dataclass(frozen=True)
+class Moving(Balanced):
+    """Flyers with inertia; without ``inertia`` heat is in balance."""
+
     # The mass of gas that moves with the flyer is left out, and so are the turning of the flyer
     # and what its speed does to heat.
-    if craft.setup.flyer.flows:
-        raise ParameterError(
-            f"{type(craft.setup.flyer).__name__} has flows of gas, whose inertia is not known"
+    inertia: Inertia | None = None
+
+    coupled: ClassVar[slice] = slice(3, None)
+    first_step: ClassVar[float] = 0.05
+    shortest: ClassVar[float] = 1e-8
+
+    def __post_init__(self) -> None:
+        flyer = self.craft.setup.flyer
+        if flyer.flows:
+            raise ParameterError(
+                f"{type(flyer).__name__} has flows of gas, whose inertia is not known"
+            )
+
+    @property
+    def failures(self) -> tuple[TerminationReason, ...]:
+        found = failures_of(self.craft.setup.flyer)
+        if self.inertia is None:
+            return found
+        # tension depends on the flyer's balance, which is not followed
+        return tuple(end for end in found if end is TerminationReason.TOO_HOT)
+
+    def at_release(self, start: Start) -> Array:
+        """Scaled states of flyers that are released as warm as the gas; numbers (members, 1)."""
+        around = self.craft.surroundings(start.altitude, start.place, xp.zeros(()))
+        given = xp.stack(xp.broadcast_arrays(*around.wind, self.released)[:3], axis=-1)
+        if start.velocity is not None:
+            given = xp.asarray(start.velocity)
+        moving = (given[..., None, :] @ _axes(start.place))[..., 0, :] / SPEED_SCALE
+        nodes = 0 if self.inertia is None else len(self.craft.setup.flyer.nodes)
+        warmth = xp.broadcast_to(around.state.temperature, self.released.shape)
+        heat = xp.repeat(warmth[..., None], nodes, axis=-1) / _TEMPERATURE_SCALE
+        return xp.concatenate([scale_state(start), moving, heat], axis=-1)
+
+    def rate(self, elapsed: Any, states: Array) -> Array:
+        """Rates [1/s], shape (members, n, components)."""
+        altitude, place, around = self.around(elapsed, states)
+        craft, heating = self.craft, []
+        if self.inertia is None:
+            unknowns = craft.heat(around).unknowns
+        else:
+            temperatures = xp.moveaxis(states[..., _HEAT], -1, 0) * _TEMPERATURE_SCALE
+            unknowns = tuple(temperatures / around.state.temperature - 1.0)
+            heating = self._heating(around, unknowns)
+        ground = velocity_over_ground(states, place)
+        speeding = self._acceleration(around, unknowns, ground)
+        speeding = (speeding[..., None, :] @ _axes(place))[..., 0, :]
+        turning = xp.asarray([0.0, 0.0, 2.0 * craft.planet.rotation_rate])
+        speeding = speeding - xp.cross(turning, states[..., MOVING] * SPEED_SCALE)  # Coriolis
+        moving = rate_of(ground, place, altitude, craft.planet)
+        warming = [xp.broadcast_to(one, altitude.shape)[..., None] for one in heating]
+        return xp.concatenate(
+            [moving, speeding / SPEED_SCALE, *(one / _TEMPERATURE_SCALE for one in warming)],
+            axis=-1,
         )
-    failures = failures_of(craft.setup.flyer)
-    if inertia is None:
-        return failures
-    # tension depends on the flyer's balance, which is not followed
-    return tuple(end for end in failures if end is TerminationReason.TOO_HOT)
+
+    def loads(self, elapsed: Any, states: Array) -> Array:
+        """Loads over what is borne [1], shape (members, n, failures)."""
+        if self.inertia is None:
+            return super().loads(elapsed, states)
+        hottest = xp.max(states[..., _HEAT], axis=-1) * _TEMPERATURE_SCALE
+        return (hottest / self.craft.setup.flyer.highest_temperature)[..., None]
+
+    def is_balanced(self, elapsed: Any, states: Array) -> Array:
+        """Whether flyers move as they do in balance, and go on doing so."""
+        _, place, around = self.around(elapsed, states)
+        axial, slope, inertia = in_balance(self.craft, around)
+        balance, ground = velocity(around, axial, slope), velocity_over_ground(states, place)
+        missed = _length(*(one - other for one, other in zip(ground, balance, strict=True)))
+        share, beside = _CLOSE
+        lasts = inertia < xp.minimum(INERTIA, _SLOW * (1.0 + elapsed / _PATIENCE))
+        return lasts & (missed < share * xp.hypot(axial, slope) + beside)
+
+    def feel(self, elapsed: Any, states: Array) -> tuple[Array, ...]:
+        """What flyers feel, as :class:`~lightflyer.mission.first_seconds.Felt` has it."""
+        _, place, around = self.around(elapsed, states)
+        ground, state = velocity_over_ground(states, place), around.state
+        speed = _length(*(one - other for one, other in zip(ground, around.wind, strict=True)))
+        speeding = SPEED_SCALE * _length(
+            *xp.moveaxis(self.rate(elapsed, states)[..., MOVING], -1, 0)
+        )
+        found = (
+            speed, state.gas.density(state.pressure, state.temperature),
+            state.gas.heat_capacity(state.temperature), speeding,
+        )  # fmt: skip
+        return xp.stack(ground, axis=-1), *(xp.broadcast_to(one, speed.shape) for one in found)
+
+    def _acceleration(
+        self, around: Surroundings, unknowns: tuple[Array, ...], ground: Wind
+    ) -> Array:
+        """Rates of the velocity by all forces, to the east, north and up, shape (..., 3) [m/s²]."""
+        # drag along the normal and across it are taken to be independent of each other
+        flyer, state, attitude = around.flyer, around.state, around.flyer.attitude
+        normal, down = (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
+        if attitude is not None:
+            sine, cosine = xp.sin(attitude.tilt), xp.cos(attitude.tilt)
+            east, north = xp.sin(attitude.azimuth), xp.cos(attitude.azimuth)
+            normal = sine * east, sine * north, cosine
+            down = cosine * east, cosine * north, -sine
+        forces = self.craft.forces(around, unknowns)
+        through = [one - other for one, other in zip(ground, around.wind, strict=True)]
+        axial = sum(one * other for one, other in zip(through, normal, strict=True))
+        across = [one - axial * other for one, other in zip(through, normal, strict=True)]
+        square = sum(one**2 for one in across)
+        speed = xp.sqrt(xp.where(square > _SLOWEST**2, square, _SLOWEST**2))
+        edgewise = flyer.drag(state, unknowns, speed, "edgewise") / speed
+        broadside = flyer.drag(state, unknowns, axial, "broadside")
+        share = 1.0 if around.drag is None else around.drag
+        found = [
+            (forces.axial * n + forces.slope * d - share * (broadside * n + edgewise * a))
+            / flyer.mass
+            for n, d, a in zip(normal, down, across, strict=True)
+        ]
+        return xp.stack(xp.broadcast_arrays(*found), axis=-1)
+
+    def _heating(self, around: Surroundings, unknowns: tuple[Array, ...]) -> list[Array]:
+        """Rates of the temperatures [K/s]."""
+        flyer, state = around.flyer, around.lit
+        equations = FlightEquations(flyer, state, self.craft.setup.model)
+        powers, losses = equations.powers(state.radiation.irradiance), equations.losses(unknowns)
+        assert self.inertia is not None
+        capacity = self.inertia.specific_heat * flyer.own_mass / len(flyer.nodes)
+        return [(power - loss) / capacity for power, loss in zip(powers, losses, strict=True)]
 
 
-def loads_with_inertia(
-    craft: Craft, start: Start, limits: Limits, inertia: Inertia | None, elapsed: Any, flown: Array
-) -> Array:
-    """Loads over what is borne in a scaled state [1], shape (failures,)."""
-    if inertia is None:
-        return loads_of_state(craft, start, limits, elapsed, flown[PLACE])
-    hottest = jnp.max(flown[_HEAT]) * _TEMPERATURE_SCALE
-    return jnp.stack([hottest / jnp.asarray(craft.setup.flyer.highest_temperature)])
+def follow(
+    craft: Craft, start: Start, limits: Limits, elapsed: Any, accuracy: Accuracy
+) -> tuple[Track, Way]:
+    """Flight of one flyer in balance; ``elapsed``: times to keep, shape (times,)."""
+    law = Balanced(craft, np.reshape(np.asarray(start.place.time, float), (1, 1)), limits)
+    found = integrate(law, np.reshape(scale(start), (1, -1)), elapsed, accuracy, reports=True)
+    return tree.map_leaves(lambda leaf: leaf[0], found.track), found.way
 
 
-def rate_with_inertia(
-    craft: Craft, start: Start, limits: Limits, inertia: Inertia | None, elapsed: Any, flown: Array
-) -> Array:
-    """Rate of a scaled state [1/s], shape (n,)."""
-    altitude, place, around = _around(craft, start, limits, elapsed, flown)
-    if inertia is None:
-        unknowns, heating = craft.heat(around).unknowns, jnp.zeros(0)
-    else:
-        temperatures = flown[_HEAT] * _TEMPERATURE_SCALE
-        unknowns = tuple(temperatures / around.state.temperature - 1.0)
-        heating = _heating(craft, around, unknowns, inertia)
-    ground = velocity_over_ground(flown, place)
-    speeding = _acceleration(craft, around, unknowns, ground) @ _axes(place)
-    turning = jnp.array([0.0, 0.0, 2.0]) * craft.planet.rotation_rate
-    speeding -= jnp.cross(turning, flown[MOVING] * SPEED_SCALE)  # Coriolis
-    moving = rate_of(ground, place, altitude, craft.planet)
-    return jnp.concatenate([moving, speeding / SPEED_SCALE, heating / _TEMPERATURE_SCALE])
-
-
-def is_balanced(craft: Craft, start: Start, limits: Limits, elapsed: Array, flown: Array) -> Array:
-    """Whether a flyer moves as it does in balance, and goes on doing so."""
-    _, place, around = _around(craft, start, limits, elapsed, flown)
-    axial, slope, inertia = in_balance(craft, around)
-    balance = jnp.stack(velocity(around, axial, slope))
-    missed = jnp.linalg.norm(jnp.stack(velocity_over_ground(flown, place)) - balance)
-    share, beside = _CLOSE
-    lasts = inertia < jnp.minimum(INERTIA, _SLOW * (1.0 + elapsed / _PATIENCE))
-    return lasts & (missed < share * jnp.hypot(axial, slope) + beside)
-
-
-def feel(
-    craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array, inertia: Inertia | None
-) -> tuple[Array, ...]:
-    """What a flyer feels, as :class:`~lightflyer.mission.first_seconds.Felt` has it."""
-    _, place, around = _around(craft, start, limits, elapsed, flown)
-    ground, state = jnp.stack(velocity_over_ground(flown, place)), around.state
-    speed = jnp.linalg.norm(ground - jnp.stack(around.wind))
-    density = state.gas.density(state.pressure, state.temperature)
-    rate = rate_with_inertia(craft, start, limits, inertia, elapsed, flown)
-    speeding = SPEED_SCALE * jnp.linalg.norm(rate[MOVING])
-    return ground, speed, density, state.gas.heat_capacity(state.temperature), speeding
+def _length(*components: Array) -> Array:
+    return xp.sqrt(sum(one**2 for one in components))
 
 
 def _axes(place: Place) -> Array:
-    """East, north and up in the planet's frame, shape (3, 3)."""
+    """East, north and up in the planet's frame, shape (..., 3, 3)."""
     to_east, to_north = directions(place.latitude, place.longitude)
-    return jnp.stack([to_east, to_north, unit_vector(place.latitude, place.longitude)])
-
-
-def _around(
-    craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array
-) -> tuple[Array, Place, Surroundings]:
-    altitude, place = altitude_and_place(start, flown[PLACE], elapsed)
-    return altitude, place, craft.surroundings(limits.inside(altitude), place, elapsed)
-
-
-def _acceleration(
-    craft: Craft, around: Surroundings, unknowns: tuple[Array, ...], ground: Wind
-) -> Array:
-    """Rate of the velocity by all forces, towards east, north and up [m/s²]."""
-    # drag along the normal and across it are taken to be independent of each other
-    flyer, state, attitude = around.flyer, around.state, around.flyer.attitude
-    normal, down = jnp.array([0.0, 0.0, 1.0]), jnp.zeros(3)
-    if attitude is not None:
-        sine, cosine = jnp.sin(attitude.tilt), jnp.cos(attitude.tilt)
-        east, north = jnp.sin(attitude.azimuth), jnp.cos(attitude.azimuth)
-        normal = jnp.stack([sine * east, sine * north, cosine])
-        down = jnp.stack([cosine * east, cosine * north, -sine])
-    forces = craft.forces(around, unknowns)
-    through = jnp.stack(ground) - jnp.stack(around.wind)
-    axial = through @ normal
-    across = through - axial * normal
-    moves = across @ across > _SLOWEST**2
-    speed = jnp.sqrt(jnp.where(moves, across @ across, _SLOWEST**2))
-    edgewise = flyer.drag(state, unknowns, speed, "edgewise") * across / speed
-    drag = flyer.drag(state, unknowns, axial, "broadside") * normal + edgewise
-    share = 1.0 if around.drag is None else around.drag
-    return (forces.axial * normal + forces.slope * down - share * drag) / flyer.mass
-
-
-def _heating(
-    craft: Craft, around: Surroundings, unknowns: tuple[Array, ...], inertia: Inertia
-) -> Array:
-    """Rates of the temperatures [K/s]."""
-    flyer, state = around.flyer, around.lit
-    equations = FlightEquations(flyer, state, craft.setup.model)
-    powers, losses = equations.powers(state.radiation.irradiance), equations.losses(unknowns)
-    capacity = inertia.specific_heat * flyer.own_mass / len(flyer.nodes)
-    balance = [power - loss for power, loss in zip(powers, losses, strict=True)]
-    return jnp.stack(balance) / capacity
+    up = unit_vector(place.latitude, place.longitude)
+    return xp.stack([to_east, to_north, up], axis=-2)

@@ -2,10 +2,10 @@
 
 from typing import Any
 
+from lightflyer.array.namespace import Array, xp
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.mission.path.motion import Craft, Surroundings
 from lightflyer.mission.path.termination import TerminationReason
-from lightflyer.pytree.lazy_jax import Array, jnp
 from lightflyer.statics.balance import Equilibrium
 
 _STRESS = "stress_over_strength"
@@ -34,5 +34,5 @@ def loads(craft: Craft, around: Surroundings, heat: Equilibrium) -> Array:
         pressure = results.get(flyer.held_pressure or "", 0.0)
         lift = craft.forces(around, heat.unknowns).lift
         shape = flyer.shape(around.state, heat.temperatures, lift, pressure)
-        found.append(jnp.nan_to_num(jnp.asarray(shape.stress_over_strength)))
-    return jnp.stack([jnp.asarray(load, float) for load in found])
+        found.append(xp.nan_to_num(xp.asarray(shape.stress_over_strength)))
+    return xp.stack([xp.asarray(load, float) for load in found])

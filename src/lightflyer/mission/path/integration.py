@@ -1,54 +1,83 @@
-"""The way of a flyer through the air, integrated over time.
+r"""The way of flyers through the air, integrated over time: one or many, by collocation.
 
-Position and altitude are scaled so that one absolute tolerance holds for both: no direction on the
-planet is special, and a case that is rotated as a whole gives the rotated trajectory.
+Time is cut into intervals. In each the rates of change are a polynomial through their values at
+some moments (Gauss and Radau's, the end of the interval among them), and the states are its
+integral [HairerWanner1996]_. Newton's method finds the states of all moments of several intervals
+at once, so that a model is called a few dozen times with long arrays, in place of thousands of
+times with a number. The method is implicit: what comes to a balance within seconds needs no short
+steps once it is there.
+
+An interval is divided where its polynomial does not follow the rates closely enough, such as at
+the edges of the penumbra. Members have intervals of their own; those whose flight has ended leave
+the arrays.
+
+States are scaled so that one absolute tolerance holds for all their components: no direction on
+the planet is special, and a case that is rotated as a whole gives the rotated trajectory.
 """
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from functools import cache
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
-from lightflyer.environment.base import Place, Wind
-from lightflyer.environment.planet import Planet
-from lightflyer.mission.path.failure import failures_of, loads
-from lightflyer.mission.path.motion import Craft, settle, steady_speeds, velocity
-from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
+from lightflyer.array.namespace import Array, Numeric, by_numpy, xp
+from lightflyer.array.records import Module, field
+from lightflyer.core.progress import asked_to_end, report
+from lightflyer.environment.base import Place
 from lightflyer.mission.path.termination import TerminationReason
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import Module, field
-
-if TYPE_CHECKING:
-    import diffrax  # a third of a second, and the flight of one flyer does without
+from lightflyer.statics.grid_refinement import crossing
 
 ALTITUDE_SCALE = 100e3  # Altitude that counts as much as one radian along the ground [m]
 
 TOLERANCE = 1e-8
-"""Error of a step, of the position in radians and of the altitude in :data:`ALTITUDE_SCALE`."""
+"""Error of an interval, of the position in radians and of the altitude in
+:data:`ALTITUDE_SCALE`."""
 
-LONGEST_STEP = 1800.0  # Longest step [s]: a short day must not lie between two looks
+LONGEST_STEP = 3600.0
+"""Longest interval [s]: a short day must not lie between two of its moments, which are ten minutes
+apart."""
 
-_FIRST_STEP = 10.0  # seconds
-_SHORTEST_STEP = 1e-3  # seconds: below, there is something that cannot be integrated
-_STEPS_AN_HOUR = 200  # at most, on average; a day takes about a hundred, that of a balloon 1300
+NODES = 10  # Moments of an interval
+_SLOPES = [1, 5, 9]  # Nodes at which slopes are taken, for a parabola through them
+_STEPS_AN_HOUR = 200  # at most, on average
 _FEWEST_STEPS = 2000
 _SECONDS_AN_HOUR = 3600.0
-_EVENT_TOLERANCE = 1e-10  # of the conditions below, which are altitudes in ALTITUDE_SCALE
+_EVENT_TOLERANCE = 1e-10  # of altitudes in ALTITUDE_SCALE, and of loads over what is borne
+
+_SETTLED = 0.5  # of the tolerance: what further steps of Newton's method would change
+_BEFORE = 0.1  # of the last coefficient but one, that the last is where it happens to be small
+_MEANS = 0.3  # of the error of an interval: a change that leaves it what it is
+_SLOW = 0.3  # of a change over the one before, from which on slopes are computed anew
+_FAR = 0.03  # Change of altitude that a step of Newton's method does not exceed, 3 km
+_PATIENCE = 12  # steps of Newton's method after which the first interval of a window is divided
+_QUICK = 4  # steps up to which a window may grow
+_WORSE = 0.7  # of a change over the one before, from which on a third of these are enough
+_STEP = 1e-7  # of the differences that slopes are taken by
+_GOES_ON = 1800.0  # seconds for which the first guess goes on with the last rate
+_CAREFUL = 0.8  # of the longest interval that an error lets expect
+_STILL = 0.7  # Share of members still flying below which the others leave the arrays
+_TINY, _MOST_TINY = 10.0, 100
+"""Length over the shortest up to which an interval is tiny, and steps through tiny ones after which
+there is no way on."""
+
+_PARTS = 3  # into which an interval is divided
+_MOMENTS = 500  # intervals of all windows together, for arrays that stay in the processor's cache
+_FEWEST, _MOST = 2, 48  # intervals of a window
 
 
 class Start(Module):
-    """Where and when a flyer is released."""
+    """Where and when a flyer is released; of many flyers numbers have an axis."""
 
     altitude: Numeric  # [m]
     place: Place
-    # Over ground, to the east, north and up [m/s], shape (3,); None for at rest in the air
+    # Over ground, to the east, north and up [m/s], shape (..., 3); None for at rest in the air
     velocity: Numeric | None = None
 
 
 class Track(Module):
-    """A trajectory."""
+    """A trajectory; of many flyers fields have an axis in front."""
 
     altitude: Array  #: shape (times,); [m]; infinite after the end
     position: Array  #: shape (times, 3); unit vector in the planet's frame; infinite after the end
@@ -56,7 +85,7 @@ class Track(Module):
     end_altitude: Array  #: Time since the release [s] and altitude [m] at the end
     end_position: Array  #: shape (3,)
     termination: Array  #: A :class:`~lightflyer.mission.path.termination.TerminationReason`
-    steps: Array  #: Steps taken, the rejected ones included
+    steps: Array  #: Intervals of the integration, those that were divided included
 
 
 class Limits(Module):
@@ -67,16 +96,16 @@ class Limits(Module):
 
     def inside(self, altitude: Array) -> Array:
         """The nearest altitude that the environment knows [m]."""
-        return jnp.clip(altitude, self.lowest, self.highest)
+        return xp.clip(altitude, self.lowest, self.highest)
 
 
 class Accuracy(Module):
     """How a trajectory is integrated."""
 
     steps: int = field(static=True)  # Limit of their number
-    # Error of a step; see :data:`TOLERANCE`
+    # Error of an interval; see :data:`TOLERANCE`
     tolerance: float = field(static=True, default=TOLERANCE)
-    # Step that is not exceeded; see :data:`LONGEST_STEP`
+    # Interval that is not exceeded; see :data:`LONGEST_STEP`
     longest: float = field(static=True, default=LONGEST_STEP)
 
     @classmethod
@@ -88,171 +117,488 @@ class Accuracy(Module):
         return cls(max(_FEWEST_STEPS, math.ceil(steps)), tolerance, longest)
 
 
-def track(craft: Craft, start: Start, limits: Limits, elapsed: Array, accuracy: Accuracy) -> Track:
-    """Trajectory of one flyer in balance at each moment; ``elapsed`` (times,)."""
-    # Differentiable in every number of craft and start, backwards; see
-    # :func:`lightflyer.mission.trajectory`.
-    import diffrax
+class Law(Protocol):
+    """What flights follow. Times have the shape (members, n), states (members, n, components)."""
 
-    def rate(time: Any, flown: Array, _: Any) -> Array:
-        return steady_rate(craft, start, limits, time, flown)
+    @property
+    def limits(self) -> Limits: ...
 
-    failures = failures_of(craft.setup.flyer)
+    @property
+    def failures(self) -> tuple[TerminationReason, ...]: ...
 
-    def spare(time: Any, flown: Array) -> Array:
-        return 1.0 - loads_of_state(craft, start, limits, time, flown)
+    @property
+    def first_step(self) -> float:
+        """Length of the first interval [s]."""
 
-    solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(rate),
-        diffrax.Tsit5(),
-        t0=elapsed[0],
-        t1=elapsed[-1],
-        dt0=min(_FIRST_STEP, accuracy.longest),
-        y0=scale_state(start),
-        saveat=save_at(elapsed),
-        stepsize_controller=controller(accuracy),
-        event=events(limits, failures, spare),
-        max_steps=accuracy.steps,
-        throw=False,
+    @property
+    def shortest(self) -> float:
+        """Below, there is something that cannot be integrated [s]."""
+
+    @property
+    def ahead(self) -> float:
+        """Longest time that is looked at together [s]."""
+
+    @property
+    def coupled(self) -> slice:
+        """Components of which Newton's method needs the slopes of rates.
+
+        What others change is followed from step to step.
+        """
+
+    def rate(self, elapsed: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Rates of scaled states [1/s]; NaN where something is not known."""
+
+    def loads(self, elapsed: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Loads over what is borne [1], shape (members, n, failures)."""
+
+    def take(self, rows: np.ndarray) -> "Law":
+        """The law of some members."""
+
+
+class Way(NamedTuple):
+    """Where a flyer is at any moment of a flight."""
+
+    times: np.ndarray  # Between which it is smooth, from the release to the end, shape (n,) [s]
+    states: Callable[[np.ndarray], np.ndarray]  # Scaled states at times (times,): (times, n)
+
+    def __call__(self, elapsed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Altitudes [m], shape (times,), and unit vectors, shape (times, 3)."""
+        states = self.states(elapsed)
+        return states[:, 3] * ALTITUDE_SCALE, _directions(states)
+
+    def followed_by(self, later: "Way") -> "Way":
+        """One way after another; states are the components that both have."""
+
+        def states(elapsed: np.ndarray) -> np.ndarray:
+            before, after = self.states(elapsed), later.states(elapsed)
+            shared = min(before.shape[1], after.shape[1])
+            first = (elapsed <= self.times[-1])[:, None]
+            return np.where(first, before[:, :shared], after[:, :shared])
+
+        return Way(np.append(self.times, later.times[1:]), states)
+
+
+class Flown(NamedTuple):
+    """What was flown."""
+
+    track: Track  # Fields have an axis of members in front
+    ends: np.ndarray  # Scaled states at the end, shape (members, components)
+    way: Way  # Of the first member
+
+
+class _Collocation(NamedTuple):
+    """Matrices of an interval, with ``n`` nodes."""
+
+    nodes: np.ndarray  # As shares of the interval, shape (n,)
+    integrals: np.ndarray  # From rates to their integrals up to each node, shape (n, n)
+    series: np.ndarray  # From rates to Legendre coefficients of their integral, shape (n + 1, n)
+    slopes: np.ndarray  # From values at the nodes of _SLOPES to all by a parabola, shape (n, 3)
+    states: np.ndarray  # From coefficients to the begin and nodes of each part, (parts, 1 + n, ...)
+    rates: np.ndarray  # From values at the nodes to those at the nodes of each part, (parts, n, n)
+
+
+@cache
+def _collocation() -> _Collocation:
+    """Radau's right nodes, zeros of :math:`P_n - P_{n-1}`, of which 1 is one."""
+    legendre, n = np.polynomial.legendre, NODES
+    places = np.sort(legendre.legroots([*[0.0] * (n - 1), -1.0, 1.0]).real)
+    places[-1] = 1.0
+    to_series = np.linalg.inv(legendre.legvander(places, n - 1))
+    integrate = np.stack([legendre.legint(row, lbnd=-1) for row in np.eye(n)], axis=1)
+    series, powers = 0.5 * integrate @ to_series, places[:, None] ** np.arange(len(_SLOPES))
+    shares = np.append(0.0, 0.5 * (places + 1.0))
+    at = -1.0 + 2.0 * (np.arange(_PARTS)[:, None] + shares) / _PARTS
+    return _Collocation(
+        shares[1:],
+        legendre.legvander(places, n) @ series,
+        series,
+        powers @ np.linalg.inv(powers[_SLOPES]),
+        legendre.legvander(at, n),
+        legendre.legvander(at[:, 1:], n - 1) @ to_series,
     )
-    return track_of(solution, failures)
 
 
-def loads_of_state(craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array) -> Array:
-    """Loads over what is borne in a scaled state, as :func:`~.failure.loads` has them."""
-    altitude, place = altitude_and_place(start, flown, elapsed)
-    around = craft.surroundings(limits.inside(altitude), place, elapsed)
-    return loads(craft, around, craft.heat(around))
+def _at(series: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Values (..., k) of polynomials (..., n + 1, k) at shares of their intervals (...)."""
+    powers = np.polynomial.legendre.legvander(2.0 * share - 1.0, series.shape[-2] - 1)
+    return (powers[..., None, :] @ series)[..., 0, :]
 
 
-def steady_rate(craft: Craft, start: Start, limits: Limits, elapsed: Any, flown: Array) -> Array:
-    """Rate of a scaled state at which heat and forces are in balance [1/s], shape (4,)."""
-    altitude, place = altitude_and_place(start, flown, elapsed)
-
-    def force(altitude: Array) -> tuple[Array, Any]:
-        around = craft.surroundings(limits.inside(altitude), place, elapsed)
-        unknowns = craft.heat(around).unknowns
-        forces = craft.forces(around, unknowns)
-        return forces.axial, (around, forces, unknowns)
-
-    if not craft.setup.flyer.floats:
-        _, (around, forces, unknowns) = force(altitude)
-        axial, slope = steady_speeds(around, forces, unknowns)
-    else:
-        axial_force, change, (around, forces, unknowns) = jax.jvp(
-            force, (altitude,), (jnp.ones_like(altitude),), has_aux=True
-        )
-        axial, slope = steady_speeds(around, forces, unknowns)
-        axial = settle(axial, axial_force, -change)
-    return rate_of(velocity(around, axial, slope), place, altitude, craft.planet)
+def _numbered(counts: np.ndarray) -> np.ndarray:
+    """0, 1, ... up to each of some counts, one after the other."""
+    return np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
-def controller(accuracy: Accuracy, shortest: float = _SHORTEST_STEP) -> "diffrax.PIDController":
-    """Controller of the steps' length."""
-    import diffrax
+class _Flights:
+    """Flights on their way; rows of arrays are the members that still fly, and few others.
 
-    return diffrax.PIDController(
-        rtol=0.0,
-        atol=accuracy.tolerance,
-        pcoeff=0.2,
-        icoeff=0.4,
-        dtmin=shortest,
-        dtmax=accuracy.longest,
-        force_dtmin=False,
-    )
-
-
-def scale_state(start: Start) -> Array:
-    """State of a release: a unit vector, and the altitude in :data:`ALTITUDE_SCALE`."""
-    position = unit_vector(start.place.latitude, start.place.longitude)
-    return jnp.append(position, jnp.asarray(start.altitude) / ALTITUDE_SCALE)
-
-
-def altitude_and_place(start: Start, flown: Array, elapsed: Array) -> tuple[Array, Place]:
-    """Altitude and place of a scaled state; returns ``altitude`` [m], ``place``."""
-    latitude, longitude = latitude_and_longitude(flown[:3])
-    return flown[3] * ALTITUDE_SCALE, Place(latitude, longitude, start.place.time + elapsed)
-
-
-def rate_of(moving: Wind, place: Place, altitude: Array, planet: Planet) -> Array:
-    """Rate of a scaled state [1/s], shape (4,); ``moving``: velocity over ground."""
-    to_east, to_north = directions(place.latitude, place.longitude)
-    along = moving.north / (planet.curvature_radius(place.latitude, 0.0) + altitude)
-    across = moving.east / (planet.curvature_radius(place.latitude, 0.5 * np.pi) + altitude)
-    return jnp.append(across * to_east + along * to_north, moving.up / ALTITUDE_SCALE)
-
-
-def save_at(elapsed: Array) -> "diffrax.SaveAt":
-    """What to keep: the state at some times and at the end."""
-    import diffrax
-
-    return diffrax.SaveAt(subs=(diffrax.SubSaveAt(ts=elapsed), diffrax.SubSaveAt(t1=True)))
-
-
-def events(
-    limits: Limits,
-    failures: tuple[TerminationReason, ...] = (),
-    spare: Callable[[Any, Array], Array] | None = None,
-) -> "diffrax.Event":
-    """The ends of a mission: the lowest and the highest altitude, and failures.
-
-    ``spare``: what is left before each failure at a time and a state, shape (failures,) [1].
+    ``window`` has the intervals that are solved together, shape (members, intervals). Those of a
+    member come one after the other from the first column on, ``count`` of them. What stands in the
+    columns behind has no meaning.
     """
-    import diffrax
-    import optimistix
 
-    def low(t: Array, y: Array, args: Any, **_: Any) -> Array:
-        del t, args
-        return y[3] - limits.lowest / ALTITUDE_SCALE
+    def __init__(self, law: Law, states: np.ndarray, elapsed: np.ndarray, accuracy: Accuracy):
+        members, components = states.shape
+        inner = NODES, components
+        interval = np.dtype([
+            ("begin", float), ("end", float), ("state", float, components),  # at the begin
+            ("inner", float, inner), ("rate", float, inner),  # states and rates at the nodes
+            # of rates in each coupled component, and whether they are known
+            ("slope", float, (*inner, len(range(components)[law.coupled]))), ("known", bool),
+            ("moved", float), ("steps", int),  # last change by Newton's method, and its steps
+            ("error", float),  # of the polynomial; NaN before it is known
+        ])  # fmt: skip
+        self.law, self.accuracy, self.elapsed = law, accuracy, elapsed
+        first, self.last = float(elapsed[0]), float(elapsed[-1])
+        self.rows, self.flying = np.arange(members), np.ones(members, bool)
+        self.before = np.zeros(members, interval)  # what was flown last
+        self.before["begin"], self.before["end"] = first - law.first_step, first
+        self.before["inner"], self.before["error"] = states[:, None], np.nan
+        width = int(np.clip(_MOMENTS // members, 1, _MOST))
+        self.window, self.count = np.zeros((members, width), interval), np.zeros(members, int)
+        self.most = np.full(members, _FEWEST)  # intervals of a member's window, at present
+        self.until = np.full(members, np.inf)  # a time at which something was not known
+        self.creeping = np.zeros(members, int)  # steps since when its intervals are tiny
+        # of all members
+        self.kept = np.full((members, elapsed.size, components), np.inf)
+        self.kept[:, 0] = states
+        self.ends, self.end_elapsed = states.copy(), np.full(members, first)
+        self.termination = np.full(members, int(TerminationReason.STILL_FLYING))
+        self.steps = np.zeros(members, int)
+        self.pieces: list[tuple[Any, ...]] = []  # of the first: begin, end, coefficients
 
-    def high(t: Array, y: Array, args: Any, **_: Any) -> Array:
-        del t, args
-        return limits.highest / ALTITUDE_SCALE - y[3]
+    def fly(self, reports: bool) -> None:
+        """Fly to the end."""
+        while self.flying.any():
+            if reports:
+                flown, whole = self.before["end"].min(), self.last
+                report("flying", int(flown / _SECONDS_AN_HOUR), int(whole / _SECONDS_AN_HOUR), "h")
+            if asked_to_end():
+                self._end(np.flatnonzero(self.flying), TerminationReason.INTERRUPTED)
+                return
+            self._extend()
+            times, rate = self._rates()
+            self._leave_unknown(times, rate)
+            if self.count.any():
+                self._settle(*self._improve(rate))
+            # at a pole, say, where a wind comes from all sides at once
+            creeps = self.before["end"] - self.before["begin"] < _TINY * self.law.shortest
+            self.creeping = np.where(creeps, self.creeping + 1, 0)
+            stopped = self.flying & (self.creeping > _MOST_TINY)
+            self._end(np.flatnonzero(stopped), TerminationReason.NO_DATA)
+            if np.mean(self.flying) < _STILL and self.flying.any():
+                rows = np.flatnonzero(self.flying)
+                self.law = self.law.take(rows)
+                for name in (
+                    "rows", "flying", "before", "window", "count", "most", "until", "creeping"
+                ):  # fmt: skip
+                    setattr(self, name, getattr(self, name)[rows])
 
-    conditions: list[Any] = [low, high]
-    for number in range(len(failures)):
-        assert spare is not None
+    def _extend(self) -> None:
+        """Append intervals to the windows."""
+        width = self.window.shape[1]
+        bound = np.minimum(np.minimum(self.last, self.until), self.before["end"] + self.law.ahead)
+        while True:
+            last = self.window[np.arange(len(self.rows)), np.maximum(self.count - 1, 0)]
+            before = np.where(self.count > 0, last, self.before)
+            room = self.flying & (self.count < np.minimum(self.most, width))
+            chosen = np.flatnonzero(room & (before["end"] < bound))
+            if not chosen.size:
+                return
+            before, new = before[chosen], np.zeros(chosen.size, self.window.dtype)
+            share = np.maximum(before["error"] / self.accuracy.tolerance, 1e-30)
+            growth = np.clip(_CAREFUL * share ** (-1.0 / NODES), 0.5, 2.0)
+            long = np.where(np.isnan(share), 1.0, growth) * (before["end"] - before["begin"])
+            end = before["end"] + np.minimum(long, self.accuracy.longest)
+            # nothing tiny is left over
+            ends = end + 0.01 * long >= bound[chosen]
+            new["begin"], new["end"] = before["end"], np.where(ends, bound[chosen], end)
+            new["state"], rate = before["inner"][:, -1], before["rate"][:, -1:]
+            after = (new["end"] - new["begin"])[:, None] * _collocation().nodes
+            after = np.minimum(after, _GOES_ON)[..., None]
+            new["rate"], new["inner"] = rate, new["state"][:, None] + after * rate
+            new["moved"], new["error"] = np.inf, np.nan
+            self.window[chosen, self.count[chosen]] = new
+            self.count[chosen] += 1
 
-        def left(t: Array, y: Array, args: Any, number: int = number, **_: Any) -> Array:
-            del args
-            return spare(t, y)[number]
+    @property
+    def _active(self) -> np.ndarray:
+        """Which columns stand for something, up to the last that does."""
+        return np.arange(max(int(self.count.max()), 1)) < self.count[:, None]
 
-        def failed(t: Array, y: Array, args: Any, number: int = number, **_: Any) -> Array:
-            del args  # a flyer that is released as it fails passes no limit
-            return spare(t, y)[number] < 0.0
+    def _rates(self) -> tuple[np.ndarray, np.ndarray]:
+        """Moments, shape (members, columns, nodes), and rates there; slopes where they are new."""
+        active, members = self._active, len(self.rows)
+        window = np.where(active, self.window[:, : active.shape[1]], self.before[:, None])
+        width = np.where(active, window["end"] - window["begin"], 0.0)
+        begin = np.where(active, window["begin"], window["end"])
+        times, states = begin[..., None] + width[..., None] * _collocation().nodes, window["inner"]
+        components = states.shape[-1]
+        flat = times.reshape(members, -1), states.reshape(members, -1, components)
+        new = active & ~window["known"]
+        rows = np.flatnonzero(new.any(axis=1))
+        if not rows.size:
+            return times, self.law.rate(*flat).reshape(states.shape)
+        if rows.size > _STILL * members:
+            rows = np.arange(members)
+        # neighbours of the moments that need slopes, one for each coupled component
+        columns = np.argsort(~new[rows], axis=1, kind="stable")[:, : new.sum(axis=1).max()]
+        at, coupled = (rows[:, None], columns), range(components)[self.law.coupled]
+        beside = np.repeat(states[at][:, None, :, _SLOPES], len(coupled), axis=1)
+        for number, component in enumerate(coupled):
+            beside[:, number, ..., component] += _STEP
+        shape = beside.shape
+        later = np.broadcast_to(times[at][:, None, :, _SLOPES], shape[:-1]).reshape(rows.size, -1)
+        beside = beside.reshape(rows.size, -1, components)
+        if rows.size == members:
+            both = zip(flat, (later, beside), strict=True)
+            found = self.law.rate(*(np.concatenate(pair, axis=1) for pair in both))
+            rate, moved = np.split(found, [flat[0].shape[1]], axis=1)
+        else:
+            rate, moved = self.law.rate(*flat), self.law.take(rows).rate(later, beside)
+        rate = rate.reshape(states.shape)
+        slope = (moved.reshape(shape) - rate[at][:, None, :, _SLOPES]) / _STEP
+        slope = np.einsum("ns,mcisk->minkc", _collocation().slopes, np.nan_to_num(slope))
+        here = new[at]
+        at = np.broadcast_to(rows[:, None], here.shape)[here], columns[here]
+        self.window["slope"][at], self.window["known"][at] = slope[here], True
+        return times, rate
 
-        conditions += [left, failed]
-    finder: Any = optimistix.Newton(_EVENT_TOLERANCE, _EVENT_TOLERANCE)
-    falling = (False, False, *(False, None) * len(failures))
-    return diffrax.Event(tuple(conditions), finder, direction=falling)
+    def _leave_unknown(self, times: np.ndarray, rate: np.ndarray) -> None:
+        """Leave out intervals in which something is not known."""
+        unknown = self._active[..., None] & ~np.isfinite(rate).all(axis=-1)
+        met = np.flatnonzero(unknown.any(axis=(1, 2)))
+        first = unknown[met].any(axis=2).argmax(axis=1)
+        node = unknown[met, first].argmax(axis=1)
+        self.until[met], self.count[met] = times[met, first, node], first
+        for member, at in zip(met[first == 0], node[first == 0], strict=True):
+            # the next one is as long as all is known
+            begin = self.before["end"][member]
+            long = times[member, 0, at - 1] - begin if at else 0.25 * (times[member, 0, 0] - begin)
+            if long < self.law.shortest:
+                self._end(np.array([member]), TerminationReason.NO_DATA)
+            self.most[member], self.before["begin"][member] = _FEWEST, begin - long
+            self.before["error"][member] = np.nan
+
+    def _improve(self, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """A step of Newton's method; coefficients of states, and changes over those before."""
+        active, radau, coupled = self._active, _collocation(), self.law.coupled
+        window = self.window[:, : active.shape[1]]
+        width = np.where(active, window["end"] - window["begin"], 0.0)[..., None, None]
+        rate = np.where(active[..., None, None], rate[:, : active.shape[1]], 0.0)
+        slope = np.ascontiguousarray(window["slope"])
+        shape, number = active.shape, slope.shape[-1]
+        size = NODES * number
+        # changes of the coupled components, by what they miss and by a change of the begin
+        missed = window["state"][:, :, None] + width * (radau.integrals @ rate) - window["inner"]
+        through = np.einsum("ij,mujab->muiajb", radau.integrals, slope[..., coupled, :])
+        matrix = np.eye(size) - width * through.reshape(*shape, size, size)
+        begins = np.broadcast_to(np.tile(np.eye(number), (NODES, 1)), (*shape, size, number))
+        right = missed[..., coupled].reshape(*shape, size, 1)
+        found = np.linalg.solve(matrix, np.concatenate([right, begins], axis=-1))
+        answers = slope @ found.reshape(*shape, NODES, number, 1 + number)  # of the rates
+        answers = width * (radau.integrals @ np.moveaxis(answers, -1, 0))
+        alone, by_begin = missed + answers[0], np.moveaxis(answers[1:], 0, -1)
+        # intervals begin where those before end
+        change = np.zeros((*shape, rate.shape[-1]))
+        for column in range(1, shape[1]):
+            before, last = change[:, column - 1], (slice(None), column - 1, -1)
+            follows = (by_begin[last] @ before[:, coupled, None])[..., 0]
+            end = window["inner"][last] + alone[last] + before + follows
+            change[:, column] = end - window["state"][:, column]
+        by_change = (by_begin @ change[:, :, None, coupled, None])[..., 0]
+        step = alone + by_change + change[:, :, None]
+        step[..., 3] = np.clip(step[..., 3], -_FAR, _FAR)
+        rate = rate + (slope @ step[..., coupled, None])[..., 0]
+        moved = np.abs(step).max(axis=(2, 3))
+        ratio = np.where(window["steps"] > 0, moved / window["moved"], 1.0)
+        window["state"] += change
+        window["inner"] += step
+        window["rate"], window["moved"] = rate, moved
+        window["steps"] += 1
+        series = width * (radau.series @ rate)
+        before_last, last = np.moveaxis(np.abs(series[:, :, -2:]).max(axis=3), -1, 0)
+        window["error"] = np.maximum(last, _BEFORE * before_last)
+        series[:, :, 0] += window["state"]
+        return series, ratio
+
+    def _settle(self, series: np.ndarray, ratio: np.ndarray) -> None:
+        """Take what is known well enough, and divide what its polynomials do not follow."""
+        active, tolerance = self._active, self.accuracy.tolerance
+        columns, window = np.arange(active.shape[1]), self.window[:, : active.shape[1]]
+        moved, error = window["moved"], window["error"]
+        rest = np.where(ratio < 0.5, moved * ratio, moved)  # what the next step would change
+        settled, follows = rest <= _SETTLED * tolerance, error <= tolerance
+        taken = np.cumprod(active & settled & follows, axis=1).sum(axis=1)
+        taken = np.minimum(taken, self.accuracy.steps - self.steps[self.rows])
+        front = window["steps"][:, 0] * np.where(ratio[:, 0] > _WORSE, 3, 1)
+        stuck = active[:, 0] & ~settled[:, 0] & (front > _PATIENCE)
+        active[stuck, 1:] = False  # what comes after is computed anew
+        divided = active & ~follows & (moved <= _MEANS * error)
+        divided[:, 0] |= stuck
+        divided &= columns >= taken[:, None]
+        window["known"] &= (ratio < _SLOW) | (window["steps"] < 2)
+        if taken.any():
+            self._take(taken, series[:, : taken.max()])
+        tiny = divided[:, 0] & ((window["end"] - window["begin"])[:, 0] < self.law.shortest)
+        self._end(np.flatnonzero(tiny & self.flying), TerminationReason.NO_DATA)
+        self.steps[self.rows] += divided.sum(axis=1)
+        # as many at once as few steps settle
+        quick = window["steps"][:, 0] <= _QUICK
+        most = np.where(quick, np.minimum(2 * self.most, _MOST), np.maximum(self.most // 2, 1))
+        self.most = np.where(stuck, _FEWEST, np.where(taken > 0, most, self.most))
+        stays = active & (columns >= taken[:, None]) & self.flying[:, None]
+        self._rearrange(np.where(stays, np.where(divided, _PARTS, 1), 0), series)
+
+    def _rearrange(self, number: np.ndarray, series: np.ndarray) -> None:
+        """Put intervals to the front, so many of each: itself, or its parts."""
+        source, part = np.repeat(np.arange(number.size), number.ravel()), _numbered(number.ravel())
+        place, counts = _numbered(number.sum(axis=1)), number.sum(axis=1)
+        fits = place < self.window.shape[1]
+        source, part, place = source[fits], part[fits], place[fits]
+        member, column = np.divmod(source, number.shape[1])
+        found = self.window[member, column]
+        some = np.flatnonzero(number[member, column] > 1)
+        whole, which, radau = found[some], part[some], _collocation()
+        edges = np.linspace(whole["begin"], whole["end"], _PARTS + 1)
+        parts, order = whole.copy(), np.arange(some.size)
+        parts["begin"], parts["end"] = edges[which, order], edges[which + 1, order]
+        values = radau.states[which] @ series[member[some], column[some]]
+        parts["state"], parts["inner"] = values[:, 0], values[:, 1:]
+        parts["rate"] = radau.rates[which] @ whole["rate"]
+        parts["slope"] = np.einsum("pij,pj...->pi...", radau.rates[which], whole["slope"])
+        parts["moved"], parts["steps"], parts["error"] = np.inf, 0, np.nan
+        found[some] = parts
+        self.window[member, place] = found
+        self.count = np.minimum(counts, self.window.shape[1])
+
+    def _take(self, taken: np.ndarray, series: np.ndarray) -> None:
+        """Note where members have flown in the first intervals of their windows."""
+        window = self.window[:, : series.shape[1]]
+        begin, end, columns = window["begin"], window["end"], np.arange(series.shape[1])
+        done, members = columns < taken[:, None], np.flatnonzero(taken)
+        when, why = self._meets(window, series, done)
+        over = np.isfinite(when)
+        stop = np.minimum(end, when[:, None])
+        last = np.where(over, np.argmax(done & (end >= when[:, None]), axis=1), taken - 1)
+        # states to keep
+        row, column = np.nonzero(done & (columns <= last[:, None]))
+        low, high = (
+            np.searchsorted(self.elapsed, edge[row, column], "right") for edge in (begin, stop)
+        )
+        count = np.maximum(high - low, 0)
+        place = _numbered(count) + np.repeat(low, count)
+        at = np.repeat(row, count), np.repeat(column, count)
+        share = (self.elapsed[place] - begin[at]) / (end - begin)[at]
+        self.kept[self.rows[at[0]], place] = _at(series[at], share)
+        if self.rows[0] == 0:
+            self.pieces += [
+                (begin[0, i], stop[0, i], end[0, i], series[0, i]) for i in column[row == 0]
+            ]
+        # where they are now
+        at = members, last[members]
+        self.before[members] = window[at]
+        self.steps[self.rows[members]] += last[members] + 1
+        passed = members[end[at] >= self.until[members]]
+        self.until[passed] = np.inf
+        ended = np.flatnonzero(over)
+        at = ended, last[ended]
+        state = _at(series[at], (when[ended] - begin[at]) / (end - begin)[at])
+        self._end(ended, why[ended], when[ended], state)
+        self._end(
+            np.flatnonzero(self.flying & (self.before["end"] >= self.last)),
+            TerminationReason.STILL_FLYING,
+        )
+        ran_out = self.flying & (self.steps[self.rows] >= self.accuracy.steps)
+        self._end(np.flatnonzero(ran_out), TerminationReason.STEP_LIMIT)
+
+    def _meets(
+        self, window: np.ndarray, series: np.ndarray, done: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """When flights meet a limit or fail in what is done, infinite where not, and by what."""
+        law, members, marks = self.law, len(done), 1 + NODES
+        limits = law.limits.lowest / ALTITUDE_SCALE, law.limits.highest / ALTITUDE_SCALE
+        reasons = [TerminationReason.LOWEST_ALTITUDE, TerminationReason.HIGHEST_ALTITUDE]
+        reasons += law.failures
+
+        def beyond(law: Law, elapsed: np.ndarray, states: np.ndarray) -> list[np.ndarray]:
+            found = [limits[0] - states[..., 3], states[..., 3] - limits[1]]
+            if law.failures:
+                found += [*np.moveaxis(law.loads(elapsed, states) - 1.0, -1, 0)]
+            return found
+
+        begin, long = window["begin"], window["end"] - window["begin"]
+        times = begin[..., None] + long[..., None] * np.append(0.0, _collocation().nodes)
+        states = np.concatenate([window["state"][:, :, None], window["inner"]], axis=2)
+        times, states = times.reshape(members, -1), states.reshape(members, times[0].size, -1)
+        when, why = np.full(members, np.inf), np.zeros(members, int)
+        for number, value in enumerate(beyond(law, times, states)):
+            over = (value > 0.0) & np.repeat(done, marks, axis=1)
+            met = np.flatnonzero(over.any(axis=1))
+            if not met.size:
+                continue
+            mark = over[met].argmax(axis=1)
+            own, at = law.take(met), (met, mark // marks)
+
+            def left(
+                elapsed: np.ndarray, number: int = number, own: Law = own, at: Any = at
+            ) -> Any:
+                share = ((elapsed - begin[at]) / long[at]).T
+                return beyond(own, elapsed.T, _at(series[at][:, None], share))[number].T
+
+            until, since = times[met, mark], times[met, np.maximum(mark - 1, 0)]
+            at_begin = mark % marks == 0
+            found = crossing(left, since, until, ~at_begin, _EVENT_TOLERANCE)
+            sooner = found < when[met]
+            when[met[sooner]], why[met[sooner]] = found[sooner], int(reasons[number])
+        return when, why
+
+    def _end(self, members: np.ndarray, reason: Any, when: Any = None, states: Any = None) -> None:
+        """End some flights, where they are unless that is told."""
+        rows, before = self.rows[members], self.before[members]
+        self.ends[rows] = before["inner"][:, -1] if states is None else states
+        self.end_elapsed[rows] = before["end"] if when is None else when
+        self.termination[rows] = reason
+        self.flying[members], self.count[members] = False, 0
 
 
-def track_of(solution: "diffrax.Solution", failures: tuple[TerminationReason, ...] = ()) -> Track:
-    """Trajectory of a solution that was kept as :func:`save_at` has it."""
-    import diffrax
+def integrate(
+    law: Law, states: np.ndarray, elapsed: np.ndarray, accuracy: Accuracy, *, reports: bool = False
+) -> Flown:
+    """Flights from scaled states (members, components) on; ``elapsed``: times to keep, (times,)."""
+    states, elapsed = np.array(states, float), np.asarray(elapsed, float)
+    with by_numpy():
+        flights = _Flights(law, states, elapsed, accuracy)
+        flights.fly(reports and elapsed[-1] > _SECONDS_AN_HOUR)  # seconds are not worth a line
+    ends, kept = flights.ends, flights.kept
+    track: dict[str, Any] = {
+        "altitude": kept[..., 3] * ALTITUDE_SCALE,
+        "position": _directions(kept),
+        "end_elapsed": flights.end_elapsed,
+        "end_altitude": ends[:, 3] * ALTITUDE_SCALE,
+        "end_position": _directions(ends),
+        "termination": flights.termination,
+        "steps": flights.steps,
+    }
+    pieces = flights.pieces
+    times = np.append(elapsed[0], [stop for _, stop, _, _ in pieces])
 
-    results: Any = solution
-    (kept, last), (fell, rose, *failed) = results.ys, results.event_mask
-    over = solution.result == diffrax.RESULTS.successful
-    limited = solution.result == diffrax.RESULTS.max_steps_reached
-    termination = jnp.asarray(int(TerminationReason.NO_DATA))
-    broken = [at_once | later for at_once, later in zip(failed[::2], failed[1::2], strict=True)]
-    for holds, reason in (
-        (limited, TerminationReason.STEP_LIMIT),
-        (over, TerminationReason.STILL_FLYING),
-        *zip(broken, failures, strict=True),
-        (rose, TerminationReason.HIGHEST_ALTITUDE),
-        (fell, TerminationReason.LOWEST_ALTITUDE),
-    ):
-        termination = jnp.where(holds, int(reason), termination)
-    length = jnp.linalg.norm(kept[:, :3], axis=1, keepdims=True)
-    end = last[0]
-    return Track(
-        altitude=kept[:, 3] * ALTITUDE_SCALE,
-        position=kept[:, :3] / length,
-        end_elapsed=results.ts[1][0],
-        end_altitude=end[3] * ALTITUDE_SCALE,
-        end_position=end[:3] / jnp.linalg.norm(end[:3]),
-        termination=termination,
-        steps=solution.stats["num_steps"],
-    )
+    def at_times(at: np.ndarray) -> np.ndarray:
+        which = np.searchsorted(times, at) - 1
+        known = (which >= 0) & (len(pieces) > 0)
+        found = np.tile(states[0], (len(at), 1))
+        for piece in np.unique(which[known]):
+            begin, _, end, series = pieces[min(piece, len(pieces) - 1)]
+            here = known & (which == piece)
+            found[here] = _at(series, (at[here] - begin) / (end - begin))
+        return found
+
+    return Flown(Track(**track), ends, Way(times, at_times))
+
+
+def _directions(states: np.ndarray) -> np.ndarray:
+    """Unit vectors of scaled states."""
+    place = states[..., :3]
+    with np.errstate(invalid="ignore"):
+        found = place / np.linalg.norm(place, axis=-1, keepdims=True)
+    return np.where(np.isfinite(place), found, np.inf)

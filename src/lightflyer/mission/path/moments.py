@@ -5,15 +5,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import Module
+from lightflyer.core.entry_point import entry_point
 from lightflyer.environment.base import Place
 from lightflyer.environment.wind.gridded import winds_in_files
 from lightflyer.environment.wind.met import with_met_winds
 from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import latitude_and_longitude
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import Module
 
 
 class Variable(NamedTuple):
@@ -101,17 +100,9 @@ def in_met_winds(craft: Craft, course: Course) -> Craft:
 
 @entry_point
 def _moments(craft: Craft, course: Course) -> dict[str, Any]:
-    def at(elapsed: Array, altitude: Array, position: Array) -> dict[str, Any]:
-        return _moment(craft, course.released, elapsed, altitude, position)
-
-    return jax.vmap(at)(course.elapsed, course.altitude, course.position)
-
-
-def _moment(
-    craft: Craft, released: Array, elapsed: Array, altitude: Array, position: Array
-) -> dict[str, Any]:
-    place = Place(*latitude_and_longitude(position), released + elapsed)
-    around = craft.surroundings(altitude, place, elapsed)
+    elapsed = course.elapsed
+    place = Place(*latitude_and_longitude(course.position), course.released + elapsed)
+    around = craft.surroundings(course.altitude, place, elapsed)
     heat = craft.heat(around)
     forces = craft.forces(around, heat.unknowns)
     axial, slope = steady_speeds(around, forces, heat.unknowns)
@@ -141,11 +132,14 @@ def _moment(
         "wind_east": around.wind.east,
         "wind_north": around.wind.north,
         "wind_up": around.wind.up,
-        "residual": jnp.abs(heat.residual),
+        "residual": xp.abs(heat.residual),
     }
     if around.share is not None:
         found["light_share"] = around.share
     if len(heat.nodes) > 1:
         for node, temperature in zip(heat.nodes, heat.temperatures, strict=True):
             found[NODE.format(node)] = temperature
-    return {name: jnp.asarray(value, float) for name, value in found.items()}
+    return {
+        name: xp.broadcast_to(xp.asarray(value, float), xp.shape(elapsed))
+        for name, value in found.items()
+    }

@@ -17,8 +17,10 @@ those of a flyer at rest.
 from collections.abc import Callable
 from dataclasses import replace
 
+from lightflyer.array import tree
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.types import Numeric
 from lightflyer.design.setup import Setup
 from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
@@ -28,10 +30,7 @@ from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Moment
 from lightflyer.mission.path.waves import Waves
 from lightflyer.mission.path.wind_error import WindError
-from lightflyer.numerics.rootfind import RootOutcome, bracketed_power_newton, implicit_root
-from lightflyer.pytree import tree
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module
+from lightflyer.numerics.rootfind import RootOutcome, find_power_root, implicit_root
 from lightflyer.statics.balance import Equilibrium, equilibrium
 from lightflyer.statics.equations import weight
 
@@ -125,8 +124,8 @@ class Craft(Module):
         heaviness = weight(flyer, state)
         sunk = heaviness - buoyancy
         if flyer.attitude is None:
-            return Forces(force - sunk, jnp.zeros_like(force), force + buoyancy, heaviness)
-        cosine, sine = jnp.cos(flyer.attitude.tilt), jnp.sin(flyer.attitude.tilt)
+            return Forces(force - sunk, xp.zeros_like(force), force + buoyancy, heaviness)
+        cosine, sine = xp.cos(flyer.attitude.tilt), xp.sin(flyer.attitude.tilt)
         return Forces(force - sunk * cosine, sunk * sine, force * cosine + buoyancy, heaviness)
 
 
@@ -147,7 +146,7 @@ def steady_speeds(
 
     axial = speed_of(forces.axial, "broadside")
     if flyer.attitude is None:
-        return axial, jnp.zeros_like(axial)
+        return axial, xp.zeros_like(axial)
     return axial, speed_of(forces.slope, "edgewise")
 
 
@@ -164,10 +163,10 @@ def settle(speed: Array, force: Array, stiffness: Array) -> Array:
     # Its force is zero there and falls off on the way up by the stiffness [N/m]. Drag grows with
     # the square of the speed of a large body, so that a steady speed would change infinitely fast.
     stable = (stiffness > 0.0) & (force != 0.0)
-    steady = jnp.where(stable, jnp.abs(speed), 1.0)
-    towards = jnp.where(stable, jnp.abs(force) / (SETTLING * stiffness), 1.0)
+    steady = xp.where(stable, xp.abs(speed), 1.0)
+    towards = xp.where(stable, xp.abs(force) / (SETTLING * stiffness), 1.0)
     slower = steady * towards / (steady**_BLEND + towards**_BLEND) ** (1.0 / _BLEND)
-    return jnp.where(stable, jnp.sign(speed) * slower, speed)
+    return xp.where(stable, xp.sign(speed) * slower, speed)
 
 
 def velocity(around: Surroundings, axial: Array, slope: Array) -> Wind:
@@ -175,34 +174,34 @@ def velocity(around: Surroundings, axial: Array, slope: Array) -> Wind:
     wind, attitude = around.wind, around.flyer.attitude
     if attitude is None:
         return Wind(wind.east, wind.north, wind.up + axial)
-    cosine, sine = jnp.cos(attitude.tilt), jnp.sin(attitude.tilt)
+    cosine, sine = xp.cos(attitude.tilt), xp.sin(attitude.tilt)
     outwards = axial * sine + slope * cosine
     return Wind(
-        wind.east + outwards * jnp.sin(attitude.azimuth),
-        wind.north + outwards * jnp.cos(attitude.azimuth),
+        wind.east + outwards * xp.sin(attitude.azimuth),
+        wind.north + outwards * xp.cos(attitude.azimuth),
         wind.up + axial * cosine - slope * sine,
     )
 
 
 def _speed(drag: Callable[[Array], Array], force: Array) -> Array:
     """Signed speed at which an odd, increasing drag balances a force."""
-    sign, size = jnp.sign(force), jnp.abs(force)
+    sign, size = xp.sign(force), xp.abs(force)
     at_rest = size == 0.0
-    slope = drag(jnp.full_like(force, _SLOW)) / _SLOW
-    target = jnp.where(at_rest, slope * _SLOW, size)
+    slope = drag(xp.full_like(force, _SLOW)) / _SLOW
+    target = xp.where(at_rest, slope * _SLOW, size)
     proportional = target / slope
 
     def search() -> tuple[Array, RootOutcome]:
-        found, outcome = bracketed_power_newton(
+        found, outcome = find_power_root(
             drag,
             target=target,
             lower=_SLOWEST * proportional,
             upper=_FASTEST * proportional,
             guess=proportional,
         )
-        return jnp.where(at_rest, 0.0, sign * found), outcome
+        return xp.where(at_rest, 0.0, sign * found), outcome
 
-    speed, _ = implicit_root(lambda speed: drag(speed) - force, search, force.shape)
+    speed, _ = implicit_root(lambda speed: drag(speed) - force, search)
     return speed
 
 

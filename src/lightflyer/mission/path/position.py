@@ -7,8 +7,7 @@ pole.
 import sys
 from typing import Any, NamedTuple
 
-from lightflyer.core.types import Numeric
-from lightflyer.pytree.lazy_jax import Array, jnp
+from lightflyer.array.namespace import Array, Numeric, xp
 
 _SMALLEST = sys.float_info.min
 
@@ -22,10 +21,10 @@ class Directions(NamedTuple):
 
 def unit_vector(latitude: Numeric, longitude: Numeric) -> Array:
     """Unit vector of a place, shape (..., 3)."""
-    across = jnp.cos(latitude)
-    return jnp.stack(
-        jnp.broadcast_arrays(
-            across * jnp.cos(longitude), across * jnp.sin(longitude), jnp.sin(latitude)
+    across = xp.cos(latitude)
+    return xp.stack(
+        xp.broadcast_arrays(
+            across * xp.cos(longitude), across * xp.sin(longitude), xp.sin(latitude)
         ),
         axis=-1,
     )
@@ -37,18 +36,18 @@ def latitude_and_longitude(position: Any) -> tuple[Array, Array]:
     square = x**2 + y**2
     at_pole = square <= _SMALLEST
     # stand-ins, so that a derivative at the pole is a number
-    across = jnp.where(at_pole, 0.0, jnp.sqrt(jnp.where(at_pole, 1.0, square)))
-    east, front = jnp.where(at_pole, 0.0, y), jnp.where(at_pole, 1.0, x)
-    return jnp.arctan2(z, across), jnp.arctan2(east, front)
+    across = xp.where(at_pole, 0.0, xp.sqrt(xp.where(at_pole, 1.0, square)))
+    east, front = xp.where(at_pole, 0.0, y), xp.where(at_pole, 1.0, x)
+    return xp.arctan2(z, across), xp.arctan2(east, front)
 
 
 def directions(latitude: Numeric, longitude: Numeric) -> Directions:
     """East and north at a place."""
-    sine, cosine = jnp.sin(longitude), jnp.cos(longitude)
-    up, across = jnp.sin(latitude), jnp.cos(latitude)
-    east = jnp.broadcast_arrays(-sine, cosine, 0.0 * sine)
-    north = jnp.broadcast_arrays(-up * cosine, -up * sine, across)
-    return Directions(jnp.stack(east, axis=-1), jnp.stack(north, axis=-1))
+    sine, cosine = xp.sin(longitude), xp.cos(longitude)
+    up, across = xp.sin(latitude), xp.cos(latitude)
+    east = xp.broadcast_arrays(-sine, cosine, 0.0 * sine)
+    north = xp.broadcast_arrays(-up * cosine, -up * sine, across)
+    return Directions(xp.stack(east, axis=-1), xp.stack(north, axis=-1))
 
 
 def angles_towards(
@@ -57,11 +56,11 @@ def angles_towards(
     """Angle of the great circle to another place, as components to the east and north [rad]."""
     there = unit_vector(of_latitude, of_longitude)
     to_east, to_north = directions(latitude, longitude)
-    east, north = (jnp.sum(there * part, axis=-1) for part in (to_east, to_north))
-    ahead = jnp.sum(there * unit_vector(latitude, longitude), axis=-1)
+    east, north = (xp.sum(there * part, axis=-1) for part in (to_east, to_north))
+    ahead = xp.sum(there * unit_vector(latitude, longitude), axis=-1)
     square = east**2 + north**2
     known = square > 0.0
     # a stand-in, so that a derivative at the place itself is a number
-    sine = jnp.sqrt(jnp.where(known, square, 1.0))
-    stretch = jnp.where(known, jnp.arctan2(sine, ahead) / sine, 1.0)
+    sine = xp.sqrt(xp.where(known, square, 1.0))
+    stretch = xp.where(known, xp.arctan2(sine, ahead) / sine, 1.0)
     return stretch * east, stretch * north

@@ -1,13 +1,15 @@
 """Where and when a flyer is released."""
 
+from dataclasses import replace
 from types import NoneType
 from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import double
+from lightflyer.array.records import field
 from lightflyer.core.clock import seconds_of
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.precision import in_double
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Altitude,
@@ -17,15 +19,16 @@ from lightflyer.core.quantity import (
     Velocity,
     require_record,
 )
-from lightflyer.environment.base import AbstractEnvironment, Place
+from lightflyer.environment.base import AbstractEnvironment, Place, Wind
 from lightflyer.environment.radiation import Attitude
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Moment
 from lightflyer.mission.path.integration import Limits, Start
 from lightflyer.mission.path.motion import Craft
-from lightflyer.pytree.lazy_jax import jax
-from lightflyer.pytree.module import field
 
 _PACKAGE = __name__.partition(".")[0]
+_BY_ONE = "truth value of an array", "only length-1 arrays", "only 0-dimensional arrays"
+"""Of what Python says where an array stands in the place of a number."""
+
 _YEARS = 1950, 2050  # in which the algorithm of the sun's place is good to 0.002°
 
 
@@ -63,12 +66,12 @@ class Release(Checked):
     def start(self) -> Start:
         """The same in the units of the integration."""
         place = Place(
-            in_double(self.latitude * RADIANS_PER_DEGREE),
-            in_double(self.longitude * RADIANS_PER_DEGREE),
-            in_double(self.time),
+            double(self.latitude * RADIANS_PER_DEGREE),
+            double(self.longitude * RADIANS_PER_DEGREE),
+            double(self.time),
         )
-        moving = None if self.velocity is None else in_double(self.velocity)
-        return Start(in_double(self.altitude), place, moving)
+        moving = None if self.velocity is None else double(self.velocity)
+        return Start(double(self.altitude), place, moving)
 
 
 def limits_of(environment: AbstractEnvironment, lowest: Any, highest: Any) -> Limits:
@@ -138,22 +141,31 @@ def require_rule(craft: Craft, start: Start) -> tuple[str, ...]:
 
 
 def _require_own(rule: AbstractAttitudeRule, moment: Moment) -> None:
-    """Raise unless a rule of a user's own gives an attitude and a share of the light."""
+    """Raise unless a rule of a user's own gives attitudes and shares of the light in arrays."""
     name = type(rule).__name__
+    several = replace(
+        moment,
+        elapsed=np.array([0.0, 1.0]),
+        altitude=np.broadcast_to(moment.altitude, 2),
+        place=Place(*(np.broadcast_to(part, 2) for part in moment.place)),
+        wind=Wind(*(np.broadcast_to(part, 2) for part in moment.wind)),
+    )
     for method in ("attitude", "light"):
         try:
-            jax.eval_shape(lambda moment, method=method: getattr(rule, method)(moment), moment)
             found = getattr(rule, method)(moment)
-        except jax.errors.ConcretizationTypeError:
-            raise ParameterError(
-                f"{name}.{method} decides by a number of the moment, which flights computed "
-                "together do not have alike; write jax.numpy.where(condition, this, that)"
-            ) from None
+            getattr(rule, method)(several)
+            if method == "light":
+                found = found if found is None else np.asarray(found, float)
         except (TypeError, ValueError, AttributeError) as error:
-            raise ParameterError(f"{name}.{method}: {str(error).splitlines()[0]}") from None
+            said = str(error).splitlines()[0]
+            if any(part in said for part in _BY_ONE):
+                raise ParameterError(
+                    f"{name}.{method} decides by a number of the moment, which many moments that "
+                    "are computed together do not have alike; write numpy.where(condition, this, "
+                    "that)"
+                ) from None
+            raise ParameterError(f"{name}.{method}: {said}") from None
         if method == "attitude":
             require_record(f"attitude of {name}", (Attitude, NoneType), found)
         elif found is not None and not (np.ndim(found) == 0 and 0.0 <= float(found) <= 1.0):
-            raise ParameterError(
-                f"{name}.light gives {np.asarray(found)}; it is one number from 0 to 1"
-            )
+            raise ParameterError(f"{name}.light gives {found}; it is one number from 0 to 1")

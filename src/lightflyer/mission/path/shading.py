@@ -10,13 +10,12 @@ import abc
 
 import numpy as np
 
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import field
 from lightflyer.core.quantity import Altitude, Checked, Duration, GroundDistance
-from lightflyer.core.types import Numeric
 from lightflyer.environment.radiation import Attitude
 from lightflyer.mission.areas import Circle
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Level, Moment
-from lightflyer.pytree.lazy_jax import Array, jax, jnp
-from lightflyer.pytree.module import field
 
 _LEVELS = 21  # Altitudes of which the wind is compared
 _ALIKE = 2e3
@@ -111,16 +110,17 @@ class ChooseWind(AbstractShading):
         )
 
     def _altitudes(self) -> Array:
-        return self.lowest + (self.highest - self.lowest) * jnp.linspace(0.0, 1.0, _LEVELS)
+        return self.lowest + (self.highest - self.lowest) * xp.linspace(0.0, 1.0, _LEVELS)
 
     def wanted(self, moment: Moment) -> Array:
         """Altitude that it makes for [m]."""
         altitudes = self._altitudes()
+        altitudes = altitudes.reshape(-1, *(1,) * xp.ndim(moment.altitude))
         wind = moment.wind_at(altitudes)
         east, north = moment.way_to(self.station)
-        missed = jnp.hypot(east - wind.east * self.ahead, north - wind.north * self.ahead)
-        weights = jax.nn.softmax(-(missed - jnp.min(missed)) / _ALIKE)
-        return jnp.sum(weights * altitudes)
+        missed = xp.hypot(east - wind.east * self.ahead, north - wind.north * self.ahead)
+        weights = xp.exp(-(missed - xp.min(missed, axis=0)) / _ALIKE)
+        return xp.sum(weights * altitudes, axis=0) / xp.sum(weights, axis=0)
 
     def describe(self) -> str:
         low, high = float(self.lowest) / 1e3, float(self.highest) / 1e3
@@ -168,5 +168,5 @@ class Shaded(AbstractAttitudeRule):
 
 def _let_in(moment: Moment, wanted: Numeric, width: Numeric) -> Array:
     """Share of the light about an altitude: smooth, so that steps of an integration may be long."""
-    below = jnp.clip(0.5 + (wanted - moment.altitude) / width, 0.0, 1.0)
+    below = xp.clip(0.5 + (wanted - moment.altitude) / width, 0.0, 1.0)
     return below**2 * (3.0 - 2.0 * below)

@@ -21,9 +21,10 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric
+from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Checked, Distance, Length
-from lightflyer.core.types import Numeric
 from lightflyer.drag.turning import TURNING_DIAGNOSTIC, turning_disk_torque
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.files.display_units import amount
@@ -33,7 +34,6 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.flyer.plate import Plate
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.program.arguments import reads_units
 from lightflyer.statics.balance import equilibrium
 
 _SLOW = 1e-6  # metres a second; drag is proportional to the speed there

@@ -29,13 +29,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.environment.base import EnvironmentState, Place, Wind
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.mission.path.position import directions, unit_vector
 from lightflyer.numerics.spline import Spline
-from lightflyer.pytree.lazy_jax import Array, jnp
-from lightflyer.pytree.module import Module
 
 _LOWEST, _HIGHEST = (20e3, 0.5), (100e3, 8.0)  # Altitude [m] and temperature by gravity waves [K]
 _WAVELENGTHS = 10e3, 20e3  # Vertical, of gravity waves [m]
@@ -66,17 +65,17 @@ NO_TIDES = Tides()
 
 
 class Waves(Module):
-    """Waves along one flight; zeros are still air."""
+    """Waves along flights; zeros are still air."""
 
-    frequencies: Numeric  # shape (waves,); [rad/s]
-    wavenumbers: Numeric  # shape (waves,); [rad/m]
-    cosines: Numeric  # shape (waves,); over the climatology's temperature [1]
+    frequencies: Numeric  # shape (..., waves); [rad/s]
+    wavenumbers: Numeric  # shape (..., waves); [rad/m]
+    cosines: Numeric  # shape (..., waves); over the climatology's temperature [1]
     sines: Numeric
-    # shape (3, waves); along which air moves, in the planet's frame, two of whose parts lie along
-    # the ground [1]
+    # shape (..., 3, waves); along which air moves, in the planet's frame, two of whose parts lie
+    # along the ground [1]
     headings: Numeric
-    reaches: Numeric  # shape (waves,); pressure's share over that of temperature [1]
-    warms: Numeric = 1.0  # shape (waves,); zero where the atmosphere has the wave's warmth [1]
+    reaches: Numeric  # shape (..., waves); pressure's share over that of temperature [1]
+    warms: Numeric = 1.0  # shape (..., waves); zero where the atmosphere has the wave's warmth [1]
     # Unit vector of the middle of those who fly together, over the time since the release; None
     # where each has waves of its own
     middle: Spline | None = None
@@ -85,42 +84,48 @@ class Waves(Module):
         self, state: EnvironmentState, altitude: Numeric, place: Place, elapsed: Numeric
     ) -> EnvironmentState:
         """A state of the air with these waves; ``elapsed``: time since the release [s]."""
-        phases = self.frequencies * elapsed + self.wavenumbers * altitude
+        at, height = xp.asarray(elapsed)[..., None], xp.asarray(altitude)[..., None]
+        phases = self.frequencies * at + self.wavenumbers * height
         if self.middle is not None:
             away = unit_vector(place.latitude, place.longitude) - self.middle(elapsed)
-            phases = phases - self._lags @ away
-        cosine, sine = jnp.cos(phases), jnp.sin(phases)
+            phases = phases - (self._lags @ away[..., None])[..., 0]
+        cosine, sine = xp.cos(phases), xp.sin(phases)
         size = temperature_by_gravity_waves(altitude) / state.temperature
-        warmer = size * jnp.sum(self.warms * (self.cosines * cosine + self.sines * sine))
+        warmer = size * xp.sum(self.warms * (self.cosines * cosine + self.sines * sine), axis=-1)
         quarter = self.sines * cosine - self.cosines * sine  # a quarter of a wave ahead
         lift = -size * state.gravity / _BUOYANCY_FREQUENCY**2
-        up = lift * jnp.sum(self.frequencies * quarter)
-        along = lift * _BUOYANCY_FREQUENCY * jnp.sum(self.headings * quarter, axis=-1)
-        to_east, to_north = directions(place.latitude, place.longitude)
-        wind = Wind(0.0, 0.0, 0.0) if state.wind is None else state.wind
-        moved = Wind(
-            wind.east + jnp.dot(along, to_east), wind.north + jnp.dot(along, to_north), wind.up + up
+        up = lift * xp.sum(self.frequencies * quarter, axis=-1)
+        along = (
+            lift
+            * _BUOYANCY_FREQUENCY
+            * xp.moveaxis(xp.sum(self.headings * quarter[..., None, :], axis=-1), -1, 0)
         )
+        east, north = (
+            sum(one * other for one, other in zip(along, xp.moveaxis(to, -1, 0), strict=True))
+            for to in directions(place.latitude, place.longitude)
+        )
+        wind = Wind(0.0, 0.0, 0.0) if state.wind is None else state.wind
+        moved = Wind(wind.east + east, wind.north + north, wind.up + up)
         return replace(
             state,
             temperature=state.temperature * (1.0 + warmer),
-            pressure=state.pressure * (1.0 - size * jnp.sum(self.reaches * quarter)),
+            pressure=state.pressure * (1.0 - size * xp.sum(self.reaches * quarter, axis=-1)),
             wind=moved,
         )
 
     @property
     def _lags(self) -> Array:
-        """Phase over the distance along each axis of the planet's frame, shape (waves, 3) [1]."""
-        length = jnp.sqrt(jnp.sum(self.headings**2, axis=0))
-        along = self.headings / jnp.where(length > 0.0, length, 1.0)
+        """Phase over the distance along each axis of the planet's frame, (..., waves, 3) [1]."""
+        length = xp.sqrt(xp.sum(self.headings**2, axis=-2, keepdims=True))
+        along = self.headings / xp.where(length > 0.0, length, 1.0)
         wavenumbers = self.wavenumbers * self.frequencies / _BUOYANCY_FREQUENCY
-        return (EARTH_PLANET.radius * wavenumbers * along).T
+        return xp.swapaxes(EARTH_PLANET.radius * wavenumbers[..., None, :] * along, -1, -2)
 
 
 def temperature_by_gravity_waves(altitude: Numeric) -> Array:
     """Root of the mean square of the temperature that they add [K]; ``altitude`` [m]."""
     (low, least), (high, most) = _LOWEST, _HIGHEST
-    share = jnp.clip((altitude - low) / (high - low), -0.5, 1.25)
+    share = xp.clip((altitude - low) / (high - low), -0.5, 1.25)
     return least * (most / least) ** share
 
 

@@ -8,36 +8,33 @@ covariance :math:`\sigma^2\exp(-t^2/2\tau^2)` [RahimiRecht2007]_.
 
 import numpy as np
 
-from lightflyer.core.types import Numeric
+from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import Module
 from lightflyer.environment.base import Place, Wind
 from lightflyer.mission.path.position import directions
-from lightflyer.pytree.lazy_jax import jnp
-from lightflyer.pytree.module import Module
 
 _WAVES = 6  # Frequencies of one flight
 
 
 class WindError(Module):
-    """Difference of the wind from the environment's, along one flight."""
+    """Difference of the wind from the environment's, along flights."""
 
-    frequencies: Numeric  # shape (waves,); [rad/s]
-    # shape (4, waves); amplitudes of the components along the axes of the planet's frame, and up
-    # [m/s]
+    frequencies: Numeric  # shape (..., waves); [rad/s]
+    # shape (..., 4, waves); amplitudes of the components along the axes of the planet's frame, and
+    # up [m/s]
     cosines: Numeric
     sines: Numeric
 
     def add_to_wind(self, wind: Wind, place: Place, elapsed: Numeric) -> Wind:
         """A wind with this error; ``elapsed``: time since the release."""
-        phases = self.frequencies * elapsed
-        waves = self.cosines * jnp.cos(phases) + self.sines * jnp.sin(phases)
-        *along, up = jnp.sum(waves, axis=-1)
-        to_east, to_north = directions(place.latitude, place.longitude)
-        error = jnp.stack(along)
-        return Wind(
-            wind.east + jnp.dot(error, to_east),
-            wind.north + jnp.dot(error, to_north),
-            wind.up + up,
+        phases = self.frequencies * xp.asarray(elapsed)[..., None]
+        cosine, sine = xp.cos(phases)[..., None, :], xp.sin(phases)[..., None, :]
+        *along, up = xp.moveaxis(xp.sum(self.cosines * cosine + self.sines * sine, axis=-1), -1, 0)
+        east, north = (
+            sum(one * other for one, other in zip(along, xp.moveaxis(to, -1, 0), strict=True))
+            for to in directions(place.latitude, place.longitude)
         )
+        return Wind(wind.east + east, wind.north + north, wind.up + up)
 
 
 def draw_wind_errors(

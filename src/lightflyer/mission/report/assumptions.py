@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.records import Module
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.lu2023 import READINGS, Reading
@@ -13,7 +14,6 @@ from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.dynamics import Inertia
 from lightflyer.mission.path.motion import planet_of
 from lightflyer.mission.path.waves import describe_waves
-from lightflyer.pytree.module import Module
 
 _SECONDS_AN_HOUR = 3600.0
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.core.clock import dates_of
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import RADIANS_PER_DEGREE
 from lightflyer.mission.path.integration import Track
 from lightflyer.mission.path.moments import Variable
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.termination import TerminationReason
-from lightflyer.program.entry_point import entry_point
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.core.constants import STANDARD_GRAVITY, TOTAL_SOLAR_IRRADIANCE
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.environment.base import Place
 from lightflyer.mission.areas import distances_between
@@ -14,7 +15,6 @@ from lightflyer.mission.path.moments import Course, Variable, within
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.report.dataset import ELAPSED
-from lightflyer.program.entry_point import entry_point
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +24,8 @@ _MATTERS, _RULES = (0.1, 10.0), (1.0, 300.0)
 """Heat of the air's motion that is warned of, and that is refused: its power over that of sunlight
 [1], of which thin air transfers all, and the warmth of air that is stopped [K], as warm as dense
 air makes a flyer."""
+
+_LOOKS = 8  # in each interval of the integration
 
 _ABOUT = {
     "speed": Variable("m s-1", "speed over ground at the release"),
@@ -52,7 +54,9 @@ def add_departure(
     """Add what happens until a flyer is in balance, and its speeds there; returns warnings."""
     assert begun.way is not None
     assert begun.felt is not None
-    times = begun.way.times
+    edges = begun.way.times
+    looks = np.linspace(0.0, edges.size - 1.0, _LOOKS * (edges.size - 1) + 1)
+    times = np.interp(looks, np.arange(edges.size), edges)
     height, position = begun.way(times)
     felt = begun.felt(times)
     pressure = 0.5 * felt.density * felt.speed**2

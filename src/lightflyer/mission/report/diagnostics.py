@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.core.entry_point import entry_point
 from lightflyer.design.diagnostics import diagnose
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.mission.path.moments import Course, within
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.position import latitude_and_longitude
 from lightflyer.mission.path.termination import TerminationReason
-from lightflyer.program.entry_point import entry_point
 
 _places = entry_point(latitude_and_longitude)
 _OWN = object()  # an environment of a user's own may move its sun as it likes

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.core.entry_point import entry_point
 from lightflyer.environment.base import Place
 from lightflyer.environment.wind.beyond import WindBeyondData
+from lightflyer.mission.path.integration import Way
 from lightflyer.mission.path.moments import Course, moments
 from lightflyer.mission.path.motion import Craft
 from lightflyer.mission.path.position import latitude_and_longitude
-from lightflyer.mission.path.single import Way
-from lightflyer.program.entry_point import entry_point
 from lightflyer.statics.grid_refinement import crossing, peak
 
 if TYPE_CHECKING:

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.records import field
 from lightflyer.core import constants
 from lightflyer.core.clock import seconds_of
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked
 from lightflyer.environment.atmosphere.us1976 import US1976
@@ -25,8 +27,6 @@ from lightflyer.mission.report.dataset import ELAPSED, degrees_of
 from lightflyer.mission.report.shares import binomial_interval, interval_of
 from lightflyer.mission.report.station import time_within
 from lightflyer.numerics.batches import in_batches
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree.module import field
 
 if TYPE_CHECKING:
     import xarray as xr

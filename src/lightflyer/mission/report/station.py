@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lightflyer.mission.areas import Circle, units_of
-from lightflyer.mission.path.single import Way
+from lightflyer.mission.path.integration import Way
 from lightflyer.mission.report.dataset import ELAPSED
 from lightflyer.statics.grid_refinement import crossing
 

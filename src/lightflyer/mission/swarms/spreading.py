@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 import lightflyer
+from lightflyer.array import tree
 from lightflyer.compute.scheduler import connect_client, run_on_dask
 from lightflyer.config.designs import as_design
 from lightflyer.core.clock import dates_of
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import Counted, Step, report_to
 from lightflyer.design.design import AbstractDesign
@@ -36,8 +38,6 @@ from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of
 from lightflyer.mission.report.dataset import ELAPSED, degrees_of
 from lightflyer.mission.report.shares import binomial_interval
-from lightflyer.program.entry_point import entry_point
-from lightflyer.pytree import tree
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import Numeric
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
@@ -30,7 +31,6 @@ from lightflyer.core.quantity import (
     Mass,
     Modulus,
 )
-from lightflyer.core.types import Numeric
 from lightflyer.design.diagnostics import diagnose
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place

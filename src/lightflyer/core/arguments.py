@@ -10,11 +10,11 @@ from typing import Any, ParamSpec, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 
+from lightflyer.array import tree
 from lightflyer.core.checks import is_labelled
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import quantity_of, require_fit
 from lightflyer.core.units import is_si
-from lightflyer.pytree import tree
 
 P = ParamSpec("P")
 R = TypeVar("R")

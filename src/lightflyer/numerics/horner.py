@@ -1,0 +1,116 @@
+"""Polynomials in several variables, by Horner's rule."""
+
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lightflyer.array import tree
+from lightflyer.array.memory import kept
+from lightflyer.array.namespace import is_foreign, xp
+
+Coefficients: TypeAlias = Any
+"""Numbers in nested tuples, as deep as there are variables; each depth holds the powers of one."""
+
+_MOST = 32_768  # elements that are worked on at a time: they stay within the processor's cache
+
+
+def polynomial(coefficients: Coefficients, *variables: Any) -> Any:
+    """Polynomial in several variables; the first one's powers come last."""
+    # found by identity: to hash the numbers would take longer than to compute the polynomial
+    key = id(coefficients), len(variables)
+    if key not in _prepared:
+        _prepared[key] = coefficients, *_prepare(coefficients, len(variables))
+    _, needed, places, table = _prepared[key]
+    if len(places) < len(variables):
+        variables = tuple(variables[place] for place in places)
+    if not variables:
+        return needed
+    if xp.follows and is_foreign(*variables):
+        return _written_out(needed, *variables)
+    return _evaluate(table, *variables)
+
+
+_prepared: dict[tuple[int, int], tuple[Coefficients, Coefficients, tuple[int, ...], Any]] = {}
+
+
+def _prepare(
+    coefficients: Coefficients, count: int
+) -> tuple[Coefficients, tuple[int, ...], np.ndarray]:
+    """Coefficients for the variables that have powers, the places of these, and an array."""
+    table = _table(coefficients, count)
+    places = tuple(place for place, length in enumerate(table.shape) if length > 1)
+    if len(places) < count:
+        table = table.reshape([table.shape[place] for place in places])
+        coefficients = trim_zeros(as_tuples(table))
+    return coefficients, places, np.ascontiguousarray(table.T)
+
+
+def _written_out(coefficients: Coefficients, *variables: Any) -> Any:
+    """Horner's rule, one operation after another: XLA's compiler, or a recorder, sees them."""
+    if not variables:
+        return coefficients
+    first, *others = variables
+    total, *parts = (_written_out(part, *others) for part in reversed(coefficients))
+    for part in parts:
+        total = total * first + part
+    return total
+
+
+def as_tuples(array: Any) -> Coefficients:
+    """Coefficients in an array as nested tuples, which can be hashed."""
+    return tuple(map(as_tuples, array)) if np.ndim(array) else float(array)
+
+
+def trim_zeros(coefficients: Coefficients) -> Coefficients:
+    """Coefficients without zeros of the highest powers, which cost time."""
+    if not isinstance(coefficients, tuple):
+        return coefficients
+    kept = [trim_zeros(part) for part in coefficients]
+    while len(kept) > 1 and not any(tree.leaves(kept[-1])):
+        kept.pop()
+    return tuple(kept)
+
+
+# --- as an array ---
+
+
+def _table(coefficients: Coefficients, count: int) -> np.ndarray:
+    """Coefficients as an array, filled up by zeros."""
+    if count <= 1:
+        return np.asarray(coefficients, float)
+    parts = [_table(part, count - 1) for part in coefficients]
+    table = np.zeros((len(parts), *np.max([part.shape for part in parts], axis=0)))
+    for row, part in zip(table, parts, strict=True):
+        row[tuple(map(slice, part.shape))] = part
+    return table
+
+
+def _evaluate(table: np.ndarray, *variables: Any) -> Any:
+    """The polynomial; the first axis of the table holds the powers of the last variable."""
+    first, *others = variables
+    if others and table[0].size * max(map(np.size, variables)) > _MOST:
+        total = _evaluate(table[..., -1], *others)
+        for power in range(table.shape[-1] - 2, -1, -1):
+            total = total * first
+            total += _evaluate(table[..., power], *others)
+        return total
+    if others:  # of which a search often changes none
+        table = _powers_of_first(table, *others)
+    total = table[-1]
+    for part in table[-2::-1]:
+        total = total * first
+        total += part
+    return total
+
+
+@kept
+def _powers_of_first(table: np.ndarray, *others: Any) -> np.ndarray:
+    """Coefficients of the powers of the first variable, all at once: few calls."""
+    table = table.reshape(table.shape + (1,) * max(map(np.ndim, others)))
+    for variable in reversed(others):
+        total = table[-1]
+        for part in table[-2::-1]:
+            total = total * variable
+            total += part
+        table = total
+    return table

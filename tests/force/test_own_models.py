@@ -1,0 +1,188 @@
+"""Force models of one's own, in plain NumPy, as a theorist writes them in a notebook."""
+
+import math
+import traceback
+import types
+from typing import ClassVar
+
+import jax
+import numpy as np
+import pytest
+import scipy.special
+
+import lightflyer as lf
+from lightflyer.force.laws.faces import free_molecular_conductance
+
+STATE = lf.Earth().state(72e3)
+
+
+class Own(lf.AbstractForceModel):
+    """Free molecules take the heat; what pushes is the subclass's."""
+
+    flyers: ClassVar = (lf.Disk,)
+
+    def heat_loss(self, flyer, state, unknowns):
+        (excess,) = unknowns
+        gas = state.gas
+        each = free_molecular_conductance(
+            2.0 * flyer.area, flyer.film.tac_mean, state.pressure,
+            gas.mean_speed(state.temperature), gas.heat_capacity_ratio,
+        )  # fmt: skip
+        return (each * excess,)
+
+    def force(self, flyer, state, unknowns):
+        (excess,) = unknowns
+        share = self.share(excess, state)
+        return share * 0.25 * state.pressure * flyer.area * flyer.film.tac_difference * excess
+
+
+def lifts(disk, model, states=STATE):
+    return lf.lift(disk, states, model)
+
+
+def own(share, **content):
+    """A model with a share of its own, as a cell of a notebook makes it."""
+
+    def body(namespace):
+        namespace |= {"share": share, **content}
+
+    return types.new_class("Notebook", (Own,), {}, body)()
+
+
+def plain(disk, state=STATE):
+    return lifts(disk, own(lambda self, excess, state: 1.0), state)
+
+
+def excess(disk, state=STATE):
+    return lf.equilibrium(disk, state, own(lambda self, excess, state: 1.0)).excess
+
+
+def test_a_table_by_numpys_interpolation(disk):
+    x, y = np.array([0.0, 1.0, 3.0]), np.array([1.0, 0.5, 0.2])
+    model = own(lambda self, excess, state: np.interp(excess, x, y))
+    expected = np.interp(excess(disk), x, y) * plain(disk)
+    assert lifts(disk, model) == pytest.approx(expected, rel=1e-12)
+
+
+def test_special_functions_of_scipy(disk):
+    model = own(lambda self, excess, state: scipy.special.erf(excess))
+    expected = math.erf(excess(disk)) * plain(disk)
+    assert lifts(disk, model) == pytest.approx(expected, rel=1e-12)
+
+
+def test_conditions_and_floats(disk):
+    def share(self, excess, state):
+        return 0.5 if float(state.pressure) < 1.0 else math.sqrt(2.0)
+
+    assert lifts(disk, own(share)) == pytest.approx(math.sqrt(2.0) * plain(disk), rel=1e-12)
+    thin = lf.Earth().state(95e3)
+    assert lifts(disk, own(share), thin) == pytest.approx(0.5 * plain(disk, thin), rel=1e-12)
+
+
+def test_a_file_of_numbers(disk, tmp_path):
+    np.savetxt(tmp_path / "table.csv", [[0.0, 2.0], [5.0, 3.0]], delimiter=",")
+    rows = np.loadtxt(tmp_path / "table.csv", delimiter=",")
+
+    def share(self, excess, state):
+        place = np.searchsorted(rows[:, 0], excess) - 1
+        return rows[place, 1]
+
+    assert lifts(disk, own(share)) == pytest.approx(2.0 * plain(disk), rel=1e-12)
+
+
+def test_a_changed_constant_counts(disk):
+    module = types.ModuleType("notebook")
+    module.FACTOR = 1.0
+    model = own(lambda self, excess, state: module.FACTOR)
+    before = lifts(disk, model)
+    module.FACTOR = 3.0
+    assert lifts(disk, model) == pytest.approx(3.0 * before, rel=1e-15)
+    bands = []
+    for factor in (3.0, 30.0):
+        module.FACTOR = factor
+        bands.append(lf.levitation_band(disk, lf.Earth(), model))
+    assert bands[1].upper > bands[0].upper
+
+
+def test_a_class_attribute_and_a_replaced_method_count(disk):
+    model = own(lambda self, excess, state: self.factor, factor=1.0)
+    before = lifts(disk, model)
+    type(model).factor = 2.0
+    assert lifts(disk, model) == pytest.approx(2.0 * before, rel=1e-15)
+    type(model).share = lambda self, excess, state: 5.0
+    assert lifts(disk, model) == pytest.approx(5.0 * before, rel=1e-15)
+
+
+def test_an_exception_ends_in_the_users_line(disk):
+    def share(self, excess, state):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine") as caught:
+        lifts(disk, own(share))
+    assert traceback.extract_tb(caught.value.__traceback__)[-1].filename == __file__
+
+
+def test_print_shows_numbers(disk, capsys):
+    def share(self, excess, state):
+        print(f"excess {excess:.3f} in {state.pressure:.2f} Pa")  # noqa: T201
+        return 1.0
+
+    lifts(disk, own(share))
+    said = capsys.readouterr().out
+    assert f"excess {float(excess(disk)):.3f} in {float(STATE.pressure):.2f} Pa" in said
+    assert "Tracer" not in said
+
+
+def test_a_force_that_is_no_number_is_said(disk):
+    model = own(lambda self, excess, state: np.nan)
+    with pytest.raises(lf.ParameterError, match=r"force\(\) of Notebook gives NaN"):
+        lifts(disk, model)
+
+
+def test_a_shape_that_does_not_fit_is_said(disk):
+    model = own(lambda self, excess, state: np.ones(3))
+    with pytest.raises(lf.ParameterError, match=r"of shape \(3,\) where flyer and surroundings"):
+        lifts(disk, model)
+
+
+@pytest.mark.parametrize(
+    ("given", "named"), [(lambda each: (each, each), "not 2"), (lambda each: each, "not float64")]
+)
+def test_a_heat_loss_of_another_number_of_nodes_is_said(disk, given, named):
+    model = own(
+        lambda self, excess, state: 1.0,
+        heat_loss=lambda self, flyer, state, unknowns: given(1e-5 * np.float64(unknowns[0])),
+    )
+    with pytest.raises(lf.ParameterError, match=r"a power for each node of the flyer") as caught:
+        lifts(disk, model)
+    assert named in str(caught.value)
+
+
+def test_derivatives_say_what_to_write(disk):
+    model = own(lambda self, excess, state: np.sqrt(excess))
+
+    def lift_of(radius):
+        return lf.lift(lf.Disk(disk.film, radius), STATE, model)
+
+    assert float(lift_of(0.01)) > 0.0
+    with pytest.raises(
+        lf.ParameterError, match=r"test_own_models.py:\d+.*lightflyer\.xp"
+    ) as caught:
+        jax.grad(lift_of)(0.01)
+    assert len(str(caught.value).splitlines()) == 1
+    other = own(lambda self, excess, state: lf.xp.sqrt(excess))
+    with lf.float64():
+        slope = jax.grad(lambda radius: lf.lift(lf.Disk(disk.film, radius), STATE, other))(0.01)
+    step = 1e-5
+    ends = [lf.lift(lf.Disk(disk.film, 0.01 + way * step), STATE, other) for way in (1, -1)]
+    assert float(slope) == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-6)
+
+
+def test_many_designs_in_plain_numpy(disk, monkeypatch):
+    """Also where XLA would compute: a model that it cannot run is run by NumPy."""
+    monkeypatch.setattr("lightflyer.compute.evaluation.FEW", 0)
+    model = own(lambda self, excess, state: np.where(np.sqrt(excess) > 0.0, 1.0, 0.0))
+    over = {"flyer.radius": [0.005, 0.01], "altitude": ["70 km", "75 km"]}
+    swept = lf.sweep(disk, lf.Earth(), model, over=over, outputs=["lift"])
+    one = plain(lf.Disk(disk.film, 0.01), lf.Earth().state(75e3))
+    assert float(swept.lift[1, 1]) == pytest.approx(float(one), rel=1e-10)

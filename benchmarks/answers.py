@@ -1,9 +1,10 @@
-"""What a first and a later answer of the command line cost, for each kind of flyer.
+"""What an answer of the command line costs, for each kind of flyer.
 
-Run ``python benchmarks/answers.py [ROUNDS]`` on an idle machine. A first answer has an empty cache,
-as in a checkout; later ones, and first ones of an installed wheel, read what was traced. The last
-row is the peer: a loop of ten million additions in Python, by which machines compare. Prints the
-table, and writes it to ``answers.csv``; the least of some rounds counts, by processor time.
+Run ``python benchmarks/answers.py [ROUNDS] [OTHER]`` on an idle machine; ``OTHER``: a checkout to
+compare with, which answers in turn, from an empty cache first and then again. The last row is the
+peer: a loop of ten million additions in Python, by which machines compare. Prints the table, and
+without another checkout writes it to ``answers.csv``; the least of some rounds counts, by processor
+time.
 """
 
 import csv
@@ -24,12 +25,14 @@ KINDS = {
     "hollow body": "hollow",
     "a flight of 48 h": "mission",
 }
+HERE = Path(__file__).parents[1]
 LOOP = "n = 0\nfor i in range(10_000_000): n += i"
 
 
-def cost(folder, *arguments):
+def cost(folder, *arguments, source=HERE):
     """Processor time [s] and memory [MB] of a Python process in a folder."""
-    setting = os.environ | {"LIGHTFLYER_CACHE": str(folder / "cache")}
+    own = {"LIGHTFLYER_CACHE": str(folder / "cache"), "PYTHONPATH": str(source / "src")}
+    setting = os.environ | own
     process = subprocess.Popen(
         [sys.executable, *map(str, arguments)], cwd=folder, env=setting, stdout=subprocess.DEVNULL
     )
@@ -39,7 +42,7 @@ def cost(folder, *arguments):
     return used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0
 
 
-def rows(rounds):
+def rows(rounds, other):
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         loop = min(cost(folder, "-c", LOOP)[0] for _ in range(rounds))
@@ -47,26 +50,33 @@ def rows(rounds):
             file = f"{kind}.toml"
             cost(folder, "-m", "lightflyer", "init", file, "--kind", kind)
             asked = ("-m", "lightflyer", "fly" if kind == "mission" else "predict", file)
-            both = []
+            each = []
             for _ in range(rounds):
-                shutil.rmtree(folder / "cache", ignore_errors=True)
-                both.append((cost(folder, *asked), cost(folder, *asked)))
-            (first, most), (later, less) = map(min, zip(*both, strict=True))
-            yield [words, *(f"{time:.2g}" for time in (first, later, first / loop, later / loop)),
-                   *(f"{round(size, -1):.0f}" for size in (most, less))]  # fmt: skip
-        yield ["ten million additions", f"{loop:.2g}", f"{loop:.2g}", "1", "1", "", ""]
+                each.append([cost(folder, *asked)])
+                if other:
+                    shutil.rmtree(folder / "cache", ignore_errors=True)
+                    each[-1] += [cost(folder, *asked, source=other) for _ in range(2)]
+            (time, size), *theirs = map(min, zip(*each, strict=True))
+            row = [words, f"{time:.2g}", f"{time / loop:.2g}", f"{round(size, -1):.0f}"]
+            for other_time, other_size in theirs:
+                row += [f"{other_time:.2g}", f"{round(other_size, -1):.0f}"]
+            yield row + ([f"{time / theirs[1][0]:.2f}"] if theirs else [])
+        yield ["ten million additions", f"{loop:.2g}", "1", ""]
 
 
 def main():
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 3
-    head = ["", "first [s]", "later [s]", "first [loops]", "later [loops]",
-            "memory first [MB]", "later [MB]"]  # fmt: skip
-    table = []
-    for row in (head, *rows(rounds)):
+    other = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else None
+    table = [["", "answer [s]", "answer [loops]", "memory [MB]"]]
+    if other:
+        table[0] += ["other, first [s]", "[MB]", "other, later [s]", "[MB]", "over later"]
+    print("  ".join(f"{cell:>18}" for cell in table[0]))
+    for row in rows(rounds, other):
         print("  ".join(f"{cell:>18}" for cell in row), flush=True)
         table.append(row)
-    with Path(__file__).with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows(table)
+    if not other:
+        with Path(__file__).with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows(table)
 
 
 if __name__ == "__main__":

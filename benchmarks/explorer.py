@@ -16,7 +16,6 @@ import numpy as np
 from lightflyer.explorer.hints import templates
 from lightflyer.explorer.pages import ANSWERS
 from lightflyer.explorer.state import Workplace, plain
-from lightflyer.program.entry_point import run_by
 
 KINDS = ("earth", "layers", "sandwich", "plate", "balloon", "hollow", "chamber", "mars")
 MOVES = 15
@@ -52,5 +51,4 @@ def main(kinds):
 
 
 if __name__ == "__main__":
-    with run_by("numpy"):  # as the server does
-        main(sys.argv[1:])
+    main(sys.argv[1:])

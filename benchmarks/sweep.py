@@ -30,7 +30,6 @@ from lightflyer.compute.evaluation import BATCH, Evaluator
 from lightflyer.compute.scheduler import processors
 from lightflyer.core.progress import report_to
 from lightflyer.parametric.run import sweep_into
-from lightflyer.program.entry_point import run_by
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem
@@ -115,8 +114,7 @@ def few():
         asked = make_study(DESIGN, over | place, outputs)
         times = {}
         for way in ("numpy", "xla"):
-            with run_by(way):
-                evaluate = Evaluator(asked)
+            evaluate = Evaluator(asked, None if way == "numpy" else "cpu")
             run = partial(evaluate, 0, asked.size)
             times[way] = timed(run)[1], timed(run)[1]
         (ours, again), (theirs, _) = times["numpy"], times["xla"]

@@ -17,9 +17,9 @@ from scipy.optimize import root
 from solver import medians
 
 import lightflyer as lf
-from lightflyer.numerics.rootfind import bracketed_power_newton, implicit_root
+from lightflyer.core.entry_point import elementwise_entry_point
+from lightflyer.numerics.rootfind import find_power_root, implicit_root
 from lightflyer.numerics.system import solve_system
-from lightflyer.program.entry_point import elementwise_entry_point
 
 SAMPLE = 2000
 SMALLEST_SHARE = 1e-12
@@ -45,7 +45,7 @@ def slope(excess):
 
 def vacuum(ratio):
     """Excess at which radiation alone gives off the power."""
-    fourth = jnp.sqrt(jnp.sqrt(1.0 + ratio))
+    fourth = lf.xp.sqrt(lf.xp.sqrt(1.0 + ratio))
     return ratio / ((fourth + 1.0) * (fourth**2 + 1.0))
 
 
@@ -76,7 +76,7 @@ def one_body(gas, radiation, power):
     highest = vacuum(power / radiation)
 
     def search():
-        return bracketed_power_newton(
+        return find_power_root(
             loss, power, SMALLEST_SHARE * highest, highest, highest * power / loss(highest)
         )
 

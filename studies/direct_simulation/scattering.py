@@ -16,7 +16,7 @@ import numpy as np
 from dsmc.gas import GASES
 from study import CL, FOLDER, Point, combined, label, read_runs
 
-from lightflyer.core.precision import float64
+from lightflyer.array.namespace import float64
 from lightflyer.force.kinetic.chamber import reservoir
 from lightflyer.force.kinetic.collisions import (
     FORCE_HEATED,

@@ -4,10 +4,10 @@ import json
 import sys
 from pathlib import Path
 
-import equinox as eqx
 import numpy as np
 
 import lightflyer as lf
+from lightflyer.array import tree
 from lightflyer.core import constants
 from lightflyer.environment import EnvironmentState, Lu2023Atmosphere, Radiation
 from lightflyer.files import drawing as plot
@@ -125,7 +125,7 @@ def again(size, altitude, light_sheets):
     """The payload of a sphere that is optimised with all corrections."""
     body = make("sphere", size, 0.3 * size, 1e-3, 1e-3)
     if light_sheets:
-        body = eqx.tree_at(lambda body: body.sheet_density, body, 1.0)
+        body = tree.replace_at(lambda body: body.sheet_density, body, 1.0)
     state = surroundings(altitude)
     chamber = lf.Chamber(
         temperature=float(state.temperature), gravity=GRAVITY, radiation=state.radiation

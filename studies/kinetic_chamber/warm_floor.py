@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import least_squares
 
-from lightflyer.core.precision import float64
+from lightflyer.array.namespace import float64
 from lightflyer.environment import warm_floor
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic import warm_floor as kinetic_warm_floor

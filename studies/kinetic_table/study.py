@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.core.precision import float64
+from lightflyer.array.namespace import float64
 from lightflyer.force.kinetic.ratios import KineticFit
 from lightflyer.force.kinetic.table import Table, WallTable, wall_table
 from lightflyer.force.kinetic.table_fit import fit

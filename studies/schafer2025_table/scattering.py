@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from solve import RATIO, RESERVOIRS
 
-from lightflyer.core.precision import float64
+from lightflyer.array.namespace import float64
 from lightflyer.force.kinetic.collisions import FORCE_HEATED, collision_fit, with_collisions
 from lightflyer.kinetic_theory.disk.cases import MEDIUM, Case, solve_case
 from lightflyer.kinetic_theory.model_gases import gas_model

@@ -11,9 +11,6 @@ import sys
 import time
 from pathlib import Path
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import matplotlib.colors
 import numpy as np
 
@@ -23,7 +20,8 @@ from lightflyer.environment import Daylight, GlobalNRLMSIS, GradientWind, Place
 from lightflyer.files import drawing as plot
 from lightflyer.files import palette
 from lightflyer.mission import ChooseWind, Circle, Level, Shaded, TowardsStation
-from lightflyer.mission.path.integration import Accuracy, Limits, Start, track
+from lightflyer.mission.fleet import Flights, fly_all
+from lightflyer.mission.path.integration import Accuracy, Limits, Start
 from lightflyer.mission.path.motion import Craft
 
 HERE = Path(__file__).parent
@@ -38,42 +36,33 @@ RADIUS = 100e3
 RULES = ("level", "tilted", "shaded", "both")
 DISKS = {"2 mm, 1 g/m²": (2e-3, 1e-3), "1 cm, 0.37 g/m²": (1e-2, 0.37e-3)}
 LOWEST, HIGHEST, AHEAD, TILT = 64e3, 92e3, 3600.0, np.radians(15.0)
-BATCH = 64
 SHOWN = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 18.0]  # hours, in the picture
-
-
-@eqx.filter_jit
-def _distances(rule, size, density, environment, latitude, date):
-    """Distance from the place of the release over time [m]; NaN after the end."""
-    film = lf.FilmProperties(density, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    setup = lf.Setup(lf.Disk(film, radius=0.5 * size), environment, lf.Kinetic())
-    accuracy = Accuracy.for_duration(float(ELAPSED[-1]), 1e-6)
-
-    def one(latitude, date):
-        station = Circle(latitude, 0.0 * latitude, RADIUS)
-        tilted = TowardsStation(station, TILT) if rule in ("tilted", "both") else Level()
-        chosen = ChooseWind(station, LOWEST, HIGHEST, AHEAD)
-        steered = Shaded(chosen, tilted) if rule in ("shaded", "both") else tilted
-        start = Start(ALTITUDE, Place(jnp.radians(latitude), 0.0 * latitude, date + MORNING))
-        flown = track(Craft(setup, steered), start, Limits(20e3, 110e3), ELAPSED, accuracy)
-        middle = jnp.stack([jnp.cos(jnp.radians(latitude)), 0.0, jnp.sin(jnp.radians(latitude))])
-        chord = jnp.linalg.norm(flown.position - middle, axis=-1)
-        return 2.0 * environment.planet.radius * jnp.arcsin(0.5 * chord), flown.altitude
-
-    return jax.vmap(one)(latitude, date)
 
 
 def hours_near(rule, disk, environment):
     """Hours until a flyer first leaves the radius, and hours within; shape (months, latitudes)."""
+    size, density = DISKS[disk]
+    film = lf.FilmProperties(density, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    setup = lf.Setup(lf.Disk(film, radius=0.5 * size), environment, lf.Kinetic())
     date, latitude = (part.ravel() for part in np.meshgrid(DATES, LATITUDES, indexing="ij"))
-    found = []
-    for first in range(0, date.size, BATCH):
-        rows = np.minimum(np.arange(first, first + BATCH), date.size - 1)
-        distance, altitude = _distances(rule, *DISKS[disk], environment, latitude[rows], date[rows])
-        near = np.isfinite(np.asarray(altitude)) & (np.asarray(distance) <= RADIUS)
-        left = np.where(near.all(axis=1), ELAPSED.size, np.argmin(near, axis=1))
-        found.append(np.stack([left, near.sum(axis=1)]))
-    hours = np.concatenate(found, axis=1)[:, : date.size] * EVERY / 3600.0
+    station = Circle(latitude[:, None], 0.0, RADIUS)
+    tilted = TowardsStation(station, TILT) if rule in ("tilted", "both") else Level()
+    chosen = ChooseWind(station, LOWEST, HIGHEST, AHEAD)
+    steered = Shaded(chosen, tilted) if rule in ("shaded", "both") else tilted
+    north = np.radians(latitude)
+    place = Place(north, np.zeros(date.size), date + MORNING)
+    flights = Flights(Craft(setup, steered), Start(np.full(date.size, ALTITUDE), place))
+    accuracy = Accuracy.for_duration(float(ELAPSED[-1]), 1e-6)
+    flown = fly_all(flights, Limits(20e3, 110e3), ELAPSED, accuracy)
+    flies = np.isfinite(flown.altitude)
+    middle = np.stack([np.cos(north), 0.0 * north, np.sin(north)], axis=-1)
+    chord = np.linalg.norm(
+        np.where(flies[..., None], flown.position, 0.0) - middle[:, None], axis=-1
+    )
+    distance = 2.0 * environment.planet.radius * np.arcsin(0.5 * chord)
+    near = flies & (distance <= RADIUS)
+    left = np.where(near.all(axis=1), ELAPSED.size, np.argmin(near, axis=1))
+    hours = np.stack([left, near.sum(axis=1)]) * EVERY / 3600.0
     return hours.reshape(2, DATES.size, LATITUDES.size)
 
 
@@ -83,13 +72,12 @@ def compute():
     light = Daylight().over(DATES[0], DATES[-1] + 7 * 86_400.0)
     earth = lf.Earth(atmosphere=atmosphere, sky=light, wind=GradientWind(atmosphere))
     found = {}
-    with lf.float64():
-        for disk in DISKS:
-            for rule in RULES:
-                began = time.process_time()
-                left, near = hours_near(rule, disk, earth).round(3).tolist()
-                found.setdefault(disk, {})[rule] = {"left": left, "near": near}
-                print(f"{disk}, {rule}: {time.process_time() - began:.0f} s", flush=True)
+    for disk in DISKS:
+        for rule in RULES:
+            began = time.process_time()
+            left, near = hours_near(rule, disk, earth).round(3).tolist()
+            found.setdefault(disk, {})[rule] = {"left": left, "near": near}
+            print(f"{disk}, {rule}: {time.process_time() - began:.0f} s", flush=True)
     RESULTS.write_text(json.dumps(found), encoding="utf-8")
 
 

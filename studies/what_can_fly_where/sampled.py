@@ -11,15 +11,14 @@ Replaces the rows of the kind in results.json.
 import sys
 import time
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import study
 from kinds import KINDS
 from scipy.stats import qmc
 
 import lightflyer as lf
-from lightflyer.design.diagnostics import diagnose_in_light
+from lightflyer.core.entry_point import elementwise_entry_point
+from lightflyer.design.diagnostics import diagnose_at
 from lightflyer.statics.equations import FlightEquations
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 
@@ -30,9 +29,10 @@ AT_BOUND = 1e-6
 NO_LIFT = "the best design does not lift its weight: none within bounds and constraints flies"
 
 
-def compiled(design):
+def outcomes_of(design):
     """Outcomes of many designs, each at its altitude."""
 
+    @elementwise_entry_point
     def outcomes(values, altitude):
         setup = design.build(values)
         state = setup.environment.state(altitude)
@@ -52,16 +52,7 @@ def compiled(design):
             "buoyancy_share": equations.buoyancy(found.unknowns) / lift,
         }
 
-    run = jax.jit(outcomes)
-
-    def call(values, altitude):
-        shape = np.shape(altitude)
-        with lf.float64():
-            flat = {name: jnp.asarray(np.ravel(value), float) for name, value in values.items()}
-            found = run(flat, jnp.asarray(np.ravel(altitude), float))
-        return {name: np.asarray(value).reshape(shape) for name, value in found.items()}
-
-    return call
+    return outcomes
 
 
 class Search:
@@ -84,7 +75,7 @@ class Search:
         self.inputs = uncertain_inputs(study.flyer_file(kind).design())
         self.altitude = 1e3 * np.array([case[2] for case in self.cases])
         self.per_area = np.array([case[1] == study.OBJECTIVES[1] for case in self.cases])
-        self.outcomes = compiled(first.design)
+        self.outcomes = outcomes_of(first.design)
         self.start = np.array([self._unit(known.get(case), i) for i, case in enumerate(self.cases)])
 
     def _unit(self, row, index):
@@ -173,7 +164,7 @@ class Search:
     def row(self, index, case, design, unit, told):
         """One row, as :func:`study.best_of` makes it."""
         setup = study.flyer_file(self.kind, design).build()
-        warnings = list(diagnose_in_light(setup, self.altitude[index]))
+        warnings = list(diagnose_at(setup, self.altitude[index], told["temperature"][0]))
         if told["payload"][0] < 0.0:
             warnings.append(NO_LIFT)
         ends = {

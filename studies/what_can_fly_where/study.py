@@ -7,14 +7,11 @@ import json
 import time
 from pathlib import Path
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from kinds import KINDS, SMALLEST
 
 import lightflyer as lf
 from lightflyer.core.atomic_files import output_directory
-from lightflyer.design.tables import evaluate
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem
@@ -30,71 +27,6 @@ STARTS, SAMPLES, SEED = 6, 500, 0
 MANY_SEEDS = {"hollow sphere, corrected": 8, "hollow rocket, corrected": 8}  # several optima
 PERCENTILES = (2.5, 97.5)
 REPORTED = (*OBJECTIVES, "relative_payload", "lift_over_weight", "temperature", "pressure")
-
-
-class Objectives(ObjectiveFunction):
-    """Either objective of a kind at any altitude and largest size, compiled once for all."""
-
-    def __init__(self, problem):
-        super().__init__(problem)
-        design, logarithmic = problem.design, [bounds.logarithmic for bounds in problem.bounds]
-        names = [bounds.field.name for bounds in problem.bounds]
-        (limit,) = (constraint.limit for constraint in problem.constraints)
-
-        def scores(point, fixed, low, high, per_area):
-            free = jnp.where(
-                jnp.array(logarithmic), low * (high / low) ** point, low + (high - low) * point
-            )
-            values = fixed | dict(zip(names, free, strict=True))
-            wanted = (*OBJECTIVES, "temperature")
-            found, _ = evaluate(design.build(values), wanted, values["altitude"])
-            objective = jnp.where(per_area, found["payload_per_area"], found["payload"])
-            return jnp.stack([objective, 1.0 - found["temperature"] / limit])
-
-        def both(point, *rest):
-            values, push = jax.linearize(lambda point: scores(point, *rest), point)
-            return values, jax.vmap(push, out_axes=1)(jnp.eye(len(names)))
-
-        self._many = jax.jit(jax.vmap(scores, in_axes=(0, None, None, None, None)))
-        self._both = jax.jit(both)
-
-    def of(self, problem):
-        """The same for another problem of the kind."""
-        self.problem = problem
-        return self
-
-    def _run(self, compiled):
-        problem = self.problem
-        low, high = (np.array([getattr(one, end) for one in problem.bounds])
-                     for end in ("low", "high"))  # fmt: skip
-        per_area = problem.objectives[0].name == OBJECTIVES[1]
-
-        def call(points):
-            with lf.float64():
-                found = compiled(points, problem.fixed, low, high, per_area)
-            return jax.tree.map(np.asarray, found)
-
-        return call
-
-    @property
-    def scores_of_many(self):
-        """See :class:`ObjectiveFunction`."""
-        return self._run(self._many)
-
-    @property
-    def scores_and_jacobian(self):
-        """See :class:`ObjectiveFunction`."""
-        return self._run(self._both)
-
-    @property
-    def outputs_at(self):
-        """Nothing: the outputs are computed with their bands."""
-        return lambda _: {}
-
-    @property
-    def parameter_gradient(self):
-        """None: elasticities are not asked for, and take long to compile."""
-        return lambda *_: {}
 
 
 def flyer_file(kind, values=()):
@@ -137,7 +69,7 @@ def problem_of(kind, largest, objective, altitude_km, seed=SEED):
     )
 
 
-def best_of(kind, function, largest, objective, altitude_km):
+def best_of(kind, largest, objective, altitude_km):
     """The best design of a kind at an altitude, as a row of the results."""
     begun = time.perf_counter()
     row = {
@@ -149,7 +81,7 @@ def best_of(kind, function, largest, objective, altitude_km):
     try:
         case = (largest, objective, altitude_km)
         searches = [
-            find_optimum(function.of(problem_of(kind, *case, seed)))
+            find_optimum(ObjectiveFunction(problem_of(kind, *case, seed)))
             for seed in range(SEED, SEED + MANY_SEEDS.get(kind.name, 1))
         ]
         found = max(searches, key=lambda search: search.value)
@@ -234,9 +166,8 @@ def compute(kind):
     done = {(row["largest_m"], row["objective"], row["altitude_km"])
             for row in read() if row["kind"] == kind.name}  # fmt: skip
     missing = [case for case in cases(kind) if case not in done]
-    function = Objectives(problem_of(kind, *missing[0])) if missing else None
     for case in missing:
-        row = best_of(kind, function, *case)
+        row = best_of(kind, *case)
         write([*read(), row | {"of": fingerprint(kind)}])
         told = row.get("trouble") or f"{1e6 * row['payload']:.4g} mg, {row['design']}"
         print(kind.name, *case, told, row["seconds"], flush=True)

@@ -1,4 +1,4 @@
-"""Many flights of disks by one compiled program, and whether a disk stays aloft.
+"""Many flights of disks together, and whether a disk stays aloft.
 
 A level disk without horizontal wind moves up and down alone, so that two of its flights never
 cross: the altitude a day later grows with the altitude now. A disk whose season stands still thus
@@ -9,16 +9,14 @@ altitude or higher. The largest gain of a day over all altitudes decides.
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 import lightflyer as lf
 from lightflyer.core.clock import seconds_of
 from lightflyer.environment import Daylight, Place, UniformGround, UniformWind
+from lightflyer.mission.fleet import Flights, fly_all
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Level
-from lightflyer.mission.path.integration import Accuracy, Limits, Start, track
+from lightflyer.mission.path.integration import Accuracy, Limits, Start
 from lightflyer.mission.path.motion import Craft
 
 DAY = 86_400.0
@@ -28,7 +26,6 @@ CLOSER = np.array([-2.0, -1.0, 1.0, 2.0]) * 1e3  # around the best of these
 RATIO, HALVINGS = 1.6, 4
 SIZES = 0.5e-3 * RATIO ** np.arange(9)  # metres, to 21 mm
 RATIOS = np.array([0.0, 0.4, 0.8, 1.2, 1.6, 2.0])  # of payload to film
-BATCH = 128
 TOLERANCE = 1e-7
 KINETIC, LEVEL = lf.Kinetic(), Level()
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
@@ -58,7 +55,8 @@ class Case:
         return lf.Earth(sky=sky.over(start, stop), wind=wind)
 
 
-class Disks(eqx.Module):
+@dataclass(frozen=True)
+class Disks:
     """Disks and their releases; all of one shape."""
 
     diameter: np.ndarray  # [m]
@@ -81,43 +79,17 @@ def fly(case, flown, days=1, every=None):
     The shape is that of the disks and the times ``every`` so many seconds, the last one replaced
     by the altitude of the end.
     """
-    shape = flown.diameter.shape
-    rows = jax.tree.map(np.ravel, flown)
-    count = rows.diameter.size
-    order = np.lexsort((rows.altitude, rows.latitude, rows.diameter))  # alike ones together
-    found = []
-    for start in range(0, count, BATCH):
-        chosen = order[np.minimum(np.arange(start, start + BATCH), count - 1)]
-        batch = jax.tree.map(lambda row, chosen=chosen: row[chosen], rows)
-        found.append(_fly(case.environment, case.model, case.rule, case.film, batch,
-                          Times(days, every or days * DAY)))  # fmt: skip
-    altitude = np.empty((count, np.shape(found[0])[1]))
-    altitude[order] = np.concatenate(found)[:count]
-    return np.where(np.isfinite(altitude), altitude, np.nan).reshape(*shape, -1)
-
-
-class Times(eqx.Module):
-    """How long the flights are, and which times are kept."""
-
-    days: int = eqx.field(static=True)
-    every: float = eqx.field(static=True)
-
-
-@lf.entry_point
-def _fly(environment, model, rule, film, batch, times):
-    length = times.days * DAY
-    elapsed = np.linspace(0.0, length, round(length / times.every) + 1)
-
-    def one(disk):
-        thin = eqx.tree_at(lambda film: film.areal_density, film, disk.areal_density)
-        flyer = lf.Disk(thin, radius=0.5 * disk.diameter, payload=disk.payload)
-        craft = Craft(lf.Setup(flyer, environment, model), rule)
-        place = Place(jnp.radians(disk.latitude), 0.0 * disk.latitude, disk.date)
-        start, accuracy = Start(disk.altitude, place), Accuracy.for_duration(length, TOLERANCE)
-        found = track(craft, start, LIMITS, elapsed, accuracy)
-        return jnp.append(found.altitude[:-1], found.end_altitude)
-
-    return jax.vmap(one)(batch)
+    diameter, latitude, date, altitude, density, payload = map(np.ravel, vars(flown).values())
+    film = replace(case.film, areal_density=density[:, None])
+    flyer = lf.Disk(film, radius=0.5 * diameter[:, None], payload=payload[:, None])
+    craft = Craft(lf.Setup(flyer, case.environment, case.model), case.rule)
+    start = Start(altitude, Place(np.radians(latitude), 0.0 * latitude, date))
+    length = days * DAY
+    elapsed = np.linspace(0.0, length, round(length / (every or length)) + 1)
+    accuracy = Accuracy.for_duration(length, TOLERANCE)
+    found = fly_all(Flights(craft, start), LIMITS, elapsed, accuracy)
+    altitude = np.column_stack([found.altitude[:, :-1], found.end_altitude])
+    return np.where(np.isfinite(altitude), altitude, np.nan).reshape(*flown.diameter.shape, -1)
 
 
 def largest_gain(case, diameter, latitude, date, **others):

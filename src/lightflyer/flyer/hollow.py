@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from lightflyer.array.namespace import Array, Numeric, float64
+from lightflyer.array.namespace import Array, Numeric
 from lightflyer.array.records import field
 from lightflyer.core.quantity import (
     Coefficient,
@@ -310,8 +310,7 @@ class HollowBody(AbstractClosedFlyer):
         return self.outer, 1
 
     def outline(self, direction: Direction) -> Outline:
-        with float64():
-            return hollow_outline(self.form, self.size, self.outlet_radius, direction)
+        return hollow_outline(self.form, self.size, self.outlet_radius, direction)
 
     def describe(self) -> str:
         return f"hollow {self.form} of {float(np.asarray(self.size)) / _CENTIMETRE:g} cm"

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar
 
-from lightflyer.array.namespace import Array, Numeric, float64
+from lightflyer.array.namespace import Array, Numeric
 from lightflyer.array.records import AbstractClassVar
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked
@@ -105,8 +105,7 @@ class AbstractForceModel(Checked):
         self, flyer: Any, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
         """Warnings where a flyer or its surroundings are outside the model's range."""
-        with float64():
-            outside = describe(self.ranges(flyer, state, temperature), state.pressure)
+        outside = describe(self.ranges(flyer, state, temperature), state.pressure)
         return outside + self.remarks(flyer, state, temperature)
 
     def assumptions(self, flyer: Any) -> tuple[str, ...]:

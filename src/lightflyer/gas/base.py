@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from lightflyer.array.namespace import Array, Numeric, float64, xp
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import AbstractClassVar, AbstractVar, Module
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive
@@ -180,8 +180,7 @@ class AbstractGas(Module):
 
     def diagnostics(self, temperature: Temperature, pressure: Pressure) -> tuple[str, ...]:
         """Warnings where the gas is outside its known range; arguments are concrete."""
-        with float64():
-            return describe(self.ranges(temperature), pressure)
+        return describe(self.ranges(temperature), pressure)
 
     @entry_point
     def density(self, pressure: Pressure, temperature: Temperature) -> Array:

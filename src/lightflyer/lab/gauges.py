@@ -15,7 +15,6 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.array.namespace import float64
 from lightflyer.calibration.gauge import Gauge, read_gauge
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
@@ -66,10 +65,9 @@ def transpiration(
 ) -> np.ndarray:
     """Pressure in a gauge over that in the chamber [1], shape (m,); ``inside``: its own [Pa]."""
     middle = 0.5 * (temperature + ambient)
-    with float64():
-        path = np.asarray(mean_free_path(np.asarray(inside, float), middle, gas))
-        rarefaction = 0.5 * np.sqrt(np.pi) * radius / path
-        exponent = np.asarray(thermomolecular_exponent(ROUND, rarefaction))
+    path = np.asarray(mean_free_path(np.asarray(inside, float), middle, gas))
+    rarefaction = 0.5 * np.sqrt(np.pi) * radius / path
+    exponent = np.asarray(thermomolecular_exponent(ROUND, rarefaction))
     return np.asarray((temperature / ambient) ** exponent)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 import lightflyer
 from lightflyer.array import tree
-from lightflyer.array.namespace import float64
 from lightflyer.config.designs import as_design
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
@@ -172,8 +171,8 @@ def fly(
     limits = limits_of(mission.setup.environment, lowest, highest)
     require_release_inside(release, limits)
     ends_at_ground = _ends_at_ground(limits, landing)
-    with float64():  # raises where the data of winds or ground do not reach
-        remarks = require_rule(mission.craft, mission.start)
+    # raises where the data of winds or ground do not reach
+    remarks = require_rule(mission.craft, mission.start)
     launches = [float(_DELAY.number("launches", delay)) for delay in launches]
     several = ensemble is not None or len(launches) > 0
     elapsed = times_of(duration, every, several=several)
@@ -297,8 +296,7 @@ class _Mission:
 
     @property
     def start(self) -> Start:
-        with float64():
-            return self.release.start()
+        return self.release.start()
 
 
 @dataclass(frozen=True)

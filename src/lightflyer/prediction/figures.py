@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.array.namespace import float64
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.outputs import OUTPUTS, node_outputs
@@ -308,10 +307,9 @@ def shape(prediction: "Prediction", ax: Axes) -> Axes:
     state = prediction.setup.environment.state(place.coordinate)
     places = np.linspace(0.0, float(flyer.radius), _ALONG)
     temperatures: tuple[Any, ...] = tuple(place.values[name] for name in nodes)
-    with float64():
-        bent = flyer.bent(state, temperatures)
-        curvature, droops = float(bent.curl.largest), np.array(bent.cut(places))
-        hangs = float(bent.plate.ring) if float(flyer.payload) else None
+    bent = flyer.bent(state, temperatures)
+    curvature, droops = float(bent.curl.largest), np.array(bent.cut(places))
+    hangs = float(bent.plate.ring) if float(flyer.payload) else None
     gap = float(getattr(flyer, "gap", getattr(flyer, "height", 0.0)))
     return draw_cross_section(
         ax, places, curvature, droops, gap=gap, hanging=hangs, one_side=bent.plate.at_three_points

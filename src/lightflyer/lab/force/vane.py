@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from lightflyer.array.namespace import float64, xp
+from lightflyer.array.namespace import xp
 from lightflyer.calibration.gauge import Gauge
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
@@ -124,21 +124,19 @@ class Vane:
 
     def warnings(self, pressure: np.ndarray) -> tuple[str, ...]:
         """Where pressures are outside the model's range, one line each."""
-        with float64():
-            state = self._state(pressure, np.array([self.ambient.value]))
-            looks = Kinetic().ranges(self._body(_NOMINAL), state, self.hot.value)
-            return describe(looks, pressure)
+        state = self._state(pressure, np.array([self.ambient.value]))
+        looks = Kinetic().ranges(self._body(_NOMINAL), state, self.hot.value)
+        return describe(looks, pressure)
 
     def _forces(self, pressure: np.ndarray, draws: np.ndarray) -> np.ndarray:
         ambient, hot, cold = (
             _drawn(number, draws[:, column])
             for column, number in enumerate((self.ambient, self.hot, self.cold))
         )
-        with float64():
-            excess = tuple(xp.asarray((face / ambient - 1.0)[:, None]) for face in (cold, hot))
-            sharing = draws[:, 7, None] if self.wall == "unknown" else None
-            model = Kinetic(force_error=draws[:, 3, None], wall=self.wall, sharing_error=sharing)
-            found = model.force(self._body(draws), self._state(pressure, ambient), excess)
+        excess = tuple(xp.asarray((face / ambient - 1.0)[:, None]) for face in (cold, hot))
+        sharing = draws[:, 7, None] if self.wall == "unknown" else None
+        model = Kinetic(force_error=draws[:, 3, None], wall=self.wall, sharing_error=sharing)
+        found = model.force(self._body(draws), self._state(pressure, ambient), excess)
         return np.broadcast_to(np.asarray(found), (len(draws), len(pressure)))
 
     def _state(self, pressure: np.ndarray, ambient: np.ndarray) -> EnvironmentState:

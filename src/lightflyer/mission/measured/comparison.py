@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.array.namespace import float64
 from lightflyer.config.designs import as_design
 from lightflyer.core.clock import date_text, dates_of
 from lightflyer.core.errors import ConfigurationError
@@ -142,9 +141,8 @@ def compare_track(
     limits = limits_of(setup.environment, lowest, highest)
     require_release_inside(release, limits)
     require_at_rest(release, "a flight beside a measured track")
-    with float64():
-        start = release.start()
-        require_rule(Craft(setup, rule), start)
+    start = release.start()
+    require_rule(Craft(setup, rule), start)
     span = float(times_of(duration)[-1])
     craft, released = Craft(setup, rule), float(release.time)
     require_comparable(measured, release, span)

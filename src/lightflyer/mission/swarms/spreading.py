@@ -183,9 +183,9 @@ def disperse_ensemble(
     require_release_inside(release, limits)
     _require_members(ensemble, areas)
     elapsed = times_of(duration, every)
-    with lightflyer.float64():  # raises where the data of winds or ground do not reach
-        start = release.start()
-        remarks = require_rule(Craft(setup, rule), start)
+    # raises where the data of winds or ground do not reach
+    start = release.start()
+    remarks = require_rule(Craft(setup, rule), start)
     accuracy = Accuracy.for_duration(float(elapsed[-1]), tolerance)
     swarm = _Swarm(design, rule, start, ensemble, tuple(areas), limits, elapsed, accuracy)
     counts = _count(swarm, None if folder is None else Path(folder), scheduler)

@@ -115,15 +115,6 @@ def test_parts_are_replaced_whatever_stands_there():
     assert found.number == (7.0, None)
 
 
-def test_what_is_taken_apart_is_put_together():
-    whole = Record((1.0, None, 2.0), more={"a": 3.0})
-    chosen = tree.map_leaves(lambda leaf: leaf > 1.5, whole)
-    some, rest = tree.partition(whole, chosen)
-    assert tree.leaves(some) == [2.0, 3.0]
-    assert tree.leaves(rest) == [1.0]
-    assert tree.equal(tree.combine(some, rest), whole)
-
-
 def test_equality_is_to_the_last_bit_and_of_type():
     ones = np.ones(2)
     assert tree.equal((1.0, ones), (1.0, ones.copy()))

@@ -124,19 +124,16 @@ def float64() -> Iterator[None]:
 def double(value: Any) -> Any:
     """A number or array in double precision; what is logical stays so."""
     if is_jax(value):
-        array = sys.modules["jax"].numpy.asarray(value)
+        jax = sys.modules["jax"]
+        array = jax.numpy.asarray(value)
         # strongly typed, or a function would be traced twice
-        return (
-            array
-            if array.dtype == bool
-            else sys.modules["jax"].lax.convert_element_type(array, np.float64)
-        )
+        return array if array.dtype == bool else jax.lax.convert_element_type(array, np.float64)
     array = np.asarray(value)
     return array if array.dtype == bool else array.astype(np.float64, copy=False)
 
 
 def is_numeric(value: Any) -> bool:
-    """Whether a value is a number or an array of numbers, and not of JAX's tracers."""
+    """Whether a value is a number or an array of numbers; none that JAX traces."""
     return np.asarray(value).dtype.kind in "biufc"
 
 
@@ -233,8 +230,6 @@ class _Namespace:
 
     def follow(self) -> None:
         """From now on arrays need not be NumPy's."""
-        if self.follows:
-            return
         if self.follows:
             return
         known = [name for name in vars(self) if not name.startswith("_") and name != "follows"]

@@ -119,21 +119,6 @@ def equal(one: Any, other: Any) -> bool:
     return form == their_form and all(map(_same, ours, theirs))
 
 
-def partition(tree: Any, chosen: Any) -> tuple[Any, Any]:
-    """A pytree with None for the leaves that are not chosen, and one for those that are."""
-    return (
-        map_leaves(lambda leaf, is_chosen: leaf if is_chosen else None, tree, chosen),
-        map_leaves(lambda leaf, is_chosen: None if is_chosen else leaf, tree, chosen),
-    )
-
-
-def combine(one: Any, other: Any) -> Any:
-    """What :func:`partition` took apart."""
-    return map_leaves(
-        lambda first, second: second if first is None else first, one, other, is_leaf=_is_none
-    )
-
-
 def replace_at(where: Callable[[Any], Any], tree: Any, replacement: Any) -> Any:
     """A pytree with parts replaced, unchecked; ``where`` names the part, or several."""
     _, form = flatten(tree, _is_none)

@@ -388,13 +388,13 @@ def test_help_and_version_import_nothing_heavy():
 
 def test_reading_a_flyer_file_imports_nothing_to_draw_with():
     heavy = {"matplotlib", "xarray", "jax"}
-    # Pint imports dask where it is installed, and some releases of dask import xarray
+    # some releases of dask import xarray
     code = "import sys\nsys.modules['dask'] = None\nimport lightflyer.config.reader"
     printed_without_importing(heavy, code)
 
 
 def test_commands_hide_dask_until_an_extra_may_need_it():
-    """It takes longer to load than all of Pint, and xarray loads it for nothing."""
+    """It takes long to load, and xarray loads it for nothing."""
     code = (
         "import sys\nsys.argv = ['lightflyer', '--version']\n"
         "from lightflyer.__main__ import main\ntry:\n    main()\nexcept SystemExit:\n    pass\n"

@@ -1,5 +1,6 @@
 import math
 
+import pint
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -133,7 +134,41 @@ def test_megatorr_is_asked_for(unit):
         parse(f"1 {unit}", "Pa")
 
 
-def test_units_of_instruments_are_spelled_as_pint_reads_them():
+# units without a prefix that Pint's own list has by the same name
+OF_PINT = """
+m metre meter s second minute min hour h day d rad radian degree deg inch in foot ft g gram
+angstrom percent kelvin K ampere A bit Hz hertz newton N pascal Pa bar atmosphere atm torr mmHg
+psi inHg joule J eV watt W volt V ohm
+"""
+
+
+@pytest.mark.parametrize("name", OF_PINT.split())
+def test_a_unit_is_that_of_pint(name):
+    theirs = pint.UnitRegistry().Quantity(1.0, name)
+    base = f"{theirs.to_base_units().units:~C}".replace("**", "^") or "dimensionless"
+    factor, offset = scale_and_offset(name, base)
+    digits = 2e-7 if name in {"psi", "inHg", "mmHg", "torr"} else 1e-15  # rounded in Pint's list
+    assert factor == pytest.approx(theirs.to_base_units().magnitude, rel=digits)
+    assert offset == 0.0
+
+
+@pytest.mark.parametrize("prefix", ["T", "giga", "M", "k", "hecto", "c", "milli", "µ", "u", "n"])
+def test_a_prefix_is_that_of_pint(prefix):
+    theirs = pint.UnitRegistry().Quantity(1.0, f"{prefix}Pa").to("Pa").magnitude
+    assert scale_and_offset(f"{prefix}Pa", "Pa")[0] == pytest.approx(theirs, rel=1e-15)
+
+
+def test_a_product_with_a_degree_has_a_difference_of_temperatures():
+    assert scale_and_offset("W/(m °C)", "W/(m*K)") == (1.0, 0.0)
+    assert scale_and_offset("W/(m °F)", "W/(m*K)")[0] == pytest.approx(1.8)
+    assert scale_and_offset("W/m K", "W*K/m") == (1.0, 0.0)
+
+
+def test_a_power_of_ten_is_exact():
+    assert (parse("0.7 mm", "m").value, scale_and_offset("g/cm^3", "kg/m^3")[0]) == (7e-4, 1000.0)
+
+
+def test_units_of_instruments_are_spelled_as_files_spell_them():
     assert (spell_unit("TORR", "Pa"), spell_unit("micron", "Pa")) == ("Torr", "mTorr")
     assert spell_unit("micron", "m") == "um"
 

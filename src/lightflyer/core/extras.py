@@ -16,7 +16,7 @@ ENTRY_POINTS = "lightflyer"  # Group of the entry points of plug-ins
 
 
 def hide_dask() -> None:
-    """Let no library load Dask, which Pint and xarray would wherever it is installed."""
+    """Let no library load Dask, which xarray would wherever it is installed."""
     sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
 
 

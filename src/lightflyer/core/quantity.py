@@ -25,7 +25,6 @@ from types import NoneType
 from typing import Annotated, Any, ClassVar, Literal, get_args, get_origin
 
 import numpy as np
-import pint
 import pydantic
 from pydantic_core import CoreSchema, core_schema
 
@@ -40,7 +39,7 @@ from lightflyer.core.units import Measured, file_unit, parse, scale_and_offset
 class Quantity:
     """Unit and possible range of a number."""
 
-    unit: str = ""  # SI unit as Pint reads it, empty for a pure number
+    unit: str = ""  # SI unit as files spell it, empty for a pure number
     lowest: float = -math.inf  # Possible range, both ends included
     highest: float = math.inf  # Possible range, both ends included
     open_below: bool = False  # Whether ``lowest`` itself is excluded
@@ -148,10 +147,10 @@ class Quantity:
         return measured.value if measured.uncertainty is None else measured
 
     def _number_of_pint(self, name: str, value: Any) -> Any:
-        try:
-            return value.to(self.unit or "dimensionless").magnitude
-        except pint.PintError:
-            raise ParameterError(f"{name} = {value:g~P} does not convert to {self.unit}") from None
+        unit = self.unit or "dimensionless"
+        if not value.is_compatible_with(unit):
+            raise ParameterError(f"{name} = {value:g~P} does not convert to {self.unit}")
+        return value.to(unit).magnitude
 
     def _number_of_labelled(self, name: str, value: Any) -> Any:
         """An array of xarray in the unit; without attributes, which would outlive the unit."""

@@ -42,7 +42,7 @@ class Output:
     """A result that can be asked for."""
 
     name: str
-    unit: str  #: SI unit as Pint reads it, empty for a pure number
+    unit: str  #: SI unit as files spell it, empty for a pure number
     long_name: str  #: As in datasets and on axes
     #: From a :class:`~lightflyer.design.operating_point.OperatingPoint` to an array in the unit
     value: Callable[[OperatingPoint], Any]
@@ -83,7 +83,7 @@ class Output:
 
 
 def json_name(name: str, unit: str) -> str:
-    """Name of a number in JSON, with its unit at the end; ``unit``: as Pint reads it."""
+    """Name of a number in JSON, with its unit at the end; ``unit``: as files spell it."""
     status = re.sub(r"[^a-z0-9]+", "_", unit.lower().replace("^", "")).strip("_")
     return f"{name}_{status}" if status else name
 

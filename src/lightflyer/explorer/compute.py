@@ -255,7 +255,7 @@ def _at_place(output: Output, value: float) -> Reading:
 
 
 def pretty_unit(unit: str) -> str:
-    """A unit as people write it; ``unit``: as Pint reads it."""
+    """A unit as people write it; ``unit``: as files spell it."""
     return unit.replace("^2", "²").replace("^3", "³")
 
 

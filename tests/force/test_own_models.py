@@ -146,6 +146,40 @@ def test_a_shape_that_does_not_fit_is_said(disk):
 
 
 @pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ({"force": lambda self, *given: np.ones(3)}, r"force\(\) .* of shape \(3,\) where flyer"),
+        ({"force": lambda self, *given: np.array(1j)}, r"force\(\) .* must give real numbers"),
+        (
+            {"heat_loss": lambda self, *given: (1e-5 * given[-1][0] * np.ones(3),)},
+            r"heat_loss\(\) .* of",
+        ),
+        ({"heat_loss": lambda self, *given: (None,)}, r"heat_loss\(\) .* must give real numbers"),
+    ],
+)
+def test_levitation_and_prediction_say_it_too(disk, content, said):
+    model = own(lambda self, excess, state: 1.0, **content)
+    for compute in (lf.levitate, lf.lift):
+        with pytest.raises(lf.ParameterError, match=said):
+            compute(disk, STATE, model)
+
+
+def test_a_prediction_without_a_force_says_whose_it_is(disk):
+    model = own(lambda self, excess, state: np.where(excess < 0.1, 1.0, np.nan))
+    with pytest.raises(lf.ParameterError, match=r"force\(\) of Notebook gives NaN at \d+ of 301"):
+        lf.predict(disk, lf.Earth(), model)
+
+
+def test_a_heat_loss_that_is_no_number_does_not_mean_that_nothing_levitates(disk):
+    model = own(
+        lambda self, excess, state: 1.0,
+        heat_loss=lambda self, flyer, state, unknowns: (np.nan * unknowns[0],),
+    )
+    with pytest.raises(lf.ConvergenceError, match=r"heat_loss\(\) and force\(\) of the model give"):
+        lf.levitate(disk, STATE, model)
+
+
+@pytest.mark.parametrize(
     ("given", "named"), [(lambda each: (each, each), "not 2"), (lambda each: each, "not float64")]
 )
 def test_a_heat_loss_of_another_number_of_nodes_is_said(disk, given, named):

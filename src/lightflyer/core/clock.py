@@ -1,11 +1,13 @@
 """Dates and the seconds that places count: since 2000-01-01 12:00 UTC."""
 
 import datetime
-import re
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
+from lightflyer.array.namespace import is_tracer
+from lightflyer.core.checks import is_concrete, is_labelled
 from lightflyer.core.errors import ParameterError
 
 EPOCH = datetime.datetime(2000, 1, 1, 12, tzinfo=datetime.UTC)
@@ -13,33 +15,73 @@ EPOCH = datetime.datetime(2000, 1, 1, 12, tzinfo=datetime.UTC)
 
 _EPOCH = np.datetime64("2000-01-01T12:00:00", "ns")
 _NANOSECONDS = 1e9
-_DAY = re.compile(r"\d{4}-\d\d-\d\d")
+_WITHOUT_HOUR = ("Y", "M", "W", "D")  # units of NumPy's dates
+_NO_DATE = "is not a date; write it such as 2026-06-21T12:00:00Z"
 
 
 def require_hour(instant: Any) -> Any:
     """Raise :class:`ParameterError` for a day without an hour, which is no instant; else it."""
-    if _DAY.fullmatch(str(instant).strip()):
-        raise ParameterError(f"{instant} is a day; add the hour, as in {instant}T12:00Z")
-    return instant
+    try:
+        datetime.date.fromisoformat(str(instant).strip())
+    except ValueError:
+        return instant
+    raise ParameterError(f"{instant} is a day; add the hour, as in {instant}T12:00Z")
 
 
 def seconds_of(instant: Any) -> Any:
-    """Seconds since the epoch [s]; leap seconds are not counted."""
+    """Seconds since the epoch [s] of a date or of many; leap seconds are not counted.
+
+    Dates are texts, those of Python, NumPy, pandas or xarray, and lists of them; without a zone
+    they are UTC. Numbers are seconds already. Shapes stay, and names of dimensions.
+    """
+    if is_tracer(instant) or isinstance(instant, Real):
+        return _require_numbers(instant)
+    if isinstance(instant, str | datetime.date):
+        return _seconds_of_date(instant)
+    if is_labelled(instant) and instant.dtype.kind not in "iuf":
+        return instant.copy(data=seconds_of(instant.to_numpy())).drop_attrs()
+    array = np.asarray(instant)
+    if array.dtype.kind == "M":
+        if np.datetime_data(array.dtype)[0] in _WITHOUT_HOUR:
+            raise ParameterError(f"{array.flat[0]} is a day; give dates with an hour")
+        _require_known(array, np.isnat(array))
+        whole = array.astype("datetime64[s]")  # of which there are enough for any year
+        epoch = _EPOCH.astype(whole.dtype)
+        second = np.timedelta64(1, "s")
+        return ((whole - epoch) / second + (array - whole) / second)[()]
+    if array.dtype.kind in "OU" and array.ndim:
+        each = [seconds_of(one) for one in array.ravel().tolist()]
+        return np.reshape(np.array(each, float), array.shape)
+    if array.dtype.kind not in "iuf":
+        raise ParameterError(f"time = {instant!s:.60} {_NO_DATE}")
+    return _require_numbers(array if isinstance(instant, list | tuple) else instant)
+
+
+def _seconds_of_date(instant: str | datetime.date) -> float:
     require_hour(instant)
     if isinstance(instant, str):
         try:
             instant = datetime.datetime.fromisoformat(instant)
         except ValueError:
-            raise ParameterError(
-                f'time = "{instant}" is not a date; write it such as 2026-06-21T12:00:00Z'
-            ) from None
-    if isinstance(instant, datetime.datetime):
-        if instant.tzinfo is None:
-            instant = instant.replace(tzinfo=datetime.UTC)
-        return (instant - EPOCH).total_seconds()
-    if isinstance(instant, np.datetime64):
-        return float((instant.astype("datetime64[ns]") - _EPOCH).astype(float) / _NANOSECONDS)
-    return instant
+            raise ParameterError(f'time = "{instant}" {_NO_DATE}') from None
+    _require_known(instant, instant != instant)  # as NaT alone is
+    if instant.tzinfo is None:
+        instant = instant.replace(tzinfo=datetime.UTC)
+    return float((instant - EPOCH).total_seconds())
+
+
+def _require_numbers(seconds: Any) -> Any:
+    if isinstance(seconds, bool | np.timedelta64):
+        raise ParameterError(f"time = {seconds} {_NO_DATE}")
+    if is_concrete(seconds):
+        _require_known(seconds, np.isnan(np.asarray(seconds)))
+    return seconds
+
+
+def _require_known(instant: Any, unknown: Any) -> None:
+    if np.any(unknown):
+        bad = np.asarray(instant)[unknown].flat[0] if np.ndim(unknown) else instant
+        raise ParameterError(f"time = {bad} {_NO_DATE}")
 
 
 def dates_of(seconds: Any) -> np.ndarray:

@@ -450,7 +450,12 @@ def require_record(name: str, kinds: tuple[type, ...], value: Any) -> Any:
     if isinstance(value, kinds):
         return value
     wanted = " or ".join("None" if kind is NoneType else kind.__name__ for kind in kinds)
-    raise ParameterError(f"{name} must be of class {wanted}, not {type(value).__name__}")
+    given = type(value).__name__
+    if isinstance(value, type):
+        given = f"the class {value.__name__} itself; write {value.__name__}(...)"
+    elif isinstance(value, str):
+        given = f'the text "{value:.40}"'
+    raise ParameterError(f"{name} must be of class {wanted}, not {given}")
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from lightflyer.array.records import Module, field
 from lightflyer.budget.payload import Budget
+from lightflyer.core.quantity import require_record
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
@@ -23,7 +24,7 @@ class Setup(Module):
     Raises
     ------
     ParameterError
-        If the model is not for the flyer.
+        If a part is of another class, or the model is not for the flyer.
     """
 
     flyer: AbstractFlyer
@@ -33,6 +34,9 @@ class Setup(Module):
     budget: Budget | None = None
 
     def __check_init__(self) -> None:
+        require_record("flyer", (AbstractFlyer,), self.flyer)
+        require_record("environment", (AbstractEnvironment,), self.environment)
+        require_record("model", (AbstractForceModel,), self.model)
         self.model.require_flyer(type(self.flyer))
 
     @property

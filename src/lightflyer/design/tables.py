@@ -7,6 +7,7 @@ import numpy as np
 
 from lightflyer.array.namespace import Numeric, xp
 from lightflyer.core.entry_point import elementwise_entry_point
+from lightflyer.core.errors import ParameterError
 from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.outputs import outputs_of
 from lightflyer.design.setup import Setup
@@ -73,6 +74,13 @@ def table_of(
     table = tabulated(setup, coordinates, irradiance, tuple(names))
     groups = [group for group in ("", LEVITATION, NIGHT) if group + "converged" in table]
     solved = {group: table[group + "converged"] >= 0.5 for group in groups}
+    if "" in solved and "lift_over_weight" in table:
+        lost = solved[""] & np.isnan(table["lift_over_weight"])
+        if lost.any():
+            raise ParameterError(
+                f"force() of {type(setup.model).__name__} gives NaN at {lost.sum()} of {lost.size} "
+                "places, at temperatures that balance the heat"
+            )
     for group, good in solved.items():
         if np.sum(~good) > max(_FEW, _SMALL_SHARE * good.size):
             status = np.where(good, int(SolverStatus.CONVERGED), int(SolverStatus.TOLERANCE_MISSED))

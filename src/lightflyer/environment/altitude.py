@@ -1,18 +1,21 @@
 """What environments have in common whose coordinate is an altitude."""
 
-from typing import ClassVar
+import warnings
+from typing import Any, ClassVar
 
 import numpy as np
 import pydantic
 
-from lightflyer.array.namespace import Numeric
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.array.namespace import Numeric, call
+from lightflyer.core.checks import is_concrete
+from lightflyer.core.errors import ConfigurationError, ParameterWarning
 from lightflyer.core.quantity import Altitude, Length
 from lightflyer.core.text import span
 from lightflyer.environment.base import Coordinate
 from lightflyer.environment.section import EnvironmentSection
 
 _SPACING = 1000.0  # metres, which resolves the layers of every atmosphere
+_LIKE_KILOMETRES = 150.0  # metres, to which no flyer comes but in a fall; so many km have air
 
 
 def altitude_coordinate(altitude_range: tuple[float, float], highest_searched: float) -> Coordinate:
@@ -42,6 +45,24 @@ def altitude_coordinate(altitude_range: tuple[float, float], highest_searched: f
         easiest_keys=("minimum_irradiance", "value_w_m2"),
         step=_SPACING,
     )
+
+
+def warn_of_kilometres(given: Any) -> None:
+    """Warn of altitudes that look like kilometres: bare numbers, which are metres."""
+    # numbers and lists, as scripts have them; a flight's course may well be near the ground
+    bare = isinstance(given, int | float | list | tuple) or getattr(given, "size", 0) > 1
+    has_unit = hasattr(given, "magnitude") or hasattr(given, "attrs")
+    if call.depth or has_unit or not bare or not is_concrete(given):
+        return
+    low, high = np.min(given), np.max(given)
+    if low > 0.0 and high <= _LIKE_KILOMETRES:
+        said = f"{low:g} m" if low == high else f"{low:g} to {high:g} m"
+        warnings.warn(
+            f"altitude of {said}, near the ground: bare numbers are metres; for kilometres write "
+            f'"{high:g} km" or {1e3 * high:g}',
+            ParameterWarning,
+            stacklevel=3,
+        )
 
 
 def describe_floor(floor: Numeric | None) -> tuple[str, ...]:

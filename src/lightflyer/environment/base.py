@@ -1,6 +1,7 @@
 """Base classes of environments: state of the surroundings, place, coordinate."""
 
 import abc
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -8,7 +9,9 @@ import numpy as np
 
 from lightflyer.array.namespace import Numeric
 from lightflyer.array.records import AbstractVar
+from lightflyer.core.checks import is_concrete
 from lightflyer.core.clock import date_text, seconds_of
+from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Acceleration,
@@ -28,6 +31,7 @@ from lightflyer.gas.base import AbstractGas
 
 _DIGITS = (range(1, 10), (1, 2, 3, 5), (1, 2, 5), (1, 3), (1,))  # of round pressures
 _STEPS = (1.0, 2.0, 5.0, 10.0)  # of round altitudes
+_ROUNDING = 1e-9
 _DEGREES = tuple(quantity_of(kind) or Quantity() for kind in (Latitude, Longitude))
 
 
@@ -39,16 +43,46 @@ class Wind(NamedTuple):
     up: Numeric  #: Components [m/s]
 
 
-class Place(NamedTuple):
-    """Place on a planet and time: what the coordinate of an environment leaves open."""
-
+class _Place(NamedTuple):
     latitude: Numeric  #: Geodetic, north and east positive [rad]
     longitude: Numeric  #: Geodetic, north and east positive [rad]
     time: Numeric  #: Seconds since 2000-01-01 12:00 UTC [s]
 
+
+class Place(_Place):
+    """Place on a planet and time: what the coordinate of an environment leaves open.
+
+    Raises
+    ------
+    ParameterError
+        If a latitude is beyond π/2, or a longitude two turns away: :meth:`at` takes degrees.
+    """
+
+    __slots__ = ()
+
+    def __new__(cls, latitude: Numeric, longitude: Numeric, time: Numeric) -> "Place":
+        for name, angle, highest in (
+            ("latitude", latitude, 0.5 * np.pi), ("longitude", longitude, 4.0 * np.pi)
+        ):  # fmt: skip
+            if is_concrete(angle):
+                beyond = np.abs(angle) > highest * (1.0 + _ROUNDING)
+                if np.any(beyond):
+                    raise ParameterError(
+                        f"{name} = {np.ravel(angle)[np.ravel(beyond)][0]:g} rad is more than "
+                        f"{highest:.4g} rad; Place.at(date, latitude, longitude) takes degrees"
+                    )
+        return super().__new__(cls, latitude, longitude, time)
+
+    @classmethod
+    def _make(cls, parts: Iterable[Any]) -> "Place":
+        return cls(*parts)  # checked, as ``_replace`` comes here
+
     @classmethod
     def at(cls, date: Any, latitude: Numeric, longitude: Numeric) -> "Place":
         """A place from a date and degrees; ``latitude``, ``longitude`` [deg].
+
+        ``date``: a text, a date of Python, NumPy or pandas, an array or a list of them, or seconds
+        since 2000-01-01 12:00 UTC. Without a zone it is UTC.
 
         Examples
         --------

@@ -18,6 +18,7 @@ from lightflyer.environment.altitude import (
     AltitudeSection,
     altitude_coordinate,
     describe_floor,
+    warn_of_kilometres,
 )
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import (
@@ -114,6 +115,7 @@ class Planetary(AbstractEnvironment):
 
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
         """Surroundings at an altitude; ``coordinate``: geometric altitude."""
+        warn_of_kilometres(coordinate)
         altitude = self.coordinate.quantity.number("altitude", coordinate)
         require_range("altitude [m]", altitude, *self.atmosphere.altitude_range)
         wind = None if place is None else self.wind

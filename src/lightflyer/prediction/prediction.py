@@ -29,6 +29,7 @@ from lightflyer.design.outputs import (
 )
 from lightflyer.design.setup import Setup
 from lightflyer.design.tables import predicted_names
+from lightflyer.environment.altitude import warn_of_kilometres
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
@@ -315,7 +316,10 @@ def predict(
     >>> [f"{edge / 1e3:.2f} km" for edge in found.bands[0]]
     ['68.02 km', '78.05 km']
     """
-    return predict_design(as_design(what, environment, model), at)
+    design = as_design(what, environment, model)
+    if design.setup.environment.coordinate.name == "altitude":
+        warn_of_kilometres(at)
+    return predict_design(design, at)
 
 
 def predict_design(

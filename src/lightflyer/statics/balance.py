@@ -289,6 +289,7 @@ def require_converged(what: str, status: Numeric, residual: Numeric) -> None:
     why = describe_status(np.asarray(status)[failed])
     raise ConvergenceError(
         f"{what}: {failed.sum()} of {failed.size} not converged ({why}), largest relative residual "
-        f"{worst:.2g}; check that inputs are finite and that the force model's heat loss "
-        "increases with temperature, or pass throw=False and read `converged`"
+        f"{worst:.2g}; check that inputs are finite, and that heat_loss() and force() of the model "
+        "give numbers, the first of which increase with temperature; or pass throw=False and read "
+        "`converged`"
     )

@@ -95,6 +95,8 @@ class FlightEquations(Module):
                 f"heat_loss() of {type(self.model).__name__} must give a tuple with a power for "
                 f"each node of the flyer ({', '.join(nodes)}), not {given}"
             )
+        for power in gas:
+            self._require_fit("heat_loss", power, unknowns)
         return gas, self.flyer.heat_losses(self.state, unknowns)
 
     def losses(self, unknowns: tuple[Any, ...]) -> tuple[Array, ...]:
@@ -111,24 +113,38 @@ class FlightEquations(Module):
         force = self.model.force(self.flyer, self.state, unknowns)
         if not hasattr(force, "dtype") and not isinstance(force, float):
             raise ParameterError(f"force() must give an array, not {type(force).__name__}")
+        self._require_fit("force", force, unknowns)
         if self.flyer.attitude is not None:
             force = force * xp.cos(self.flyer.attitude.tilt)
         return force + self.buoyancy(unknowns)
 
-    def require_force(self, force: Any, converged: Any) -> None:
-        """Raise unless a force of a model has the shape of flyer and surroundings, and numbers."""
-        if is_traced(force):
+    def _require_fit(self, method: str, found: Any, unknowns: tuple[Any, ...] = ()) -> None:
+        """Raise unless a model of the user's gives numbers, of the shape of what it was given."""
+        if type(self.model).__module__.startswith("lightflyer.") or is_traced(found):
             return
-        name = f"force() of {type(self.model).__name__}"
+        name = f"{method}() of {type(self.model).__name__}"
+        if np.asarray(found).dtype.kind not in "fiu":
+            raise ParameterError(f"{name} must give real numbers, not {found!s:.40}")
         parts = (self.flyer, "flyer."), (self.state, "state."), (self.model, "")
         shapes = [shape for part in parts for shape in shapes_in(*part).values()]
-        if np.shape(force) != (expected := np.broadcast_shapes(*shapes)):
+        expected = np.broadcast_shapes(*shapes, *map(np.shape, unknowns))
+        try:
+            fits = np.broadcast_shapes(np.shape(found), expected) == expected
+        except ValueError:
+            fits = False
+        if not fits:
             raise ParameterError(
-                f"{name} gives an array of shape {np.shape(force)} where flyer and surroundings "
+                f"{name} gives an array of shape {np.shape(found)} where flyer and surroundings "
                 f"have {expected}"
             )
-        if np.any(np.isnan(force) & converged):
-            raise ParameterError(f"{name} gives NaN at temperatures that balance the heat")
+
+    def require_force(self, force: Any, converged: Any) -> None:
+        """Raise unless a force of a model is a number wherever the heat is in balance."""
+        if not is_traced(force) and np.any(np.isnan(force) & converged):
+            raise ParameterError(
+                f"force() of {type(self.model).__name__} gives NaN at temperatures that balance "
+                "the heat"
+            )
 
     def buoyancy(self, unknowns: tuple[Any, ...]) -> Numeric:
         """Buoyancy that the model adds to its force [N]; zero for a published one that has none."""

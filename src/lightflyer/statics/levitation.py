@@ -120,12 +120,13 @@ def _levitate(equations: FlightEquations) -> Levitation:
     residual = xp.where(levitates, found.residual, 0.0)
     status = status_within(found.status, residual, LOAD_TOLERANCE)
     status = xp.where(levitates, status, int(SolverStatus.CONVERGED))
+    unknown = xp.isnan(found.strongest) | (found.levitates & xp.isnan(found.irradiance))
     return Levitation(
         irradiance=xp.where(levitates, xp.maximum(found.irradiance, 0.0), np.inf),
         temperature=xp.where(levitates, found.temperature, np.nan),
         levitates=levitates,
         residual=residual,
-        status=xp.where(xp.isnan(found.strongest), int(SolverStatus.NOT_FINITE), status),
+        status=xp.where(unknown, int(SolverStatus.NOT_FINITE), status),
     )
 
 

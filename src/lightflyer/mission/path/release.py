@@ -16,9 +16,12 @@ from lightflyer.core.quantity import (
     Checked,
     Latitude,
     Longitude,
+    Quantity,
     Velocity,
+    quantity_of,
     require_record,
 )
+from lightflyer.environment.altitude import warn_of_kilometres
 from lightflyer.environment.base import AbstractEnvironment, Place, Wind
 from lightflyer.environment.radiation import Attitude
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Moment
@@ -30,6 +33,11 @@ _BY_ONE = "truth value of an array", "only length-1 arrays", "only 0-dimensional
 """Of what Python says where an array stands in the place of a number."""
 
 _YEARS = 1950, 2050  # in which the algorithm of the sun's place is good to 0.002°
+
+
+def _altitude(given: Any) -> Any:
+    warn_of_kilometres(given)
+    return (quantity_of(Altitude) or Quantity()).number("altitude", given)
 
 
 class Release(Checked):
@@ -46,7 +54,7 @@ class Release(Checked):
     60.0
     """
 
-    altitude: Altitude  #: Geometric altitude [m]
+    altitude: Altitude = field(converter=_altitude)  #: Geometric altitude [m]
     latitude: Latitude  #: Geodetic [deg], north and east positive
     longitude: Longitude  #: Geodetic [deg], north and east positive
     #: Seconds since 2000-01-01 12:00 UTC [s]. Constructors take a date too: a

@@ -161,7 +161,7 @@ def by_temperature(data):
 @pytest.mark.slow
 @pytest.mark.parametrize("layout", [era5, merra2, icon, by_temperature])
 def test_what_is_read_of_a_large_file_is_what_it_has(tmp_path, monkeypatch, layout):
-    """Over both poles and the date line, with parts of six nodes by six."""
+    """Over both poles and the date line, place after place and all at once."""
     path = tmp_path / "weather.nc"
     layout(canonical()).to_netcdf(path, engine="h5netcdf")
     whole = GriddedWind.from_file(path)
@@ -176,6 +176,11 @@ def test_what_is_read_of_a_large_file_is_what_it_has(tmp_path, monkeypatch, layo
     since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
     place = Place(latitude, longitude, since + 64800.0 * generator.uniform(0.0, 1.0, 10))
     altitude = generator.uniform(low, 42e3, 10)
+    for order in (range(3, 10), range(9, -1, -1)):
+        fresh = GriddedWind.from_file(path)
+        for row in order:
+            where = altitude[row], Place(*(part[row] for part in place))
+            np.testing.assert_allclose(fresh.velocity(*where), whole.velocity(*where), atol=1e-12)
     found = wind.velocity(altitude, place)
     np.testing.assert_allclose(found, whole.velocity(altitude, place), atol=1e-12)
     with pytest.raises(lf.ParameterError, match="not under JAX"):

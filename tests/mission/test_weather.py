@@ -1,7 +1,6 @@
-"""Missions in winds of files of which only parts are in memory, and where data end."""
+"""Missions in winds of files of which only a window is in memory, and where data end."""
 
 import os
-from itertools import chain, repeat
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ import lightflyer as lf
 from lightflyer.config.designs import as_design
 from lightflyer.environment import GriddedWind, UniformWind, WindBeyondData
 from lightflyer.environment.wind import store
-from lightflyer.mission import by_parts
 from lightflyer.mission.kept import describe_work
 from lightflyer.mission.report.events import Event, at_event, read_events
 from lightflyer.mission.report.summary import summarise
@@ -56,28 +54,31 @@ def fly(path, *, hour=1, altitude="50 km", duration="10 h", beyond=None, **more)
 
 @pytest.fixture
 def both(path, monkeypatch):
-    """A flight with all of the file in memory, and with parts of it."""
+    """A flight with all of the file in memory, and with windows of it."""
 
     def fly_both(**given):
         whole = fly(path, **given)
-        reads, grid = [], store.Store._grid
+        windows, read = [], store.Store._read
+
+        def watched(self, tabulate):
+            windows.append([len(nodes) for nodes in self._window])
+            read(self, tabulate)
+
         monkeypatch.setattr(store, "KEPT", 3000)
-        monkeypatch.setattr(
-            store.Store, "_grid", lambda self, part: reads.append(part) or grid(self, part)
-        )
+        monkeypatch.setattr(store.Store, "_read", watched)
         parts = fly(path, **given)
-        assert len({part.first for part in reads}) > 1
+        assert np.prod(windows[-1]) < 0.1 * 13 * 73 * 144
         return whole, parts
 
     return fly_both
 
 
 @pytest.mark.slow
-def test_a_flight_by_parts_is_the_flight(both):
+def test_a_flight_through_a_window_is_the_flight(both):
     whole, parts = both(duration="6 h")
     assert whole.attrs["end"] == "is still flying at the end of its time"
     for name in ("altitude", "latitude", "longitude", "wind_east", "wind_north", "temperature"):
-        np.testing.assert_allclose(parts[name], whole[name], rtol=1e-7, atol=1e-6)
+        np.testing.assert_allclose(parts[name], whole[name], rtol=1e-10, atol=1e-10)
     hours = (parts.time.values - START) / np.timedelta64(1, "h")
     place = np.radians(parts.latitude.values), np.radians(parts.longitude.values)
     east, north = truth(parts.altitude.values / 1e3, hours, *place)
@@ -86,12 +87,11 @@ def test_a_flight_by_parts_is_the_flight(both):
 
 
 @pytest.mark.slow
-def test_a_flight_by_parts_goes_on_beyond_the_data(both):
+def test_a_flight_through_a_window_goes_on_beyond_the_data(both):
     whole, parts = both(duration="6 h", altitude="58 km", beyond=UniformWind(20.0))
     assert float(whole.altitude[-1]) > 60e3
     for name in ("altitude", "latitude", "longitude", "wind_east"):
-        # the wind has a kink where its data end, and each cuts its time there anew: 0.2 m
-        np.testing.assert_allclose(parts[name], whole[name], rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(parts[name], whole[name], rtol=1e-10, atol=1e-10)
 
 
 @pytest.mark.slow
@@ -101,36 +101,28 @@ def test_who_chooses_its_wind_sees_all_levels(both):
     whole, parts = both(attitude=rule, duration="3 h")
     assert np.ptp(whole.light_share.values) > 0.01  # by the wind elsewhere
     for name in ("altitude", "longitude", "light_share", "temperature", "event_temperature"):
-        np.testing.assert_allclose(parts[name], whole[name], rtol=1e-7, atol=1e-7)
+        np.testing.assert_allclose(parts[name], whole[name], rtol=1e-10, atol=1e-10)
 
 
 @pytest.mark.slow
-def test_an_ensemble_by_parts_is_the_ensemble_and_ends_where_the_file_does(both):
+def test_an_ensemble_through_a_window_is_the_ensemble_and_ends_where_the_file_does(both):
     ensemble = lf.mission.Ensemble(members=8, wind=10.0, time=1800.0, distance=9e3)
     whole, parts = both(ensemble=ensemble, hour=18, duration="8 h")
     assert "time after the data" in parts.attrs["end"]
     assert float(parts.end_elapsed) == pytest.approx(6 * 3600.0, abs=1.0)
     for name in ("altitude", "latitude", "longitude", "end_elapsed", "end_longitude"):
         ours, theirs = parts[f"ensemble_{name}"], whole[f"ensemble_{name}"]
-        np.testing.assert_allclose(ours, theirs, rtol=1e-5, atol=1e-2)
+        np.testing.assert_allclose(ours, theirs, rtol=1e-10, atol=1e-10)
     assert np.ptp(parts.ensemble_end_elapsed.values) > 1800.0
     np.testing.assert_array_equal(parts.ensemble_end_reason, whole.ensemble_end_reason)
 
 
-@pytest.mark.slow
-def test_an_interrupted_ensemble_by_parts_goes_on_and_is_the_same(path, monkeypatch, tmp_path):
+def test_flights_that_need_more_of_a_file_than_fits_say_what_to_do(path, monkeypatch):
     monkeypatch.setattr(store, "KEPT", 3000)
-    folder = tmp_path / "flights"
-    given = {"ensemble": lf.mission.Ensemble(members=6, wind=10.0), "duration": "12 h"}
-    whole = fly(path, **given)
-    asked = chain([False], repeat(True))
-    with monkeypatch.context() as patch:
-        patch.setattr(by_parts, "asked_to_end", lambda: next(asked))
-        fly(path, **given, folder=folder)
-    kept = len(list(folder.glob("*.npz")))
-    again = fly(path, **given, folder=folder)
-    assert 0 < kept < len(list(folder.glob("*.npz")))  # stages
-    assert again.identical(whole)
+    monkeypatch.setattr(store, "LARGEST_WINDOW", 11 * 6 * 10 * 10)
+    assert fly(path, duration="2 h").attrs["end"] == "is still flying at the end of its time"
+    with pytest.raises(lf.ConfigurationError, match=r"points of the wind \(13 times, 11 levels, "):
+        fly(path, duration="22 h")
 
 
 @pytest.mark.slow

@@ -24,7 +24,7 @@ from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.mission.kept import Keep, keep_nothing
 from lightflyer.mission.path.attitude import AbstractAttitudeRule
-from lightflyer.mission.path.dynamics import Balanced, scale
+from lightflyer.mission.path.dynamics import Balanced, follow, scale
 from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track, integrate
 from lightflyer.mission.path.motion import Craft, planet_of
 from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
@@ -263,6 +263,9 @@ def fly_all(
     keep: Keep = keep_nothing,
 ) -> Track:
     """Trajectories of flights; ``elapsed``: times to keep, shape (times,)."""
+    if flights.together and flights.craft.waves is not None:
+        guide, _ = follow(*guide_of(flights), limits, elapsed, accuracy)
+        flights = around_guide(flights, guide, elapsed)
     # Fewer than there are flights where a user asks for an early end. ``first``: that of the first
     # flight, where it is known. ``keep``: has those of an interrupted call.
     count, alone = flights.count, int(first is not None)

@@ -21,9 +21,8 @@ from lightflyer.environment.wind.beyond import with_end_of_data
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import Circle
-from lightflyer.mission.by_parts import fly_many
 from lightflyer.mission.first_seconds import begin
-from lightflyer.mission.fleet import BATCH, Ensemble, Flights, flights_of, one_of
+from lightflyer.mission.fleet import BATCH, Ensemble, Flights, flights_of, fly_all, one_of
 from lightflyer.mission.kept import Keep, describe_work, keep_in, keep_nothing
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.dynamics import Inertia, follow
@@ -39,7 +38,6 @@ from lightflyer.mission.path.moments import (
     VARIABLES,
     Course,
     Variable,
-    in_met_winds,
     moments,
     node_variables,
 )
@@ -57,7 +55,7 @@ from lightflyer.mission.report.assumptions import assumptions_of, describe_objec
 from lightflyer.mission.report.dataset import Several, add_several, add_survival, dataset_of
 from lightflyer.mission.report.departure import add_departure, since
 from lightflyer.mission.report.diagnostics import diagnose_flight, termination_text
-from lightflyer.mission.report.events import add_events, close_look, close_times, events_of
+from lightflyer.mission.report.events import add_events, close_look, events_of
 from lightflyer.mission.report.landing import HIGHEST_GROUND, Landing, add_landing
 from lightflyer.mission.report.station import add_station, stay_of
 from lightflyer.mission.telemetry import Receiver, add_telemetry
@@ -189,11 +187,9 @@ def fly(
         rest = limits, begun.elapsed, plan.accuracy
         start = mission.start if begun.tracks is None else one_of(begun.flights, 0)[1]
         balanced, later = follow(mission.craft, start, *rest)
-        tracks, way = begun.join(fly_many(begun.flights, *rest, balanced, keep)), begun.whole(later)
+        tracks, way = begun.join(fly_all(begun.flights, *rest, balanced, keep)), begun.whole(later)
     first = _rows(tracks, 0)
-    # read once, for all that is looked at below
-    known = np.union1d(close_times(way), elapsed[np.isfinite(first.altitude)])
-    craft = in_met_winds(mission.craft, Course(known, *way(known), released))
+    craft = mission.craft
     closely = close_look(craft, way, released)
     dataset = _fly(mission, craft, plan, first)
     ending = with_end_of_data(mission.setup.environment)

@@ -2,7 +2,7 @@
 
 import abc
 from functools import reduce
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -79,3 +79,14 @@ class AbstractWind(Module):
 def _blank_unreached(wind: Wind, margins: tuple[Numeric, ...]) -> Wind:
     reached = reduce(xp.logical_and, [margin >= 0.0 for margin in margins])
     return Wind(*(xp.where(reached, part, np.nan) for part in wind))
+
+
+def next_to(middle: Numeric, longitude: Numeric) -> Any:
+    """The turn of a longitude that is next to another [rad]."""
+    return middle + (longitude - middle + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def near_poles(latitude: np.ndarray) -> tuple[bool, bool]:
+    """Whether parallels reach the south and the north pole to within their spacing."""
+    near = 0.5 * np.pi - 1.01 * float(np.diff(latitude).max(initial=0.0))
+    return bool(latitude[0] < -near), bool(latitude[-1] > near)

@@ -1,6 +1,6 @@
 """Wind from data where they reach, and from another wind above, below and beside them."""
 
-from functools import partial, reduce
+from functools import reduce
 from typing import Any
 
 from lightflyer.array import tree
@@ -10,8 +10,7 @@ from lightflyer.core.quantity import Altitude, require_record
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind, Air
-from lightflyer.environment.wind.gridded import GriddedWind, by_parts
-from lightflyer.environment.wind.reach import TWO_KILOMETRES
+from lightflyer.environment.wind.gridded import TWO_KILOMETRES, GriddedWind
 
 
 class WindBeyondData(AbstractWind):
@@ -41,14 +40,12 @@ class WindBeyondData(AbstractWind):
         self.data, self.beyond = data, beyond
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
-        found = Wind(*by_parts(_velocity, self, altitude, place, Wind))
-        return self._require_margins(altitude, place, found)
+        return self._require_margins(altitude, place, _velocity(self, altitude, place))
 
     def air(self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere) -> Air | None:
         if not self.data.has_air:
             return None
-        look = partial(_air, atmosphere=atmosphere)
-        return Air(*by_parts(look, self, altitude, place, Air))
+        return _air(self, altitude, place, atmosphere)
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         within = _within(self.data, altitude, place) - 1.0

@@ -1,32 +1,108 @@
 """Wind from data on a grid: a reanalysis, a forecast, a climatology."""
 
 import math
-from collections.abc import Callable, Iterator
-from functools import partial, reduce
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from lightflyer.array import tree
 from lightflyer.array.namespace import Numeric, xp
-from lightflyer.array.records import field
+from lightflyer.array.records import Module, field
 from lightflyer.core.checks import is_traced
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError, ParameterError
-from lightflyer.core.quantity import Altitude
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
-from lightflyer.environment.wind.base import AbstractWind, Air
-from lightflyer.environment.wind.dataset import WindGrid, read_grid
-from lightflyer.environment.wind.reach import Reach, next_to
+from lightflyer.environment.wind.base import AbstractWind, Air, near_poles, next_to
+from lightflyer.environment.wind.dataset import EPOCH, WindGrid, read_grid
 from lightflyer.environment.wind.store import Store, open_wind
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 
-T = TypeVar("T")
-
 _TURN = 2.0 * np.pi
 _SPACING_OF_TIDES = 21_600.0  # seconds between entries that still tell half a day's tide
+
+
+# Units of margins, in which ends compare.
+_HOUR = 3600.0
+TWO_KILOMETRES = 2e3
+_LOG_PRESSURE = 0.3  # of the same order
+_ONE_DEGREE = RADIANS_PER_DEGREE
+
+_TAKES_OVER = 'beyond = "gradient", in Python WindBeyondData, has another wind take over there'
+_SIDES = {
+    "time": ("before", "after"),
+    "altitude": ("below", "above"),
+    "latitude": ("south of", "north of"),
+    "longitude": ("west of", "east of"),
+}
+
+
+class Reach(Module):
+    """First and last coordinates of data on a grid."""
+
+    atmosphere: AbstractAtmosphere | None  # by whose pressure levels are found; None by altitude
+    # of time, level, latitude and longitude
+    ends: tuple[tuple[float, float], ...] = field(static=True)
+    around: bool = field(static=True)  # Whether longitudes go round the planet
+
+    def level(self, altitude: Altitude, place: Place) -> Any:
+        """Coordinate of an altitude: itself, or the negative logarithm of its pressure in Pa."""
+        if self.atmosphere is None:
+            return altitude
+        return _minus_log_pressure(self.atmosphere, altitude, place)
+
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
+        """How far the data still reach, as :meth:`~.base.AbstractWind.margins` has it."""
+        time, level, latitude, longitude = self.ends
+        found: dict[str, Numeric] = {}
+        if time[0] != time[1]:
+            found |= _margins("time", place.time, time, _HOUR, *map(_date, time))
+        lowest, highest = self._level_names()
+        unit = TWO_KILOMETRES if self.atmosphere is None else _LOG_PRESSURE
+        height = self.level(altitude, place)
+        found |= _margins("altitude", height, level, unit, lowest, f"{highest}; {_TAKES_OVER}")
+        south, north = (f"{end / RADIANS_PER_DEGREE:.4g}°" for end in latitude)
+        if np.ptp(latitude) < np.pi:
+            found |= _margins("latitude", place.latitude, latitude, _ONE_DEGREE, south, north)
+        west, east = (f"{end / RADIANS_PER_DEGREE:.4g}°" for end in longitude)
+        if not self.around:
+            near = next_to(0.5 * sum(longitude), place.longitude)
+            found |= _margins("longitude", near, longitude, _ONE_DEGREE, west, east)
+        return found
+
+    def describe(self) -> str:
+        """Times and levels, in words."""
+        begin, end = (_date(value) for value in self.ends[0])
+        period = "constant in time" if begin == end else f"{begin} to {end}"
+        return f"{period}, {' to '.join(self._level_names())}"
+
+    def _level_names(self) -> tuple[str, str]:
+        low, high = self.ends[1]
+        if self.atmosphere is None:
+            return f"{low / 1e3:.4g} km", f"{high / 1e3:.4g} km"
+        return f"{np.exp(-low):.4g} Pa", f"{np.exp(-high):.4g} Pa"
+
+
+def _margins(
+    name: str, value: Numeric, ends: tuple[float, float], unit: float, first: str, last: str
+) -> dict[str, Numeric]:
+    (low, high), (below, above) = ends, _SIDES[name]
+    return {
+        f"{name} {below} the data of the wind, which begin at {first}": (value - low) / unit,
+        f"{name} {above} the data of the wind, which end at {last}": (high - value) / unit,
+    }
+
+
+def _date(seconds: float) -> str:
+    date = EPOCH + np.timedelta64(round(seconds), "s")
+    return f"{np.datetime_as_string(date, unit='m')} UTC"
+
+
+@entry_point
+def _minus_log_pressure(atmosphere: AbstractAtmosphere, altitude: Altitude, place: Place) -> Any:
+    return -xp.log(atmosphere.pressure(altitude, place))
 
 
 class GriddedWind(AbstractWind):
@@ -78,8 +154,7 @@ class GriddedWind(AbstractWind):
     """
 
     table: Any  # None where the data are in their files
-    axes: tuple[Axis, Axis, Axis, Axis] | None
-    bounds: Any  # shape (4, 2); between which the table is the data's; None for everywhere
+    axes: Any  # of the table: of time, level, latitude and longitude
     reach: Reach
     rises: bool = field(static=True)
     has_air: bool = field(static=True)
@@ -96,7 +171,7 @@ class GriddedWind(AbstractWind):
             raise ConfigurationError(
                 "winds: on pressure levels need an atmosphere, which knows their altitudes"
             )
-        self.told, self.bounds = grid.told, None
+        self.told = grid.told
         if isinstance(grid, Store):
             self.store, self.table, self.axes, self.rises = grid, None, None, grid.rises
             self.has_air = air and grid.has_air
@@ -109,7 +184,7 @@ class GriddedWind(AbstractWind):
         self.spacing = float(np.diff(coordinates[0]).max(initial=0.0)) or math.inf
         ends = [(float(axis[0]), float(axis[-1])) for axis in coordinates]
         if grid.around:
-            south, north = _near_poles(coordinates[2])
+            south, north = near_poles(coordinates[2])
             pole = 0.5 * np.pi
             ends[2] = (-pole if south else ends[2][0], pole if north else ends[2][1])
         known = atmosphere if grid.by_pressure else None
@@ -122,7 +197,7 @@ class GriddedWind(AbstractWind):
         """Wind from a NetCDF or GRIB file, or from all that match a pattern such as ``era5-*.nc``.
 
         ``atmosphere``, ``air``: as of the class. Of more than 2.5 million points of a variable only
-        a part is in memory, that around a place, and the next one is read where it is wanted.
+        a window is in memory, around all places that were asked for. It may have 40 million points.
         """
         try:
             return cls(open_wind(path), atmosphere, air=air)
@@ -133,49 +208,30 @@ class GriddedWind(AbstractWind):
             ) from None
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
-        if self.table is None:
-            found = Wind(*by_parts(GriddedWind.velocity, self, altitude, place, Wind))
-            return self._require_margins(altitude, place, found)
-        wind = self.at_level(self.reach.level(altitude, place), place)[:3]
+        wind = self._at(altitude, place)[:3]
         return self._require_margins(altitude, place, Wind(*wind))
 
-    def at_level(self, level: Numeric, place: Place) -> tuple[Any, ...]:
-        """Wind and air of a table at a coordinate of its levels, wherever it ends.
-
-        East, north, up [m/s], and where known temperature [K] and logarithm of the pressure.
-        """
-        assert self.axes is not None
-        longitude = self._longitude(place)
-        return _interpolate(self.table, self.axes, self.bounds, level, place, longitude)
-
     def air(self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere) -> Air | None:
+        del atmosphere
         if not self.has_air:
             return None
-        if self.table is None:
-            look = partial(GriddedWind.air, atmosphere=atmosphere)
-            return Air(*by_parts(look, self, altitude, place, Air))
-        temperature, log_pressure = self.at_level(self.reach.level(altitude, place), place)[3:]
+        temperature, log_pressure = self._at(altitude, place)[3:]
         return Air(temperature, xp.exp(log_pressure))
 
-    def part(self, place: Place) -> "GriddedWind":
-        """The wind around a place, in memory; everywhere where all is."""
-        if self.store is None:
-            return self
-        part = self.store.part_at(Place(*map(float, place)))
-        found = (*self.store.kept(part, _tabulate), self.store.bounds_of(part))
-        return tree.replace_at(lambda wind: (wind.table, wind.axes, wind.bounds), self, found)
-
-    def holds(self, place: Place) -> Any:
-        """Whether this part of the data is that of a place."""
-        if self.bounds is None:
-            return self.table is not None
-        return _is_within(self.bounds, (place.time, 0.0, place.latitude, self._longitude(place)))
-
-    def _longitude(self, place: Place) -> Any:
-        """The turn of a longitude that is next to the table."""
-        assert self.axes is not None
-        nodes = self.axes[3].nodes
-        return next_to(0.5 * (nodes[0] + nodes[-1]), place.longitude)
+    def _at(self, altitude: Altitude, place: Place) -> tuple[Any, ...]:
+        """East, north, up [m/s], and where known temperature [K] and logarithm of the pressure."""
+        table, axes = self.table, self.axes
+        if self.store is not None:
+            if is_traced(altitude, place):
+                raise ParameterError(
+                    "winds of large files are read where a mission goes, not under JAX's "
+                    "transformations; select what is needed: "
+                    "GriddedWind(xarray.open_dataset(file).sel(...))"
+                )
+            table, axes = self.store.table_around(place, _tabulate)
+        nodes = axes[3].nodes
+        longitude = next_to(0.5 * (nodes[0] + nodes[-1]), place.longitude)
+        return _interpolate(table, axes, self.reach.level(altitude, place), place, longitude)
 
     def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         return self.reach.margins(altitude, place)
@@ -191,84 +247,21 @@ class GriddedWind(AbstractWind):
         return (f"wind: data, {self.reach.describe()}{upwards}{heights}", *air)
 
 
-def _is_within(bounds: Any, position: tuple[Any, ...]) -> Any:
-    found = True
-    for (low, high), x in zip(bounds, position, strict=True):
-        found = found & (x >= low) & (x <= high)
-    return found
-
-
-def parts_at(whole: T, place: Place) -> T:
-    """An object, such as an environment, whose winds from files are the parts around a place."""
-    found: T = tree.map_leaves(
-        lambda leaf: leaf.part(place) if _is_data(leaf) else leaf, whole, is_leaf=_is_data
-    )
-    return found
-
-
-def parts_along(whole: T, place: Place, wanted: np.ndarray) -> Iterator[tuple[T, np.ndarray]]:
-    """Trees as of :func:`parts_at`, one after the other, and which places each is for.
-
-    ``place``: arrays, shape (n,); ``wanted``: which of them there are data for, shape (n,).
-    """
-    left = wanted.copy()
-    while left.any():
-        first = int(np.argmax(left))
-        part = parts_at(whole, Place(*(values[first] for values in place)))
-        here = left & hold(part, place)
-        here[first] = True  # whatever rounding says
-        yield part, here
-        left &= ~here
-
-
 def winds_in_files(whole: Any) -> list[GriddedWind]:
-    """The winds of an object whose data are in files, or a part of them in memory."""
+    """The winds of an object, such as an environment, whose data are in files."""
     leaves = tree.leaves(whole, is_leaf=_is_data)
     return [leaf for leaf in leaves if _is_data(leaf) and leaf.store is not None]
-
-
-def hold(whole: Any, place: Place) -> Any:
-    """Whether the parts of all winds from files are those of a place."""
-    return reduce(np.logical_and, [wind.holds(place) for wind in winds_in_files(whole)], True)
 
 
 def _is_data(leaf: Any) -> bool:
     return isinstance(leaf, GriddedWind)
 
 
-def by_parts(
-    look: Callable[[Any, Any, Place], Any],
-    wind: Any,
-    altitude: Altitude,
-    place: Place,
-    kind: type[Wind] | type[Air],
-) -> Any:
-    """What a wind some of which is in files tells, part by part of these; NaN where it ends.
-
-    ``kind``: of what ``look`` returns, whose numbers are returned.
-    """
-    if all(one.table is not None for one in winds_in_files(wind)):
-        return look(wind, altitude, place)
-    if is_traced(altitude, place):
-        raise ParameterError(
-            "winds of large files are read where a mission goes, not under JAX's transformations; "
-            "select what is needed: GriddedWind(xarray.open_dataset(file).sel(...))"
-        )
-    shape = np.broadcast_shapes(*map(np.shape, (altitude, *place)))
-    height, *where = (np.broadcast_to(part, shape).ravel() for part in (altitude, *place))
-    flat = Place(*where)
-    inside = reduce(np.minimum, wind.margins(height, flat).values(), np.zeros(height.size)) >= 0.0
-    found = np.full((len(kind._fields), height.size), np.nan)
-    for part, here in parts_along(wind, flat, inside):
-        found[:, here] = look(part, height[here], Place(*(values[here] for values in flat)))
-    return [row.reshape(shape)[()] for row in found]
-
-
 def _tabulate(grid: WindGrid) -> tuple[np.ndarray, tuple[Axis, Axis, Axis, Axis]]:
     """Table of vectors and its axes, which go on over the poles where all meridians meet there."""
     table, nodes = _as_vectors(grid), grid.latitude
     if grid.around:
-        south, north = _near_poles(nodes)
+        south, north = near_poles(nodes)
         if south:
             table, nodes = _extend_over_pole(table, nodes)
         if north:
@@ -276,12 +269,6 @@ def _tabulate(grid: WindGrid) -> tuple[np.ndarray, tuple[Axis, Axis, Axis, Axis]
             table, nodes = turned[:, :, ::-1], -mirrored[::-1]
     around = _TURN if grid.around else None
     return table, (Axis(grid.time), Axis(grid.level), Axis(nodes), Axis(grid.longitude, around))
-
-
-def _near_poles(latitude: np.ndarray) -> tuple[bool, bool]:
-    """Whether parallels reach the south and the north pole to within their spacing."""
-    near = 0.5 * np.pi - 1.01 * float(np.diff(latitude).max(initial=0.0))
-    return bool(latitude[0] < -near), bool(latitude[-1] > near)
 
 
 def _as_vectors(grid: WindGrid) -> np.ndarray:
@@ -319,17 +306,9 @@ def _extend_over_pole(table: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarr
 
 @entry_point
 def _interpolate(
-    table: Any,
-    axes: tuple[Axis, ...],
-    bounds: Any,
-    level: Numeric,
-    place: Place,
-    longitude: Numeric,
+    table: Any, axes: tuple[Axis, ...], level: Numeric, place: Place, longitude: Numeric
 ) -> tuple[Any, ...]:
-    position = (place.time, level, place.latitude, longitude)
-    found = interpolate(table, axes, position)
-    if bounds is not None:  # beyond a part of the data there are others
-        found = xp.where(_is_within(bounds, position)[..., None], found, np.nan)
+    found = interpolate(table, axes, (place.time, level, place.latitude, longitude))
     east, north = _directions(place.latitude, place.longitude)
     horizontal = found[..., :3]
     along = (xp.sum(horizontal * part, axis=-1) for part in (east, north))

@@ -1,20 +1,21 @@
-"""Weather files that stay on the disk, of which parts are read where they are wanted.
+"""Weather files that stay on the disk, of which a window is in memory.
 
-A part has at its nodes what all files in memory would have there: the altitudes of all levels are
-found once, when the files are opened.
+The window reaches around all places that were asked for: it is widened where one lies beside it. At
+its nodes it has what all files in memory would have there: the altitudes of all levels are found
+once, when the files are opened.
 """
 
-import math
-from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from threading import Lock
+from typing import Any
 
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.progress import report
 from lightflyer.environment.base import Place
+from lightflyer.environment.wind.base import near_poles, next_to
 from lightflyer.environment.wind.dataset import (
     PLACING,
     Fields,
@@ -35,33 +36,19 @@ from lightflyer.environment.wind.layouts import (
     open_parts,
     weather_files,
 )
-from lightflyer.environment.wind.reach import next_to
+from lightflyer.numerics.cubic_grid import Axis
 
-KEPT = 2_500_000
-"""Most points of a variable that are in memory at once: of small files, or of a part of others."""
+KEPT = 2_500_000  # Most points of a variable of files that are in memory as a whole
+LARGEST_WINDOW = 40_000_000
+"""Most points of a window: 2 GB with the air, and as much again while it is read."""
 
-_PARTS = 2  # that are kept in memory
-_TIMES = 8  # of a part; it has all levels, as who chooses its wind looks at them
-_FEWEST = 6  # nodes of a part along an axis; the cubics at its ends lack a neighbour
-_WIDER = 1.5  # meridians of a part over its parallels
-_AT_POLE = 2.0  # points of a part that holds all meridians over those of another
-_NEAR = 2 / 3  # of a part's parallels: closer to a pole it holds all meridians
+_ROOM = 4  # nodes around what is asked for, at least
 _FEWEST_LEVELS = 2  # of a file
 _TURN = 2.0 * np.pi
 
 _Ranges = tuple[range, range, range, range]  # of nodes along time, level, latitude, longitude
-
-
-class Part(NamedTuple):
-    """Some nodes of all files along time, level, latitude and longitude."""
-
-    first: tuple[int, ...]
-    length: tuple[int, ...]
-
-    @property
-    def ranges(self) -> _Ranges:
-        found = (range(i, i + n) for i, n in zip(self.first, self.length, strict=True))
-        return tuple(found)  # type: ignore[return-value]
+_Window = tuple[range, range, range]  # the same without levels, all of which it has
+_Table = tuple[np.ndarray, tuple[Axis, Axis, Axis, Axis]]
 
 
 def open_wind(path: str | Path) -> "WindGrid | Store":
@@ -87,7 +74,11 @@ class Store:
     def __init__(self, path: str | Path, files: list[Any]):
         self.path, self._files = str(path), files
         self.key = self.path, changes_of(path)
-        self._kept: OrderedDict[Part, Any] = OrderedDict()
+        self._lock = Lock()  # of what follows: the window, and the tables of its times
+        self._window: _Window | None = None
+        self._tables: dict[int, np.ndarray] = {}
+        self._beside: list[Axis] = []  # axes of levels, latitudes and longitudes
+        self._whole: _Table | None = None
         names = dimensions_of(one_version(files[0]), str(next(iter(files[0].data_vars))))
         by_pressure = "pressure" in names
         kinds = ("time", "pressure" if by_pressure else "altitude", "latitude", "longitude")
@@ -103,9 +94,11 @@ class Store:
         source = [np.unique(np.concatenate(own)) for own in self._own]
         if source[3][-1] - source[3][0] > _TURN - 1e-6:  # 0° and 360° are both there
             source[3] = source[3][:-1]
-        self.axes = self._source = source
+        self._source = source
         width = source[3][-1] - source[3][0] + 1.01 * np.diff(source[3]).max()
         self.around = bool(width >= _TURN)
+        # at which a table of all meridians goes on over the pole
+        self.near_poles = near_poles(source[2]) if self.around else (False, False)
         there = {str(name) for file in files for name in file.data_vars}
         self.rises = "w" in there
         self._air = [name for name in PLACING if name in there][:1]
@@ -117,7 +110,6 @@ class Store:
         self.by_pressure = by_pressure and altitude is None
         own = source[1][self._first_level :]
         self.axes = [source[0], own if altitude is None else self._common_levels(), *source[2:]]
-        self._count, self._count_at_pole = self._sizes()
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Store) and self.key == other.key
@@ -133,90 +125,121 @@ class Store:
         """All nodes of the files."""
         return tuple(range(axis.size) for axis in self._source)  # type: ignore[return-value]
 
-    # --- which part ---
+    # --- the window ---
 
-    def _sizes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """Nodes of a part along each axis, and of one at a pole."""
-        all_times, levels, all_rows, meridians = (axis.size for axis in self.axes)
-        times, fewest = min(all_times, _TIMES), min(all_rows, meridians, _FEWEST)
-        area = KEPT / (times * levels)
-        rows = int(np.clip(math.sqrt(area / _WIDER), fewest, all_rows))
-        columns = int(np.clip(area / rows, fewest, meridians))
-        polar = int(np.clip(_AT_POLE * area / meridians, fewest, all_rows))
-        times = int(np.clip(KEPT / (levels * rows * columns), times, all_times))
-        return (times, levels, rows, columns), (times, levels, polar, meridians)
+    def table_around(self, place: Place, tabulate: Callable[[WindGrid], _Table]) -> _Table:
+        """Table and axes that reach around all places of numbers, as far as the files do.
 
-    def part_at(self, place: Place) -> Part:
-        """The part around a place; it goes on from that time."""
-        sizes, (west, east) = [axis.size for axis in self.axes], self.axes[3][[0, -1]]
-        turned = next_to(0.5 * (west + east), place.longitude)
-        if turned < west and self.around:  # between the last meridian and the first
-            turned += _TURN
-        at = [
-            int(np.clip(np.searchsorted(self.axes[axis], x, side="right") - 1, 0, sizes[axis] - 1))
-            for axis, x in ((0, place.time), (2, place.latitude), (3, turned))
-        ]
-        count = self._count
-        goes_on = self.around and count[3] < sizes[3]
-        if goes_on and min(at[1], sizes[2] - 1 - at[1]) < _NEAR * self._count_at_pole[2]:
-            count, goes_on = self._count_at_pole, False
-        first = [at[0] - 1, 0, at[1] - count[2] // 2 + 1, at[2] - count[3] // 2 + 1]
-        clipped = [max(0, min(i, size - n)) for i, n, size in zip(first, count, sizes, strict=True)]
-        if goes_on:
-            clipped[3] = first[3] % sizes[3]
-        return Part(tuple(clipped), count)
+        ``tabulate``: what makes them of a grid.
+        """
+        with self._lock:
+            wanted, window = self._wanted(place), self._window
+            if window is None or any(
+                one.start < old.start or one.stop > old.stop
+                for one, old in zip(wanted, window, strict=True)
+            ):
+                self._widen(wanted)
+                self._read(tabulate)
+            assert self._whole is not None
+            return self._whole
 
-    def bounds_of(self, part: Part) -> np.ndarray:
-        """Between which coordinates a part is what all files are, shape (4, 2)."""
-        bounds = np.tile([-np.inf, np.inf], (4, 1))
-        goes_on = self.around and part.length[3] < self.axes[3].size
-        for number, one in enumerate(part.ranges):
-            nodes, size = self._along(number, one), self.axes[number].size
-            open_ended = goes_on and number > 1  # at a meridian, and at a pole
-            if one[0] > 0 or open_ended:
-                bounds[number, 0] = nodes[1]
-            if one[-1] + 1 < size or open_ended:
-                bounds[number, 1] = nodes[-2]
-        return bounds
+    def _wanted(self, place: Place) -> _Window:
+        """Nodes that the cubics at some places look at; longitudes go on beyond the last."""
+        axes, window = (self.axes[0], self.axes[2], self.axes[3]), self._window
+        time, latitude, longitude = (
+            np.ravel(part)
+            for part in np.broadcast_arrays(place.time, place.latitude, place.longitude)
+        )
+        middle = 0.5 * (axes[2][0] + axes[2][-1])
+        if self.around and window is not None:
+            middle = np.mean(_turned(axes[2], window[2]))
+        elif self.around and longitude.size:
+            middle = longitude[0]
+        where = [time, latitude, next_to(middle, longitude)]
+        ends = [[axis[0], axis[-1]] for axis in axes]
+        beyond = [(False, False), self.near_poles, (self.around, self.around)]
+        inside = np.logical_and.reduce([
+            (before | (x >= low)) & (after | (x <= high))
+            for x, (low, high), (before, after) in zip(where, ends, beyond, strict=True)
+        ])  # fmt: skip
+        if not inside.any():
+            if window is not None:
+                return window
+            where, inside = [axis[:1] for axis in axes], np.ones(1, bool)
+        found = []
+        for number, (axis, x) in enumerate(zip(axes, where, strict=True)):
+            size, goes_on = axis.size, self.around and number == 2
+            if goes_on and window is not None and len(window[2]) == size:
+                found.append(window[2])
+                continue
+            turns = np.floor((x[inside] - axis[0]) / _TURN).astype(int) * goes_on
+            cell = np.searchsorted(axis, x[inside] - turns * _TURN, side="right") - 1
+            cell = np.clip(cell, 0, size - (1 if goes_on else min(size, 2))) + turns * size
+            low, high = int(cell.min()) - 1, int(cell.max()) + 3
+            found.append(range(low, high) if goes_on else range(max(low, 0), min(high, size)))
+        return tuple(found)  # type: ignore[return-value]
 
-    def _along(self, number: int, nodes: range) -> np.ndarray:
-        """Coordinates of nodes along an axis; longitudes go on beyond the last."""
-        axis, index = self.axes[number], np.asarray(nodes)
-        return axis[index % axis.size] + _TURN * (index // axis.size)
+    def _widen(self, wanted: _Window) -> None:
+        """Have the window reach what is wanted too, with room beyond, if that is not too much."""
+        old, levels = self._window, self.axes[1].size
+        south, north = self.near_poles
+        for roomy in (True, False):
+            found: list[range] = []
+            for number, one in enumerate(wanted):
+                size = self.axes[(0, 2, 3)[number]].size
+                before = one if old is None else old[number]
+                low, high = min(one.start, before.start), max(one.stop, before.stop)
+                first, last = 0, size
+                if number == 1:  # a pole takes all meridians, so that it is no room for others
+                    first, last = int(low > 0 and south), size - int(high < size and north)
+                room = max(_ROOM, (high - low) // 2) if roomy else 0
+                low -= room * (old is None or one.start < before.start)
+                high += room * (old is None or one.stop > before.stop)
+                if number < 2 or not self.around:
+                    low, high = max(low, first), min(high, last)
+                elif (
+                    high - low >= size
+                    or (south and found[1].start == 0)
+                    or (north and found[1].stop == self.axes[2].size)
+                ):
+                    low, high = 0, size
+                turn = low // size * size
+                found.append(range(low - turn, high - turn))
+            if np.prod([levels, *map(len, found)]) <= LARGEST_WINDOW:
+                break
+        else:
+            times, rows, columns = map(len, found)
+            raise ConfigurationError(
+                f"{self.path}: the flights pass {times * levels * rows * columns:,} points of the "
+                f"wind ({times} times, {levels} levels, {rows} latitudes, {columns} longitudes), "
+                f"more than {LARGEST_WINDOW:,}; fly for a shorter time, or take every other time, "
+                "level or meridian of the files, such as by xarray or cdo"
+            )
+        if old is None or found[1:] != [*old[1:]]:
+            self._tables = {}
+        self._window = tuple(found)  # type: ignore[assignment]
 
-    @property
-    def height(self) -> float:
-        """Latitudes that a part has [rad]."""
-        return float(self._count[2] * np.diff(self.axes[2]).min())
+    def _read(self, tabulate: Callable[[WindGrid], _Table]) -> None:
+        """Read what the window lacks, one time after the other."""
+        assert self._window is not None
+        times, rows, columns = self._window
+        levels, new = self._all[1][self._first_level :], self.axes[1]
+        report("reading the wind")
+        for now in times:
+            if now not in self._tables:
+                fields = self._fields((range(now, now + 1), levels, rows, columns))
+                altitude, told = heights_of(fields)
+                if altitude is None:
+                    grid = grid_of(fields, told)
+                else:
+                    grid = grid_of(fields, told, new, winds_on(new, fields, altitude))
+                self._tables[now], (_, *self._beside) = tabulate(grid)
+        table = np.concatenate([self._tables[now] for now in times])
+        self._tables = {now: table[row : row + 1] for row, now in enumerate(times)}
+        level, latitude, longitude = self._beside
+        self._whole = table, (Axis(self.axes[0][times]), level, latitude, longitude)
 
     # --- reading ---
-
-    def kept(self, part: Part, make: Callable[[WindGrid], Any]) -> Any:
-        """What is made of the winds of a part; the last few are kept."""
-        if part not in self._kept:
-            report("reading the wind")
-            while len(self._kept) >= _PARTS:
-                self._kept.popitem(last=False)
-            self._kept[part] = make(self._grid(part))
-        self._kept.move_to_end(part)
-        return self._kept[part]
-
-    def _grid(self, part: Part) -> WindGrid:
-        times, _, rows, columns = part.ranges
-        levels, new = self._all[1][self._first_level :], self.axes[1]
-        grids = []
-        for now in times:  # one by one: only the result is all in memory
-            fields = self._fields((range(now, now + 1), levels, rows, columns))
-            altitude, told = heights_of(fields)
-            if altitude is None:
-                grids.append(grid_of(fields, told))
-            else:
-                grids.append(grid_of(fields, told, new, winds_on(new, fields, altitude)))
-        names = ["time", "east", "north", "up", *(["air"] if self.has_air else [])]
-        found: dict[str, Any] = {
-            name: np.concatenate([getattr(grid, name) for grid in grids]) for name in names
-        }
-        return grids[0]._replace(**found)
 
     def _fields(self, ranges: _Ranges, *, air_only: bool = False) -> Fields:
         dataset = self._select(ranges, air_only=air_only)
@@ -302,3 +325,9 @@ def _rows_of(own: np.ndarray, wanted: np.ndarray) -> Any:
         return None
     is_slice = rows[-1] - rows[0] + 1 == rows.size
     return slice(int(rows[0]), int(rows[-1]) + 1) if is_slice else rows
+
+
+def _turned(longitude: np.ndarray, nodes: range) -> np.ndarray:
+    """Longitudes of nodes, which go on beyond the last [rad]."""
+    index = np.asarray(nodes)
+    return np.asarray(longitude[index % longitude.size] + index // longitude.size * _TURN)

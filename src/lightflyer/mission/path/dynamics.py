@@ -5,7 +5,6 @@ with their velocity: it is then a part of the state, with its temperatures too w
 not in balance at once. That is also a check of what flights in balance assume.
 """
 
-import math
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -18,7 +17,6 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked, SpecificHeat
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.planet import Planet
-from lightflyer.environment.wind.gridded import winds_in_files
 from lightflyer.mission.path.failure import failures_of, loads
 from lightflyer.mission.path.integration import (
     ALTITUDE_SCALE,
@@ -60,8 +58,6 @@ _SLOW, _PATIENCE = 1e-3, 60.0
 what is heavy never falls as slowly."""
 
 _DIFFERENCE = 1e-7  # of altitudes, over their size, by which a balloon's stiffness is taken
-_ENTRIES = 2.5  # of winds in files that are looked at together: a part has four of these or more
-_FASTEST = 60.0  # Speed at which a flyer passes a quarter of a part meanwhile [m/s]
 
 
 class Inertia(Checked):
@@ -120,16 +116,6 @@ class Balanced:
     @property
     def failures(self) -> tuple[TerminationReason, ...]:
         return failures_of(self.craft.setup.flyer)
-
-    @property
-    def ahead(self) -> float:
-        """So that two parts of winds in files are wanted at once, which are kept."""
-        found, across = [math.inf], float(self.craft.planet.radius) / _FASTEST
-        for store in (wind.store for wind in winds_in_files(self.craft)):
-            assert store is not None
-            step = float(np.diff(store.axes[0]).min(initial=math.inf))
-            found.append(min(_ENTRIES * step, 0.25 * store.height * across))
-        return min(found)
 
     def take(self, rows: np.ndarray) -> Any:
         members = len(self.released), 1

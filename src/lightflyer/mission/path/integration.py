@@ -135,10 +135,6 @@ class Law(Protocol):
         """Below, there is something that cannot be integrated [s]."""
 
     @property
-    def ahead(self) -> float:
-        """Longest time that is looked at together [s]."""
-
-    @property
     def coupled(self) -> slice:
         """Components of which Newton's method needs the slopes of rates.
 
@@ -297,7 +293,7 @@ class _Flights:
     def _extend(self) -> None:
         """Append intervals to the windows."""
         width = self.window.shape[1]
-        bound = np.minimum(np.minimum(self.last, self.until), self.before["end"] + self.law.ahead)
+        bound = np.minimum(self.last, self.until)
         while True:
             last = self.window[np.arange(len(self.rows)), np.maximum(self.count - 1, 0)]
             before = np.where(self.count > 0, last, self.before)

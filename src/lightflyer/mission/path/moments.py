@@ -9,8 +9,6 @@ from lightflyer.array.namespace import Numeric, xp
 from lightflyer.array.records import Module
 from lightflyer.core.entry_point import entry_point
 from lightflyer.environment.base import Place
-from lightflyer.environment.wind.gridded import winds_in_files
-from lightflyer.environment.wind.met import with_met_winds
 from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
 from lightflyer.mission.path.position import latitude_and_longitude
 
@@ -55,7 +53,6 @@ VARIABLES = {
 NODE = "temperature_{}"  # Name of the temperature of one part of a flyer of several
 
 _DEGREES = 180.0 / np.pi
-_places = entry_point(latitude_and_longitude)
 
 
 class Course(Module):
@@ -79,7 +76,7 @@ def node_variables(nodes: tuple[str, ...]) -> dict[str, Variable]:
 
 def moments(craft: Craft, course: Course) -> dict[str, Any]:
     """Results over time of a flyer in balance at each moment [1], shape (times,)."""
-    found: dict[str, Any] = _moments(in_met_winds(craft, course), within(craft, course))
+    found: dict[str, Any] = _moments(craft, within(craft, course))
     return found
 
 
@@ -88,14 +85,6 @@ def within(craft: Craft, course: Course) -> Course:
     where = craft.setup.environment.coordinate
     altitude = np.clip(np.asarray(course.altitude), where.lowest, where.highest)
     return replace(course, altitude=altitude)
-
-
-def in_met_winds(craft: Craft, course: Course) -> Craft:
-    """A flyer whose winds from files are those over its course."""
-    if not winds_in_files(craft):
-        return craft
-    time = np.asarray(course.released) + np.asarray(course.elapsed)
-    return with_met_winds(craft, Place(*_places(np.asarray(course.position)), time))
 
 
 @entry_point

@@ -19,9 +19,8 @@ from lightflyer.design.design import AbstractDesign
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import AbstractArea, describe_all
-from lightflyer.mission.by_parts import fly_many
 from lightflyer.mission.first_seconds import begin
-from lightflyer.mission.fleet import BATCH, Ensemble, flights_of
+from lightflyer.mission.fleet import BATCH, Ensemble, flights_of, fly_all
 from lightflyer.mission.kept import Kept, describe_work
 from lightflyer.mission.mission import times_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
@@ -97,7 +96,7 @@ class _Swarm:
         flights = flights_of(self.design, self.rule, self.start, ensemble, air_seed=seed)
         with report_to(_silent):  # whole batches are reported
             begun = begin(flights, self.limits, self.elapsed, self.accuracy)
-            tracks = begun.join(fly_many(begun.flights, self.limits, begun.elapsed, self.accuracy))
+            tracks = begun.join(fly_all(begun.flights, self.limits, begun.elapsed, self.accuracy))
         # without the flyer as it is stated
         return batch, _counts_of(tree.map_leaves(lambda leaf: leaf[1:], tracks), self)
 

@@ -8,17 +8,24 @@ import pytest
 
 import lightflyer as lf
 import lightflyer.cli.commands
-import lightflyer.cli.lab
+from lightflyer.cli.lab import measure
 from lightflyer.cli.options import only_with
+from lightflyer.lab.commands import measurements
 
 
 def dependent_options():
     """Command, option and what it needs, of all commands that state any."""
-    for package in (lightflyer.cli.commands, lightflyer.cli.lab):
-        for module in iter_modules(package.__path__):
-            for command in vars(import_module(f"{package.__name__}.{module.name}")).values():
-                for name, other in getattr(command, "needs", {}).items():
-                    yield pytest.param(command, name, other, id=f"{module.name}-{name}")
+    modules = [
+        (one.name, list(vars(import_module(f"lightflyer.cli.commands.{one.name}")).values()))
+        for one in iter_modules(lightflyer.cli.commands.__path__)
+    ]
+    for module, commands in [
+        *modules,
+        *((name, [getattr(measure, name)]) for name in measurements()),
+    ]:
+        for command in commands:
+            for name, other in getattr(command, "needs", {}).items():
+                yield pytest.param(command, name, other, id=f"{module}-{name}")
 
 
 @pytest.mark.parametrize(("command", "option", "other"), list(dependent_options()))

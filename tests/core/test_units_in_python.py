@@ -86,7 +86,9 @@ def test_what_is_no_length_is_one_clear_line(value, message):
 
 def test_what_is_of_the_wrong_class_is_one_clear_line():
     disk, state = lf.Disk(FILM, 0.01), lf.Earth().state(72e3)
-    with pytest.raises(lf.ParameterError, match="film must be of class FilmProperties, not the text"):
+    with pytest.raises(
+        lf.ParameterError, match="film must be of class FilmProperties, not the text"
+    ):
         lf.Disk("germanium", 0.01)
     with pytest.raises(lf.ParameterError, match="attitude must be of class Attitude or None"):
         lf.Disk(FILM, 0.01, attitude=0.3)

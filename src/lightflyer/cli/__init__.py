@@ -28,10 +28,8 @@ _READS = {
     *("predict", "fly", "spread", "drift", "stability", "swarm", "film", "compare", "sweep"),
     *("optimise", "sensitivity"),
     "calibrate",
-    *(f"lab {kind}" for kind in
-      ("tac", "levitation", "thermography", "ftir", "roughness", "optics")),
 }  # fmt: skip
-"""Commands whose first word is a file."""
+"""Commands whose first word is a file, beside those of the lab bench."""
 
 _NEGATIVE, _OPTION = re.compile(r"-[\d.,]"), re.compile(r"--[a-z-]+")
 
@@ -215,9 +213,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def _require_files(given: Sequence[str]) -> None:
     """Raise where the first file is missing, before what takes seconds to load."""
-    length = 2 if given[:1] == ["lab"] else 1
-    command, name = " ".join(given[:length]), "".join(given[length : length + 1])
-    if command in _READS and Path(name).suffix and not (name[0] == "-" or Path(name).exists()):
+    lab = given[:1] == ["lab"] and given[1:2] != ["summary"]
+    name = "".join(given[2:3] if lab else given[1:2])
+    if (
+        (lab or {*given[:1]} & _READS)
+        and Path(name).suffix
+        and not (name[0] == "-" or Path(name).exists())
+    ):
         raise ConfigurationError(f"{name}: cannot be read: {os.strerror(ENOENT)}")
 
 

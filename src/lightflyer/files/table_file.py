@@ -1,14 +1,35 @@
-"""Files that hold tables, text or workbook, as lines of text."""
+"""Files that hold tables as lines of text; sheets of a workbook (``.xlsx``) become lines too."""
 
+import csv
+import datetime
+import io
 import re
+import warnings
+import zipfile
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.extras import extra
 from lightflyer.files.encoding import plain_text, read_bytes, split_lines
-from lightflyer.files.workbook import DELIMITER, SHEET, is_workbook, read_sheets, split_sheet
+from lightflyer.files.number_marks import split_number
 
+SHEET = "#"
+"""Between the name of a workbook and that of a sheet."""
+
+DELIMITER = "\t"
+
+AS_TEXT = " (text)"
+"""End of a text such as ``1.469``, which may be 1469; cells that are numbers are in no doubt."""
+
+_ZIP, _OLD = b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
+_BOOK, _SHEETS = "xl/workbook.xml", "xl/worksheets/"
+_OTHERS = {"content.xml": "an OpenDocument file", "Index/Document.iwa": "an Apple Numbers file"}
+_LARGEST = 60_000_000  # bytes of all sheets without compression; a cell takes at least 26
+_MERGED = b"<mergeCell "
+_PERCENT = 100.0
 _SEPARATOR = re.compile(r'^"?sep=(.)"?$', re.I)  # first line, for a spreadsheet
+_LITERAL = re.compile(r'"[^"]*"|\\.')  # of a format of numbers
 
 
 class Lines(NamedTuple):
@@ -48,3 +69,128 @@ def _read_workbook(content: bytes, name: str, sheet: str | None) -> list[Lines]:
         for title, lines in sheets.items()
         if sheet in (None, title)
     ]
+
+
+def split_sheet(path: Path) -> tuple[Path, str | None]:
+    """Path of a workbook and the sheet that is named after it, as in ``runs.xlsx#May 3``."""
+    before, mark, sheet = str(path).rpartition(SHEET)
+    if mark and before.lower().endswith((".xlsx", ".xlsm")) and not path.exists():
+        return Path(before), sheet
+    return path, None
+
+
+def is_workbook(content: bytes, name: str) -> bool:
+    """Whether the content of a file is a workbook that can be read."""
+    if content.startswith(_OLD):
+        raise ConfigurationError(
+            f"{name}: is an old workbook (.xls), or one with a password; save it as .xlsx or .csv"
+        )
+    if not content.startswith(_ZIP):
+        return False
+    try:
+        names = zipfile.ZipFile(io.BytesIO(content)).namelist()
+    except (zipfile.BadZipFile, ValueError, NotImplementedError, OSError):
+        raise ConfigurationError(f"{name}: is a damaged workbook or archive") from None
+    if _BOOK in names:
+        _require_size(content, name)
+        return True
+    kind = next((kind for file, kind in _OTHERS.items() if file in names), "an archive")
+    raise ConfigurationError(f"{name}: is {kind}; save the table as .xlsx or .csv")
+
+
+def _require_size(content: bytes, name: str) -> None:
+    parts = zipfile.ZipFile(io.BytesIO(content)).infolist()
+    if sum(part.file_size for part in parts if part.filename.startswith(_SHEETS)) > _LARGEST:
+        raise ConfigurationError(
+            f"{name}: is a workbook of more than two million cells; save its table as .csv"
+        )
+
+
+def read_sheets(content: bytes, name: str) -> dict[str, list[str]]:
+    """Sheets that hold anything, as lines delimited by tabs."""
+    openpyxl = extra("openpyxl", "reading workbooks (.xlsx)", "lab")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # on styles and the like, which carry no numbers
+            formulas = _cells(openpyxl, content, values=False)
+            has = any(cell.data_type == "f" for rows in formulas.values() for row in rows
+                      for cell in row)  # fmt: skip
+            cells = _cells(openpyxl, content, values=True) if has else formulas
+            merged = _merged(openpyxl, content)
+    except Exception as error:  # the parser has no errors of its own
+        said = " ".join(str(error).split())[:80] or type(error).__name__
+        raise ConfigurationError(f"{name}: is a damaged workbook: {said}") from None
+    sheets = {}
+    for sheet, rows in cells.items():
+        texts = [
+            [_text(cell, formula) for cell, formula in zip(row, below, strict=True)]
+            for row, below in zip(rows, formulas[sheet], strict=True)
+        ]
+        for first, last, column in merged.get(sheet, ()):
+            for row in texts[first : last + 1]:
+                row += [""] * (column + 1 - len(row))
+                row[column] = texts[first - 1][column]
+        width = max(
+            (1 + place for row in texts for place, text in enumerate(row) if text), default=0
+        )
+        if width:
+            sheets[sheet] = [_line(row, width) for row in texts]
+    if not sheets:
+        raise ConfigurationError(f"{name}: holds no table")
+    return sheets
+
+
+def _cells(openpyxl: Any, content: bytes, *, values: bool) -> dict[str, list[tuple[Any, ...]]]:
+    book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=values)
+    try:
+        for sheet in book.worksheets:
+            # the stated size may be that of a whole sheet, and is filled with empty cells
+            sheet.reset_dimensions()
+        return {sheet.title: list(sheet.iter_rows()) for sheet in book.worksheets}
+    finally:
+        book.close()
+
+
+def _merged(openpyxl: Any, content: bytes) -> dict[str, list[tuple[int, int, int]]]:
+    """Rows below the first of cells that are merged downwards, and their column, from 0; by sheet.
+
+    Only the first of such cells holds what all of them show.
+    """
+    archive = zipfile.ZipFile(io.BytesIO(content))
+    sheets = [name for name in archive.namelist() if name.startswith(_SHEETS)]
+    if not any(_MERGED in archive.read(name) for name in sheets):
+        return {}
+    book = openpyxl.load_workbook(io.BytesIO(content))
+    return {
+        sheet.title: [
+            (one.min_row, one.max_row - 1, one.min_col - 1)
+            for one in sheet.merged_cells.ranges
+            if one.max_row > one.min_row
+        ]
+        for sheet in book.worksheets
+    }
+
+
+def _line(cells: list[str], width: int) -> str:
+    if not any(cells):
+        return ""
+    text = io.StringIO()
+    row = [*cells, *[""] * (width - len(cells))][:width]
+    csv.writer(text, delimiter=DELIMITER, lineterminator="").writerow(row)
+    return text.getvalue()
+
+
+def _text(cell: Any, formula: Any) -> str:
+    value = cell.value
+    if value is None:
+        return f"={str(formula.value).lstrip('=')}" if formula.data_type == "f" else ""
+    if isinstance(value, str):
+        text = " ".join(value.split())
+        number = split_number(text)
+        return text + AS_TEXT if number and number.open else text
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        share = "%" in _LITERAL.sub("", str(cell.number_format))
+        return f"{_PERCENT * value:.15g} %" if share else repr(value)
+    if isinstance(value, datetime.datetime | datetime.date | datetime.time):
+        return value.isoformat()
+    return " ".join(str(value).split())

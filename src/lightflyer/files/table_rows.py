@@ -20,8 +20,8 @@ from lightflyer.files.number_marks import (
     shows_decimal,
     stated_mark,
 )
+from lightflyer.files.table_file import AS_TEXT
 from lightflyer.files.table_layout import Layout, Placed, names_columns, split_cells
-from lightflyer.files.workbook import AS_TEXT
 
 _SMALLEST, _LARGEST = 1e-30, 1e30  # of measured values in any unit; powers of others overflow
 _BLOCK = 50_000  # rows read at once; a block with a faulty row is read again row by row

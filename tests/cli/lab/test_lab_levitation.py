@@ -108,3 +108,26 @@ def test_steps_in_the_record(folder, lab):
     assert not any("steps" in text for text in found["warnings"])
     with xr.open_dataset(folder / "o" / "levitation.nc", engine="h5netcdf") as record:
         assert record.attrs["warnings"] == "; ".join(found["warnings"])
+
+
+def test_a_heated_gauge_in_the_gas_and_at_the_temperature_of_the_chamber(examples, lab):
+    examples("levitation")
+    tail = ("--gauge-temperature", "45 °C", "--gauge-tube", "5 mm", "--draws", "200", "--json")
+
+    def pressures(*options):
+        code, out, err = lab("levitation", "levitation.csv", *options, *tail)
+        assert (code, err) == (0, "")
+        samples = json.loads(out)["samples"]
+        return [one["optimal_pressure"]["value"] for one in samples.values()]
+
+    # thin gas creeps by the root of the temperatures, dense gas not at all; helium is thinner
+    air, helium = pressures(), pressures("--gas", "helium", "--gauge-factor", "1")
+    assert all(one < other for one, other in zip(helium, air, strict=True))
+    warmer = pressures("--ambient", "310 K")
+    assert all(one > other for one, other in zip(warmer, air, strict=True))
+    same = pressures("--ambient", "45 °C")
+    plain = json.loads(lab("levitation", "levitation.csv", "--draws", "200", "--json")[1])[
+        "samples"
+    ]
+    for one, other in zip(same, plain.values(), strict=True):
+        assert one == pytest.approx(other["optimal_pressure"]["value"], rel=1e-9)

@@ -10,8 +10,8 @@ from cyclopts import Parameter
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json, Samples, Seed, only_with
 from lightflyer.cli.output import print_json, printer, show
-from lightflyer.cli.quantities import exact, optional_share
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.quantities import exact, optional_share
 from lightflyer.files.result_text import warning_lines
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, show
-from lightflyer.cli.quantities import quantities
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.files.quantities import quantities
 from lightflyer.files.result_text import table_of, warning_lines
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lightflyer.cli.lab.shared import Files
+from lightflyer.cli.lab.measure import Files
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
 

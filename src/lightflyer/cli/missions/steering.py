@@ -9,7 +9,7 @@ from cyclopts import Parameter
 from lightflyer.cli.figure_files import ResultOptions
 from lightflyer.cli.options import Json, coordinate_range
 from lightflyer.cli.output import print_json, printer, show
-from lightflyer.cli.quantities import exact
+from lightflyer.files.quantities import exact
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,0 +1,194 @@
+"""Emissivity, or its upper bound, from infrared spectra."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from lightflyer.config.reader import read_film_file
+from lightflyer.config.update import Face, emittance_keys
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.files.quantities import quantities, quantity
+from lightflyer.lab.ftir.air import parse_ranges, with_straight_lines, without_air
+from lightflyer.lab.ftir.film import computed_spectra
+from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
+from lightflyer.lab.ftir.text import finding_parts, ftir_parts
+from lightflyer.lab.measurement import Outcome, Share, measurement, rejected_json, rejected_parts
+from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
+from lightflyer.lab.readers.spectrum_data import read_spectrum
+
+_RANGE = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.]\S*)\s*$")  # a band's ends
+
+
+def _read_band(option: str, text: str) -> tuple[float, float]:
+    """Lowest and highest wavenumber of a band [1/m]."""
+    whole = _RANGE.match(text)
+    if whole is not None:
+        first, last = (
+            quantity(option, f"{end} {whole[3]}", "m^-1").value for end in whole.groups()[:2]
+        )
+        if first >= last:
+            raise ConfigurationError(f'{option} "{text}": {whole[1]} must be below {whole[2]}')
+        return first, last
+    centre, half = quantity(option, text, "m^-1")
+    if not half:
+        raise ConfigurationError(
+            f'{option} "{text}" has no width; write "500 to 1300 cm^-1" or "900 ± 400 cm^-1"'
+        )
+    if half >= centre:
+        raise ConfigurationError(f'{option} "{text}" reaches below zero')
+    return centre - half, centre + half
+
+
+@measurement(reflectance_spectrum="reflectance", collection="reflectance", face="update")
+def ftir(
+    files: list[Path],
+    /,
+    *,
+    reflectance: Path | None = None,
+    columns: str | None = None,
+    spectrum: str | None = None,
+    reflectance_spectrum: str | None = None,
+    scale: Literal["%", "1"] | None = None,
+    collection: Literal["specular", "diffuse", "total"] | None = None,
+    band: Annotated[Any, _read_band] = "900 ± 400 cm^-1",
+    temperatures: Annotated[Any, partial(quantities, unit="K")] = "300 K,400 K,441 K,500 K",
+    accuracy: Share = None,
+    air: Path | None = None,
+    straight_line: str | None = None,
+    film: Path | None = None,
+    update: Path | None = None,
+    face: Face = "both",
+) -> Outcome:
+    """Average infrared spectra over a band and over Planck's spectrum, for the emissivity.
+
+    Intervals are 95 % and include noise and the spectrometer's accuracy.
+
+    Parameters
+    ----------
+    files
+        Spectra of transmittance of one film, several being repeats: files of JASCO (text, .jws),
+        Bruker OPUS, Thermo OMNIC (.spa, .spg), PerkinElmer (.sp, .asc), GRAMS (.spc), JCAMP-DX, or
+        tables of wavenumber or wavelength and transmittance or absorbance, units in the header.
+    reflectance
+        Spectrum of its reflectance. Without it, only an upper bound of the emissivity follows,
+        which is never written into a flyer file.
+    columns
+        Columns of tables without a header: "wavenumber [cm^-1], transmittance [%]".
+    spectrum
+        Which one of several spectra in each file of transmittance: its number or title.
+    reflectance_spectrum
+        Which one of several spectra in the file of reflectance.
+    scale
+        Whether values are per cent ("%") or fractions ("1"), where a file is wrong or unclear.
+    collection
+        Light that the reflectance collects: the specular beam, diffuse light, or both ("total").
+        Default: as the file names its accessory.
+    band
+        The band, such as "500 to 1300 cm^-1", or its centre ± half its width.
+    temperatures
+        Temperatures of the Planck weighting.
+    accuracy
+        Standard uncertainty of the ordinate, such as "0.5 %" of full scale: photometric error,
+        zero level, and drift between background and sample. Default: 1 %, assumed.
+    air
+        Spectrum of transmittance of air alone: a background with more of it over one with less,
+        at the same resolution. Its lines of carbon dioxide and water vapour are taken out of the
+        other spectra, each gas by as much as leaves them smoothest.
+    straight_line
+        Ranges in which spectra are replaced by a straight line between their ends, such as
+        "2280-2400 cm^-1, 655-680 cm^-1" for carbon dioxide.
+    film
+        TOML file with the layers of a film; draws its computed spectrum.
+    update
+        Flyer file to write the emissivity over the band into; needs --reflectance.
+    face
+        Face of that film.
+    """
+    if update is not None and reflectance is None:
+        raise ConfigurationError(
+            "--update: transmittance alone gives only an upper bound of the emittance; add "
+            "--reflectance"
+        )
+    read = partial(read_spectrum, columns=columns, scale=scale)
+    spectra = [read(file, quantity="transmittance", spectrum=spectrum) for file in files]
+    mirrors = [
+        read(one, quantity="reflectance", spectrum=reflectance_spectrum, collection=collection)
+        for one in ([] if reflectance is None else [reflectance])
+    ]
+    for group in (spectra, mirrors):
+        for place, one in enumerate(group):
+            if air is not None:
+                one = without_air(one, read_spectrum(air, quantity="transmittance"))
+            if straight_line is not None:
+                one = with_straight_lines(one, parse_ranges(straight_line))
+            group[place] = one
+    result = reduce_ftir(
+        spectra, mirrors, band=band, temperatures=list(temperatures), accuracy=accuracy
+    )
+    emissivity = result.emissivity
+    if update is not None and emissivity is not None and emissivity.value <= 0.0:
+        raise ConfigurationError(
+            "--update: the emissivity is not distinguishable from 0; it is at most "
+            f"{result.at_most:.3g} (95 %, one-sided), and nothing is written"
+        )
+    computed, warnings = {}, list(result.warnings)
+    if film is not None:
+        try:
+            computed, extrapolated = computed_spectra(read_film_file(film).film(), result)
+        except ParameterError as error:
+            raise ConfigurationError(f"{film}: {error}") from None
+        warnings += [f"{film}: the computed spectrum extrapolates {text}" for text in extrapolated]
+
+    def draw() -> Any:
+        from lightflyer.lab.ftir.figures import ftir_figures
+
+        return ftir_figures(result, computed)
+
+    return Outcome(
+        result.summary(),
+        to_dataset(result),
+        [*finding_parts(result), *_read_parts([*spectra, *mirrors]), *ftir_parts(result)],
+        read=[
+            {
+                "file": one.source, "quantity": one.quantity, **asdict(one.metadata),
+                "collection": one.collection, "points": len(one.wavenumber),
+                "rejected": rejected_json(one.rejected),
+            }
+            for one in (*spectra, *mirrors)
+        ],
+        warnings=warnings,
+        figures=draw,
+        tables={"emissivity.csv": result.table_text()},
+        sources=[*files, *([reflectance] if reflectance else [])],
+        values={} if emissivity is None else dict.fromkeys(emittance_keys(face), emissivity),
+    )  # fmt: skip
+
+
+def _read_parts(spectra: list[MeasuredSpectrum]) -> Iterator[str]:
+    for one in spectra:
+        ends = one.wavenumber[[0, -1]] / PER_CENTIMETRE
+        yield (
+            f"read {len(one.wavenumber)} points of {one.quantity} from {one.source}, "
+            f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹"
+        )
+        yield f"  {_facts(one)}"
+        yield from rejected_parts(one.rejected)
+
+
+def _facts(spectrum: MeasuredSpectrum) -> str:
+    """What the file says of its spectrum, as it says it."""
+    metadata = spectrum.metadata
+    words = [
+        f'{metadata.format} with "{metadata.ordinate}"',
+        metadata.instrument,
+        f"resolution {metadata.resolution}" if metadata.resolution else "resolution not stated",
+        metadata.accessory,
+        f"{spectrum.collection} light" if spectrum.collection else "",
+        f'sample "{metadata.sample}"' if metadata.sample else "",
+        f"of {metadata.measured}" if metadata.measured else "",
+    ]
+    return ", ".join(filter(None, words))

@@ -1,0 +1,73 @@
+"""Thickness, porosity and optical constants of a film from its spectra."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from lightflyer.lab.measurement import Outcome, rejected_json, rejected_parts
+from lightflyer.lab.optics.data import read_sample
+from lightflyer.lab.optics.fit import OpticsFit, fit_optics, to_dataset
+from lightflyer.lab.optics.flyer_file import require_same_layers, update_layers
+from lightflyer.lab.optics.record import tables
+from lightflyer.lab.optics.text import finding_parts, fit_parts
+
+
+def optics(
+    sample_file: Path, /, *, starts: int = 16, seed: int = 0, update: Path | None = None
+) -> Outcome:
+    """Fit thicknesses, porosity and optical constants of a film to measured spectra.
+
+    Intervals are 95 % and include errors of the instruments' scales and zeros, and residuals that
+    are alike over many points.
+
+    Parameters
+    ----------
+    sample_file
+        TOML file with the layers of a sample ([film]), the numbers in it that are free, and the
+        spectra of transmittance and reflectance; "lightflyer lab example optics" writes one.
+    starts
+        How many points between the bounds minima are looked for from.
+    update
+        Flyer file whose [film] has the same layers, to write the fitted numbers, their ± and their
+        correlations into.
+    seed
+        Seed of the starts, and of the bands of n and k.
+    """
+    sample = read_sample(sample_file)
+    if update is not None:
+        require_same_layers(update, sample)
+    result = fit_optics(sample, starts=starts, seed=seed)
+
+    def draw() -> Any:
+        from lightflyer.lab.optics.figures import optics_figures
+
+        return optics_figures(result)
+
+    return Outcome(
+        result.summary(),
+        to_dataset(result),
+        [*finding_parts(result), *_read_parts(result), *fit_parts(result)],
+        read=[
+            {
+                "file": one.spectrum.source,
+                "format": one.spectrum.metadata.format,
+                "rejected": rejected_json(one.spectrum.rejected),
+            }
+            for one in sample.spectra
+        ],
+        warnings=result.warnings,
+        figures=draw,
+        tables=tables(result),
+        write=lambda flyer, insist: update_layers(flyer, result, sample_file.name, insist=insist),
+    )
+
+
+def _read_parts(result: OpticsFit) -> Iterator[str]:
+    for one in result.spectra:
+        spectrum = one.measured.spectrum
+        ends = spectrum.wavelength[[-1, 0]] * 1e6
+        yield (
+            f"read {len(spectrum.value)} points of {spectrum.quantity} from {spectrum.source}, "
+            f"{ends[0]:.4g} to {ends[1]:.4g} µm"
+        )
+        yield from rejected_parts(spectrum.rejected)

@@ -1,0 +1,218 @@
+"""Emissivity from apparent temperatures, absorptivity from a light meter."""
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+from lightflyer.config.update import Face, emittance_keys
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.files.quantities import difference, share
+from lightflyer.lab.measurement import (
+    Kelvins,
+    KnownNumber,
+    MeasuredKelvins,
+    Number,
+    Outcome,
+    measurement,
+    read_parts,
+    read_summary,
+)
+from lightflyer.lab.thermography.camera import UNCOOLED, parse_band
+from lightflyer.lab.thermography.data import (
+    BLACK,
+    LIGHT,
+    THERMAL,
+    Readings,
+    Scene,
+    accuracy_warnings,
+    given_readings,
+    read_readings,
+    with_accuracy,
+)
+from lightflyer.lab.thermography.images.scaled import parse_scale
+from lightflyer.lab.thermography.reduction import reduce_readings, to_dataset
+from lightflyer.lab.thermography.text import finding_parts, properties_parts
+from lightflyer.lab.thermography.thermal_image import (
+    ThermalImage,
+    is_thermal_image,
+    parse_regions,
+    read_thermal_image,
+    region_temperatures,
+    region_warnings,
+    setting_warnings,
+)
+
+
+@measurement(
+    image_unit="regions", image_zero="image_unit", image_emissivity="regions",
+    image_reflected="regions", face="update",
+)  # fmt: skip
+def thermography(
+    file: Path | None = None,
+    /,
+    *,
+    light_meter: bool = False,
+    band: str | None = None,
+    columns: str | None = None,
+    hotplate: MeasuredKelvins = None,
+    lower: MeasuredKelvins = None,
+    upper: MeasuredKelvins = None,
+    ambient: MeasuredKelvins = None,
+    hotplate_emissivity: KnownNumber = None,
+    film_temperature: MeasuredKelvins = None,
+    regions: str | None = None,
+    image_unit: str | None = None,
+    image_zero: str | None = None,
+    image_emissivity: Number = None,
+    image_reflected: Kelvins = None,
+    accuracy: str | None = None,
+    draws: int = 100_000,
+    seed: int = 0,
+    update: Path | None = None,  # noqa: ARG001  (written by the command)
+    face: Face = "both",
+) -> Outcome:
+    """Find reflectance, transmittance and emissivity from apparent temperatures.
+
+    Parameters
+    ----------
+    file
+        Table with the columns hotplate_temperature, lower_temperature, upper_temperature and
+        ambient_temperature, one measurement per row; or, with --regions, an image: FLIR's
+        radiometric .jpg or .fff, a radiometric .tiff, or a matrix of temperatures in a text file.
+        Without a file, the options --hotplate, --lower, --upper and --ambient give the
+        temperatures.
+    light_meter
+        The columns are incident, reflected, transmitted and dark, readings of a light meter in
+        any one unit, which give the visible absorptivity.
+    band
+        Camera's band, such as "8-14 um", or the file of its spectral response with the columns
+        wavelength and response, or "total" for the paper's T⁴. Assumed to be "7.5-14 um" where it
+        is not stated.
+    columns
+        Columns in the order of the file, in place of a header.
+    hotplate
+        Apparent temperature of the hotplate, such as "150 ± 0.5 °C", where the file has no such
+        column.
+    lower
+        Apparent temperature of the film's lower side.
+    upper
+        Apparent temperature of the film's upper side.
+    ambient
+        Temperature of the surroundings.
+    hotplate_emissivity
+        Emissivity of the hotplate in the camera's band, such as "0.95 ± 0.02", where its
+        temperature is its own and not an apparent one.
+    film_temperature
+        The film's own temperature, such as "30 ± 5 °C"; that of the surroundings where it is not
+        stated.
+    regions
+        Regions of an image, rows and then columns: "hotplate=10:40,20:60; upper=50:80,20:60".
+    image_unit
+        Unit of the numbers of a .tiff or a text file that does not state it, such as "°C", or
+        "0.01 K" for hundredths of a kelvin.
+    image_zero
+        Temperature of the number zero, such as "-100 °C", where it is not that of the unit.
+    image_emissivity
+        Emissivity for the temperatures of a FLIR image, in place of the one that the camera was
+        set to; 1 for apparent temperatures.
+    image_reflected
+        Temperature of the radiation that the scene reflects, in place of the camera's setting.
+    accuracy
+        Standard uncertainty of each reading that states none, such as "0.5 K", less what all
+        readings share; of a light meter relative to its reading, such as "0.5 %". Default: limits
+        of 2 K or 2 % of the reading in °C, of a light meter 2 %, divided by √3, assumed.
+    draws
+        Number of Monte Carlo draws.
+    seed
+        Seed of the draws.
+    update
+        Flyer file to write the emissivity (the absorptance for a light meter) into.
+    face
+        Face of that film.
+    """
+    texts = {"hotplate": hotplate, "lower": lower, "upper": upper, "ambient": ambient}
+    given = {f"{name}_temperature": one for name, one in texts.items() if one is not None}
+    if light_meter and (given or band or hotplate_emissivity or film_temperature or file is None):
+        raise ConfigurationError("--light-meter needs a file and takes no temperatures and no band")
+    own = None
+    if accuracy is not None:
+        read: Any = share if light_meter else difference
+        own = read("--accuracy", accuracy, *([] if light_meter else ["K"]))
+    image, tables, areas = None, [], parse_regions(regions or "")
+    if light_meter:
+        readings, table = read_readings(file, LIGHT, columns=columns, accuracy=own)
+        tables = [table]
+    else:
+        scene = _scene(band, hotplate_emissivity or BLACK, film_temperature)
+        is_image = file is not None and (regions or is_thermal_image(file))
+        if regions and not is_image:
+            raise ConfigurationError("--regions is for an image; give its file")
+        if is_image and regions is None:
+            raise ConfigurationError(
+                f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."'
+            )
+        if is_image:
+            image = read_thermal_image(
+                file,
+                scale=None if image_unit is None else parse_scale(image_unit, image_zero),
+                emissivity=image_emissivity,
+                reflected_temperature=image_reflected,
+            )
+            readings = _image_readings(image, areas, given, own, scene)
+        elif file is None:
+            readings = given_readings(given, THERMAL, accuracy=own, scene=scene)
+        else:
+            readings, table = read_readings(
+                file, THERMAL, columns=columns, given=given, accuracy=own, scene=scene
+            )
+            tables = [table]
+    result = reduce_readings(readings, draws=draws, seed=seed)
+    keys = emittance_keys(face)
+    if light_meter:
+        names = {"top": ["absorptance"], "bottom": ["absorptance_bottom"]}
+        both = ["absorptance", "absorptance_bottom"]
+        keys = [("film", key) for key in names.get(face, both)]
+
+    def draw() -> Any:
+        from lightflyer.lab.thermography.figures import thermography_figures
+
+        return thermography_figures(result, image, areas)
+
+    files = [] if file is None else [file]
+    return Outcome(
+        result.summary() | ({} if image is None else {"image": image.summary()}),
+        to_dataset(result, [str(one) for one in files]),
+        [
+            *finding_parts(result), *read_parts(tables),
+            *([] if image is None else [image.description]), *properties_parts(result),
+        ],
+        read=read_summary(tables),
+        warnings=result.warnings,
+        figures=draw,
+        values=dict.fromkeys(keys, result.emissivity),
+        origin=f"thermography, {result.meaning}",
+        sources=files,
+    )  # fmt: skip
+
+
+def _scene(band: str | None, emissivity: Any, film: Any) -> Scene:
+    camera = UNCOOLED if band is None else parse_band(band)
+    try:
+        return Scene(camera, emissivity, film)
+    except ParameterError as error:
+        raise ConfigurationError(f"--{str(error).replace('_', '-', 1)}") from None
+
+
+def _image_readings(
+    image: ThermalImage, areas: Any, given: dict[str, Any], accuracy: float | None, scene: Scene
+) -> Readings:
+    kelvin = image.temperature
+    found = with_accuracy(region_temperatures(kelvin, areas, image.source), accuracy) | given
+    readings = given_readings(found, THERMAL, accuracy=accuracy, scene=scene)
+    said = (
+        *setting_warnings(image, found["ambient_temperature"].value),
+        *region_warnings(kelvin, areas),
+        *accuracy_warnings(THERMAL, accuracy),
+        *readings.warnings,
+    )
+    return dataclasses.replace(readings, warnings=tuple(dict.fromkeys(said)))

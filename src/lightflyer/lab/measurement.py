@@ -1,0 +1,129 @@
+"""What a measurement is: a function of files and options, and the outcome that it returns.
+
+Its command, its help, what it prints and writes, and its place in ``lightflyer lab summary`` follow
+from the function's annotated parameters, its docstring and the outcome
+(:mod:`lightflyer.cli.lab`).
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+from lightflyer.files.quantities import difference, exact, known, quantity, share
+from lightflyer.files.result_text import Parts
+from lightflyer.files.table import Table
+from lightflyer.files.table_rows import Rejected
+from lightflyer.lab.estimate import Estimate, estimate_table
+from lightflyer.lab.record import dataset
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+# Options whose text is a number with its unit: the function gets the number in SI units
+Metres: TypeAlias = Annotated[Any, partial(exact, unit="m")]
+Kelvins: TypeAlias = Annotated[Any, partial(exact, unit="K")]
+KelvinsApart: TypeAlias = Annotated[Any, partial(difference, unit="K")]
+Pascals: TypeAlias = Annotated[Any, partial(exact, unit="Pa")]
+WattsPerArea: TypeAlias = Annotated[Any, partial(exact, unit="W/m^2")]
+Number: TypeAlias = Annotated[Any, partial(exact, unit="")]
+Share: TypeAlias = Annotated[Any, share]
+# The same with its ±, as :class:`~lightflyer.core.units.Measured`; known ones exceed it
+MeasuredKelvins: TypeAlias = Annotated[Any, partial(quantity, unit="K")]
+KnownMetres: TypeAlias = Annotated[Any, partial(known, unit="m")]
+KnownNumber: TypeAlias = Annotated[Any, partial(known, unit="")]
+
+_SHOWN_REJECTED = 10
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a measurement found, as its command prints and writes it."""
+
+    summary: Mapping[str, Any]  # JSON object of the result
+    dataset: "xr.Dataset"
+    parts: Parts  # Text, the finding first
+    _: KW_ONLY
+    read: Sequence[Mapping[str, Any]] = ()  # JSON of the files read
+    warnings: Sequence[str] = ()
+    figures: "Callable[[], Mapping[str, Figure]]" = dict
+    tables: Mapping[str, str | bytes] = field(default_factory=dict)  # further files, by name
+    # Numbers for a flyer file, by section and key, where they come from, and digits of their ±
+    sources: Sequence[Path] = ()
+    values: Mapping[tuple[str, str], Estimate] = field(default_factory=dict)
+    origin: str = ""
+    digits: int = 2
+    #: In place of that: writes into a flyer file and tells what
+    write: Callable[[Path, bool], Sequence[str]] | None = None
+
+    @classmethod
+    def of(
+        cls, title: str, estimates: Mapping[str, Estimate], tables: Sequence[Table],
+        variables: Mapping[str, Any], **others: Any,
+    ) -> "Outcome":  # fmt: skip
+        """The outcome of a few numbers by name, from tables; ``variables``: of the dataset."""
+        words = {name: name.replace("_", " ") for name in estimates}
+        return cls(
+            {name: one.to_json() for name, one in estimates.items()},
+            dataset(title, variables, [one.source for one in tables],
+                    warnings=others.get("warnings", ())),
+            [*(f"{words[name]} {one}" for name, one in list(estimates.items())[:1]),
+             *read_parts(tables),
+             estimate_table((words[name], one) for name, one in estimates.items())],
+            read=read_summary(tables), **others,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Listing:
+    """What an option such as ``--list-channels`` asks for in place of an outcome."""
+
+    document: dict[str, Any]
+    lines: Sequence[str]
+
+
+def measurement(**needs: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Have a measurement's command refuse options that do nothing without another, by name."""
+
+    def needing(function: Callable[..., Any]) -> Callable[..., Any]:
+        function.needs = needs  # type: ignore[attr-defined]
+        return function
+
+    return needing
+
+
+def read_summary(tables: Sequence[Table]) -> list[dict[str, Any]]:
+    """JSON list of the tables read, their rows, and the rejected rows with reasons."""
+    return [
+        {
+            "file": table.source,
+            "rows": len(table),
+            "rejected": rejected_json(table.rejected),
+            "columns_not_used": table.unused,
+            "notes": table.notes,
+        }
+        for table in tables
+    ]
+
+
+def rejected_json(rejected: Sequence[Rejected]) -> list[dict[str, Any]]:
+    """Rejected rows as JSON."""
+    return [{"line": row.line, "reason": row.reason} for row in rejected]
+
+
+def read_parts(tables: Sequence[Table]) -> Iterator[str]:
+    """The tables read, and their rejected rows."""
+    for table in tables:
+        unused = f"; not used: {', '.join(table.unused)}" if table.unused else ""
+        yield f"read {len(table)} row{'s' * (len(table) != 1)} of {table.source}{unused}"
+        yield from rejected_parts(table.rejected)
+        yield from (f"  note: {note}" for note in table.notes)
+
+
+def rejected_parts(rejected: Sequence[Rejected]) -> Iterator[str]:
+    """Rejected rows, only the first of very many."""
+    yield from (f"  rejected {row}" for row in rejected[:_SHOWN_REJECTED])
+    if len(rejected) > _SHOWN_REJECTED:
+        yield f"  and {len(rejected) - _SHOWN_REJECTED} more rows, listed in the JSON record"

@@ -1,9 +1,9 @@
-"""Heat balances, payload optima and reductions per second on a kind of device.
+"""Heat balances and payload optima per second on a kind of device.
 
     python benchmarks/device.py [--device gpu] [--designs 1048576] [--repeats 5]
 
-Designs are made on the device and results stay there, as in a reduced sweep: neither memory of the
-host nor a disk limits. All devices of the kind share them. Rows of device.csv for the same device
+Designs are made on the device and results stay there: neither memory of the host nor a disk limits.
+All devices of the kind share them. Rows of device.csv for the same device
 are replaced, others kept; docs/benchmarks.md shows that file. On a device other than the processor
 a sample is compared with the processor's results.
 """
@@ -23,7 +23,6 @@ import numpy as np
 import lightflyer as lf
 from lightflyer.compute.devices import OnDevices, find_devices
 from lightflyer.environment import EnvironmentState, Radiation
-from lightflyer.parametric.reductions import Best, Front, Spread
 
 RESULT = Path(__file__).with_name("device.csv")
 COLUMNS = ("device", "devices", "model", "task", "designs", "per_second", "largest_difference")
@@ -35,7 +34,6 @@ ALTITUDES = np.linspace(30e3, 84e3, 33)
 STANDARD_GRAVITY = 9.80665  # m/s²
 SAMPLE = 4096
 BLOCK = 16_384  # designs at once on a processor: they fit its cache
-REDUCTIONS = (Best("lift", 100), Front("lift", "pressure"), Spread("temperature"))
 
 
 def designs(number):
@@ -69,25 +67,6 @@ def balances(model, gas, number):
     return lf.equilibrium(disk(values), state, model, throw=False).temperature
 
 
-def columns(model, gas, number):
-    values = designs(number)
-    state = EnvironmentState(
-        values["pressure"], values["cold"], STANDARD_GRAVITY, gas, Radiation(values["irradiance"])
-    )
-    body = disk(values)
-    return {
-        "pressure": values["pressure"],
-        "lift": lf.lift(body, state, model, throw=False),
-        "temperature": lf.equilibrium(body, state, model, throw=False).temperature,
-    }
-
-
-def reduced(model, gas, number):
-    table = columns(model, gas, number)
-    parts = [reduction.on_device(table, number[0].astype(jnp.int64)) for reduction in REDUCTIONS]
-    return jax.tree.map(lambda part: jnp.asarray(part)[None], parts)
-
-
 def optima(model, gas, number):
     """Largest payload over altitude [kg]: the best of a grid, and at the vertex through three."""
     del gas  # that of the atmosphere
@@ -110,7 +89,7 @@ def optima(model, gas, number):
     return jnp.maximum(there, payload(vertex))
 
 
-TASKS = {"heat balances": balances, "reduced designs": reduced, "payload optima": optima}
+TASKS = {"heat balances": balances, "payload optima": optima}
 SHARES = {"payload optima": 1 / 16}  # of the designs: each is looked at 34 times
 
 

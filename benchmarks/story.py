@@ -5,21 +5,18 @@
 
 Processor time, as the machine may be busy: that of all threads of the process, for a function that
 ran once before. Memory is the peak of a process of its own. Beside the heat balances of solver.py:
-SciPy on the equations of numpy_model.py, and the same compiled by numba. Of the sweep: to Zarr, and
-reduced to its best designs, fronts and distributions. Lines go on, dashed, where nothing was
-measured: proportional to the largest number that was.
+SciPy on the equations of numpy_model.py, and the same compiled by numba; and a sweep to Zarr. Lines
+go on, dashed, where nothing was measured: proportional to the largest number that was.
 """
 
 import argparse
 import json
-import logging
 import os
 import platform
 import subprocess
 import sys
 import tempfile
 import time
-from functools import partial
 from pathlib import Path
 
 import jax
@@ -41,12 +38,10 @@ LABELS = {
     "find_root": "SciPy find_root",
     "brentq": "SciPy brentq",
     "zarr": "sweep to Zarr",
-    "reduced": "sweep, reduced",
-    "cluster": "reduced, Dask, two workers",
     "solve": "heat balances",
 }
 MOST = {"package": 10**7, "numba": 10**6, "find_root": 10**6, "brentq": 1000,
-        "zarr": 10**7, "reduced": 3 * 10**7, "cluster": 10**7}  # fmt: skip
+        "zarr": 10**7}  # fmt: skip
 LIFTED = {"find_root": 6, "numba": -1, "zarr": -6, "package": -12}  # names at line ends [points]
 TARGET = 10**9  # designs to which lines go on
 TOLERANCE = 1e-12  # of the absorbed power, as the package's
@@ -80,46 +75,19 @@ def measured(function):
     return (time.process_time() - start) / calls
 
 
-def sweep_once(kind, count, folder):
+def sweep_once(count, folder):
     """A sweep with four outputs, in a folder."""
     from sweep import study
 
     from lightflyer.compute.evaluation import Evaluator
-    from lightflyer.parametric.reduced import reduce_into
     from lightflyer.parametric.run import sweep_into
 
     asked = study(count)
     evaluate = Evaluator(asked)
     evaluate(0, 1)  # compiles
     start = time.process_time()
-    if kind == "zarr":
-        sweep_into(asked, folder / "r.zarr", evaluator=evaluate)
-    else:
-        reduce_into(asked, folder / "r.nc", evaluator=evaluate)
+    sweep_into(asked, folder / "r.zarr", evaluator=evaluate)
     return time.process_time() - start
-
-
-def on_a_cluster(count, folder):
-    """A reduced sweep by two workers: processor time of workers, scheduler and client."""
-    import distributed
-    from sweep import study
-
-    from lightflyer.parametric.reduced import reduce_into
-
-    cluster = distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=folder,
-        silence_logs=logging.CRITICAL,
-    )  # fmt: skip
-    with cluster, distributed.Client(cluster) as client:
-
-        def spent():
-            return time.process_time() + sum(client.run(time.process_time).values())
-
-        address = cluster.scheduler_address
-        reduce_into(study(10**6), folder / "first.nc", scheduler=address)  # compiles
-        start = spent()
-        reduce_into(study(count), folder / "r.nc", scheduler=address)
-        return spent() - start
 
 
 def alone(kind, count):
@@ -131,8 +99,7 @@ def alone(kind, count):
         seconds = time.process_time() - start
     else:
         with tempfile.TemporaryDirectory() as name:
-            once = on_a_cluster if kind == "cluster" else partial(sweep_once, kind)
-            seconds = once(count, Path(name))
+            seconds = sweep_once(count, Path(name))
     status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
     print(json.dumps([seconds, int(status["VmHWM"].split()[0]) / 1024]))
 
@@ -152,19 +119,15 @@ def powers(first, most):
 def measure(most):
     """All that the figure shows."""
     times = {name: {} for name in LABELS if name != "solve"}
-    memory = {name: {} for name in ("solve", "zarr", "reduced")}
+    memory = {name: {} for name in ("solve", "zarr")}
     for name, function in SOLVERS.items():
         for count in powers(0, min(MOST[name], most)):
             values = designs(count)
             times[name][count] = measured(lambda f=function, v=values: f(v))
         print(name, times[name], flush=True)
-    for name in ("zarr", "reduced"):
-        for count in powers(5, min(MOST[name], most * 3)):
-            times[name][count], memory[name][count] = in_a_process(name, count)
-        print(name, times[name], memory[name], flush=True)
-    for count in powers(6, min(MOST["cluster"], most)):
-        times["cluster"][count], _ = in_a_process("cluster", count)
-    print("cluster", times["cluster"], flush=True)
+    for count in powers(5, min(MOST["zarr"], most)):
+        times["zarr"][count], memory["zarr"][count] = in_a_process("zarr", count)
+    print("zarr", times["zarr"], memory["zarr"], flush=True)
     for count in powers(3, min(MOST["package"], most)):
         memory["solve"][count] = in_a_process("solve", count)[1]
     machine = f"{platform.machine()}, {len(os.sched_getaffinity(0))} processors"

@@ -125,58 +125,6 @@ def test_a_band_of_samples_is_drawn(run, study, tmp_path):
     assert "in less than half of the samples" in (maps / "relative_payload-map.svg").read_text()
 
 
-def test_a_reduced_sweep_keeps_what_the_whole_one_has(run, study, tmp_path):
-    asked = '[reduce]\nbest = ["relative_payload"]\ndesigns = 3\n'
-    path, whole, out = study(), tmp_path / "results.zarr", tmp_path / "best.nc"
-    path.write_text(path.read_text(encoding="utf-8") + asked, encoding="utf-8")
-    run("sweep", path, "--out", whole)
-    code, text, errors = run("sweep", path, "--reduce", "--out", out)
-    assert code == 0, errors
-    assert "best relative_payload (3 kept)" in text
-    assert "front, relative payload against altitude:" in text
-    every, tree = lf.parametric.open_sweep(whole), lf.parametric.open_reduced(out)
-    ordered = every.relative_payload.stack(design=every.dims).to_pandas().nlargest(3)
-    best = tree["best/relative_payload"]
-    assert list(best.relative_payload.values) == list(ordered.values)
-    names = ("flyer.diameter", "film.emittance", "altitude")
-    found = zip(*(best[name].values for name in names), strict=True)
-    assert list(found) == list(ordered.index)
-    for name in every.data_vars:
-        group = tree[f"distributions/{name}"]
-        assert group.attrs["designs"] == int(every[name].notnull().sum())
-        ends = [float(every[name].min()), float(every[name].max())]
-        assert list(group["quantile"].values[[0, -1]]) == ends
-    code, text, _ = run("sweep", path, "--reduce", "--out", out, "--json")
-    assert json.loads(text)["computed"] == 0
-    assert json.loads(text)["best"]["relative_payload"]["value"] == ordered.iloc[0]
-    code, _, errors = run("sweep", path, "--reduce", "--out", tmp_path / "best.zarr")
-    assert code == 2
-    assert "let its name end with .nc" in errors
-    path.write_text(path.read_text(encoding="utf-8").replace("designs = 3", "designs = 4"))
-    code, _, errors = run("sweep", path, "--reduce", "--out", out)
-    assert code == 2
-    assert "holds another study" in errors
-
-
-def test_reductions_name_what_the_study_has(run, study, tmp_path):
-    path = study()
-    good = path.read_text(encoding="utf-8")
-    for line, message in (
-        ('best = "payload"', r'"payload" is not in the study; choose from temperature'),
-        ('fronts = [["lift", "mass"]]', r'"mass" is not in the study'),
-        ('fronts = [["altitude", "lift"]]', r'"altitude" is not an output'),
-        ('fronts = ["lift"]', "fronts"),
-        ("designs = 0", "at least 1"),
-        ("most = 3", "best, designs, fronts, distributions"),
-    ):
-        path.write_text(f"{good}[reduce]\n{line}\n", encoding="utf-8")
-        code, text, errors = run("sweep", path, "--reduce", "--out", tmp_path / "best.nc")
-        assert (code, text) == (2, "")
-        assert message in errors
-        assert "study.toml:" in errors
-        assert not list(tmp_path.glob("best*"))
-
-
 @pytest.mark.slow
 def test_a_sweep_that_is_killed_continues(run, study, tmp_path):
     """With the model itself; that fifty kills change no bit is tested beside the store."""

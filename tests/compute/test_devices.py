@@ -65,66 +65,6 @@ def test_several_devices_find_what_one_does():
         assert np.unique(np.abs(column)).size > 1 or name == "bad"
 
 
-REDUCED = """
-import json, pickle, sys
-import jax, numpy as np
-import lightflyer as lf
-from lightflyer.config.designs import as_design
-from lightflyer.compute.evaluation import Evaluator
-from lightflyer.parametric.reducers import DeviceReducer, Reducer
-from lightflyer.study.sections import ReduceSection, SamplingSection
-from lightflyer.study.study import make_study
-
-film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-disk = lf.Disk(film, radius=0.01)
-radii = {"flyer.radius": {"from": "1 mm", "to": "5 cm", "points": 11}}
-uncertain = {"flyer.film.tac_bottom": {"distribution": "uniform", "from": 0.85, "to": 0.95}}
-over = {"altitude": {"from": "60 km", "to": "90 km", "points": 7}}
-design = as_design(disk, lf.lu2023_earth(), lf.Lu2023())
-asked = ReduceSection(best=("payload", "temperature"), designs=5, fronts=(("payload", "altitude"),))
-outputs = ("payload", "temperature", "lift_over_weight")
-crowded = {"flyer.radius": {"from": "1 mm", "to": "2 mm", "points": 5000}, "altitude": ["80 km"]}
-of_force = ReduceSection(best=("lift",), designs=5, fronts=(("lift", "flyer.radius"),))
-found = []
-for study in (
-    make_study(design, over | radii, outputs, reduce=asked),
-    make_study(design, over | uncertain, outputs, SamplingSection(points=8), reduce=asked),
-    make_study(design, crowded, ("lift",), reduce=of_force),
-):
-    reducer = DeviceReducer(study, "cpu")
-    if study.size < 5000:
-        reducer.batch = 30  # neither a divisor of the designs nor a multiple of the devices
-    for reduce in (Reducer(study, Evaluator(study)), pickle.loads(pickle.dumps(reducer))):
-        partials, failures = reduce(0, study.size)
-        kept = {name: {key: np.asarray(value).tolist() for key, value in part.items()}
-                for name, part in partials.items()}
-        found.append([kept, failures])
-json.dump({"found": found, "devices": len(jax.devices())}, sys.stdout)
-"""
-
-
-@pytest.mark.slow
-def test_devices_keep_what_numpy_keeps():
-    """Of designs in padding, of samples, and of a front that a device has no room for."""
-    answer = on_several(REDUCED)
-    assert answer["devices"] == DEVICES
-    found = answer["found"]
-    assert len(found) == 6
-    for (one, failed), (other, failed_there) in zip(found[::2], found[1::2], strict=True):
-        assert failed == failed_there == 0
-        assert one.keys() == other.keys()
-        for name, partial in one.items():
-            for key, value in partial.items():
-                if key == "counts":  # the last bit of a value may move it to the next cell
-                    value, other[name][key] = np.cumsum(value), np.cumsum(other[name][key])
-                    assert np.max(np.abs(value - other[name][key])) <= 2
-                    assert value[-1] == other[name][key][-1] > 0
-                else:
-                    np.testing.assert_allclose(other[name][key], value, rtol=1e-8, err_msg=name)
-    crowded = found[4][0]["fronts/lift_against_flyer.radius"]
-    assert len(crowded["designs"]) == 5000
-
-
 @pytest.mark.skipif(jax.default_backend() == "gpu", reason="there is a GPU")
 def test_a_gpu_that_is_not_there_is_one_line_and_nothing_is_written(tmp_path):
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
@@ -142,18 +82,16 @@ def test_an_unknown_device_names_those_there_are():
 
 
 @pytest.mark.slow
-def test_a_reduced_sweep_on_gpus_is_that_of_processors(tmp_path, monkeypatch):
-    """With processors in the place of GPUs: which way it goes, and how it is counted."""
+def test_a_sweep_on_gpus_is_that_of_processors(monkeypatch):
+    """With processors in the place of GPUs."""
     film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     made = lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023()
     over = {"altitude": {"from": "60 km", "to": "90 km", "points": 31}}
-    asked = {"over": over, "outputs": ("payload", "temperature"), "designs": 4}
-    here = lf.parametric.sweep_reduced(*made, **asked, out=tmp_path / "here.nc")
+    asked = {"over": over, "outputs": ("payload", "temperature")}
+    here = lf.sweep(*made, **asked)
     processors = jax.local_devices(backend="cpu")
     monkeypatch.setattr(jax, "local_devices", lambda backend: processors)
-    there = lf.parametric.sweep_reduced(*made, **asked, out=tmp_path / "there.nc", device="gpu")
-    assert int(there.attrs["not_converged"]) == 0
-    assert set(there.groups) == set(here.groups)
-    np.testing.assert_array_equal(there["best/payload"].design, here["best/payload"].design)
-    np.testing.assert_allclose(there["best/payload"].payload, here["best/payload"].payload, 1e-8)
-    assert there["distributions/temperature"].attrs["designs"] == 31
+    there = lf.sweep(*made, **asked, device="gpu")
+    assert there.attrs["not_converged"] == 0
+    np.testing.assert_allclose(there.payload, here.payload, 1e-8)
+    np.testing.assert_allclose(there.temperature, here.temperature, 1e-10)

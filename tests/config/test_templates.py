@@ -149,7 +149,7 @@ def test_studies_can_be_read_beside_the_flyer_file(kind, read, tmp_path):
             continue
         path.write_text(text.replace(match[0], match[1]), encoding="utf-8")
         pkgutil.resolve_name(read)(path)
-    for match in re.finditer(r"^# \[(?:sampling|reduce)\].*(?:\n# .*)+", text, re.M):
+    for match in re.finditer(r"^# \[sampling\].*(?:\n# .*)+", text, re.M):
         path.write_text(text.replace(match[0], match[0].replace("# ", "", 1).replace("\n# ", "\n")),
                         encoding="utf-8")  # fmt: skip
         pkgutil.resolve_name(read)(path)

@@ -46,7 +46,7 @@ COLOURS = 256  # of a picture in the repository, which makes it a third as large
 ALIKE = 3.0  # root-mean-square difference of two pictures, of 255; a curve elsewhere makes tens
 
 NOT_OURS = ("pip", "make", "source", "dask", "kubectl", "python", "#")
-STUDY_SECTIONS = {"sweep", "outputs", "sampling", "reduce", "optimise", "sensitivity"}
+STUDY_SECTIONS = {"sweep", "outputs", "sampling", "optimise", "sensitivity"}
 SAMPLE_KEYS = {"substrate", "ambient"}
 MEASUREMENTS = ("tac", "ftir", "levitation", "thermography", "roughness", "optics", "force")
 

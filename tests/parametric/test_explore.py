@@ -50,9 +50,44 @@ def test_the_best_design_is_numpys(dataset):
 
 
 @pytest.mark.usefixtures("parts")
+@pytest.mark.parametrize("name", ["payload", "temperature"])
+def test_the_best_designs_are_those_of_a_sorted_list(dataset, name):
+    best = explore.best_designs(dataset, name, 7)
+    rows = dataset.to_dataframe().sort_values(name, ascending=name == "temperature", kind="stable")
+    np.testing.assert_array_equal(best[name], rows[name][:7])
+    for field in ("flyer.diameter", "film.emittance", "altitude"):
+        np.testing.assert_array_equal(best[field], rows.index.get_level_values(field)[:7])
+    assert best.altitude.dims == ("rank",)
+    assert explore.best_designs(dataset, name, 10**6).sizes["rank"] == rows[name].count()
+    equal = dataset.assign(payload=0.0 * dataset.payload)
+    first = explore.best_designs(equal, "payload", 2)
+    np.testing.assert_array_equal(first.altitude, dataset.altitude[:2])
+
+
+@pytest.mark.usefixtures("parts")
+def test_quantiles_are_numpys(dataset, rng):
+    shares = [0.0, 0.001, 0.05, 1 / 3, 0.5, 0.95, 1.0]
+    numbers = rng.normal(size=dataset.payload.shape) * 10.0 ** rng.integers(-300, 300, (7, 5, 6))
+    numbers[0, 0, :4] = 0.0, -0.0, np.inf, -np.inf
+    for values in (dataset.payload, dataset.payload * 0.0, dataset.payload.copy(data=numbers)):
+        found = explore.quantiles(dataset.assign(payload=values), "payload", shares)
+        known = values.values[~np.isnan(values.values)]
+        expected = np.quantile(known, shares, method="inverted_cdf")
+        np.testing.assert_array_equal(found, expected)
+        without = values.size - known.size
+        assert (found.attrs["designs"], found.attrs["designs without a value"]) == (
+            known.size,
+            without,
+        )
+    assert explore.quantiles(dataset * np.nan, "payload").isnull().all()
+    with pytest.raises(lf.ConfigurationError, match="from 0 to 1"):
+        explore.quantiles(dataset, "payload", [50.0])
+
+
+@pytest.mark.usefixtures("parts")
 @pytest.mark.parametrize(("cost", "sign"), [("temperature", 1.0), ("altitude", -1.0)])
 def test_a_front_is_what_comparing_all_with_all_leaves(dataset, cost, sign):
-    gains, costs = explore.pareto_front(dataset, "payload", cost, sign=sign)
+    designs, gains, costs = explore.front(dataset, "payload", cost)
     against = sign * dataset[cost].broadcast_like(dataset.payload).transpose(*dataset.payload.dims)
     able = (dataset.payload.values >= 0.0).ravel()  # what does not fly is on no front
     p, c = dataset.payload.values.ravel()[able], against.values.ravel()[able]
@@ -62,10 +97,15 @@ def test_a_front_is_what_comparing_all_with_all_leaves(dataset, cost, sign):
     ]
     expected = sorted(zip(sign * c[~np.array(beaten)], p[~np.array(beaten)], strict=True))
     assert sorted(zip(costs, gains, strict=True)) == expected
+    np.testing.assert_array_equal(dataset.payload.values.ravel()[designs], gains)
+    front = explore.pareto_front(dataset, "payload", cost)
+    np.testing.assert_array_equal(front.payload, gains)
+    np.testing.assert_array_equal(front[cost], costs)
+    assert front[cost].attrs["units"]
 
 
 def test_a_front_of_what_should_be_little(dataset):
-    little, costs = explore.pareto_front(dataset, "temperature", "altitude", sign=-1.0)
+    _, little, costs = explore.front(dataset, "temperature", "altitude")
     able = dataset.temperature.where(dataset.payload >= 0.0)
     least = able.min(["flyer.diameter", "film.emittance"]).sortby("altitude", ascending=False)
     front = np.minimum.accumulate(least.values)
@@ -146,5 +186,5 @@ def test_a_lucky_draw_is_no_best_design(dataset):
     assert best.band[0] < best.value < best.band[1] < 100.0
     assert "median; 95 % of the samples" in str(best)
     cost = drawn.payload.median("sample") * 0.0
-    gains, _ = explore.pareto_front(drawn.assign(cost=cost), "payload", "cost")
+    _, gains, _ = explore.front(drawn.assign(cost=cost), "payload", "cost")
     assert gains.tolist() == [medians.max()]

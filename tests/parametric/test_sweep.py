@@ -148,7 +148,7 @@ def test_memory_is_asked_for_before_it_is_taken(flyer, monkeypatch):
         "altitude": {"from": "60 km", "to": "70 km", "points": 100},
     }
     with pytest.raises(
-        lf.ConfigurationError, match=r"1e\+10 designs need about 480 GB .*sweep_reduced"
+        lf.ConfigurationError, match=r"1e\+10 designs need about 480 GB .*a folder takes them"
     ):
         lf.sweep(flyer, over=many, outputs="lift")
     monkeypatch.setattr(run, "_GIGABYTE", 100.0)

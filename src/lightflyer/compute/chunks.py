@@ -44,6 +44,20 @@ class Chunks:
             place.insert(0, rest)
         return tuple(place)
 
+    def number(self, place: tuple[int, ...]) -> int:
+        """Number of the chunk at a place."""
+        number = 0
+        for count, there in zip(self.counts, place, strict=True):
+            number = number * count + there
+        return number
+
+    def part(self, chunk: int) -> tuple[slice, ...]:
+        """A chunk's part of the grid."""
+        return tuple(
+            slice(number * part, min((number + 1) * part, length))
+            for length, part, number in zip(self.shape, self.block, self.place(chunk), strict=True)
+        )
+
     def span(self, chunk: int) -> tuple[int, int]:
         """First design of a chunk, and the one after its last."""
         start, size = 0, 1

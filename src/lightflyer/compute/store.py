@@ -3,9 +3,10 @@
 A chunk's outputs are one file each, written under a temporary name, flushed to the disk and
 renamed. Once all of them exist, a line with their checksums goes into a journal beside them, and
 only then does the chunk count as done. A process that continues trusts nothing: it reads every file
-that the journal names, compares it with its checksum, and computes damaged chunks again. The files
-are what the Zarr format prescribes for an array without compression but with a CRC-32C, so any
-reader of Zarr opens the group, and detects a damaged chunk too.
+that the journal names, compares it with its checksum, and computes damaged chunks again; one that
+reads results compares too (:mod:`lightflyer.compute.reading`). The files are what the Zarr format
+prescribes for an array without compression but with a CRC-32C, so any reader of Zarr opens the
+group, and detects a damaged chunk too.
 """
 
 import json
@@ -14,7 +15,7 @@ import shutil
 import tempfile
 import uuid
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,11 +31,13 @@ from lightflyer.study.study import Study
 if TYPE_CHECKING:
     import xarray as xr
 
-_RECORDS = ".lightflyer"
-_STUDY, _JOURNAL, _LOCK = "study.json", "journal", "lock"
-_METADATA = "zarr.json"  # of a group or an array
-_PARTIAL = ".partial"
-_CHECKSUM_BYTES = 4
+RECORDS, STUDY, JOURNAL = ".lightflyer", "study.json", "journal"
+"""A folder in a store's, and in it the study and which of its chunks are done."""
+
+METADATA = "zarr.json"  # of a group or an array
+CHECKSUM_BYTES = 4  # at the end of a chunk's file
+_LOCK, _REPAIR, _PARTIAL = "lock", "repair-", ".partial"
+_PROGRESS = {"complete", "not_converged"}  # attributes that change while a sweep goes on
 _MOST_DIFFERENCES = 12
 
 Record = dict[str, int]  # Checksum of each output's file of a chunk
@@ -71,12 +74,13 @@ def write_chunk(folder: Path, chunks: Chunks, chunk: int, outputs: Mapping[str, 
             block = padded
         content = np.ascontiguousarray(block, "<f8").tobytes()
         record[name] = google_crc32c.value(content)
-        checksum = record[name].to_bytes(_CHECKSUM_BYTES, "little")
-        write_atomically(_chunk_file(folder, name, chunks, chunk), content, checksum)
+        checksum = record[name].to_bytes(CHECKSUM_BYTES, "little")
+        write_atomically(chunk_file(folder, name, chunks, chunk), content, checksum)
     return record
 
 
-def _chunk_file(folder: Path, name: str, chunks: Chunks, chunk: int) -> Path:
+def chunk_file(folder: Path, name: str, chunks: Chunks, chunk: int) -> Path:
+    """File of a chunk of an output."""
     return Path(folder, name, "c", *map(str, chunks.place(chunk)))
 
 
@@ -104,7 +108,7 @@ class Store:
         self.folder, self.chunks = folder, chunks
         self._names = study.outputs
         self.token = str(stored_study(folder)["token"])
-        self._journal_path = folder / _RECORDS / _JOURNAL
+        self._journal_path = folder / RECORDS / JOURNAL
         self.done, self.damaged = self._check()
         self._journal = self._journal_path.open("ab")
 
@@ -127,9 +131,10 @@ class Store:
         self.done[chunk] = entry
 
     def finish(self) -> None:
-        """Record in the group's attributes that it is complete."""
+        """Record in the group's attributes that it is complete; remove what killed writers left."""
+        self._remove_leftovers()
         attributes = {"complete": not self.missing, "not_converged": self.failures}
-        path, metadata = self.folder / _METADATA, _metadata(self.folder)
+        path, metadata = self.folder / METADATA, _metadata(self.folder)
         if metadata["attributes"] | attributes != metadata["attributes"]:
             metadata["attributes"] |= attributes
             write_atomically(path, json.dumps(metadata).encode())
@@ -140,27 +145,31 @@ class Store:
     def _check(self) -> tuple[dict[int, Any], list[int]]:
         """Entries of intact chunks, and numbers of the others; repairs the journal."""
         content = self._journal_path.read_bytes() if self._journal_path.exists() else b""
-        entries = {entry["chunk"]: entry for entry in _entries(content)}
-        for name in self._names:
-            for leftover in (self.folder / name).rglob(f"*{_PARTIAL}"):
-                leftover.unlink(missing_ok=True)
+        entries = {entry["chunk"]: entry for entry in journal_entries(self.folder)}
+        self._remove_leftovers()
         intact = {chunk: entry for chunk, entry in entries.items() if self._is_intact(entry)}
         repaired = b"".join(map(_journal_line, intact.values()))
         if repaired != content:
             write_atomically(self._journal_path, repaired)
         return intact, sorted(set(entries) - set(intact))
 
+    def _remove_leftovers(self) -> None:
+        for leftover in self.folder.rglob(f"*{_PARTIAL}"):
+            leftover.unlink(missing_ok=True)
+        for leftover in (self.folder / RECORDS).glob(f"{_REPAIR}*"):
+            shutil.rmtree(leftover, ignore_errors=True)
+
     def _is_intact(self, entry: dict[str, Any]) -> bool:
         import google_crc32c
 
         for name in self._names:
             try:
-                path = _chunk_file(self.folder, name, self.chunks, entry["chunk"])
+                path = chunk_file(self.folder, name, self.chunks, entry["chunk"])
                 content = memoryview(path.read_bytes())
             except OSError:
                 return False
-            stored = int.from_bytes(content[-_CHECKSUM_BYTES:], "little")
-            found = google_crc32c.value(content[:-_CHECKSUM_BYTES].tobytes())
+            stored = int.from_bytes(content[-CHECKSUM_BYTES:], "little")
+            found = google_crc32c.value(content[:-CHECKSUM_BYTES].tobytes())
             if not found == stored == entry["crc32c"].get(name):
                 return False
         return True
@@ -173,8 +182,10 @@ def _journal_line(entry: dict[str, Any]) -> bytes:
     return b"%08x %s\n" % (google_crc32c.value(text), text)
 
 
-def _entries(content: bytes) -> Iterator[dict[str, Any]]:
-    """Entries of a journal; lines that were cut or damaged are left out."""
+def journal_entries(folder: Path) -> Iterator[dict[str, Any]]:
+    """Entries of a store's journal; lines that were cut or damaged are left out."""
+    path = folder / RECORDS / JOURNAL
+    content = path.read_bytes() if path.exists() else b""
     for line in content.splitlines(keepends=True):
         try:
             entry = json.loads(line[9:])
@@ -185,14 +196,55 @@ def _entries(content: bytes) -> Iterator[dict[str, Any]]:
 
 
 def stored_study(folder: Path) -> dict[str, Any]:
-    """Token, shape of the chunks and description of the study of a store."""
-    content = json.loads((folder / _RECORDS / _STUDY).read_text(encoding="utf-8"))
+    """Token, shape of the chunks, description and checksums of the study of a store."""
+    content = json.loads((folder / RECORDS / STUDY).read_text(encoding="utf-8"))
     kinds = {"token": str, "block": list, "description": dict}
-    if not isinstance(content, dict) or not all(
-        isinstance(content.get(name), kind) for name, kind in kinds.items()
+    if (
+        not isinstance(content, dict)
+        or not all(isinstance(content.get(name), kind) for name, kind in kinds.items())
+        # version 0.2 recorded none
+        or content.pop("crc32c", _checksum(content)) != _checksum(content)
     ):
-        raise ValueError(f"{_STUDY} is not the description of a store")
+        raise ValueError(f"{STUDY} is not the description of a store")
     return content
+
+
+def _write_record(folder: Path, study: Study, token: str, content: dict[str, Any]) -> None:
+    """Write what a store holds, with the checksums of its coordinates and descriptions."""
+    content = {"token": token} | content | {
+        "coordinates": coordinate_checksums(empty_dataset(study)),
+        "group": group_checksums(folder, _names_in_group(study)),
+    }  # fmt: skip
+    text = json.dumps(content | {"crc32c": _checksum(content)}, indent=1)
+    write_atomically(folder / RECORDS / STUDY, text.encode())
+
+
+def _checksum(content: Any) -> int:
+    """Checksum of what can be written as JSON."""
+    import google_crc32c
+
+    return int(google_crc32c.value(json.dumps(content, sort_keys=True).encode()))
+
+
+def coordinate_checksums(dataset: "xr.Dataset") -> dict[str, int]:
+    """Checksum of the values of each coordinate."""
+    import google_crc32c
+
+    return {
+        str(name): google_crc32c.value(np.ascontiguousarray(values, "<f8").tobytes())
+        for name, values in dataset.coords.items()
+    }
+
+
+def group_checksums(folder: Path, names: Collection[str]) -> dict[str, int]:
+    """Checksums of the group's attributes and of the descriptions of arrays."""
+    # Readers take the group's copy of the descriptions; ValueError where it is another.
+    group = _metadata(folder)
+    told = group["consolidated_metadata"]["metadata"]
+    if any(told[name] != _metadata(folder / name) for name in names):
+        raise ValueError("two descriptions of one array differ")
+    attributes = {k: v for k, v in group["attributes"].items() if k not in _PROGRESS}
+    return {"": _checksum(attributes)} | {name: _checksum(told[name]) for name in sorted(names)}
 
 
 @contextmanager
@@ -205,19 +257,19 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
     description = study.description() | versions()
     try:
         _require_free(folder)
-        records = folder / _RECORDS
+        records = folder / RECORDS
         records.mkdir(parents=True, exist_ok=True)
         with filelock.FileLock(records / _LOCK).acquire(timeout=0):
-            if not (records / _STUDY).is_file():
+            if not (records / STUDY).is_file():
                 _create(folder, study, description, Chunks.of(study.shape, most_in_chunk))
             try:
                 stored = stored_study(folder)
             except ValueError:
-                raise _damaged_record(folder, records / _STUDY) from None
+                raise _damaged_record(folder, records / STUDY) from None
             require_same(folder, stored["description"], description)
             chunks = Chunks(study.shape, tuple(stored["block"]))
-            if not _group_is_intact(folder, study, chunks):
-                _repair_group(folder, study, chunks)
+            if not _group_is_intact(folder, study, chunks, stored):
+                _repair_group(folder, study, chunks, stored)
             store = Store(folder, study, chunks)
             try:
                 yield store
@@ -238,7 +290,7 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
 
 def _require_free(folder: Path) -> None:
     """Raise unless the folder is a store, perhaps an interrupted one, or empty."""
-    if not folder.exists() or (folder / _RECORDS).is_dir():
+    if not folder.exists() or (folder / RECORDS).is_dir():
         return
     if not folder.is_dir() or any(folder.iterdir()):
         raise OutputError(f"{folder}: already exists and is not a sweep; choose another folder")
@@ -276,22 +328,21 @@ def _names_in_group(study: Study) -> set[str]:
 
 def _create(folder: Path, study: Study, description: dict[str, str], chunks: Chunks) -> None:
     """Fill a store's folder; writing the study, which comes last, makes it a store."""
-    journal, mine = folder / _RECORDS / _JOURNAL, _names_in_group(study)
+    journal, mine = folder / RECORDS / JOURNAL, _names_in_group(study)
     if journal.is_file() and journal.stat().st_size:
-        raise _damaged_record(folder, folder / _RECORDS / _STUDY)
-    leftovers = [path for path in folder.iterdir() if path.name != _RECORDS]
+        raise _damaged_record(folder, folder / RECORDS / STUDY)
+    leftovers = [path for path in folder.iterdir() if path.name != RECORDS]
     if not all(path.name in mine or path.name.startswith("zarr.") for path in leftovers):
         raise OutputError(
             f"{folder}: is an unfinished sweep among other files; choose another folder"
         )
     for leftover in leftovers:
         shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
-    content = {"token": uuid.uuid4().hex, "block": chunks.block, "description": description}
+    content = {"block": list(chunks.block), "description": description}
     try:
         _write_group(folder, study, chunks)
-        write_atomically(folder / _RECORDS / _JOURNAL)
-        text = json.dumps(content, indent=1)
-        write_atomically(folder / _RECORDS / _STUDY, text.encode())
+        write_atomically(folder / RECORDS / JOURNAL)
+        _write_record(folder, study, uuid.uuid4().hex, content)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
@@ -303,7 +354,7 @@ def _write_group(folder: Path, study: Study, chunks: Chunks) -> None:
     from zarr.codecs import Crc32cCodec
 
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message=f"Object at {_RECORDS}")
+        warnings.filterwarnings("ignore", message=f"Object at {RECORDS}")
         # in the format's newest version it is an addition; readers that do not know it skip it
         warnings.filterwarnings("ignore", message="Consolidated metadata")
         empty_dataset(study).to_zarr(folder, mode="a", consolidated=False, zarr_format=3)
@@ -322,39 +373,38 @@ def _write_group(folder: Path, study: Study, chunks: Chunks) -> None:
         zarr.consolidate_metadata(folder)
 
 
-def _group_is_intact(folder: Path, study: Study, chunks: Chunks) -> bool:
+def _group_is_intact(folder: Path, study: Study, chunks: Chunks, stored: dict[str, Any]) -> bool:
     """Whether a reader finds the coordinates and the metadata of the outputs."""
     import zarr
 
     try:
         group: Any = zarr.open_group(folder, mode="r", use_consolidated=False)
         coordinates = empty_dataset(study).coords
-        told = _metadata(folder)["consolidated_metadata"]["metadata"]
         return (
             all(np.array_equal(group[name][...], values) for name, values in coordinates.items())
             and all(
                 (group[name].shape, group[name].chunks) == (chunks.shape, chunks.block)
                 for name in study.outputs
             )
-            # readers take this copy of all descriptions in place of each array's own
-            and all(told[name] == _metadata(folder / name) for name in _names_in_group(study))
+            and stored.get("group") == group_checksums(folder, _names_in_group(study))
         )
     except (OSError, ValueError, LookupError, TypeError, RuntimeError):  # as decoders raise them
         return False
 
 
 def _metadata(folder: Path) -> Any:
-    return json.loads((folder / _METADATA).read_text(encoding="utf-8"))
+    return json.loads((folder / METADATA).read_text(encoding="utf-8"))
 
 
-def _repair_group(folder: Path, study: Study, chunks: Chunks) -> None:
+def _repair_group(folder: Path, study: Study, chunks: Chunks, stored: dict[str, Any]) -> None:
     """Rewrite coordinates, attributes and metadata of the outputs; chunks stay as they are."""
-    with tempfile.TemporaryDirectory(dir=folder / _RECORDS) as name:
+    with tempfile.TemporaryDirectory(dir=folder / RECORDS, prefix=_REPAIR) as name:
         fresh = Path(name)
         _write_group(fresh, study, chunks)
         for path in fresh.rglob("*"):
             if path.is_file():
                 write_atomically(folder / path.relative_to(fresh), path.read_bytes())
+    _write_record(folder, study, stored["token"], stored)
 
 
 def empty_dataset(study: Study) -> "xr.Dataset":

@@ -1,12 +1,14 @@
 """Reading the results of a sweep: slices, the best designs, Pareto fronts."""
 
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.compute.chunks import Chunks
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.units import file_unit, number_or_text, parse
 from lightflyer.design.outputs import OUTPUTS
@@ -24,7 +26,11 @@ COSTS = {"altitude": -1.0, "levitation_irradiance": 1.0, "temperature": 1.0}
 JUDGED = ("relative_payload", "payload", "band_width", "lift_over_weight")
 """Outputs by which designs are judged: by the first that there is."""
 
+SHARES = (0.0, 0.025, 0.05, 0.25, 0.5, 0.75, 0.95, 0.975, 1.0)  # of designs
+
 _AT_ONCE = 2**22  # numbers read at a time
+_CELLS = 2**16  # that sixteen bits tell apart
+_SIGN = np.uint64(2**63)  # the highest bit of a number
 _ROUNDING = 1e-9  # relative, of a value in other units
 _HALF = 0.5  # of what is one where a design is usable, and zero elsewhere
 
@@ -49,12 +55,88 @@ def find_name(dataset: "xr.Dataset", name: str, *, among: str) -> str:
     raise ConfigurationError(f'the sweep has no "{name}" among its {among}; {hint}')
 
 
-def parts(array: "xr.DataArray") -> Iterator[tuple[slice, np.ndarray]]:
-    """Values of an array in parts along its first dimension that fit into memory."""
-    rows = max(1, _AT_ONCE // max(1, int(np.prod(array.shape[1:]))))
-    for start in range(0, array.shape[0], rows):
-        part = slice(start, start + rows)
-        yield part, np.asarray(array[part])
+class _Results:
+    """Results of a sweep, read in parts that fit into memory; designs count in row-major order."""
+
+    def __init__(self, dataset: "xr.Dataset", output: str):
+        self.dataset, self.output, self.worth = (
+            dataset,
+            output,
+            -1.0 if less_is_better(output) else 1.0,
+        )
+        self._sizes = {str(name): n for name, n in dataset[output].sizes.items() if name != SAMPLE}
+        self._samples = {SAMPLE: dataset.sizes[SAMPLE]} if SAMPLE in dataset[output].dims else {}
+        self.dims = list(self._sizes)
+
+    def parts(self) -> "Iterator[tuple[int, xr.Dataset]]":
+        """Number of the first design of each part, and the part."""
+        at_once = max(_AT_ONCE // self._samples.get(SAMPLE, 1), 1)
+        chunks = Chunks.of(tuple(self._sizes.values()), at_once)
+        for chunk in range(len(chunks)):
+            part = dict(zip(self.dims, chunks.part(chunk), strict=True))
+            yield chunks.span(chunk)[0], self.dataset.isel(part)
+
+    def medians(self, part: "xr.Dataset", array: "xr.DataArray", sign: float) -> np.ndarray:
+        """``sign`` times a number of a part's designs, (n,); -∞, the worst, where it has none."""
+        # Of uncertain designs the median over the samples counts, for a best draw is no better
+        # design.
+        sizes = {name: part.sizes[name] for name in self.dims} | self._samples
+        values = sign * np.asarray(array.variable.set_dims(sizes), float)
+        values = np.where(np.isnan(values), -np.inf, values)
+        if self._samples:
+            # the lower of two, so that it is that of a sample and never a mean of infinities
+            values = np.quantile(values, 0.5, axis=-1, method="lower")
+        return values.ravel()
+
+    def places(self, designs: np.ndarray) -> dict[str, np.ndarray]:
+        """Places of designs along each dimension."""
+        places = np.unravel_index(designs, tuple(self._sizes.values()))
+        return dict(zip(self.dims, places, strict=True))
+
+    def rows(self, designs: np.ndarray, along: str) -> "xr.Dataset":
+        """All outputs and numbers of some designs; ``along``: their dimension."""
+        import xarray as xr
+
+        places = {name: xr.DataArray(at, dims=along) for name, at in self.places(designs).items()}
+        return self.dataset.isel(places)
+
+
+def _opened(results: "xr.Dataset | str | Path") -> "xr.Dataset":
+    """A sweep, from its folder where it is one."""
+    if isinstance(results, str | Path):
+        from lightflyer.parametric.run import open_sweep
+
+        return open_sweep(results)
+    return results
+
+
+def best_designs(results: "xr.Dataset | str | Path", output: str, count: int = 100) -> "xr.Dataset":
+    """The designs of a sweep with the best values of an output.
+
+    Parameters
+    ----------
+    results : xarray.Dataset or path
+        A sweep, or the folder of one, which is read part by part.
+    output : str
+        More of it is better; less, where it is one such as a temperature.
+    count : int
+        How many, at most.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same variables along ``rank``, the best first; of equals the first in the sweep. Where
+        the sweep has ``usable``, only designs count that are, unless none is. Of uncertain designs
+        the medians over the samples decide.
+
+    Raises
+    ------
+    ConfigurationError
+        If the sweep has no such output, or its folder is damaged.
+    """
+    dataset = _opened(results)
+    found = _Results(dataset, find_name(dataset, output, among="outputs"))
+    return found.rows(_best(found, count)[0], "rank")
 
 
 @dataclass(frozen=True)
@@ -82,79 +164,50 @@ def best_design(dataset: "xr.Dataset", name: str) -> BestDesign | None:
 
     Where the sweep has ``usable``, only designs count that are; unless none is.
     """
-    usable = dataset.get("usable")
-    if usable is not None and not set(usable.dims) <= set(dataset[name].dims):
-        usable = None  # it says nothing of a design without its altitude
-    found = None if usable is None else _best(dataset[name], usable)
-    return _best(dataset[name], None) if found is None else found
-
-
-def _best(array: "xr.DataArray", usable: "xr.DataArray | None") -> BestDesign | None:
-    # Of uncertain designs the median over the samples counts; a sample without a value is the
-    # worst.
-    name, array = str(array.name), _samples_last(array)
-    able = None if usable is None else _alike(usable, array)
-    sign = -1.0 if less_is_better(name) else 1.0
-    best = -np.inf
-    place: tuple[int, ...] = ()
-    for rows, values in parts(array) if array.ndim else [(slice(0, 1), np.asarray(array))]:
-        score = _typical(worst_for_nan(sign * values), array)
-        if able is not None:
-            flies = np.asarray(able[rows] if array.ndim else able, float)
-            score = np.where(_typical(flies, array) >= _HALF, score, -np.inf)
-        here = np.unravel_index(int(np.argmax(score)), score.shape)
-        if score[here] > best:
-            best = float(score[here])
-            first = [int(here[0]) + rows.start] if score.ndim else []
-            place = (*first, *map(int, here[1:]))
-    if not np.isfinite(best):
+    found = _Results(dataset, name)
+    designs, scores = _best(found, 1)
+    if not designs.size:
         return None
-    dimensions = [dimension for dimension in array.dims if dimension != SAMPLE]
-    index = {str(axis): number for axis, number in zip(dimensions, place, strict=True)}
-    there = array.isel(index)
-    order = [*dimensions, *(key for key in there.coords if key not in dimensions)]
+    index = {axis: int(places[0]) for axis, places in found.places(designs).items()}
+    there = dataset[name].isel(index)
+    order = [*found.dims, *(key for key in there.coords if key not in found.dims)]
     where = {
         str(key): (float(there.coords[key]), unit_of(there.coords[key]))
         for key in order
         if key in there.coords and not there.coords[key].ndim
     }
     band = None
-    if SAMPLE in array.dims:
-        drawn = sign * worst_for_nan(sign * np.asarray(there))
+    if there.ndim:
+        drawn = found.worth * np.asarray(there)
+        drawn = found.worth * np.where(np.isnan(drawn), -np.inf, drawn)
         low, high = np.quantile(drawn, COVERAGE, method="nearest")
         band = (float(low), float(high))
-    return BestDesign(sign * best, unit_of(array), band, where, index)
+    return BestDesign(found.worth * float(scores[0]), unit_of(there), band, where, index)
 
 
-def worst_for_nan(score: Any) -> Any:
-    """Scores of which more is better, of NumPy or JAX; what has no value is the worst."""
-    return score.__array_namespace__().where(_is_missing(score), -np.inf, score)
-
-
-def _samples_last(array: "xr.DataArray") -> "xr.DataArray":
-    """The array with its samples, if it has any, along the last axis."""
-    return array.transpose(..., SAMPLE) if SAMPLE in array.dims else array
-
-
-def _alike(part: "xr.DataArray", array: "xr.DataArray") -> "xr.DataArray":
-    """A part with the dimensions of an array, in its order."""
-    if part.dims == array.dims:
-        return part
-    return part.broadcast_like(array).transpose(*array.dims)
-
-
-def _typical(values: np.ndarray, array: "xr.DataArray") -> np.ndarray:
-    """What stands for the samples of a design: the median, for a best draw is no better design."""
-    if SAMPLE not in array.dims:
-        return values
-    return median_of_samples(values)
-
-
-def median_of_samples(values: Any) -> Any:
-    """Median along the last axis, of NumPy or JAX."""
-    # Of an even number it is the lower one, so that it is that of a sample and never a mean of
-    # infinities.
-    return values.__array_namespace__().quantile(values, 0.5, axis=-1, method="lower")
+def _best(found: _Results, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the best designs, best first, and their values with the sign of ``worth``."""
+    # it says nothing of a design without its altitude
+    usable, array = found.dataset.get("usable"), found.dataset[found.output]
+    judged = usable is not None and set(usable.dims) <= set(array.dims)
+    designs, scores = np.empty(0, int), np.empty(0)
+    for only_usable in (True, False) if judged else (False,):
+        for first, part in found.parts():
+            score = found.medians(part, part[found.output], found.worth)
+            if only_usable:
+                able = found.medians(part, part["usable"], 1.0) >= _HALF
+                score = np.where(able, score, -np.inf)
+            known = np.flatnonzero(np.isfinite(score))
+            if known.size > count:
+                last = np.partition(score[known], known.size - count)[known.size - count]
+                known = known[score[known] >= last]
+            designs = np.concatenate([designs, first + known])
+            scores = np.concatenate([scores, score[known]])
+            order = np.lexsort((designs, -scores))[:count]
+            designs, scores = designs[order], scores[order]
+        if designs.size:
+            break
+    return designs, scores
 
 
 def choose_slice(
@@ -191,58 +244,149 @@ def choose_slice(
     return dataset, chosen
 
 
-def margin(table: Mapping[Any, Any], where: Any = None) -> Any:
-    """Whether the designs of a sweep fly, as far as its outputs tell."""
-    if where is None:
-        import xarray as xr
+def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
+    """What is positive where the designs of a sweep fly, as far as its outputs tell."""
+    import xarray as xr
 
-        where = xr.where
-    if "usable" in table:
-        return table["usable"] - _HALF
-    if "lift_over_weight" in table:
-        return table["lift_over_weight"] - 1.0
+    if "usable" in dataset:
+        return dataset["usable"] - _HALF
+    if "lift_over_weight" in dataset:
+        return dataset["lift_over_weight"] - 1.0
     for name in ("relative_payload", "payload"):
-        if name in table:
-            return where(_is_missing(table[name]), -1.0, table[name])
+        if name in dataset:
+            return dataset[name].fillna(-1.0)
     for name in ("lowest_altitude", "levitation_irradiance"):
-        if name in table:
-            return where(_is_missing(table[name]), -0.5, 0.5)
-    if "band_width" in table:
-        return where(table["band_width"] > 0.0, 0.5, -0.5)
+        if name in dataset:
+            return xr.where(dataset[name].isnull(), -0.5, 0.5)
+    if "band_width" in dataset:
+        return xr.where(dataset["band_width"] > 0.0, 0.5, -0.5)
     return None
 
 
-def _is_missing(values: Any) -> Any:
-    """Where an array of any kind has no number."""
-    return values != values  # as NaN does, whatever kind of array it is in
+def pareto_front(results: "xr.Dataset | str | Path", output: str, cost: str) -> "xr.Dataset":
+    """Designs of a sweep that no other beats in both of two quantities.
+
+    Parameters
+    ----------
+    results : xarray.Dataset or path
+        A sweep, or the folder of one, which is read part by part.
+    output : str
+        More of it is better; less, where it is one such as a temperature.
+    cost : str
+        Another output, or a varied number. Less of it is better, but of the altitude more.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same variables along ``point``, the cheapest first; of designs that are equal in both
+        the first in the sweep. Only designs that fly, as far as the outputs tell. Of uncertain
+        designs the medians over the samples decide.
+
+    Raises
+    ------
+    ConfigurationError
+        If the sweep has no such quantity, or its folder is damaged.
+    """
+    dataset = _opened(results)
+    name = find_name(dataset, output, among="outputs")
+    if cost not in dataset.data_vars:
+        cost = find_name(dataset, cost, among="fields")
+    return _Results(dataset, name).rows(front(dataset, name, cost)[0], "point")
 
 
-def pareto_front(
-    dataset: "xr.Dataset", gain: str, cost: str, *, sign: float = 1.0
-) -> tuple[np.ndarray, np.ndarray]:
-    """Designs that no other beats in both of two quantities, shape (n,); ``dataset``: A sweep."""
-    # Of uncertain designs the medians over the samples count; a design flies if its median does.
-    array, other, able = dataset[gain], dataset[cost], margin(dataset)
-    worth = -1.0 if less_is_better(gain) else 1.0
-    gains, costs = np.empty(0), np.empty(0)
-    array = _samples_last(array)
-    other = _alike(other, array)
-    able = None if able is None else _alike(able, array)
-    for rows, drawn in parts(array):
-        values = worth * _typical(worst_for_nan(worth * drawn), array)
-        there = -sign * _typical(worst_for_nan(-sign * np.asarray(other[rows])), array)
+def front(dataset: "xr.Dataset", gain: str, cost: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Numbers of a front's designs, and their medians of output and cost, (n,) each."""
+    found, designs, gains, costs = (
+        _Results(dataset, gain),
+        np.empty(0, int),
+        np.empty(0),
+        np.empty(0),
+    )
+    price = COSTS.get(cost, 1.0)
+    for first, part in found.parts():
+        values = found.medians(part, part[found.output], found.worth)
+        there = -found.medians(part, part[cost], -price)
         known = np.isfinite(values) & np.isfinite(there)
+        able = margin(part)
         if able is not None:
-            known &= _typical(np.asarray(able[rows], float), array) >= 0.0
-        gains = np.concatenate([gains, worth * values[known]])
-        costs = np.concatenate([costs, sign * there[known]])
+            known &= found.medians(part, able, 1.0) >= 0.0
+        # most are beaten by the front so far: few are left to be sorted
+        best = np.concatenate([[-np.inf], gains])[np.searchsorted(costs, there, side="right")]
+        known &= values > best
+        designs = np.concatenate([designs, first + np.flatnonzero(known)])
+        gains = np.concatenate([gains, values[known]])
+        costs = np.concatenate([costs, there[known]])
         # cheapest first, and among equals the best; a design no better than a cheaper one is beaten
-        order = np.lexsort((-gains, costs))
-        gains, costs = gains[order], costs[order]
-        if gains.size:
-            before = np.concatenate([[-np.inf], np.maximum.accumulate(gains)[:-1]])
-            gains, costs = gains[gains > before], costs[gains > before]
-    return worth * gains, sign * costs
+        order = np.lexsort((designs, -gains, costs))
+        designs, gains, costs = designs[order], gains[order], costs[order]
+        before = np.concatenate([[-np.inf], np.maximum.accumulate(gains)])[: gains.size]
+        designs, gains, costs = (column[gains > before] for column in (designs, gains, costs))
+    return designs, found.worth * gains, price * costs
+
+
+def quantiles(
+    results: "xr.Dataset | str | Path", output: str, shares: Sequence[float] = SHARES
+) -> "xr.DataArray":
+    """Values that shares of a sweep's designs do not exceed.
+
+    Parameters
+    ----------
+    results : xarray.Dataset or path
+        A sweep, or the folder of one, which is read part by part, three times.
+    output : str
+    shares : sequence of float
+        From 0, the least value, to 1, the largest.
+
+    Returns
+    -------
+    xarray.DataArray
+        Along ``share``: values of designs, of all samples where the sweep has any. Its attributes
+        say of how many designs, and how many have no value.
+
+    Raises
+    ------
+    ConfigurationError
+        If the sweep has no such output, or its folder is damaged.
+    """
+    import xarray as xr
+
+    dataset = _opened(results)
+    name = find_name(dataset, output, among="outputs")
+    asked = np.asarray(shares, float)
+    if not np.all((asked >= 0.0) & (asked <= 1.0)):
+        raise ConfigurationError("shares are numbers from 0 to 1")
+    found = _Results(dataset, name)
+    # The bits of numbers, the others way round where they are negative, are ordered as the numbers
+    # are. So a quantile is found sixteen bits at a time, by counting.
+    first, rank, known, missing = np.zeros(asked.size, np.uint64), np.ones(asked.size), 0, 0
+    for shift in (48, 32, 16, 0):
+        counts = {start: np.zeros(_CELLS, np.int64) for start in first.tolist()}
+        missing = 0
+        for _, part in found.parts():
+            every = np.asarray(part[name], float).ravel()
+            values = every[~np.isnan(every)]
+            bits = np.where(values < 0.0, ~values.view(np.uint64), values.view(np.uint64) | _SIGN)
+            bits = bits >> shift
+            for start, count in counts.items():
+                cells = bits - (start << 16)  # beyond all cells where it is another start
+                count += np.bincount(cells[cells < _CELLS].astype(int), minlength=_CELLS)
+            missing += every.size - values.size
+        if shift == 48:
+            known = int(sum(counts[0]))
+            rank = np.clip(np.ceil(asked * known), 1, known)
+        for place, start in enumerate(first.tolist() if known else ()):
+            below = np.cumsum(counts[start])
+            cell = int(np.searchsorted(below, rank[place]))
+            rank[place] -= below[cell] - counts[start][cell]
+            first[place] = (start << 16) + cell
+    values = np.where(first >= _SIGN, (first & ~_SIGN).view(float), (~first).view(float))
+    return xr.DataArray(
+        values if known else np.full(asked.size, np.nan),
+        {"share": asked},
+        "share",
+        name,
+        dict(dataset[name].attrs) | {"designs": known, "designs without a value": missing},
+    )
 
 
 def over_samples(array: "xr.DataArray") -> dict[str, Any]:

@@ -27,10 +27,10 @@ from lightflyer.parametric.explore import (
     COSTS,
     choose_slice,
     find_name,
+    front,
     less_is_better,
     margin,
     over_samples,
-    pareto_front,
 )
 from lightflyer.study.distributions import SAMPLE
 
@@ -345,7 +345,7 @@ def pareto_figure(dataset: "xr.Dataset", gain: str) -> Figure | None:
     for ax, (cost, sign), colour in zip(
         figure.axes, costs.items(), (BLUE, GREEN, ORANGE), strict=False
     ):
-        gains, against = pareto_front(dataset, gain, cost, sign=sign)
+        _, gains, against = front(dataset, gain, cost)
         (up, label_up), (across, label_across) = map(
             scale_and_label, (dataset[gain], dataset[cost])
         )

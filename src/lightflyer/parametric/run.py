@@ -16,7 +16,7 @@ from lightflyer.compute.chunks import CHUNK, Chunks
 from lightflyer.compute.devices import find_devices
 from lightflyer.compute.evaluation import Evaluator
 from lightflyer.compute.scheduler import Task, connect_client, processors, run_here, run_on_dask
-from lightflyer.compute.store import empty_dataset, open_store
+from lightflyer.compute.store import empty_dataset, open_store, require_extra
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
 from lightflyer.core.progress import Counted
@@ -39,12 +39,11 @@ _NUMBERS_BESIDE = 2  # of each design, beside what varies and its outputs: its n
 
 @dataclass(frozen=True)
 class SweepReport:
-    """What a sweep into a folder or a file did."""
+    """What a sweep into a folder did."""
 
     designs: int  # Designs of the study
     found: int  # Designs that were already computed
-    # Chunks that were computed before and had to be again; none where results are reduced
-    damaged: int
+    damaged: int  # Chunks that were computed before and had to be again
     computed: int  # Designs computed now
     not_converged: int  # Designs of the study whose results are NaN because a root-find failed
     seconds: float  # From the first chunk to the last
@@ -222,7 +221,7 @@ def _say_memory(study: Study) -> None:
     numbers = len(study.outputs) + len(study.fields) + _NUMBERS_BESIDE
     need = study.size * numbers * _BYTES
     told = f"{study.size:.3g} designs need about {need / _GIGABYTE:.3g} GB of memory"
-    instead = "a folder takes them (out), and lf.parametric.sweep_reduced keeps the best"
+    instead = "a folder takes them (out)"
     free = _free_memory()
     if need > free:
         raise ConfigurationError(f"{told}, of which {free / _GIGABYTE:.3g} GB are free; {instead}")
@@ -253,20 +252,13 @@ def open_sweep(folder: str | Path) -> "xr.Dataset":
     Raises
     ------
     ConfigurationError
-        If there is none.
+        If there is none, or a part of it was lost since it was written: when it is opened, or when
+        the damaged part is read.
     """
-    import xarray as xr
-
-    from lightflyer.compute.store import require_extra
-
     require_extra()
-    folder = Path(folder)
-    if not (folder / "zarr.json").is_file():
-        raise ConfigurationError(f"{folder}: is not a sweep")
-    try:
-        return xr.open_zarr(folder, chunks=None)
-    except (ValueError, KeyError, OSError) as error:
-        raise ConfigurationError(f"{folder}: cannot be read as a Zarr group: {error}") from None
+    from lightflyer.compute.reading import read_store
+
+    return read_store(Path(folder))
 
 
 @dataclass(frozen=True)

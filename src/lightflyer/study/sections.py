@@ -14,7 +14,6 @@ from lightflyer.study.distributions import METHODS, MOST_SAMPLES, SAMPLES
 _Count = Annotated[int, pydantic.Field(strict=True, ge=1, le=MOST_SAMPLES)]
 _Base = Annotated[int, pydantic.Field(strict=True, ge=1, le=2**18)]  # times the inputs, in memory
 _Starts = Annotated[int, pydantic.Field(strict=True, ge=1, le=1000)]
-_Kept = Annotated[int, pydantic.Field(strict=True, ge=1, le=100_000)]
 _Seed = Annotated[int, pydantic.Field(strict=True, ge=0)]
 _Method = Literal[tuple(METHODS)]  # type: ignore[valid-type]
 
@@ -43,15 +42,6 @@ class SamplingSection(Section):
     method: _Method = "sobol"  # type: ignore[valid-type]
     points: _Count = SAMPLES
     seed: _Seed = 0
-
-
-class ReduceSection(Section):
-    """``[reduce]``: what to keep of a study whose results are not all kept."""
-
-    best: _Names | None = None
-    designs: _Kept = 100
-    fronts: tuple[tuple[str, str], ...] | None = None
-    distributions: _Names | None = None
 
 
 class UncertaintySection(Section):
@@ -101,7 +91,6 @@ class StudyFile(Section):
     sweep: _Entries
     outputs: OutputsSection | None = None
     sampling: SamplingSection = SamplingSection()
-    reduce: ReduceSection = ReduceSection()
     optimise: OptimiseSection | None = None
     sensitivity: SensitivitySection | None = None
 
@@ -110,7 +99,6 @@ _SECTIONS: dict[str, type[Section]] = {
     "": StudyFile,
     "outputs": OutputsSection,
     "sampling": SamplingSection,
-    "reduce": ReduceSection,
     "optimise": OptimiseSection,
     "optimise.uncertainty": UncertaintySection,
     "optimise.stacks": StacksSection,

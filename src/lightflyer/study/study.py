@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from lightflyer.design.outputs import Output, check_outputs, outputs_of
 from lightflyer.files.toml_file import place_of, read_file
 from lightflyer.study.axes import Axis, read_entry
 from lightflyer.study.distributions import SAMPLE, Distribution, draw_samples
-from lightflyer.study.sections import STUDY_FILE, ReduceSection, SamplingSection, StudyFile
+from lightflyer.study.sections import STUDY_FILE, SamplingSection, StudyFile
 
 _LISTED = 6  # values of a number that are shown one by one
 
@@ -81,8 +81,6 @@ class Study:
     fixed: dict[str, float]  # Numbers that have one value, by dotted name
     outputs: tuple[str, ...]  # Names of the outputs
     text: str = ""  # Text of the study file, for the record
-    # What to keep where not all results are kept
-    reduce: ReduceSection = field(default_factory=ReduceSection)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -167,11 +165,10 @@ def make_study(
     outputs: Sequence[str],
     sampling: SamplingSection | None = None,
     source: Source | None = None,
-    reduce: ReduceSection | None = None,
 ) -> Study:
     """Look up what a study names, check it, and draw its samples."""
     found = read_entries(design, entries, outputs, source)
-    return assemble_study(design, found, outputs, sampling, source, reduce)
+    return assemble_study(design, found, outputs, sampling, source)
 
 
 def assemble_study(
@@ -180,11 +177,9 @@ def assemble_study(
     outputs: Sequence[str],
     sampling: SamplingSection | None = None,
     source: Source | None = None,
-    reduce: ReduceSection | None = None,
 ) -> Study:
     """Study of entries that are read."""
-    reduce, found = reduce or ReduceSection(), list(entries.values())
-    _require_known(reduce, tuple(outputs), tuple(entries), source)
+    found = list(entries.values())
     return Study(
         design=design,
         dimensions=_dimensions(design, found, sampling or SamplingSection(), source),
@@ -195,31 +190,7 @@ def assemble_study(
         },
         outputs=tuple(dict.fromkeys(outputs)),
         text=source.text if source else "",
-        reduce=reduce,
     )
-
-
-def _require_known(
-    reduce: ReduceSection, outputs: tuple[str, ...], fields: tuple[str, ...], source: Source | None
-) -> None:
-    """Raise unless the study has all that it is to keep something of."""
-    fronts = reduce.fronts or ()
-    asked = {
-        "best": (reduce.best or (), outputs),
-        "distributions": (reduce.distributions or (), outputs),
-        "fronts": ([name for front in fronts for name in front], (*outputs, *fields)),
-    }
-    for key, (names, known) in asked.items():
-        for name in names:
-            if name not in known:
-                with errors_at(source, "reduce", key):
-                    raise ConfigurationError(
-                        f'"{name}" is not in the study; choose from {", ".join(known)}'
-                    )
-    for gain, _ in fronts:
-        if gain not in outputs:
-            with errors_at(source, "reduce", "fronts"):
-                raise ConfigurationError(f'"{gain}" is not an output; the output comes first')
 
 
 def require_compatible(
@@ -266,6 +237,4 @@ def read_study(path: str | Path) -> Study:
         raise ConfigurationError(
             f'{path}: needs a section [outputs] with variables = ["relative_payload", ...]'
         )
-    return make_study(
-        design, study.sweep, study.outputs.variables, study.sampling, source, study.reduce
-    )
+    return make_study(design, study.sweep, study.outputs.variables, study.sampling, source)

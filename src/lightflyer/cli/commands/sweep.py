@@ -31,7 +31,6 @@ def sweep_command(
     workers: Whole | None = None,
     chunk: Whole | None = None,
     device: Literal["cpu", "gpu"] | None = None,
-    reduce: Annotated[bool, Parameter(negative=())] = False,
     yes: Annotated[bool, Parameter(negative=())] = False,
     json_output: Json = False,
 ) -> None:
@@ -42,8 +41,7 @@ def sweep_command(
     study_file
         TOML file with flyer = "flyer.toml" and the sections [sweep] and [outputs].
     out
-        Folder for the results, a Zarr group such as results.zarr. With --reduce a file, such as
-        best.nc.
+        Folder for the results, a Zarr group such as results.zarr.
     scheduler
         Address of a running Dask scheduler, such as tcp://127.0.0.1:8786; by default this
         machine computes.
@@ -53,9 +51,6 @@ def sweep_command(
         Most designs that are computed and stored together; by default 262144.
     device
         Compute on the processors or on all GPUs; by default where JAX does.
-    reduce
-        Keep the best designs, Pareto fronts and distributions instead of every design. The study
-        file's [reduce] says which.
     yes
         Start a very large study.
     json_output
@@ -70,21 +65,7 @@ def sweep_command(
             raise ParameterError(f"{name} must be at least 1")
     study = read_study(study_file)
     if not yes:
-        _require_reasonable(study, out, reduce=reduce)
-    if reduce:
-        from lightflyer.cli.reduced_tables import show_reduced
-        from lightflyer.parametric.reduced import reduce_into
-
-        report = reduce_into(
-            study,
-            out,
-            scheduler=scheduler,
-            workers=workers,
-            chunk=chunk or CHUNK,
-            device=device,
-        )
-        show_reduced(study, out, report, report_line(report), json_output=json_output)
-        return
+        _require_reasonable(study, out)
     report = sweep_into(
         study,
         out,
@@ -101,19 +82,16 @@ def sweep_command(
     printer().print(f"wrote {out}", soft_wrap=True)
 
 
-def _require_reasonable(study: "Study", out: Path, *, reduce: bool) -> None:
+def _require_reasonable(study: "Study", out: Path) -> None:
     from lightflyer.parametric.run import LARGEST, estimate
 
     if study.size <= LARGEST:
         return
     found = estimate(study, out)
     size, free = (with_prefix(count, "B") for count in (found.size, found.free))
-    space = (
-        "" if reduce else f" and {size} on the disk, which has {free} free; --reduce keeps the best"
-    )
     raise ConfigurationError(
         f"the study has {in_words(found.designs)} designs: about {duration(found.seconds)} on this "
-        f"machine{space}; start it with --yes"
+        f"machine and {size} on the disk, which has {free} free; start it with --yes"
     )
 
 

@@ -30,10 +30,18 @@ def dataset(rng):
     )
 
 
-@pytest.fixture(params=[2**22, 20])
+@pytest.fixture(params=[2**22, 20, "dask"])
 def parts(request, monkeypatch):
-    """Read the results all at once, and in many parts."""
-    monkeypatch.setattr(explore, "_AT_ONCE", request.param)
+    """Read the results all at once, in many parts, and in Dask's blocks."""
+    if request.param != "dask":
+        monkeypatch.setattr(explore, "_AT_ONCE", request.param)
+        return
+    whole = explore._Results.__init__
+
+    def in_blocks(self, dataset, output):
+        whole(self, dataset.chunk({"flyer.diameter": 3, "altitude": 4}), output)
+
+    monkeypatch.setattr(explore._Results, "__init__", in_blocks)
 
 
 @pytest.mark.usefixtures("parts")

@@ -1,6 +1,7 @@
 """Reading the results of a sweep: slices, the best designs, Pareto fronts."""
 
 import difflib
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,10 @@ COSTS = {"altitude": -1.0, "levitation_irradiance": 1.0, "temperature": 1.0}
 
 JUDGED = ("relative_payload", "payload", "band_width", "lift_over_weight")
 """Outputs by which designs are judged: by the first that there is."""
+
+_TELLING = ("usable", "lift_over_weight", "relative_payload", "payload", "lowest_altitude",
+            "levitation_irradiance", "band_width")  # fmt: skip
+"""Outputs that tell whether a design flies: the first that there is."""
 
 SHARES = (0.0, 0.025, 0.05, 0.25, 0.5, 0.75, 0.95, 0.975, 1.0)  # of designs
 
@@ -59,22 +64,39 @@ class _Results:
     """Results of a sweep, read in parts that fit into memory; designs count in row-major order."""
 
     def __init__(self, dataset: "xr.Dataset", output: str):
-        self.dataset, self.output, self.worth = (
-            dataset,
-            output,
-            -1.0 if less_is_better(output) else 1.0,
-        )
+        self.dataset, self.output = dataset, output
+        self.worth = -1.0 if less_is_better(output) else 1.0
         self._sizes = {str(name): n for name, n in dataset[output].sizes.items() if name != SAMPLE}
         self._samples = {SAMPLE: dataset.sizes[SAMPLE]} if SAMPLE in dataset[output].dims else {}
         self.dims = list(self._sizes)
 
-    def parts(self) -> "Iterator[tuple[int, xr.Dataset]]":
-        """Number of the first design of each part, and the part."""
-        at_once = max(_AT_ONCE // self._samples.get(SAMPLE, 1), 1)
-        chunks = Chunks.of(tuple(self._sizes.values()), at_once)
-        for chunk in range(len(chunks)):
-            part = dict(zip(self.dims, chunks.part(chunk), strict=True))
-            yield chunks.span(chunk)[0], self.dataset.isel(part)
+    def parts(self, *names: str) -> "Iterator[tuple[dict[str, slice], xr.Dataset]]":
+        """Where each part lies along each dimension, and these outputs of it, in memory."""
+        needed = self.dataset[[name for name in names if name in self.dataset.data_vars]]
+        blocks = dict(self.dataset[self.output].chunksizes)
+        if blocks:  # Dask's, each of which is computed once
+            sizes = [blocks[name] for name in self.dims]
+            ends = [np.cumsum(lengths) for lengths in sizes]
+            every = ([slice(int(e - n), int(e)) for n, e in zip(*both, strict=True)]
+                     for both in zip(sizes, ends, strict=True))  # fmt: skip
+            places = itertools.product(*every)
+        else:
+            at_once = max(_AT_ONCE // self._samples.get(SAMPLE, 1), 1)
+            chunks = Chunks.of(tuple(self._sizes.values()), at_once)
+            places = map(chunks.part, range(len(chunks)))
+        for place in places:
+            there = dict(zip(self.dims, place, strict=True))
+            yield there, needed.isel(there).load()
+
+    def numbers(self, there: dict[str, slice], local: np.ndarray) -> np.ndarray:
+        """Numbers of designs, from those that they have within a part."""
+        sizes = tuple(part.stop - part.start for part in there.values())
+        places = np.unravel_index(local, sizes)
+        starts = [part.start for part in there.values()]
+        moved = tuple(place + start for place, start in zip(places, starts, strict=True))
+        if not moved:
+            return local
+        return np.ravel_multi_index(moved, tuple(self._sizes.values()))
 
     def medians(self, part: "xr.Dataset", array: "xr.DataArray", sign: float) -> np.ndarray:
         """``sign`` times a number of a part's designs, (n,); -∞, the worst, where it has none."""
@@ -192,7 +214,7 @@ def _best(found: _Results, count: int) -> tuple[np.ndarray, np.ndarray]:
     judged = usable is not None and set(usable.dims) <= set(array.dims)
     designs, scores = np.empty(0, int), np.empty(0)
     for only_usable in (True, False) if judged else (False,):
-        for first, part in found.parts():
+        for there, part in found.parts(found.output, "usable"):
             score = found.medians(part, part[found.output], found.worth)
             if only_usable:
                 able = found.medians(part, part["usable"], 1.0) >= _HALF
@@ -201,7 +223,7 @@ def _best(found: _Results, count: int) -> tuple[np.ndarray, np.ndarray]:
             if known.size > count:
                 last = np.partition(score[known], known.size - count)[known.size - count]
                 known = known[score[known] >= last]
-            designs = np.concatenate([designs, first + known])
+            designs = np.concatenate([designs, found.numbers(there, known)])
             scores = np.concatenate([scores, score[known]])
             order = np.lexsort((designs, -scores))[:count]
             designs, scores = designs[order], scores[order]
@@ -248,19 +270,19 @@ def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
     """What is positive where the designs of a sweep fly, as far as its outputs tell."""
     import xarray as xr
 
-    if "usable" in dataset:
-        return dataset["usable"] - _HALF
-    if "lift_over_weight" in dataset:
-        return dataset["lift_over_weight"] - 1.0
-    for name in ("relative_payload", "payload"):
-        if name in dataset:
-            return dataset[name].fillna(-1.0)
-    for name in ("lowest_altitude", "levitation_irradiance"):
-        if name in dataset:
-            return xr.where(dataset[name].isnull(), -0.5, 0.5)
-    if "band_width" in dataset:
-        return xr.where(dataset["band_width"] > 0.0, 0.5, -0.5)
-    return None
+    name = next((name for name in _TELLING if name in dataset), None)
+    if name is None:
+        return None
+    values = dataset[name]
+    if name == "usable":
+        return values - _HALF
+    if name == "lift_over_weight":
+        return values - 1.0
+    if name in ("relative_payload", "payload"):
+        return values.fillna(-1.0)
+    if name == "band_width":
+        return xr.where(values > 0.0, 0.5, -0.5)
+    return xr.where(values.isnull(), -0.5, 0.5)
 
 
 def pareto_front(results: "xr.Dataset | str | Path", output: str, cost: str) -> "xr.Dataset":
@@ -303,8 +325,8 @@ def front(dataset: "xr.Dataset", gain: str, cost: str) -> tuple[np.ndarray, np.n
         np.empty(0),
     )
     price = COSTS.get(cost, 1.0)
-    for first, part in found.parts():
-        values = found.medians(part, part[found.output], found.worth)
+    for place, part in found.parts(gain, cost, *_TELLING):
+        values = found.medians(part, part[gain], found.worth)
         there = -found.medians(part, part[cost], -price)
         known = np.isfinite(values) & np.isfinite(there)
         able = margin(part)
@@ -313,7 +335,7 @@ def front(dataset: "xr.Dataset", gain: str, cost: str) -> tuple[np.ndarray, np.n
         # most are beaten by the front so far: few are left to be sorted
         best = np.concatenate([[-np.inf], gains])[np.searchsorted(costs, there, side="right")]
         known &= values > best
-        designs = np.concatenate([designs, first + np.flatnonzero(known)])
+        designs = np.concatenate([designs, found.numbers(place, np.flatnonzero(known))])
         gains = np.concatenate([gains, values[known]])
         costs = np.concatenate([costs, there[known]])
         # cheapest first, and among equals the best; a design no better than a cheaper one is beaten
@@ -362,7 +384,7 @@ def quantiles(
     for shift in (48, 32, 16, 0):
         counts = {start: np.zeros(_CELLS, np.int64) for start in first.tolist()}
         missing = 0
-        for _, part in found.parts():
+        for _, part in found.parts(name):
             every = np.asarray(part[name], float).ravel()
             values = every[~np.isnan(every)]
             bits = np.where(values < 0.0, ~values.view(np.uint64), values.view(np.uint64) | _SIGN)

@@ -58,6 +58,20 @@ def pytest_collection_modifyitems(config, items):
     items[:] = [item for item in items if item not in left]
 
 
+def pytest_unconfigure(config):
+    """Say in the last line how many tests were skipped for want of a browser."""
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
+    if reporter is None:  # of a worker
+        return
+    reasons = [str(report.longrepr) for report in reporter.stats.get("skipped", ())]
+    lacking = sum("needs a browser" in reason for reason in reasons)
+    if lacking:
+        reporter.write_line(
+            f"{lacking} tests of the explorer's and the calculator's pages were skipped: install "
+            "Chromium, such as by: sudo apt install chromium"
+        )
+
+
 @pytest.fixture
 def film():
     """The paper's germanium-coated film."""

@@ -43,7 +43,8 @@ def test_every_file_of_data_has_source_and_licence():
         if len(row) == 7 and "`" in row[1]:
             told |= dict.fromkeys(re.findall(r"`([^`]+)`", row[1]), row)
     shipped = {file.name for file in DATA.iterdir() if file.is_file()} - {"SOURCES.md"}
-    assert set(told) == shipped
+    folders = {f"{folder.name}/*.csv" for folder in DATA.iterdir() if folder.is_dir()}
+    assert set(told) == shipped | folders
     for row in told.values():
         assert row[3].strip(), row[1]
         assert re.search(r"MIT|public domain|facts|CC0", row[4]), row[1]
@@ -54,12 +55,23 @@ def test_no_file_of_data_has_a_licence_that_binds_the_package(licence):
     assert licence not in (DATA / "SOURCES.md").read_text("utf-8")
 
 
-def test_lock_file_has_hashes_and_names_no_index():
-    lines = [line for line in text("requirements.lock").splitlines() if "==" in line]
+@pytest.mark.parametrize("name", ["requirements.lock", "requirements-dev.lock"])
+def test_lock_file_has_hashes_and_names_no_index(name):
+    lines = [line for line in text(name).splitlines() if "==" in line]
     assert lines
     assert all(line.endswith("\\") for line in lines)
-    assert text("requirements.lock").count("--hash=sha256:") > len(lines)
-    assert "://" not in text("requirements.lock")
+    assert text(name).count("--hash=sha256:") > len(lines)
+    assert "://" not in text(name)
+
+
+def test_what_a_prediction_needs_has_the_versions_of_the_tests():
+    """The short lock file is a part of the long one, and holds no extra."""
+    short, long = (
+        {line for line in text(name).splitlines() if "==" in line}
+        for name in ("requirements.lock", "requirements-dev.lock")
+    )
+    assert short < long
+    assert not {line for line in short if line.startswith(("jax", "numba", "zarr", "pytest"))}
 
 
 def test_recipe_asks_for_what_the_package_asks_for():

@@ -36,13 +36,13 @@ def test_doctor_names_what_is_missing_and_how_to_get_it(capsys, monkeypatch):
     def installed(name):
         if name == "numba":
             raise importlib.metadata.PackageNotFoundError(name)
-        return "0.1" if name == "lmfit" else version(name)
+        return "0.1" if name == "openpyxl" else version(name)
 
     monkeypatch.setattr(importlib.metadata, "version", installed)
     extras = report(capsys)["extras"]
     assert extras["kinetic"] == [{"package": "numba", "version": None, "problem": "missing"}]
-    (lmfit,) = (entry for entry in extras["lab"] if entry["package"] == "lmfit")
-    assert lmfit["problem"].startswith("is 0.1, but ")
+    (workbooks,) = (entry for entry in extras["lab"] if entry["package"] == "openpyxl")
+    assert workbooks["problem"].startswith("is 0.1, but ")
     with pytest.raises(SystemExit, match="0"):
         cli.main(["doctor"])
     assert "pip install 'lightflyer[kinetic]'" in capsys.readouterr().out

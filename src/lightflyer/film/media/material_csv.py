@@ -8,6 +8,7 @@ import numpy as np
 
 from lightflyer.core.constants import PLANCK, SPEED_OF_LIGHT
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.extras import extra
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.files.encoding import plain_text, read_bytes
 from lightflyer.files.table import Table, read_columns, read_table
@@ -195,8 +196,7 @@ def _common(
 
 def _read_page(path: Path) -> Indices:
     """Refractive indices of a page of refractiveindex.info in YAML."""
-    import yaml  # which most films can spare
-
+    yaml = extra("yaml", f"{path}: a page of refractiveindex.info", "materials")
     text = plain_text(read_bytes(path), str(path))
     try:
         page = yaml.safe_load(text)

@@ -181,8 +181,6 @@ def fit_optics(
         If nothing is free, there is no spectrum, or fewer points than free numbers.
     ConvergenceError
         If no film between the bounds has optical constants.
-    MissingExtraError
-        If lmfit is not installed.
 
     Notes
     -----

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tomlkit
 
 from lightflyer.config.update import measured_text, replace_file
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.extras import extra
 from lightflyer.core.text import read_text
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.lab.estimate import Estimate
@@ -33,7 +33,7 @@ def update_layers(
     require_same_layers(path, fit.sample)
     _require_determined(path, fit, names)
     require_no_doubt(path, fit.warnings, insist=insist)
-    document: Any = extra("tomlkit", "updating a flyer file", "lab").parse(read_text(path))
+    document: Any = tomlkit.parse(read_text(path))
     table, told, written = document["film"], [], []
     for name, estimate in fit.numbers.items():
         text = measured_text(_in_written_unit(estimate), _DIGITS)

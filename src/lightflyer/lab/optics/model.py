@@ -16,7 +16,6 @@ import numpy as np
 
 from lightflyer.array.namespace import Numeric, by_numpy
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.extras import extra
 from lightflyer.film.optics.stack import Film, Side
 from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample
 from lightflyer.lab.optics.ellipsometry import ORDINATES
@@ -231,7 +230,8 @@ class Problem:
         held: Mapping[int, float] | None = None,
     ) -> Solution:
         """The minimum near a position; ``position`` (free,); ``errors`` (spectra, 2)."""
-        lmfit = extra("lmfit", "fitting spectra", "lab")
+        import lmfit  # takes a while
+
         held = held or {}
         errors = np.zeros((len(self.spectra), 2)) if errors is None else errors
         start = np.concatenate([position, errors.ravel()])

@@ -150,7 +150,7 @@ def fit_tac_difference(
     ------
     ParameterError
         If a face has no run, or an argument is impossible.
-    ConfigurationError, ConvergenceError, MissingExtraError
+    ConfigurationError, ConvergenceError
         As of :func:`~lightflyer.lab.fit_tac`.
 
     Notes

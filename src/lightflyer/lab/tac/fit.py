@@ -263,8 +263,6 @@ def fit_tac(
         impossible, many rows are off any curve, or two parameters have the same effect.
     ConvergenceError
         If the fit fails.
-    MissingExtraError
-        If lmfit is not installed.
 
     Notes
     -----

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError, ConvergenceError
-from lightflyer.core.extras import extra
 from lightflyer.lab.tac.accuracy import CommonErrors
 from lightflyer.lab.tac.heat_law import Limits, mean_of_groups
 
@@ -20,11 +19,6 @@ TAC_BOUNDS = (1e-6, 20.0)
 _STARTS = np.geomspace(0.02, 3.0, 60)  # coefficients tried for a first guess
 _RANK_TOLERANCE = 1e-7  # of the scaled Jacobian's singular values
 _GROUPS = 5_000  # of rows of neighbouring pressure that replace a very long run in its profile
-
-
-def import_lmfit() -> Any:
-    """The module lmfit; raises :class:`MissingExtraError` where it is not installed."""
-    return extra("lmfit", "fitting an accommodation coefficient", "lab")
 
 
 @dataclass(frozen=True)
@@ -292,7 +286,8 @@ def minimise(
     problem: Problem | JointProblem, start: Sequence[float], *, scale: bool = True
 ) -> tuple[Any, Any]:
     """Minimise the sum of squares; returns ``minimizer``, ``result``."""
-    lmfit = import_lmfit()
+    import lmfit  # takes a while
+
     parameters = lmfit.Parameters()
     bounds = (TAC_BOUNDS, (0.0, np.inf), (-np.inf, np.inf))
     last = len(problem.parameters)

@@ -307,10 +307,14 @@ ROWS = "\n".join(["1 2 3 4"] * 4)
             "# Value units: nm\n# Width: 1 um\n" + "\n".join(["1e-8 2e-8 " * 10] * 20),
             "all heights are within 1e-17 m; atoms are larger, the unit is wrong",
         ),
-        ("m.ibw", b"", "cannot be read as an Igor wave"),
-        ("m.ibw", b"\x05\x00" + b"\x7f" * 500, "cannot be read as an Igor wave"),
-        ("m.gwy", b"", "is not a Gwyddion file"),
-        ("m.gwy", b"GWYPGwyContainer\x00\xff\xff", "cannot be read as Gwyddion: it is damaged"),
+        ("m.ibw", b"", "cannot be read as an Igor file"),
+        ("m.ibw", b"\x05\x00" + b"\x7f" * 500, "cannot be read as an Igor file"),
+        ("m.gwy", b"", "cannot be read as a Gwyddion file"),
+        (
+            "m.gwy",
+            b"GWYPGwyContainer\x00\xff\xff",
+            "cannot be read as a Gwyddion file: it is damaged",
+        ),
     ],
 )
 def test_one_clear_line_for_each_mistake(tmp_path, name, content, says):

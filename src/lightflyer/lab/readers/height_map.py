@@ -8,16 +8,14 @@ import numpy as np
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length
-from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
-from lightflyer.lab.readers.height_maps import gwyddion, igor, instruments, text
+from lightflyer.lab.readers.formats import Format, Source, find_format, read_source
+from lightflyer.lab.readers.height_maps import instruments, text
 from lightflyer.lab.readers.height_maps.channel import Channel, choose_channel, with_different_names
 
 NANOMETRE = 1e-9  # [m]
 MOST_MISSING = 0.25  # Share of pixels without a height above which a map is refused; our choice
 
 HEIGHT_MAP_FORMATS = [
-    Format("Igor binary wave", has_suffix(".ibw"), igor.read_channels),
-    Format("Gwyddion", has_suffix(".gwy"), gwyddion.read_channels),
     Format(
         "microscope",
         lambda source: instruments.instrument_of(source) is not None,

@@ -1,6 +1,5 @@
 """Synthetic height maps with particles, in the formats of microscopes."""
 
-import io
 import struct
 from importlib.util import find_spec
 
@@ -49,11 +48,11 @@ def roughness_files(seed: int = 0) -> dict[str, str | bytes]:
     maps = [with_particles(random_surface(rng), rng, _PARTICLES) + bowed + 3e-6 for _ in range(3)]
     said = label("roughness", f"truth: rms height {RMS_HEIGHT * 1e9:.1f} nm without particles")
     matrix = {"germanium.txt": _matrix(maps[2], said)}
-    if not (find_spec("igor2") and find_spec("gwyfile")):  # of the extra "lab"
+    if not find_spec("SurfaceTopography"):  # of the extra "afm"
         return matrix
     return {
         "germanium.ibw": igor_wave(maps[0], _SIDE, "; ".join(said)),
-        "germanium.gwy": _gwyddion(maps[1], "; ".join(said)),
+        "germanium.gwy": gwyddion(maps[1], _SIDE, "; ".join(said)),
         **matrix,
     }
 
@@ -87,19 +86,35 @@ def igor_wave(height: np.ndarray, side: float, note: str) -> bytes:
     return header(checksum) + wave + data + text + labels
 
 
-def _gwyddion(height: np.ndarray, note: str) -> bytes:
-    from gwyfile import objects
+def gwyddion(height: np.ndarray, side: float, note: str) -> bytes:
+    """Gwyddion's own format with one channel, Height."""
+    # Source: Gwyddion's user guide, *Gwyddion file format*: parts of a name, a letter and a value.
 
-    container = objects.GwyContainer()
-    unit = objects.GwySIUnit(unitstr="m")
-    container["/0/data/title"] = "Height"
-    container["/0/data"] = objects.GwyDataField(
-        height, xreal=_SIDE, yreal=_SIDE, si_unit_xy=unit, si_unit_z=unit
+    def part(name: str, kind: str, value: bytes) -> bytes:
+        return name.encode() + b"\0" + kind.encode() + value
+
+    def text(name: str, value: str) -> bytes:
+        return part(name, "s", value.encode() + b"\0")
+
+    def whole(name: str, *parts: bytes) -> bytes:
+        content = b"".join(parts)
+        return name.encode() + b"\0" + struct.pack("<I", len(content)) + content
+
+    unit = whole("GwySIUnit", text("unitstr", "m"))
+    rows, columns = height.shape
+    field = whole(
+        "GwyDataField",
+        part("xres", "i", struct.pack("<i", columns)), part("yres", "i", struct.pack("<i", rows)),
+        part("xreal", "d", struct.pack("<d", side)), part("yreal", "d", struct.pack("<d", side)),
+        part("si_unit_xy", "o", unit), part("si_unit_z", "o", unit),
+        part("data", "D", struct.pack("<I", height.size) + height.astype("<f8").tobytes()),
+    )  # fmt: skip
+    return b"GWYP" + whole(
+        "GwyContainer",
+        part("/0/data", "o", field),
+        text("/0/data/title", "Height"),
+        part("/0/meta", "o", whole("GwyContainer", text("note", note))),
     )
-    container["/0/meta"] = objects.GwyContainer({"note": note})
-    stream = io.BytesIO()
-    container.tofile(stream)
-    return stream.getvalue()
 
 
 def _matrix(height: np.ndarray, said: list[str]) -> str:

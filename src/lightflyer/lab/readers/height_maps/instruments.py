@@ -21,6 +21,7 @@ from lightflyer.lab.readers.formats import Source
 from lightflyer.lab.readers.height_maps.channel import Channel, metres
 from lightflyer.lab.readers.tiff_structure import require_sound_tiff
 
+_IGOR = "Igor"
 _SURF_FIELDS = (164, 212)  # places of the name of the heights and of the unit of their step
 
 
@@ -67,6 +68,8 @@ INSTRUMENTS = (
         _wsxm_channel,
     ),
     Instrument("Agilent", (".mi",), b"fileType", ("MI", "MIReader")),
+    Instrument("Gwyddion", (".gwy",), b"GWYP", ("GWY", "GWYReader")),
+    Instrument(_IGOR, (".ibw",), b"", ("IBW", "IBWReader")),
 )
 _NUMBERED = re.compile(r"\.\d{3}")  # Nanoscope's older files: map.000, map.001
 _CURVES = {
@@ -148,22 +151,25 @@ def _channel(path: Path, kind: Instrument, reader: Any, info: Any, size: int) ->
                 values: np.ndarray = np.ma.filled(np.ma.asarray(heights, float), np.nan)
             except Exception as error:  # a damaged file makes any
                 raise _refusal(path, kind, error) from None
-        return np.asarray(values.T * (metres(unit) or np.nan))
+        rows_first = values.T[::-1] if kind.name == _IGOR else values.T  # which is turned over
+        return np.ascontiguousarray(rows_first * (metres(unit) or np.nan))
 
-    return Channel(str(info.name), unit or "?", (rows, columns), width, length, read)
+    # Asylum states metres for all layers, phases too
+    shown = "" if kind.name == _IGOR and unit == "m" else unit or "?"
+    return Channel(str(info.name), shown, (rows, columns), width, length, read)
 
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """No warnings of the packages it imports, no log of tifffile beside our own line."""
-    log = logging.getLogger("tifffile")
-    before, log.disabled = log.disabled, True
+    """No warnings and logs of the packages that read: our own line says what is wrong."""
+    before = logging.root.manager.disable
+    logging.disable()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
     finally:
-        log.disabled = before
+        logging.disable(before)
 
 
 def _refusal(path: Path, kind: Instrument, error: Exception) -> ConfigurationError:
@@ -171,4 +177,5 @@ def _refusal(path: Path, kind: Instrument, error: Exception) -> ConfigurationErr
     said = " ".join(text.split())[:_SHOWN]
     if not type(error).__module__.startswith("SurfaceTopography"):
         said = f"it is damaged or of an unknown version ({type(error).__name__}: {said})"
-    return ConfigurationError(f"{path}: cannot be read as a {kind.name} file: {said}")
+    a = "an" if kind.name[0] in "AEIO" else "a"
+    return ConfigurationError(f"{path}: cannot be read as {a} {kind.name} file: {said}")

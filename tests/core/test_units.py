@@ -186,3 +186,15 @@ def test_another_value_keeps_unit_and_uncertainty_of_a_text():
 def test_directions_of_latitudes_are_signs(text):
     with pytest.raises(ConfigurationError, match='south and west as "-45 deg"'):
         parse(text, "deg")
+
+
+@pytest.mark.parametrize("unit", ["m", "m^4", "Pa", "W/m^2", ""])
+@pytest.mark.parametrize("zero", [0, 0.0, "0", "0.0"])
+def test_zero_needs_no_unit(zero, unit):
+    assert parse(zero, unit) == (0.0, None)
+
+
+@pytest.mark.parametrize("zero", [0, "0"])
+def test_zero_degrees_are_not_zero_kelvin(zero):
+    with pytest.raises(ConfigurationError, match="has no unit"):
+        parse(zero, "K")

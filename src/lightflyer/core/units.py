@@ -281,7 +281,7 @@ def parse(text: str | float, unit: str, usual: str = "") -> Measured:
         )
     if not isinstance(text, str):
         plain = _finite(Measured(float(text)), str(text))
-        if unit:
+        if unit and not _is_zero(plain.value, unit):
             raise _no_unit(text, text, unit, usual)
         return plain
     first, *rest = _SEPARATOR.split(text)
@@ -295,6 +295,8 @@ def parse(text: str | float, unit: str, usual: str = "") -> Measured:
         )
     value_unit = value_unit or own_unit
     if unit and not value_unit:
+        if _is_zero(value, unit) and uncertainty is None:
+            return Measured(0.0)
         raise _no_unit(text, value, unit, usual)
     convert = _converter(value_unit or "dimensionless", unit, text)
     if uncertainty is None:
@@ -304,6 +306,11 @@ def parse(text: str | float, unit: str, usual: str = "") -> Measured:
     spread = _converter(own_unit, unit, text) if own_unit else convert
     # a difference of two conversions, in which the offset of a temperature scale drops out
     return _finite(Measured(convert(value), spread(uncertainty) - spread(0.0)), text)
+
+
+def _is_zero(value: float, unit: str) -> bool:
+    """Whether a number is zero in whatever unit; that of temperatures is not."""
+    return value == 0.0 and unit != "K"
 
 
 def rewrite(text: str, value: float, unit: str) -> str:

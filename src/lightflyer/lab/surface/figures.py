@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from lightflyer.lab.surface.reduction import Roughness
 
 _WIDTH = 4.0  # of the column of one map [inch]
-_SIDE, _AROUND = 2.65, 1.7  # width of a map in it; titles, labels and legend of both rows [inch]
+_BAR, _LABELS = 0.75, 0.6  # beside the maps of a row, and beside each [inch]
+_AROUND = 1.7  # titles, labels and legend of both rows [inch]
 _LONGEST = 3.0  # over its width, that a map is drawn in its shape
 _MOST_PIXELS = 1024  # drawn along a side
 _SHOWN = 3.5  # range of the colours, in rms heights
@@ -109,8 +110,9 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     """
     count = len(results)
     longest = max(one.source.length / one.source.width for one in results)
-    height = _AROUND + 2.0 * _SIDE * min(longest, _LONGEST)
-    figure = new_figure(columns=count, width=_WIDTH, height=height, rows=2)
+    figure = new_figure(columns=count, width=_WIDTH, rows=2)
+    side = (figure.get_figwidth() - _BAR) / count - _LABELS
+    figure.set_figheight(_AROUND + 2.0 * side * min(longest, _LONGEST))
     figure.set_layout_engine("compressed", h_pad=0.08)  # of axes with a fixed aspect
     axes = figure.axes
     for masked, row in enumerate((axes[:count], axes[count:])):

@@ -294,11 +294,9 @@ def parse(text: str | float, unit: str, usual: str = "") -> Measured:
             f'"{text}": relative or absolute? write the uncertainty in the unit of the value'
         )
     value_unit = value_unit or own_unit
-    if unit and not value_unit:
-        if _is_zero(value, unit) and uncertainty is None:
-            return Measured(0.0)
+    if unit and not value_unit and (rest or not _is_zero(value, unit)):
         raise _no_unit(text, value, unit, usual)
-    convert = _converter(value_unit or "dimensionless", unit, text)
+    convert = _converter(value_unit or unit or "dimensionless", unit, text)
     if uncertainty is None:
         return _finite(Measured(convert(value)), text)
     if uncertainty < 0.0:

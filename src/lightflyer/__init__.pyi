@@ -60,7 +60,6 @@ from .force import Schafer2025 as Schafer2025
 from .mission import Release as Release
 from .mission import fly as fly
 from .parametric import sweep as sweep
-from .prediction import predict as predict
 from .search import optimise as optimise
 from .search import pareto as pareto
 from .search import sensitivity as sensitivity
@@ -69,6 +68,7 @@ from .statics import levitate as levitate
 from .statics import levitation_band as levitation_band
 from .statics import lift as lift
 from .statics import payload as payload
+from .uncertainty import predict as predict
 from .uncertainty import propagate as propagate
 
 __version__: str

@@ -13,6 +13,7 @@ import pickle
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields as dataclass_fields
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, cast
@@ -154,6 +155,10 @@ class AbstractDesign(abc.ABC):
     def data_bounds(self) -> dict[str, tuple[Any, Any]]:
         """What missing data leave open, by a name: :meth:`precompute` at both bounds."""
         return {}
+
+    def with_open_errors(self) -> "AbstractDesign":
+        """The design with the errors of its force model that nobody has stated."""
+        return self
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -332,6 +337,12 @@ class ObjectDesign(AbstractDesign):
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
         return dict(self._correlations)
+
+    def with_open_errors(self) -> "ObjectDesign":
+        names = self._base.model.open_errors
+        model = replace(self._base.model, **dict.fromkeys(names, 0.0))
+        stated = {f"force.{name}": 1.0 for name in names} | self._uncertainties
+        return ObjectDesign(replace(self._base, model=model), stated, self._correlations)
 
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:  # noqa: ARG002
         moved = {name: value for name, value in (values or {}).items() if name in self._numbers}

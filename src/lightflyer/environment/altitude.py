@@ -52,7 +52,7 @@ def warn_of_kilometres(given: Any) -> None:
     # numbers and lists, as scripts have them; a flight's course may well be near the ground
     bare = isinstance(given, int | float | list | tuple) or getattr(given, "size", 0) > 1
     has_unit = hasattr(given, "magnitude") or hasattr(given, "attrs")
-    if call.depth or has_unit or not bare or not is_concrete(given):
+    if call.depth or has_unit or not bare or not is_concrete(given) or not np.size(given):
         return
     low, high = np.min(given), np.max(given)
     if low > 0.0 and high <= _LIKE_KILOMETRES:

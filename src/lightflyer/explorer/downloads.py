@@ -102,9 +102,7 @@ def _netcdf(workplace: Workplace, document: Document) -> Download:
     dataset = to_dataset(prediction_of(design), design.text)
     uncertainty = uncertainty_of(design)
     if uncertainty is not None:
-        from lightflyer.uncertainty.figures import add_to_dataset
-
-        add_to_dataset(dataset, uncertainty)
+        uncertainty.add_to_dataset(dataset)
     content = _file_content(lambda path: dataset.to_netcdf(path, engine="h5netcdf"), "nc")
     return Download("prediction.nc", "application/x-netcdf", content)
 

@@ -4,6 +4,7 @@ Markers and lines differ in style, for print without colours.
 """
 
 import io
+import math
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -16,7 +17,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -47,6 +47,7 @@ _LINE = 1.35  # height of a line of text, in font sizes
 _TIGHT, _ROOMY = 1.0, 2.7  # decades up to which a logarithmic axis has labels between decades
 _MANTISSAS = {_TIGHT: (1, 2, 3, 5, 7), _ROOMY: (1, 2, 5), np.inf: (1,)}
 _FEW_TICKS = 0.45  # decades below which ticks are no longer at whole multiples of a decade
+_SAME = 1e-5  # difference of mantissas that are one
 _PLAIN = (1e-4, 1e5)  # numbers that are not written as powers of ten
 
 
@@ -122,8 +123,10 @@ def figure_for(ax: Axes | None, **options: Any) -> tuple[Figure, Axes]:
 def save(figure: Figure, paths: list[Path], dpi: int = DOTS_PER_INCH) -> None:
     """Write a figure, the same bytes every time; ``dpi``: dots per inch of a PNG."""
     figure.set_dpi(dpi)
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # laid out: not again for every format
+    FigureCanvasAgg(figure)
+    if (engine := figure.get_layout_engine()) is not None:
+        engine.execute(figure)
+        figure.set_layout_engine("none")  # laid out: not again for every format
     # the canvases are called directly because savefig draws everything twice
     with mpl.rc_context({"svg.hashsalt": "lightflyer", "svg.fonttype": "none"}):
         for path in paths:
@@ -132,6 +135,8 @@ def save(figure: Figure, paths: list[Path], dpi: int = DOTS_PER_INCH) -> None:
                 canvas: Any = FigureCanvasSVG(figure)
                 canvas.print_svg(path, metadata=blank)
             elif path.suffix == ".pdf":
+                from matplotlib.backends.backend_pdf import FigureCanvasPdf  # takes a while
+
                 canvas = FigureCanvasPdf(figure)
                 canvas.print_pdf(path, metadata={"CreationDate": None, "Creator": None})
             else:
@@ -144,16 +149,16 @@ class _PlainNumbers(Formatter):
 
     def __call__(self, x: float, pos: int | None = None) -> str:  # noqa: ARG002
         low, high = sorted(self.axis.get_view_interval()) if self.axis else (x, x)
-        decades = np.log10(high / low) if low > 0.0 else np.inf
-        exponent = int(np.floor(np.log10(x) + 1e-9))
+        decades = math.log10(high / low) if low > 0.0 else math.inf
+        exponent = math.floor(math.log10(x) + 1e-9)
         mantissa = x / 10.0**exponent
         if decades >= _FEW_TICKS:
             shown = next(some for most, some in _MANTISSAS.items() if decades <= most)
-            if not any(np.isclose(mantissa, one) for one in shown):
+            if not any(abs(mantissa - one) < _SAME for one in shown):
                 return ""
         if _PLAIN[0] <= x < _PLAIN[1]:
             return f"{x:.6g}"
-        factor = "" if np.isclose(mantissa, 1.0) else f"{mantissa:.3g}\\cdot"
+        factor = "" if abs(mantissa - 1.0) < _SAME else f"{mantissa:.3g}\\cdot"
         return f"${factor}10^{{{exponent}}}$"
 
 

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 from lightflyer.array.namespace import Array, Numeric
 from lightflyer.array.records import AbstractClassVar
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.quantity import Checked
+from lightflyer.core.quantity import Checked, quantities_of
 from lightflyer.core.validity import Looks, describe
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
@@ -107,6 +107,14 @@ class AbstractForceModel(Checked):
         """Warnings where a flyer or its surroundings are outside the model's range."""
         outside = describe(self.ranges(flyer, state, temperature), state.pressure)
         return outside + self.remarks(flyer, state, temperature)
+
+    @property
+    def open_errors(self) -> tuple[str, ...]:
+        """Names of its own errors that nobody has stated; a prediction counts them."""
+        known = quantities_of(type(self)).items()
+        return tuple(
+            name for name, one in known if one.in_files is not None and getattr(self, name) is None
+        )
 
     def assumptions(self, flyer: Any) -> tuple[str, ...]:
         """What the model assumes about a flyer that a reader must know, in short texts."""

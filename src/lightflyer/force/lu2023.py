@@ -240,6 +240,12 @@ class Lu2023(AbstractForceModel):
             per_difference = per_difference * xp.exp(_SCATTER * self.force_error)
         return flyer.film.tac_difference * excess * per_difference
 
+    @property
+    def open_errors(self) -> tuple[str, ...]:
+        """Coefficients of one's own have their own ±, not the scatter about the paper's."""
+        fitted = (self.c_fm, self.c_cont) == (_FITTED_C_FM, _FITTED_C_CONT)
+        return super().open_errors if fitted else ()
+
     def ranges(self, flyer: Disk, state: EnvironmentState, temperature: Numeric) -> Looks:
         """Those of the tests to which the paper's coefficients were fitted."""
         # Other coefficients hold where those who fitted them say.

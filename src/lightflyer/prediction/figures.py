@@ -67,7 +67,9 @@ def closer(prediction: "Prediction") -> "Prediction":
         name: np.concatenate([values, found[name]])[first]
         for name, values in prediction.table.items()
     }
-    return replace(prediction, coordinates=coordinates, table=table)
+    drawn = replace(prediction, coordinates=coordinates, table=table)
+    drawn.__dict__["verdict"] = prediction.verdict  # the figures show the one that is told
+    return drawn
 
 
 def _shown_range(prediction: "Prediction") -> tuple[float, float]:

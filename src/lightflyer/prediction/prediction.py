@@ -3,14 +3,13 @@
 Band edges and optima are found by looking closer with the function that makes the tables.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.config.designs import as_design
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.diagnostics import (
@@ -29,10 +28,14 @@ from lightflyer.design.outputs import (
 )
 from lightflyer.design.setup import Setup
 from lightflyer.design.tables import predicted_names
-from lightflyer.environment.altitude import warn_of_kilometres
-from lightflyer.environment.base import AbstractEnvironment, Coordinate
-from lightflyer.files.result_text import Parts, PrintedResult
-from lightflyer.force.base import AbstractForceModel
+from lightflyer.environment.base import Coordinate
+from lightflyer.files.result_text import (
+    NARROW,
+    Parts,
+    PrintedResult,
+    warning_lines,
+    wrap,
+)
 from lightflyer.prediction.edges_and_optima import find_edges_and_optima
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Place, Rows, Table
 from lightflyer.prediction.verdict import Verdict, verdict_of
@@ -111,6 +114,13 @@ class Prediction(PrintedResult):
     #: What a reader must know, one line each: where optical data are missing, and where the force
     #: model or the film is beyond its range while the flyer flies or is reported
     warnings: tuple[str, ...]
+    #: What computes its 95 % bands, when they are first asked for; None where nobody wants them
+    propagate: "Callable[[Prediction], Any] | None" = None
+
+    @cached_property
+    def uncertainty(self) -> Any:
+        """A :class:`~lightflyer.uncertainty.PredictionUncertainty`; None where nothing has a ±."""
+        return None if self.propagate is None else self.propagate(self)
 
     @property
     def assumptions(self) -> tuple[str, ...]:
@@ -174,10 +184,16 @@ class Prediction(PrintedResult):
         """Where the flyer is usable, where it comes to rest, and what limits it."""
         return verdict_of(self)
 
-    def text_parts(self) -> Parts:
+    def text_parts(self, width: int = NARROW) -> Parts:
         from lightflyer.prediction.text import prediction_parts
 
-        return prediction_parts(self)
+        found = self.uncertainty
+        if found is None:
+            yield from prediction_parts(self, width)
+            return
+        told = found.bands, found.shares
+        yield from prediction_parts(self, width, *told, sources=f"; {found.sources}")
+        yield from (wrap(line, width) for line in warning_lines(found.warnings))
 
     def summary(self) -> dict[str, Any]:
         """The prediction as a JSON object, with a unit at the end of each name."""
@@ -200,16 +216,21 @@ class Prediction(PrintedResult):
                 for index in range(self.asked.size)
             ],
         }
-        return described | {
+        described |= {
             "verdict": self._verdict_summary(),
             "assumptions": list(self.assumptions),
             "warnings": list(self.warnings),
         }
+        if self.uncertainty is not None:
+            described["uncertainty"] = self.uncertainty.summary()
+        return described
 
     def plot(self, what: str | None = None, ax: "Axes | None" = None) -> "Figure":
         """Draw irradiance, temperature, payload and, in a chamber, the map of temperatures."""
         from lightflyer.prediction.figures import plot_prediction
 
+        if self.uncertainty is not None:
+            return self.uncertainty.plot(what, ax)
         return plot_prediction(self, what, ax)
 
     def place(self, index: int) -> Place:
@@ -270,7 +291,10 @@ class Prediction(PrintedResult):
         """The tables as a dataset with units; see :func:`to_dataset`."""
         from lightflyer.prediction.tables import to_dataset
 
-        return to_dataset(self)
+        found = to_dataset(self)
+        if self.uncertainty is not None:
+            self.uncertainty.add_to_dataset(found)
+        return found
 
 
 def _number(value: float) -> float | None:
@@ -278,56 +302,12 @@ def _number(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def predict(
-    what: Any,
-    environment: AbstractEnvironment | None = None,
-    model: AbstractForceModel | None = None,
-    *,
-    at: Sequence[float] | None = None,
-) -> Prediction:
-    """Predict what a flyer does in its environment.
-
-    Parameters
-    ----------
-    what : AbstractFlyer, Setup, FlyerFile, path or AbstractDesign
-        One flyer: every number a scalar.
-    environment, model : optional
-        Where ``what`` is a flyer.
-    at : sequence of float, optional
-        Altitudes [m] or, in a chamber, pressures [Pa] to report one by one.
-
-    Returns
-    -------
-    Prediction
-
-    Raises
-    ------
-    ParameterError
-        If an altitude or pressure is outside the environment's range, or the model is not for the
-        flyer or the gas.
-    ConvergenceError
-        If a heat balance has not converged.
-
-    Examples
-    --------
-    >>> import lightflyer as lf
-    >>> film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    >>> found = lf.predict(lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023())
-    >>> [f"{edge / 1e3:.2f} km" for edge in found.bands[0]]
-    ['68.02 km', '78.05 km']
-    """
-    design = as_design(what, environment, model)
-    if design.setup.environment.coordinate.name == "altitude":
-        warn_of_kilometres(at)
-    return predict_design(design, at)
-
-
 def predict_design(
     design: AbstractDesign,
     at: Sequence[float] | None = None,
     searched: tuple[float, float] | None = None,
 ) -> Prediction:
-    """Predict what a design does; see :func:`predict`; ``at``: coordinates to report one by one."""
+    """Predict what a design does, without bands; ``at``: coordinates to report one by one."""
     setup = design.setup if searched is None else replace(design.setup, search_range=searched)
     evaluate, where = Evaluator(setup), setup.environment.coordinate
     coordinates = search_grid(setup, POINTS)

@@ -4,13 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lightflyer.core.units import dataset_unit
 from lightflyer.files.drawing import BAND, legend_below
 from lightflyer.files.palette import GREY
 from lightflyer.prediction.figures import across, display_unit_at_best, panels
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -19,20 +17,6 @@ if TYPE_CHECKING:
 _OPACITY = 0.2
 _HEADROOM = 1.1
 _FAR = 1e9  # beyond every axis
-
-
-def add_to_dataset(dataset: "xr.Dataset", uncertainty: "PredictionUncertainty") -> None:
-    """Add the 95 % bands as ``..._low`` and ``..._high`` over a coordinate of their own."""
-    where = uncertainty.prediction.coordinate
-    name = f"band_{where.name}"
-    about = {"units": dataset_unit(where.unit), "long_name": where.long_name}
-    dataset.coords[name] = (name, uncertainty.coordinate, about)
-    for end, table in (("low", uncertainty.low), ("high", uncertainty.high)):
-        for output, values in table.items():
-            about = dataset[output].attrs
-            long_name = f"{about['long_name']}, {end} end of the 95 % band"
-            attributes = {"units": about["units"], "long_name": long_name}
-            dataset[f"{output}_{end}"] = (name, values, attributes)
 
 
 def add_to_figures(figures: "dict[str, Figure]", uncertainty: "PredictionUncertainty") -> None:

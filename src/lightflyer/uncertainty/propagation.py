@@ -17,6 +17,7 @@ from lightflyer.config.designs import as_design
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
+from lightflyer.core.units import dataset_unit
 from lightflyer.design.tables import LEVITATION, group_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import Parts, PrintedResult
@@ -34,6 +35,7 @@ from lightflyer.uncertainty.monte_carlo import (
 from lightflyer.uncertainty.targets import find_targets, sample_result, spread_of
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -98,6 +100,28 @@ class PredictionUncertainty(PrintedResult):
 
         yield from prediction_parts(self.prediction, bands=self.bands, shares=self.shares)
         yield from band_parts(self.summary())
+
+    def add_to_dataset(self, dataset: "xr.Dataset") -> None:
+        """Add the 95 % bands as ``..._low`` and ``..._high`` over a coordinate of their own."""
+        where = self.prediction.coordinate
+        name = f"band_{where.name}"
+        about = {"units": dataset_unit(where.unit), "long_name": where.long_name}
+        dataset.coords[name] = (name, self.coordinate, about)
+        bands = {}
+        for end, table in (("low", self.low), ("high", self.high)):
+            for output, values in table.items():
+                about = dataset[output].attrs
+                long_name = f"{about['long_name']}, {end} end of the 95 % band"
+                attributes = {"units": about["units"], "long_name": long_name}
+                bands[f"{output}_{end}"] = (name, values, attributes)
+        dataset.update(bands)
+
+    @property
+    def sources(self) -> str:
+        """What the bands are from, in short."""
+        from lightflyer.uncertainty.text import sources_line
+
+        return f"brackets: 95 % bands from {sources_line(self.summary(), short=True)}"
 
     @property
     def low(self) -> Table:

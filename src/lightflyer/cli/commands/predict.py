@@ -1,9 +1,8 @@
 """``lightflyer predict``: what the flyer of a file will do."""
 
 import json
-import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -11,7 +10,6 @@ from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
 from lightflyer.cli.options import Json, Samples, Seed, coordinate
 from lightflyer.cli.output import print_json, printer, say, show, write_json
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.files.result_text import warning_lines, wrap
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,9 +18,6 @@ if TYPE_CHECKING:
     from lightflyer.config.flyer_file import FlyerFile
     from lightflyer.environment.base import Coordinate
     from lightflyer.prediction.prediction import Prediction
-    from lightflyer.uncertainty.propagation import PredictionUncertainty
-
-    _Results: TypeAlias = tuple[Prediction, dict[str, Any], PredictionUncertainty | None]
 
 
 def predict_command(
@@ -67,51 +62,29 @@ def predict_command(
         raise ConfigurationError("--csv: the table needs a folder; add --out FOLDER")
     out = figures.folder(out)
     from lightflyer.config.reader import read_design
-    from lightflyer.prediction.prediction import predict_design
+    from lightflyer.uncertainty.propagation import require_samples
+    from lightflyer.uncertainty.with_bands import predict_with_bands
 
+    require_samples(samples, seed, "--")
     design = read_design(flyer_file)
-    file = design.file
-    uncertain = bool(file.uncertainties() or design.data_bounds())
-    if uncertain:  # else nothing is imported or compiled for it
-        from lightflyer.uncertainty.propagation import propagate, require_samples
-
-        require_samples(samples, seed, "--")
-    loading = _load_in_background() if out is not None else None
-    where = design.setup.environment.coordinate
-    prediction = predict_design(design, _parse_coordinates(at, where))
-    uncertainty = None
-    if uncertain:
-        uncertainty = propagate(design, prediction=prediction, samples=samples, seed=seed)
+    file, where = design.file, design.setup.environment.coordinate
+    prediction = predict_with_bands(design, _parse_coordinates(at, where), samples, seed)
     summary = prediction.summary() | _film_origins(file)
-    if uncertainty is not None:
-        summary["uncertainty"] = uncertainty.summary()
-    written, results = [], (prediction, summary, uncertainty)
-    if out is not None and loading is not None:
-        loading.join()
-        written = _write(out, file, flyer_file, results, figures, csv=csv)
+    written: list[Path] = []
+    if out is not None:
+        written = _write(out, file, flyer_file, prediction, summary, figures, csv=csv)
     if json_output:
         print_json(summary)
         return
     console = printer()
     if verbose or at is not None or figures.report is not None:
-        _show_all(console, file, results)
+        _show_all(console, file, prediction, summary)
     else:
-        _show(console, file, results)
+        show(console, prediction.text_parts(console.width))
+        _note_kept(console, file, prediction)
     figures.tell(console, written, "--out FOLDER writes figures and data")
     if not verbose:
         say(console, f"next: --verbose for all results, or: lightflyer explore {flyer_file}")
-
-
-def _load_in_background() -> threading.Thread:
-    """Import what writing needs while XLA, which lets other threads run, compiles the model."""
-
-    def load() -> None:
-        import h5netcdf  # noqa: F401
-        import xarray  # noqa: F401
-
-    thread = threading.Thread(target=load, daemon=True)
-    thread.start()
-    return thread
 
 
 def _parse_coordinates(at: str | None, where: "Coordinate") -> list[float] | None:
@@ -138,7 +111,8 @@ def _write(
     out: Path,
     file: "FlyerFile",
     flyer_file: Path,
-    results: "_Results",
+    prediction: "Prediction",
+    summary: dict[str, Any],
     options: FigureOptions,
     *,
     csv: bool,
@@ -147,18 +121,18 @@ def _write(
     from lightflyer.prediction.figures import prediction_figures
     from lightflyer.prediction.tables import to_dataset, write_csv
 
-    prediction, summary, uncertainty = results
+    uncertainty = prediction.uncertainty
     dataset = to_dataset(prediction, flyer_file.read_text(encoding="utf-8-sig"))
     dataset.attrs["uncertainties"] = json.dumps(file.uncertainties())
     dataset.attrs["summary"] = json.dumps(summary)
     if uncertainty is not None:
-        from lightflyer.uncertainty.figures import add_to_dataset, add_to_figures
-
-        add_to_dataset(dataset, uncertainty)
+        uncertainty.add_to_dataset(dataset)
 
     def draw() -> "dict[str, Figure]":
         figures = prediction_figures(prediction)
         if uncertainty is not None:
+            from lightflyer.uncertainty.figures import add_to_figures
+
             add_to_figures(figures, uncertainty)
         return figures
 
@@ -173,46 +147,24 @@ def _write(
     return [out / name for name in names]
 
 
-def _show(console: "Console", file: "FlyerFile", results: "_Results") -> None:
-    """The verdict, a table around the bands, and what stands behind them."""
-    from lightflyer.prediction.text import prediction_parts
-    from lightflyer.uncertainty.text import sources_line
-
-    prediction, _, uncertainty = results
-    told, sources = _spread_of(uncertainty), ""
-    if uncertainty is not None:
-        told_in_short = sources_line(uncertainty.summary(), short=True)
-        sources = f"; brackets: 95 % bands from {told_in_short}"
-    show(console, prediction_parts(prediction, console.width, *told, sources=sources))
-    if uncertainty is not None:
-        for warning in warning_lines(uncertainty.warnings):
-            console.print(wrap(warning), soft_wrap=True)
-    _note_kept(console, file, uncertainty)
-
-
-def _show_all(console: "Console", file: "FlyerFile", results: "_Results") -> None:
+def _show_all(
+    console: "Console", file: "FlyerFile", prediction: "Prediction", summary: dict[str, Any]
+) -> None:
     from lightflyer.prediction.text import prediction_parts
     from lightflyer.uncertainty.text import band_parts
 
-    prediction, summary, uncertainty = results
-    told = _spread_of(uncertainty)
+    found = prediction.uncertainty
+    told = () if found is None else (found.bands, found.shares)
     show(console, prediction_parts(prediction, console.width, *told, verbose=True))
     for name in filter(summary.__contains__, file.films()):
         console.print(_origins_line(name, summary[name]), soft_wrap=True)
-    if uncertainty is not None:
+    if found is not None:
         show(console, band_parts(summary["uncertainty"], console.width))
-    _note_kept(console, file, uncertainty)
+    _note_kept(console, file, prediction)
 
 
-def _spread_of(uncertainty: "PredictionUncertainty | None") -> tuple[Any, ...]:
-    """Bands and shares of the samples, where there are any."""
-    return () if uncertainty is None else (uncertainty.bands, uncertainty.shares)
-
-
-def _note_kept(
-    console: "Console", file: "FlyerFile", uncertainty: "PredictionUncertainty | None"
-) -> None:
-    if uncertainty is None and file.uncertainties():
+def _note_kept(console: "Console", file: "FlyerFile", prediction: "Prediction") -> None:
+    if prediction.uncertainty is None and file.uncertainties():
         uncertain = ", ".join(file.uncertainties())
         console.print(f"uncertainties of {uncertain} are kept with the data, not propagated")
 

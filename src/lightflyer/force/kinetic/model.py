@@ -166,6 +166,13 @@ class Kinetic(AbstractForceModel):
     def _model(self, kind: type) -> Any:
         return kind(**{one.name: getattr(self, one.name) for one in dataclasses.fields(kind)})
 
+    @property
+    def open_errors(self) -> tuple[str, ...]:
+        """Known walls do not have every error."""
+        walls = (_OF_WALLS.get(name, (self.wall,)) for name in super().open_errors)
+        errors = zip(super().open_errors, walls, strict=True)
+        return tuple(name for name, those in errors if self.wall in those)
+
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
         return self.model_of(flyer).assumptions(flyer)
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from lightflyer.lab.readers.height_map import HeightMap, read_height_map
-from lightflyer.lab.surface.levelling import level
+from lightflyer.lab.surface.particles import level
 from lightflyer.lab.surface.reduction import roughness
-from lightflyer.lab.thermography.images.scaled import parse_scale
+from lightflyer.lab.thermography.scaled import parse_scale
 from lightflyer.lab.thermography.thermal_image import read_thermal_image
 
 SIDE = 64

@@ -10,10 +10,10 @@ from lightflyer.lab.ftir.means import planck_weights, uncovered_power
 from lightflyer.lab.ftir.reduction import (
     BAND,
     DEFAULT_ACCURACY,
+    finding_parts,
     reduce_ftir,
     to_dataset,
 )
-from lightflyer.lab.ftir.text import finding_parts
 from lightflyer.lab.readers.spectrum_data import MeasuredSpectrum, read_spectrum
 from lightflyer.lab.record import Doubt
 

@@ -259,7 +259,7 @@ def test_flyer_file_has_the_numbers_with_their_correlation(command):
 
 
 def test_update_refuses_other_layers(command, tmp_path):
-    from lightflyer.lab.optics.flyer_file import require_same_layers
+    from lightflyer.lab.optics.record import require_same_layers
 
     flyer = tmp_path / "flyer.toml"
     flyer.write_text(

@@ -8,8 +8,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.lab.gauges import gauge_of, pirani_doubts, rows_at_the_end
 from lightflyer.lab.record import Doubt, joint_warnings, require_no_doubt
 from lightflyer.lab.synthetic.tac import PLATINUM, _power
-from lightflyer.lab.tac.accuracy import TacAccuracy
-from lightflyer.lab.tac.data import read_tac
+from lightflyer.lab.tac.data import TacAccuracy, read_tac
 from lightflyer.lab.tac.fit import fit_tac
 from lightflyer.lab.thermography.data import LIGHT, THERMAL, read_readings
 from lightflyer.lab.thermography.reduction import reduce_readings

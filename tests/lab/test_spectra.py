@@ -15,9 +15,15 @@ from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
 from lightflyer.lab.readers.formats import Source, read_source
 from lightflyer.lab.readers.spectra import jcamp_dx, omnic, opus, spc
 from lightflyer.lab.readers.spectra.formats import format_of, read_raw
-from lightflyer.lab.readers.spectra.interpretation import ReadOptions, interpret_spectrum
-from lightflyer.lab.readers.spectra.jcamp_numbers import last_digit, read_rows
-from lightflyer.lab.readers.spectra.names import Axis, OrdinateUnit, axis_of, parse_ordinate
+from lightflyer.lab.readers.spectra.interpretation import (
+    Axis,
+    OrdinateUnit,
+    ReadOptions,
+    axis_of,
+    interpret_spectrum,
+    parse_ordinate,
+)
+from lightflyer.lab.readers.spectra.jcamp_dx import last_digit, read_rows
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 
 SAMPLES = Path(__file__).parent / "spectra"

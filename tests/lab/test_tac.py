@@ -13,8 +13,7 @@ from lightflyer.lab.record import joint_warnings
 from lightflyer.lab.tac import fit as tac
 from lightflyer.lab.tac import intervals
 from lightflyer.lab.tac import problem as tac_problem
-from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy, unstated_accuracies
-from lightflyer.lab.tac.data import TacRun
+from lightflyer.lab.tac.data import EXACT, TacAccuracy, TacRun, unstated_accuracies
 from lightflyer.lab.tac.diagnostics import misfit_warnings, rows_off_the_curve
 from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC_LAW, KineticLaw
 from lightflyer.lab.tac.preparation import Bench, make_problem

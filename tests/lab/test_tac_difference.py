@@ -10,10 +10,8 @@ from lightflyer.files.table import Table
 from lightflyer.gas import AIR
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.tac import intervals, preparation
-from lightflyer.lab.tac.accuracy import EXACT, TacAccuracy
-from lightflyer.lab.tac.data import TacRun
-from lightflyer.lab.tac.difference import _means, fit_tac_difference
-from lightflyer.lab.tac.difference_record import difference_tables
+from lightflyer.lab.tac.data import EXACT, TacAccuracy, TacRun
+from lightflyer.lab.tac.difference import _means, difference_tables, fit_tac_difference
 from lightflyer.lab.tac.fit import fit_tac
 from lightflyer.lab.tac.heat_law import KINETIC_LAW
 

@@ -11,9 +11,9 @@ import pytest
 from PIL import Image, TiffImagePlugin
 
 import lightflyer as lf
-from lightflyer.lab.thermography.images import flir
-from lightflyer.lab.thermography.images.radiometry import CameraSettings, signal, temperatures
-from lightflyer.lab.thermography.images.scaled import parse_scale
+from lightflyer.lab.thermography import flir
+from lightflyer.lab.thermography.flir import CameraSettings, signal, temperatures
+from lightflyer.lab.thermography.scaled import parse_scale
 from lightflyer.lab.thermography.thermal_image import (
     ThermalImage,
     parse_regions,

@@ -33,8 +33,8 @@ from .surface.figures import roughness_figures as roughness_figures
 from .surface.reduction import Roughness as Roughness
 from .surface.reduction import roughness as roughness
 from .synthetic import example_files as example_files
-from .tac.accuracy import TacAccuracy as TacAccuracy
 from .tac.data import ResistanceThermometer as ResistanceThermometer
+from .tac.data import TacAccuracy as TacAccuracy
 from .tac.data import TacRun as TacRun
 from .tac.data import read_resistance_calibration as read_resistance_calibration
 from .tac.data import read_tac as read_tac

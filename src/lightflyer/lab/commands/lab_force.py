@@ -6,8 +6,7 @@ from typing import Annotated, Any, Literal
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.quantities import exact
 from lightflyer.gas import GASES
-from lightflyer.lab.force.text import force_parts
-from lightflyer.lab.force.vane import ASSUMED_TAC, Vane, compare_forces, read_forces
+from lightflyer.lab.force.vane import ASSUMED_TAC, Vane, compare_forces, force_parts, read_forces
 from lightflyer.lab.gauges import AS_SHOWN, GaugeOptions, pirani_doubts
 from lightflyer.lab.measurement import (
     KnownMetres,

@@ -13,11 +13,9 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.files.quantities import quantities, quantity
 from lightflyer.lab.ftir.air import parse_ranges, with_straight_lines, without_air
 from lightflyer.lab.ftir.film import computed_spectra
-from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
-from lightflyer.lab.ftir.text import finding_parts, ftir_parts
+from lightflyer.lab.ftir.reduction import finding_parts, ftir_parts, reduce_ftir, to_dataset
 from lightflyer.lab.measurement import Outcome, Share, measurement, rejected_json, rejected_parts
-from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
-from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
+from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 
 _RANGE = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.]\S*)\s*$")  # a band's ends

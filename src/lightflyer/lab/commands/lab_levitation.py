@@ -10,9 +10,9 @@ from lightflyer.files.table import same_text
 from lightflyer.gas import GASES
 from lightflyer.lab.gauges import AS_SHOWN, GaugeOptions, pirani_doubts
 from lightflyer.lab.levitation import curve as levitation_module
+from lightflyer.lab.levitation.curve import curves_parts
 from lightflyer.lab.levitation.data import LiftOffs, read_lift_offs
 from lightflyer.lab.levitation.model import calibrate_curves, measured_coefficients, model_curve
-from lightflyer.lab.levitation.text import curves_parts
 from lightflyer.lab.measurement import (
     Kelvins,
     Outcome,

@@ -6,10 +6,8 @@ from typing import Any
 
 from lightflyer.lab.measurement import Outcome, rejected_json, rejected_parts
 from lightflyer.lab.optics.data import read_sample
-from lightflyer.lab.optics.fit import OpticsFit, fit_optics, to_dataset
-from lightflyer.lab.optics.flyer_file import require_same_layers, update_layers
-from lightflyer.lab.optics.record import tables
-from lightflyer.lab.optics.text import finding_parts, fit_parts
+from lightflyer.lab.optics.fit import OpticsFit, finding_parts, fit_optics, fit_parts, to_dataset
+from lightflyer.lab.optics.record import require_same_layers, tables, update_layers
 
 
 def optics(

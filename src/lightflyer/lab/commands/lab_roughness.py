@@ -9,11 +9,16 @@ from lightflyer.lab.readers.height_map import list_channels as channels_of
 from lightflyer.lab.readers.height_map import read_height_map
 from lightflyer.lab.readers.masks import mask_as_png, read_mask
 from lightflyer.lab.record import require_distinct
-from lightflyer.lab.surface.levelling import Flatten
-from lightflyer.lab.surface.particles import THRESHOLD
-from lightflyer.lab.surface.reduction import mean_parameters, summary, to_dataset
+from lightflyer.lab.surface.particles import THRESHOLD, Flatten
+from lightflyer.lab.surface.reduction import (
+    finding_parts,
+    mean_parameters,
+    means_parts,
+    roughness_parts,
+    summary,
+    to_dataset,
+)
 from lightflyer.lab.surface.reduction import roughness as roughness_of
-from lightflyer.lab.surface.text import finding_parts, means_parts, roughness_parts
 
 
 @measurement(flatten_order="flatten")

@@ -26,14 +26,21 @@ from lightflyer.lab.measurement import (
 )
 from lightflyer.lab.record import require_distinct
 from lightflyer.lab.tac import record
-from lightflyer.lab.tac.accuracy import TacAccuracy, unstated_accuracies
-from lightflyer.lab.tac.data import read_resistance_calibration, read_tac
+from lightflyer.lab.tac.data import (
+    TacAccuracy,
+    read_resistance_calibration,
+    read_tac,
+    unstated_accuracies,
+)
 from lightflyer.lab.tac.diagnostics import POSSIBLE_TAC
-from lightflyer.lab.tac.difference import fit_tac_difference
-from lightflyer.lab.tac.difference_record import difference_dataset, difference_tables
-from lightflyer.lab.tac.fit import TacFit, fit_tac
+from lightflyer.lab.tac.difference import (
+    difference_dataset,
+    difference_parts,
+    difference_tables,
+    fit_tac_difference,
+)
+from lightflyer.lab.tac.fit import TacFit, errors_parts, fit_parts, fit_tac, runs_parts
 from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC, KineticLaw
-from lightflyer.lab.tac.text import difference_parts, errors_parts, fit_parts, runs_parts
 
 
 @measurement(face="update", other_face="top")

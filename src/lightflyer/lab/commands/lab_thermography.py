@@ -29,9 +29,13 @@ from lightflyer.lab.thermography.data import (
     read_readings,
     with_accuracy,
 )
-from lightflyer.lab.thermography.images.scaled import parse_scale
-from lightflyer.lab.thermography.reduction import reduce_readings, to_dataset
-from lightflyer.lab.thermography.text import finding_parts, properties_parts
+from lightflyer.lab.thermography.reduction import (
+    finding_parts,
+    properties_parts,
+    reduce_readings,
+    to_dataset,
+)
+from lightflyer.lab.thermography.scaled import parse_scale
 from lightflyer.lab.thermography.thermal_image import (
     ThermalImage,
     is_thermal_image,

@@ -9,11 +9,11 @@ from matplotlib.figure import Figure
 from lightflyer.files.drawing import BAND, figure_for, legend_below, plain_decades
 from lightflyer.files.palette import BLUE, GREY
 from lightflyer.lab.estimate import NORMAL_FACTOR
-from lightflyer.lab.force.text import MICRONEWTON
 
 if TYPE_CHECKING:
     from lightflyer.lab.force.vane import VaneForces
 
+MICRONEWTON = 1e-6
 _DECADES = 2.5  # below the largest force that the axis shows, at most
 
 

@@ -14,8 +14,7 @@ import numpy as np
 
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.units import parse
-from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
-from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
+from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
 
 GASES = {
     "CO₂": ((600.0, 740.0), (2250.0, 2400.0)),

@@ -7,8 +7,7 @@ import numpy as np
 from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.core.errors import ParameterError
 from lightflyer.lab.estimate import Estimate
-from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
-from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
+from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
 from lightflyer.lab.record import Doubt
 from lightflyer.lab.spectrum_noise import LEAST_POINTS, point_noise
 

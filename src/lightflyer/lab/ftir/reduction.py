@@ -20,7 +20,7 @@ from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Temperature
-from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
+from lightflyer.files.result_text import Parts, PrintedResult, table_of, warning_lines
 from lightflyer.lab.estimate import CONFIDENCE, Estimate
 from lightflyer.lab.ftir.diagnostics import (
     Bounds,
@@ -36,16 +36,15 @@ from lightflyer.lab.ftir.means import (
     remainder,
     uncovered_power,
 )
-from lightflyer.lab.plausible import EMISSIVITY, doubts_of
-from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
-from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
-from lightflyer.lab.record import Doubt, csv_text, dataset, require_distinct
+from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
+from lightflyer.lab.record import EMISSIVITY, Doubt, csv_text, dataset, doubts_of, require_distinct
 from lightflyer.lab.spectrum_noise import noise_density
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from rich.table import Table
 
 BAND = (500.0 * PER_CENTIMETRE, 1300.0 * PER_CENTIMETRE)  # Band of the paper, 900 ± 400 cm⁻¹ [1/m]
 TEMPERATURES = (300.0, 400.0, 441.0, 500.0)  # Default temperatures of Planck-weighted means [K]
@@ -140,8 +139,6 @@ class Ftir(PrintedResult):
         return csv_text([], columns)
 
     def text_parts(self) -> Parts:
-        from lightflyer.lab.ftir.text import ftir_parts
-
         yield from ftir_parts(self)
         yield from warning_lines(self.warnings)
 
@@ -401,3 +398,56 @@ def to_dataset(result: Ftir) -> "xr.Dataset":
     variables[name] = ("wavenumber", value, {"units": "1", "long_name": name.replace("_", " ")})
     files = [one.source for one in (*result.spectra, *result.reflectances)]
     return dataset("infrared spectra", variables, files, warnings=result.warnings)
+
+
+_PERCENT = 100.0
+
+
+def finding_parts(result: "Ftir") -> Parts:
+    """The emissivity over the band, or its bound, in a sentence."""
+    low, high = (end / PER_CENTIMETRE for end in result.covered)
+    found = f"at most {result.at_most:.4g}" if result.emissivity is None else result.emissivity
+    part = f", {_PERCENT * (1.0 - result.uncovered_band):.0f} % of the band"
+    said = part * bool(result.uncovered_band)
+    yield f"emissivity {found}, over {low:.5g} to {high:.5g} cm⁻¹{said}"
+
+
+def ftir_parts(result: "Ftir") -> Parts:
+    """Means over the band, and those weighted with Planck's spectrum."""
+    low, high = (end / PER_CENTIMETRE for end in result.covered)
+    accuracy = f"{_PERCENT * result.accuracy:.3g} %"
+    yield f"over {low:.5g} to {high:.5g} cm⁻¹, 95 % intervals with an accuracy of {accuracy}:"
+    yield f"  transmittance {result.transmittance.band}"
+    if result.reflectance is None:
+        yield f"  1 - transmittance {result.upper_bound}"
+        yield f"  upper bound: emissivity at most {result.at_most:.4g} (95 %, one-sided)"
+    else:
+        yield f"  reflectance {result.reflectance.band}"
+        yield f"  emissivity {result.emissivity}"
+    if result.uncovered_band:
+        yield f"  {_PERCENT * result.uncovered_band:.1f} % of the band has no data"
+    yield (
+        "weighted with Planck's spectrum over the measured wavenumbers; total: nothing or\n"
+        "everything is emitted outside them"
+    )
+    yield _planck_table(result)
+
+
+def _planck_table(result: "Ftir") -> "Table":
+    """Planck-weighted means, and bounds with what lies outside the data."""
+    measured, bounds = result.reflectance is not None, result.total_bounds()
+    headings = (
+        "at\n[K]", "\ntransmittance", "\nemissivity" if measured else "1 - trans-\nmittance",
+        "\n95 % interval", "outside\nthe data",
+        "total,\nbounds" if measured else "total, at\nmost (95 %)",
+    )  # fmt: skip
+    rows = []
+    for temperature, estimate in result.planck_emissivity.items():
+        ends, (least, most) = estimate.interval, bounds[temperature]
+        rows.append((
+            f"{temperature:g}", f"{result.transmittance.planck[temperature].value:.4f}",
+            f"{estimate.value:.4f}", f"{ends[0]:.4f} to {ends[1]:.4f}",
+            f"{_PERCENT * result.uncovered[temperature]:.1f} %",
+            f"{least:.3f} to {most:.3f}" if measured else f"{most:.3f}",
+        ))  # fmt: skip
+    return table_of(headings, rows, left=())

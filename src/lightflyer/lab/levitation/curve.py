@@ -18,7 +18,13 @@ from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
+from lightflyer.files.result_text import (
+    Parts,
+    PrintedResult,
+    open_interval_text,
+    table_of,
+    warning_lines,
+)
 from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
 from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother
@@ -28,6 +34,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from lightflyer.lab.estimate import Estimate
 
 SPAN = 0.75  # Fraction of a sample's points in each local fit; the default of LOESS
 DRAWS = 2000  # Number of simulated measurements
@@ -67,8 +75,6 @@ class LevitationCurve(PrintedResult):
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
     def text_parts(self) -> Parts:
-        from lightflyer.lab.levitation.text import curves_parts
-
         yield from curves_parts([self])
         yield from warning_lines(self.warnings)
 
@@ -381,3 +387,29 @@ def tables(curves: Sequence[LevitationCurve]) -> dict[str, str]:
         )
         for number, one in enumerate(curves, start=1)
     }  # fmt: skip
+
+
+_HEADINGS = ("sample", "points", "W/m²", "95 % interval", "at Pa", "95 % interval")
+
+
+def curves_parts(curves: "Sequence[LevitationCurve]") -> Parts:
+    """What the sample needs that needs least light, and all of them."""
+    least = min(curves, key=lambda curve: curve.minimum_irradiance.value)
+    words = "needs" if len(curves) == 1 else f"needs the least light of {len(curves)} samples,"
+    light, of_light = _number(least.minimum_irradiance)
+    place, of_place = _number(least.optimal_pressure)
+    yield f"{least.points.name} {words} {light} W/m² ({of_light}), at {place} Pa ({of_place})"
+    rows = [
+        (
+            curve.points.name,
+            str(len(curve.points.pressure)),
+            *_number(curve.minimum_irradiance),
+            *_number(curve.optimal_pressure),
+        )
+        for curve in curves
+    ]
+    yield table_of(_HEADINGS, rows, title="minimum irradiance and its pressure")
+
+
+def _number(found: "Estimate") -> tuple[str, str]:
+    return f"{found.value:.4g}", open_interval_text(*found.interval)

@@ -20,8 +20,7 @@ from lightflyer.files.toml_file import FileKind, place_of, read_file
 from lightflyer.film.layer_section import LayerSection
 from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.film.sample_section import SampleSection
-from lightflyer.lab.optics.ellipsometry import ORDINATES, EllipsometrySection
-from lightflyer.lab.optics.measured_file import MeasuredFile
+from lightflyer.lab.optics.ellipsometry import ORDINATES, EllipsometrySection, MeasuredFile
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.raw import Ordinate
 from lightflyer.lab.readers.spectrum_data import read_spectrum

@@ -20,15 +20,16 @@ import numpy as np
 
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ParameterError
-from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
+from lightflyer.core.text import correlation_text
+from lightflyer.files.result_text import Parts, PrintedResult, listed, table_of, warning_lines
 from lightflyer.film.optics.averages import absorptance, emittance
 from lightflyer.film.optics.stack import Film
-from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.estimate import Estimate, estimate_table
 from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
-from lightflyer.lab.optics.diagnostics import diagnose, is_off
+from lightflyer.lab.optics.diagnostics import diagnose, display_unit, is_off
 from lightflyer.lab.optics.model import OpticalModel, Problem, select_covered
 from lightflyer.lab.optics.search import STARTS, Fit, Scatter, intervals, search
-from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE
+from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE
 from lightflyer.lab.record import Doubt, dataset
 
 if TYPE_CHECKING:
@@ -104,8 +105,6 @@ class OpticsFit(PrintedResult):
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
     def text_parts(self) -> Parts:
-        from lightflyer.lab.optics.text import fit_parts
-
         yield from fit_parts(self)
         yield from warning_lines(self.warnings)
 
@@ -424,3 +423,42 @@ def to_dataset(result: OpticsFit) -> "xr.Dataset":
         [one.measured.spectrum.source for one in result.spectra], warnings=result.warnings,
         free_numbers=", ".join(result.numbers),
     )  # fmt: skip
+
+
+_PERCENT = 100.0
+_HEADINGS = ("spectrum", "scatter\n[%]", "points", "indepen-\ndent", "scale's\nerror [%]",
+             "zero's\nerror [%]")  # fmt: skip
+_DIGITS = 5
+
+
+def finding_parts(result: "OpticsFit") -> Parts:
+    """Fitted numbers in a sentence."""
+    yield listed(f"{name} {in_display_unit(one)}" for name, one in result.numbers.items())
+
+
+def fit_parts(result: "OpticsFit") -> Parts:
+    """Fitted numbers, what the fitted film does, and the errors of the instruments."""
+    numbers = [(name, in_display_unit(one)) for name, one in result.numbers.items()]
+    yield estimate_table(numbers, "fitted", _DIGITS)
+    if result.predictions:
+        yield estimate_table(result.predictions.items(), "of the fitted film", _DIGITS)
+    yield table_of(
+        _HEADINGS,
+        (
+            (
+                one.measured.label, f"{_PERCENT * one.scatter.deviation:.2f}",
+                f"{len(one.reading)}", f"{one.scatter.independent:.0f}",
+                f"{_PERCENT * one.scale_error:+.2f}", f"{_PERCENT * one.zero_error:+.2f}",
+            )
+            for one in result.spectra
+        ),
+    )  # fmt: skip
+
+    yield correlation_text(list(result.numbers), result.correlation)
+
+
+def in_display_unit(one: Estimate) -> Estimate:
+    """The estimate in the unit that people write such numbers of films in."""
+    scale, unit = display_unit(one.unit)
+    low, high = one.interval
+    return Estimate(one.value / scale, (low / scale, high / scale), unit)

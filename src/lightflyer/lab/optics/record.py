@@ -1,8 +1,23 @@
-"""Tables of fitted spectra and constants, as CSV."""
+"""What is printed and written of a film's fitted numbers, flyer files included."""
 
-from typing import TYPE_CHECKING
+import datetime
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from lightflyer.lab.record import csv_text
+import numpy as np
+import tomlkit
+
+from lightflyer.config.update import measured_text, replace_file
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.text import read_text
+from lightflyer.film.layered_section import LayeredFilmSection
+from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.optics.data import OpticsSample, names_of_layers
+from lightflyer.lab.optics.diagnostics import display_unit
+from lightflyer.lab.optics.fit import OpticsFit
+from lightflyer.lab.record import csv_text, require_no_doubt
 
 if TYPE_CHECKING:
     from lightflyer.lab.optics.fit import OpticsFit
@@ -25,4 +40,105 @@ def tables(result: "OpticsFit") -> dict[str, str]:
              "n_low": layer.n_band[0], "n_high": layer.n_band[1],
              "k_low": layer.k_band[0], "k_high": layer.k_band[1]},
         )  # fmt: skip
+    return found
+
+
+_DIGITS = 3  # of an uncertainty: correlated numbers round less
+_LEAST = 0.005  # correlation that is written
+_KEPT = 6  # digits of a correlation
+
+
+def update_layers(
+    path: str | Path, fit: OpticsFit, origin: str, *, insist: bool = False
+) -> list[str]:
+    """Write fitted numbers of layers, their ± and their correlations into a flyer file."""
+    path = Path(path)
+    names = list(fit.numbers)
+    require_same_layers(path, fit.sample)
+    _require_determined(path, fit, names)
+    require_no_doubt(path, fit.warnings, insist=insist)
+    document: Any = tomlkit.parse(read_text(path))
+    table, told, written = document["film"], [], []
+    for name, estimate in fit.numbers.items():
+        text = measured_text(_in_written_unit(estimate), _DIGITS)
+        for alias in _aliases(fit.sample, name):
+            _put(table, alias, text)
+            told.append(f'film.{alias} = "{text}"')
+            written += [] if insist else [f"film.{alias}"]
+    entries = _correlations(fit, names)
+    kept = [one for one in table.get("correlated", []) if not _touches(one, fit, names)]
+    if kept or entries:
+        table["correlated"] = [*kept, *entries]
+    told += [f"film.correlated: {' and '.join(one['of'])} {one['value']:+.3f}" for one in entries]
+    table["layers"].comment(f"fitted: lab optics, {origin}, {datetime.date.today().isoformat()}")
+    replace_file(path, document.as_string(), written)
+    return told
+
+
+def require_same_layers(path: str | Path, sample: OpticsSample) -> None:
+    """Raise unless the numbers that are free in a sample are those of layers of a flyer's film."""
+    from lightflyer.config.reader import read_flyer_file  # slow to import
+
+    film, section = read_flyer_file(path).film, sample.section
+    if not isinstance(film, LayeredFilmSection):
+        raise ConfigurationError(f"{path}: [film] has no layers; the file is unchanged")
+    if section is None:
+        raise ConfigurationError("only the fit of a sample file can be written into a flyer file")
+    ours = names_of_layers(section)
+    theirs = {f"layers.{number}": layer.label for number, layer in enumerate(film.layers)}
+    for name in (alias for one in sample.free for alias in _aliases(sample, one.name)):
+        layer = ".".join(name.split(".")[:2])
+        if not name.startswith("layers."):
+            raise ConfigurationError(
+                f"{path}: {name} is free in {sample.source}, and a flyer's film has none; "
+                "the file is unchanged"
+            )
+        if ours[layer].removeprefix("porous ") != theirs.get(layer, "").removeprefix("porous "):
+            raise ConfigurationError(
+                f"{path}: film.{layer} is of {theirs.get(layer) or 'nothing'}, that of "
+                f"{sample.source} of {ours[layer]}; the file is unchanged"
+            )
+
+
+def _require_determined(path: Path, fit: OpticsFit, names: Sequence[str]) -> None:
+    for name in names:
+        one = fit.numbers[name]
+        if all(fit.open_ends[name]) or not (one.uncertainty or 0.0) < abs(one.value):
+            raise ConfigurationError(
+                f"{path}: the spectra do not tell {name}; fix it in {fit.sample.source}, or state "
+                "it with ±; the file is unchanged"
+            )
+
+
+def _aliases(sample: OpticsSample, name: str) -> tuple[str, ...]:
+    return sample.same.get(name, (name,))
+
+
+def _in_written_unit(one: Estimate) -> Estimate:
+    scale, unit = display_unit(one.unit)
+    low, high = one.interval
+    spread = (one.uncertainty or 0.0) / scale
+    return Estimate(one.value / scale, (low / scale, high / scale), unit, spread)
+
+
+def _put(table: Any, name: str, text: str) -> None:
+    *sections, key = name.split(".")
+    for section in sections:
+        table = table[int(section) if section.isdigit() else section]
+    table[key] = text
+
+
+def _touches(entry: Any, fit: OpticsFit, names: Sequence[str]) -> bool:
+    ours = {alias for name in names for alias in _aliases(fit.sample, name)}
+    return any(str(one) in ours for one in entry["of"])
+
+
+def _correlations(fit: OpticsFit, names: Sequence[str]) -> list[Mapping[str, Any]]:
+    """Entries of ``correlated`` for all pairs; numbers that are the same have one error."""
+    full = [(alias, row) for row, name in enumerate(names) for alias in _aliases(fit.sample, name)]
+    found: list[Mapping[str, Any]] = []
+    for (one, row), (other, column) in combinations(full, 2):
+        value = float(np.clip(fit.correlation[row, column], -1.0, 1.0))
+        if abs(value) >= _LEAST:
+            found.append({"of": [one, other], "value": round(value, _KEPT)})
     return found

@@ -14,9 +14,9 @@ from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.lab.readers.formats import Source, read_source
 from lightflyer.lab.readers.spectra.formats import format_of, read_raw
+from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE as PER_CENTIMETRE
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
 from lightflyer.lab.readers.spectra.interpretation import ReadOptions, interpret_spectrum
-from lightflyer.lab.readers.spectra.names import PER_CENTIMETRE as PER_CENTIMETRE
 from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumMetadata
 
 # as fractions, or as per cent that the header does not mark

@@ -8,7 +8,7 @@ above the mean,
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -20,18 +20,22 @@ from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Fraction
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
-from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
+from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, estimate_table, student_factor
 from lightflyer.lab.readers.height_map import NANOMETRE, HeightMap
 from lightflyer.lab.record import dataset, joint_warnings
 from lightflyer.lab.surface.diagnostics import warnings_of
 from lightflyer.lab.surface.intervals import DRAWS, SPECTRUM, spread
-from lightflyer.lab.surface.levelling import Flatten, fill_missing, flatten_rows, kept_power, level
 from lightflyer.lab.surface.particles import (
     MOST_MASKED,
     THRESHOLD,
+    Flatten,
     Objects,
     count_objects,
+    fill_missing,
     find_particles,
+    flatten_rows,
+    kept_power,
+    level,
 )
 from lightflyer.lab.surface.texture import Texture, texture_of
 
@@ -39,7 +43,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
 
 HEIGHT_ACCURACY = 0.02  # Relative standard uncertainty of the microscope's heights; our assumption
 PARAMETERS = ("rms_height", "mean_absolute_height", "skewness", "kurtosis")  # Sq, Sa, Ssk and Sku
@@ -87,8 +90,6 @@ class Roughness(PrintedResult):
         return float(self.mask.mean())
 
     def text_parts(self) -> Parts:
-        from lightflyer.lab.surface.text import roughness_parts
-
         yield from roughness_parts(self)
         yield from warning_lines(self.warnings)
 
@@ -349,3 +350,46 @@ def to_dataset(results: Sequence[Roughness]) -> "xr.Dataset":
             variables[f"{name}_{number}"] = (over, value, {"units": of, "long_name": name})
     said = summary(results)["warnings"]
     return dataset("roughness", variables, [one.source.source for one in results], warnings=said)
+
+
+_MICROMETRE = 1e-6
+_NAMES = {
+    "rms_height": "rms height Sq",
+    "mean_absolute_height": "mean absolute height Sa",
+}
+
+
+def finding_parts(parameters: Mapping[str, Estimate]) -> Parts:
+    """The roughness in a sentence."""
+    yield f"{_NAMES['rms_height']} {parameters['rms_height']}"
+
+
+def roughness_parts(one: "Roughness") -> Parts:
+    """Size of a map, what is masked, and its parameters."""
+    rows, columns = one.height.shape
+    source = one.source
+    channel = f", {source.channel}" if source.channel else ""
+    sides = " x ".join(f"{side / _MICROMETRE:.4g}" for side in (source.width, source.length))
+    masked = ", ".join(
+        f"{count_objects(mask)} {name} ({_PERCENT * mask.mean():.2f} %)"
+        for name, mask in (("particles", one.particles), ("holes", one.holes))
+    )
+    yield (f"read {source.source}{channel}: {columns} x {rows} pixels, {sides} µm; {masked} masked")
+    named = [(name, one.parameters[key]) for key, name in _NAMES.items()]
+    yield estimate_table([*named, ("Sq without a mask", one.parameters_all["rms_height"])])
+    skewness, kurtosis = (one.parameters[key].value for key in ("skewness", "kurtosis"))
+    found = one.texture
+    yield f"of this map: skewness Ssk {skewness:.3g}, kurtosis Sku {kurtosis:.3g}"
+    yield (
+        f"  correlation length (1/e) {found.correlation_length / _MICROMETRE:.3g} µm, "
+        f"rms slope Sdq {found.rms_slope:.3g}\n"
+        f"  developed area Sdr {_PERCENT * found.developed_area:.2g} %, "
+        f"highest point Sp {found.highest / NANOMETRE:.3g} nm, "
+        f"lowest Sv {found.deepest / NANOMETRE:.3g} nm"
+    )
+
+
+def means_parts(means: Mapping[str, Estimate], count: int) -> Parts:
+    """Means of the parameters over several maps."""
+    yield f"mean of {count} maps"
+    yield estimate_table([(name, means[key]) for key, name in _NAMES.items()])

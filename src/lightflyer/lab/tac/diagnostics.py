@@ -10,10 +10,8 @@ from scipy.optimize import least_squares
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import AccommodationCoefficient, Quantity, quantity_of
 from lightflyer.lab.estimate import Estimate
-from lightflyer.lab.plausible import AREA_RATIO, doubts_of
-from lightflyer.lab.record import Doubt
-from lightflyer.lab.tac.accuracy import IN_WORDS
-from lightflyer.lab.tac.data import TacRun
+from lightflyer.lab.record import AREA_RATIO, Doubt, doubts_of
+from lightflyer.lab.tac.data import IN_WORDS, TacRun
 from lightflyer.lab.tac.problem import PARAMETERS, Problem, first_guess
 
 POSSIBLE_TAC = 1.0  # Largest accommodation coefficient of any surface
@@ -261,3 +259,43 @@ def list_lines(lines: Sequence[int], source: str) -> str:
     shown = ", ".join(map(str, lines[:_MOST_LINES]))
     more = f" and {len(lines) - _MOST_LINES} more" if len(lines) > _MOST_LINES else ""
     return f"{source}:{shown}{more}"
+
+
+_SIGNIFICANT = 4.0  # standard errors
+_LEAST = 2e-3  # relative; no bench holds a conductance better
+_FEWEST = 8  # rows of a direction
+_TIED = 0.9  # correlation of time and pressure, above which drift cannot be told from the law
+
+
+def drift_warnings(residual: np.ndarray, pressure: np.ndarray, alike: float) -> list[str]:
+    """Lines about hysteresis and drift; relative residuals of rows in their order, shape (m,)."""
+    # The gauge lags behind a pressure that rises or falls; heater, leads and power meter drift.
+    count = len(residual)
+    level = np.log(pressure)
+    time = np.linspace(-0.5, 0.5, count)
+    rising = np.sign(np.gradient(level)) if count > 1 else np.zeros(count)
+    causes = {
+        "rise": 0.5 * rising,  # half above, half below
+        "time": time - np.polynomial.Polynomial.fit(level, time, 2)(level),
+    }
+    if min(np.sum(rising > 0.0), np.sum(rising < 0.0)) < _FEWEST:
+        del causes["rise"]
+    if np.var(causes["time"]) < (1.0 - _TIED**2) * np.var(time):
+        del causes["time"]
+    if not causes:
+        return []
+    design = np.column_stack([np.ones(count), *causes.values()])
+    found, *_ = np.linalg.lstsq(design, residual)
+    scatter = np.var(residual - design @ found) * count / max(count - design.shape[1], 1)
+    error = np.sqrt(alike * scatter * np.diag(np.linalg.pinv(design.T @ design)))
+    words = {
+        "rise": "rows taken while the pressure rose lie {} above those while it fell: the gauge "
+        "lags, or the heater was not yet at rest",
+        "time": "at the same pressure, rows at the end lie {} above those at the beginning: "
+        "something drifts",
+    }
+    return [
+        words[name].format(f"{_PERCENT * value:+.2g} ± {_PERCENT * one:.1g} %")
+        for name, value, one in zip(causes, found[1:], error[1:], strict=True)
+        if abs(value) > max(_SIGNIFICANT * one, _LEAST)
+    ]

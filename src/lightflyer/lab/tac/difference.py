@@ -18,19 +18,19 @@ from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Fraction, Length
 from lightflyer.core.units import Measured
-from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
+from lightflyer.files.result_text import Parts, PrintedResult, table_of, warning_lines
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
-from lightflyer.lab.tac.accuracy import TacAccuracy
-from lightflyer.lab.tac.data import TacRun
+from lightflyer.lab.tac.data import TacAccuracy, TacRun
 from lightflyer.lab.tac.diagnostics import MOST_TAC, POSSIBLE_TAC, cut
-from lightflyer.lab.tac.fit import TacFit, fit_together
+from lightflyer.lab.tac.fit import TacFit, errors_parts, fit_parts, fit_together
 from lightflyer.lab.tac.heat_law import KINETIC_LAW, AbstractHeatLaw
 from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, Bench
-from lightflyer.lab.tac.record import warnings_of, with_spread
+from lightflyer.lab.tac.record import tables, to_dataset, warnings_of, with_spread
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -72,8 +72,6 @@ class TacDifference(PrintedResult):
         return math.hypot(self.tac_top.uncertainty or 0.0, self.tac_bottom.uncertainty or 0.0)
 
     def text_parts(self) -> Parts:
-        from lightflyer.lab.tac.text import difference_parts
-
         yield from difference_parts(self)
         yield from warning_lines(self.warnings)
 
@@ -251,3 +249,69 @@ def _of_face(fits: Sequence[TacFit], mean: float, uncertainty: float, *, whole: 
     if len(fits) == 1 and whole:
         return Estimate(mean, fits[0].tac.interval, "", uncertainty)
     return cut({"tac": Estimate.covering(mean, NORMAL_FACTOR * uncertainty)})[0]["tac"]
+
+
+def difference_dataset(found: TacDifference, warnings: Sequence[str] | None = None) -> "xr.Dataset":
+    """Rows of all runs, with the coefficients of both faces and their covariance."""
+    record = to_dataset(found.fits, found.warnings if warnings is None else warnings)
+    names = np.array(["top"] * len(found.top) + ["bottom"] * len(found.bottom))
+    pair = found.tac_top, found.tac_bottom
+    spread = np.array([one.uncertainty or 0.0 for one in pair])
+    related = np.array([[1.0, found.tac_correlation], [found.tac_correlation, 1.0]])
+    unit = {"units": "1"}
+    return record.assign(
+        face_of_row=("row", names[record["run"].values], {"long_name": "face of the sample"}),
+        tac=("face", [one.value for one in pair], unit | {"long_name": "TAC"}),
+        tac_covariance=(
+            ("face", "other_face"), np.outer(spread, spread) * related,
+            unit | {"long_name": "covariance of the errors of both TACs"},
+        ),
+        tac_difference=(
+            (), found.difference.value, unit | {"long_name": "TAC of the top less of the bottom"}
+        ),
+        tac_difference_uncertainty=(
+            (), found.difference.uncertainty,
+            unit | {"long_name": "its standard uncertainty"},
+        ),
+    ).assign_coords(face=["top", "bottom"], other_face=["top", "bottom"])  # fmt: skip
+
+
+def difference_tables(found: TacDifference) -> dict[str, str]:
+    """Fitted rows of each run, and the coefficients with their difference, as CSV by file name."""
+    pair = found.tac_top, found.tac_bottom, found.difference
+    lines = [f"# correlation of the errors of both TACs: {found.tac_correlation:.6g}"]
+    lines.append("quantity,value,lower 95 %,upper 95 %,standard uncertainty")
+    for name, one in zip(("tac_top", "tac_bottom", "difference"), pair, strict=True):
+        numbers = one.value, *one.interval, one.uncertainty or 0.0
+        lines.append(",".join([name, *(f"{number:.8g}" for number in numbers)]))
+    return tables(found.fits) | {"tac-difference.csv": "\n".join(lines) + "\n"}
+
+
+_FACES_TABLE = ("", "value", "95 % interval", "standard uncertainty")
+
+
+def difference_parts(found: TacDifference) -> Parts:
+    """Difference of two faces, their coefficients, and the runs of each."""
+    rows = [
+        (name, f"{one.value:.4g}", one.interval_text(), f"{one.uncertainty:.2g}")
+        for name, one in (
+            ("TAC α, top less bottom", found.difference),
+            ("TAC α, top", found.tac_top),
+            ("TAC α, bottom", found.tac_bottom),
+        )
+    ]
+    yield table_of(_FACES_TABLE, rows, left=(0, 2))
+    yield (
+        f"the errors of both have a correlation of {found.tac_correlation:.4g}; if they shared "
+        f"nothing, the difference would be uncertain by {found.unshared:.2g}"
+    )
+    if found.other_face is not None:
+        yield (
+            "α of each run below is the mean of that of the sample and that of the heater's other "
+            f"face, {found.other_face.value:g}"
+        )
+    for name, fits in (("top", found.top), ("bottom", found.bottom)):
+        yield f"{name} face"
+        for fit in fits:
+            yield from fit_parts(fit)
+    yield from errors_parts(found.fits[0])

@@ -15,7 +15,7 @@ the plateau is taken to grow with :math:`\delta`, as the slope does, can the thr
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -23,15 +23,16 @@ import numpy as np
 
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.quantity import Fraction, Length
-from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
+from lightflyer.core.text import correlation_text
+from lightflyer.files.result_text import Parts, PrintedResult, table_of, warning_lines
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.estimate import Estimate
-from lightflyer.lab.plausible import ambient_doubts
-from lightflyer.lab.tac.accuracy import TacAccuracy
-from lightflyer.lab.tac.data import TacRun
+from lightflyer.lab.record import ambient_doubts
+from lightflyer.lab.tac.data import IN_WORDS, TacAccuracy, TacRun
 from lightflyer.lab.tac.diagnostics import (
     cut,
+    drift_warnings,
     list_lines,
     misfit_warnings,
     model_warnings,
@@ -39,7 +40,6 @@ from lightflyer.lab.tac.diagnostics import (
     result_warnings,
     why_undetermined,
 )
-from lightflyer.lab.tac.drift import drift_warnings
 from lightflyer.lab.tac.heat_law import (
     KINETIC,
     KINETIC_LAW,
@@ -154,8 +154,6 @@ class TacFit(PrintedResult):
         return {name: getattr(self, name) for name in PARAMETERS}
 
     def text_parts(self) -> Parts:
-        from lightflyer.lab.tac.text import errors_parts, fit_parts
-
         yield from fit_parts(self)
         yield from errors_parts(self)
         yield from warning_lines(self.warnings)
@@ -341,3 +339,61 @@ def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
         undetermined=undetermined,
         warnings=tuple(texts),
     )
+
+
+_PERCENT = 100.0
+_NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
+_PARAMETERS = ("", "value", "95 % interval", "of the scatter alone", "unit")
+_ERRORS = ("error by the fit", "in stated ±", "stated ±", "unit")
+_RUNS = ("run", "TAC α", "95 % interval", "area ratio δ", "offset C\n[W/(m² K)]")
+
+
+def fit_parts(fit: "TacFit") -> Parts:
+    """Parameters of one run."""
+    yield (
+        f"{fit.run.source}: heater at {fit.mean_temperature:.2f} K, coefficient of variation "
+        f"{_PERCENT * fit.temperature_variation:.2g} %; {fit.rows_used} rows used, "
+        f"{fit.rows_dropped} dropped for their temperature"
+    )
+    rows = [
+        _parameter(_NAMES[name], one, fit.statistical[name].interval_text())
+        for name, one in fit.estimates().items()
+    ]
+    slope = _parameter("slope δα", replace(fit.slope, unit=""), "")
+    yield table_of(_PARAMETERS, [*rows, slope], left=(0, 2, 3, 4))
+    others = ", ".join(
+        f"{one:.3g} by {name}" for name, one in fit.by_reading.items() if one is not None
+    )
+    yield (
+        f"reading {fit.reading}, gas {fit.gas}; the same rows give α = {others}\n"
+        f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; "
+        f"{correlation_text('αδC', fit.covariance)}"
+    )
+
+
+def errors_parts(fit: "TacFit") -> Parts:
+    """Errors of the instruments that the fit takes; those of runs fitted together are the same."""
+    errors = []
+    for name, pull in fit.common_errors.items():
+        words, scale, unit = IN_WORDS[name]
+        errors.append((words, f"{pull:+.2f}", f"{scale * getattr(fit.accuracy, name):g}", unit))
+    yield table_of(_ERRORS, errors, left=(0, 3))
+
+
+def _parameter(name: str, one: Estimate, of_scatter: str) -> tuple[str, ...]:
+    """Row of a parameter with its total and statistical intervals."""
+    unit = one.unit.replace("^2", "²") or "1"
+    return name, f"{one.value:.4g}", one.interval_text(), of_scatter, unit
+
+
+def runs_parts(fits: "Sequence[TacFit]", mean: Estimate) -> Parts:
+    """Table of runs, like the paper's table S2, and the mean of their coefficients."""
+    rows = []
+    for fit in fits:
+        low, high = fit.tac.interval
+        numbers = f"{fit.tac.value:.3f}", f"{low:.3f} to {high:.3f}"
+        rows.append((
+            fit.run.source, *numbers, f"{fit.area_ratio.value:.3f}", f"{fit.offset.value:.3f}"
+        ))  # fmt: skip
+    yield table_of(_RUNS, rows)
+    yield f"mean accommodation coefficient {mean}"

@@ -9,8 +9,7 @@ from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterError
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
-from lightflyer.lab.tac.accuracy import TacAccuracy
-from lightflyer.lab.tac.data import TacRun
+from lightflyer.lab.tac.data import TacAccuracy, TacRun
 from lightflyer.lab.tac.diagnostics import require_possible_temperatures, rows_off_the_curve
 from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC_LAW, AbstractHeatLaw, nominal_area
 from lightflyer.lab.tac.intervals import best_tac

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError, ConvergenceError
-from lightflyer.lab.tac.accuracy import CommonErrors
+from lightflyer.lab.tac.data import CommonErrors
 from lightflyer.lab.tac.heat_law import Limits, mean_of_groups
 
 PARAMETERS = ("tac", "area_ratio", "offset")  # Fitted parameters: α, δ and C

@@ -28,10 +28,15 @@ from lightflyer.core.checks import require_range
 from lightflyer.core.constants import STEFAN_BOLTZMANN
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import require_record
-from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
-from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, central_interval, student_factor
-from lightflyer.lab.plausible import ABSORPTANCE, EMISSIVITY, ambient_doubts, doubts_of
-from lightflyer.lab.record import Doubt, dataset
+from lightflyer.files.result_text import Parts, PrintedResult, listed, warning_lines
+from lightflyer.lab.estimate import (
+    NORMAL_FACTOR,
+    Estimate,
+    central_interval,
+    estimate_table,
+    student_factor,
+)
+from lightflyer.lab.record import ABSORPTANCE, EMISSIVITY, Doubt, ambient_doubts, dataset, doubts_of
 from lightflyer.lab.thermography.camera import MICROMETRE, UNCOOLED, flat_band
 from lightflyer.lab.thermography.data import LIGHT, THERMAL, Readings, Scene
 
@@ -93,8 +98,6 @@ class RadiativeProperties(PrintedResult):
         return {remainder if key == "emissivity" else key: one for key, one in values.items()}
 
     def text_parts(self) -> Parts:
-        from lightflyer.lab.thermography.text import properties_parts
-
         yield from properties_parts(self)
         yield from warning_lines(self.warnings)
 
@@ -452,3 +455,24 @@ def _film_diagnostics(readings: Readings, first: Mapping[str, Estimate]) -> list
         f"{film - cold:.0f} K warmer, and the emissivity about {missing:.3f} higher; state the "
         "film's temperature"
     ]
+
+
+def finding_parts(result: "RadiativeProperties") -> Parts:
+    """The properties in a sentence."""
+    found = result.name_properties(result.first_order)
+    yield f"{listed(f'{name} {one}' for name, one in found.items())}, {result.meaning}"
+
+
+def properties_parts(result: "RadiativeProperties") -> Parts:
+    """The properties with both intervals, and the uncertainties of the readings."""
+    second = result.name_properties(result.monte_carlo)
+    rows = []
+    for name, estimate in result.name_properties(result.first_order).items():
+        rows += [(name, estimate), ("  by Monte Carlo", second[name])]
+    yield estimate_table(rows, result.meaning)
+    method = result.readings.method
+    spreads = ", ".join(
+        f"{name.removesuffix('_temperature')} {one:.2g}"
+        for name, one in zip(method.readings, result.readings.uncertainties, strict=True)
+    )
+    yield f"standard uncertainties of the readings: {spreads} {method.unit}".rstrip()

@@ -1,4 +1,4 @@
-"""Regions of a thermal image, by format in :mod:`lightflyer.lab.thermography.images`."""
+"""Regions of a thermal image, by format in :mod:`lightflyer.lab.thermography`."""
 
 import dataclasses
 import re
@@ -14,9 +14,9 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Temperature
 from lightflyer.core.units import Measured
 from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
+from lightflyer.lab.thermography import flir, scaled
 from lightflyer.lab.thermography.data import THERMAL, ZERO_CELSIUS
-from lightflyer.lab.thermography.images import flir, radiometry, scaled
-from lightflyer.lab.thermography.images.scaled import Scale
+from lightflyer.lab.thermography.scaled import Scale
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -106,7 +106,7 @@ def read_thermal_image(
         matrix of temperatures.
     scale : Scale, optional
         What the numbers of a TIFF or a text file mean, where the file does not state it; see
-        :func:`~lightflyer.lab.thermography.images.scaled.parse_scale`.
+        :func:`~lightflyer.lab.thermography.scaled.parse_scale`.
     emissivity : float, optional
         In place of the one that a FLIR camera was set to [1].
     reflected_temperature : float, optional
@@ -174,7 +174,7 @@ def _read_flir(
     )
     if wrong := camera.problem():
         source.refuse(wrong)
-    kelvin = radiometry.temperatures(counts, camera)
+    kelvin = flir.temperatures(counts, camera)
     return ThermalImage(
         str(source.path), kelvin, camera.emissivity, camera.reflected_temperature, notes
     )

@@ -7,8 +7,7 @@ import numpy as np
 from lightflyer.core.errors import ConfigurationError, MissingExtraError
 from lightflyer.lab.readers.formats import Format, Source, find_format, one_line
 from lightflyer.lab.readers.spectra import (
-    jasco_jws,
-    jasco_text,
+    jasco,
     jcamp_dx,
     omnic,
     opus,
@@ -22,16 +21,16 @@ SPECTRUM_FORMATS = [
     Format(opus.FORMAT, opus.is_opus, opus.read_opus),
     Format(omnic.FORMAT, omnic.is_omnic, omnic.read_omnic),
     Format(perkin_elmer.SP, perkin_elmer.is_sp, perkin_elmer.read_sp),
-    Format(jasco_jws.FORMAT, jasco_jws.is_jws, jasco_jws.read_jws),
+    Format(jasco.JWS, jasco.is_jws, jasco.read_jws),
     Format(spc.FORMAT, spc.is_spc, spc.read_spc),
     Format(jcamp_dx.FORMAT, jcamp_dx.is_jcamp, jcamp_dx.read_jcamp),
     Format(perkin_elmer.ASC, perkin_elmer.is_asc, perkin_elmer.read_asc),
-    Format(jasco_text.FORMAT, jasco_text.is_jasco_text, jasco_text.read_jasco_text),
+    Format(jasco.TEXT, jasco.is_jasco_text, jasco.read_jasco_text),
 ]
 """All formats; binary ones, whose first bytes tell, before text. A plug-in adds its own."""
 
 _BINARY = {".spa": omnic.FORMAT, ".spg": omnic.FORMAT, ".spc": spc.FORMAT, ".sp": perkin_elmer.SP,
-           ".jws": jasco_jws.FORMAT, ".jrs": jasco_jws.FORMAT}  # fmt: skip
+           ".jws": jasco.JWS, ".jrs": jasco.JWS}  # fmt: skip
 _NOT_READ = {".srs": "a series of OMNIC", ".map": "a map of OMNIC", ".jwb": "a block of JASCO",
              ".fsm": "an image of PerkinElmer", ".wdf": "Raman data of Renishaw",
              ".ispd": "a file of Shimadzu", ".seq": "a sequence of Agilent"}  # fmt: skip

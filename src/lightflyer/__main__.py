@@ -1,9 +1,10 @@
 """``lightflyer`` and ``python -m lightflyer``.
 
-Ctrl-C ends the process at once, with one line. Raised as an exception it would come up wherever
-Python happens to be: in the middle of loading a library, which then fails in a way of its own, or
-in a callback of a library that swallows it. Files are written under another name first and a sweep
-keeps a journal, so nothing is lost that an orderly end would keep. A flight is asked to end first.
+Ctrl-C ends the process at once, with one line; so do the signals TERM and HUP. Raised as an
+exception it would come up wherever Python happens to be: in the middle of loading a library, which
+then fails in a way of its own, or in a callback of a library that swallows it. Files are written
+under another name first and a sweep keeps a journal, so nothing is lost that an orderly end would
+keep. A flight is asked to end first.
 """
 
 import codecs
@@ -16,7 +17,7 @@ import sys
 import threading
 from typing import Any
 
-EXIT_INTERRUPTED = 130
+_BY_SIGNAL = 128  # what the exit code is of, with a signal's number
 
 _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # of malloc.h
 
@@ -45,12 +46,8 @@ _ON_A_TERMINAL = b"\x1b[?25h\n"  # show the cursor, which a progress bar hides; 
 
 def main() -> None:
     """Run the command line of this process."""
-    if hasattr(signal, "sigwait"):
-        # a thread that waits answers during a compilation too, which Python's handlers outwait
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        threading.Thread(target=_wait, daemon=True).start()
-    else:
-        signal.signal(signal.SIGINT, _stop)
+    _open_closed_streams()
+    _answer_signals()
     codecs.register_error(_SPELLED_OUT, _spell_out)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -65,6 +62,34 @@ def main() -> None:
     hide_dask()  # until an extra or a plug-in may need it
     keep_code()
     run()
+
+
+def _open_closed_streams() -> None:
+    """Put something in the place of closed streams, or files would get their numbers."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # gets the lowest number that is free
+    sys.stdout = sys.stdout or open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stderr = sys.stderr or open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+
+
+def _answer_signals() -> None:
+    """Have threads answer, which do so during a compilation too: Python's handlers outwait it."""
+    if not hasattr(signal, "sigwait"):
+        signal.signal(signal.SIGINT, _stop)
+        return
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    threading.Thread(target=_wait, daemon=True).start()
+    # blocked, these would be so in processes that are started too; what is ignored stays so
+    to_read, to_write = os.pipe()
+    os.set_blocking(to_write, False)
+    signal.set_wakeup_fd(to_write, warn_on_full_buffer=False)
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, lambda *_: None)
+    threading.Thread(target=_wait_on, args=(to_read,), daemon=True).start()
 
 
 def _keep_memory() -> None:
@@ -90,7 +115,14 @@ def _wait() -> None:
         _stop()
 
 
-def _stop(*_: Any) -> None:
+def _wait_on(to_read: int) -> None:
+    while number := os.read(to_read, 1):
+        if number[0] in (signal.SIGTERM, signal.SIGHUP):
+            _stop(number[0])
+
+
+def _stop(number: int = 0, *_: Any) -> None:
+    # of a signal but that of Ctrl-C
     before = _ON_A_TERMINAL if os.isatty(2) else b""
     work = sys.modules.get("lightflyer.core.progress")
     if work is not None and hasattr(work, "ask_to_end") and work.ask_to_end():
@@ -101,7 +133,7 @@ def _stop(*_: Any) -> None:
         files.remove_unfinished()
     what_next = _GOES_ON.get("".join(sys.argv[1:2]), _BEGINS_ANEW)
     os.write(2, before + f"lightflyer: interrupted; {what_next}\n".encode())
-    os._exit(EXIT_INTERRUPTED)
+    os._exit(_BY_SIGNAL + (number or signal.SIGINT))
 
 
 if __name__ == "__main__":

@@ -31,6 +31,8 @@ _READS = {
 }  # fmt: skip
 """Commands whose first word is a file, beside those of the lab bench."""
 
+_NO_ROOM = ("failed to map segment", "annot allocate memory")  # as loaders of libraries say
+
 _NEGATIVE, _OPTION = re.compile(r"-[\d.,]"), re.compile(r"--[a-z-]+")
 
 app = cyclopts.App(
@@ -200,6 +202,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         _fail(str(error))
     except MemoryError:
         _fail("this needs more memory than there is; ask for fewer samples or points")
+    except ImportError as error:
+        if not any(sign in str(error) for sign in _NO_ROOM):
+            raise
+        _fail("libraries find no room in memory; raise the limit of it (ulimit -v), or free some")
     except KeyboardInterrupt:
         sys.exit(EXIT_INTERRUPTED)
     except BrokenPipeError:

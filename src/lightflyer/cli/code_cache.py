@@ -16,9 +16,10 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from lightflyer.core.cache import cache_folder, make_private
+from lightflyer.core.cache import PRIVATE, cache_folder, open_to_others, refused
 
 _OF_NUMBA, _OF_JAX = "NUMBA_CACHE_DIR", "JAX_COMPILATION_CACHE_DIR"
+_PARTS = {_OF_NUMBA: "numba", _OF_JAX: "xla"}
 _LARGEST = 100_000_000  # bytes of XLA's; the least used go first
 _KERNELS = "kinetic_theory"  # room of what Numba compiles
 _KEPT_UNUSED = 30 * 86_400.0  # seconds
@@ -33,14 +34,19 @@ def keep_code() -> None:
     root = cache_folder()
     if root is None:
         return
-    folders = {_OF_NUMBA: root / "numba", _OF_JAX: root / "xla"}
+    # links followed: what they name may change once it was looked at
+    folders = {name: (root / part).resolve() for name, part in _PARTS.items()}
     try:
-        if not all(map(make_private, folders.values())):
+        for folder in folders.values():
+            folder.mkdir(parents=True, exist_ok=True, mode=PRIVATE)
+        if any(map(open_to_others, folders.values())):
+            refused.append(root)
             return
         for folder in folders.values():
             remove_strange(folder)
             atexit.register(note_hashes, folder)
     except OSError:
+        refused.append(root)
         return
     os.environ.setdefault(_OF_NUMBA, str(_for_kernels(folders[_OF_NUMBA])))
     if _OF_JAX not in os.environ:

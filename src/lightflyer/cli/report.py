@@ -166,6 +166,12 @@ def begin(path: Path) -> Report:
     if path.is_dir() or not path.parent.is_dir():
         reason = "is a folder" if path.is_dir() else "its folder does not exist"
         raise OutputError(f"--report {path}: {reason}")
+    from lightflyer.core.atomic_files import require_directory
+
+    try:
+        require_directory(path.parent)
+    except OutputError as error:
+        raise OutputError(f"--report {path}: {error}") from None
     current = Report(path, _arguments)
     output.AFTER_PRINT.append(current.note)
     return current

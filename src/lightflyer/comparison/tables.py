@@ -11,6 +11,7 @@ import numpy as np
 
 import lightflyer
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.text import cell_text
 from lightflyer.core.units import dataset_unit
 from lightflyer.design.outputs import Output, outputs_of
 from lightflyer.design.setup import Setup
@@ -95,7 +96,7 @@ def write_csv(comparison: "Comparison", path: Path) -> None:
         for row, found in enumerate(comparison.flyers):
             for place, coordinate in enumerate(comparison.coordinates):
                 numbers = (float(stack[row, place]) for stack in stacks)
-                writer.writerow([found.name, f"{coordinate:.10g}", *map(_cell, numbers)])
+                writer.writerow([cell_text(found.name), f"{coordinate:.10g}", *map(_cell, numbers)])
 
 
 def _cell(number: float) -> str:

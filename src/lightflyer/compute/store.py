@@ -24,6 +24,7 @@ import numpy as np
 
 import lightflyer
 from lightflyer.compute.chunks import Chunks
+from lightflyer.core.atomic_files import PARTIAL, write_whole
 from lightflyer.core.errors import OutputError
 from lightflyer.core.extras import extra, version_of
 from lightflyer.study.study import Study
@@ -36,7 +37,7 @@ RECORDS, STUDY, JOURNAL = ".lightflyer", "study.json", "journal"
 
 METADATA = "zarr.json"  # of a group or an array
 CHECKSUM_BYTES = 4  # at the end of a chunk's file
-_LOCK, _REPAIR, _PARTIAL = "lock", "repair-", ".partial"
+_LOCK, _REPAIR = "lock", "repair-"
 _PROGRESS = {"complete", "not_converged"}  # attributes that change while a sweep goes on
 _MOST_DIFFERENCES = 12
 
@@ -85,18 +86,9 @@ def chunk_file(folder: Path, name: str, chunks: Chunks, chunk: int) -> Path:
 
 
 def write_atomically(path: Path, *parts: bytes) -> None:
-    """Write a file under a temporary name, flush it to the disk and rename it."""
+    """Write a file as a whole or not at all, and the folder that it is in."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f"{path.name}.{uuid.uuid4().hex}{_PARTIAL}")
-    try:
-        with temporary.open("wb") as file:
-            file.writelines(parts)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+    write_whole(path, *parts)
 
 
 class Store:
@@ -154,7 +146,7 @@ class Store:
         return intact, sorted(set(entries) - set(intact))
 
     def _remove_leftovers(self) -> None:
-        for leftover in self.folder.rglob(f"*{_PARTIAL}"):
+        for leftover in self.folder.rglob(f"*{PARTIAL}"):
             leftover.unlink(missing_ok=True)
         for leftover in (self.folder / RECORDS).glob(f"{_REPAIR}*"):
             shutil.rmtree(leftover, ignore_errors=True)

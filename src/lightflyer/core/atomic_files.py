@@ -11,10 +11,16 @@ import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lightflyer.core.errors import OutputError, ParameterWarning
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 TEMPORARY = ".lightflyer-"  # What the names of temporary files and folders begin with
+
+PARTIAL = ".partial"  # What the names of files end with that are being written
 
 _ATTEMPTS = 100  # to remove a folder in which a file was just opened
 _LEFT_BEHIND = 86400.0  # age of a temporary folder from which no run is at it any more [s]
@@ -83,6 +89,27 @@ def _is_left_behind(folder: Path) -> bool:
     return False
 
 
+def write_whole(path: Path, *parts: bytes) -> None:
+    """Write a file under a temporary name, flush it to the disk and rename it."""
+    path = path.resolve()  # a link stays one
+    temporary = path.with_name(f"{path.name}.{secrets.token_hex(16)}{PARTIAL}")
+    try:
+        with temporary.open("wb") as file:
+            file.writelines(parts)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def write_netcdf(dataset: "xr.Dataset", path: Path) -> None:
+    """Write a dataset as NetCDF; OSError where the disk is full."""
+    # HDF5 ends the process there, with a segmentation fault: it gets memory to write into.
+    path.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+
+
 def require_directory(directory: Path) -> None:
     """Raise where nothing can be written into a directory, before anything is computed."""
     made = not directory.exists()
@@ -129,7 +156,8 @@ def output_directory(directory: Path, *, shared: bool = False) -> Iterator[Calla
             if not shared:
                 _say_what_else(directory, {Path(name).parts[0] for name in names})
     except OSError as error:
-        raise OutputError(f"{directory}: cannot be written: {error.strerror or error}") from None
+        shown = Path.cwd() if directory == Path() else directory
+        raise OutputError(f"{shown}: cannot be written: {error.strerror or error}") from None
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
         if made and not finished and directory.exists() and not any(directory.iterdir()):

@@ -1,5 +1,7 @@
 """Text in and out: a user's file with one line for each way it can fail, numbers in words."""
 
+import os
+import stat
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -11,6 +13,9 @@ import numpy as np
 from lightflyer.core.errors import ConfigurationError
 
 _LEAST_CORRELATION, _MOST_CORRELATIONS = 0.1, 8  # that are listed
+
+_LARGEST_PIPE = 2**28  # bytes
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # what one begins with
 
 _noted: ContextVar[list[Path] | None] = ContextVar("files read", default=None)
 
@@ -26,12 +31,28 @@ def files_read() -> Iterator[list[Path]]:
         _noted.reset(token)
 
 
-def read_text(path: Path) -> str:
-    """Text of a UTF-8 file, with or without a byte-order mark."""
+def read_content(path: Path) -> bytes:
+    """Content of a file, or of a pipe; ConfigurationError where there is none or no end of it."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        with path.open("rb") as file:
+            mode = os.fstat(file.fileno()).st_mode
+            if stat.S_ISBLK(mode) or (stat.S_ISCHR(mode) and not file.isatty()):
+                raise ConfigurationError(f"{path}: cannot be read: is a device")
+            if stat.S_ISREG(mode):
+                return file.read()
+            content = file.read(_LARGEST_PIPE + 1)
     except OSError as error:
         raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(content) > _LARGEST_PIPE:
+        raise ConfigurationError(f"{path}: cannot be read: has no end")
+    return content
+
+
+def read_text(path: Path) -> str:
+    """Text of a UTF-8 file, with or without a byte-order mark."""
+    content = read_content(path)
+    try:
+        text = content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         line = 1 + error.object[: error.start].count(b"\n")
         raise ConfigurationError(f"{path}:{line}: is not text in UTF-8; save it so") from None
@@ -44,6 +65,11 @@ def read_text(path: Path) -> str:
 def shortened(text: str, most: int = 80) -> str:
     """A text for a message, without the end that nobody reads."""
     return text if len(text) <= most else f"{text[:most]}…"
+
+
+def cell_text(text: str) -> str:
+    """A text for a table of commas; an apostrophe before what a spreadsheet takes for a formula."""
+    return f"'{text}" if text.startswith(_FORMULA) else text
 
 
 def in_toml(value: Any) -> str:

@@ -103,7 +103,7 @@ def _netcdf(workplace: Workplace, document: Document) -> Download:
     uncertainty = uncertainty_of(design)
     if uncertainty is not None:
         uncertainty.add_to_dataset(dataset)
-    content = _file_content(lambda path: dataset.to_netcdf(path, engine="h5netcdf"), "nc")
+    content = bytes(dataset.to_netcdf(engine="h5netcdf"))
     return Download("prediction.nc", "application/x-netcdf", content)
 
 

@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
-from lightflyer.files.encoding import plain_text, read_bytes, split_lines
+from lightflyer.core.text import read_content
+from lightflyer.files.encoding import plain_text, split_lines
 from lightflyer.files.number_marks import split_number
 
 SHEET = "#"
@@ -25,7 +26,8 @@ AS_TEXT = " (text)"
 _ZIP, _OLD = b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 _BOOK, _SHEETS = "xl/workbook.xml", "xl/worksheets/"
 _OTHERS = {"content.xml": "an OpenDocument file", "Index/Document.iwa": "an Apple Numbers file"}
-_LARGEST = 60_000_000  # bytes of all sheets without compression; a cell takes at least 26
+_READ = (".xml", ".rels")  # ends of names of what is read: sheets, their texts and styles
+_LARGEST = 60_000_000  # bytes of these without compression; a cell takes at least 26
 _MERGED = b"<mergeCell "
 _PERCENT = 100.0
 _SEPARATOR = re.compile(r'^"?sep=(.)"?$', re.I)  # first line, for a spreadsheet
@@ -47,7 +49,7 @@ def read_lines(path: Path) -> list[Lines]:
     if path.suffix == ".toml":
         raise ConfigurationError(f"{path}: is a TOML file, such as a flyer's, not a table")
     book, sheet = split_sheet(path)
-    content = read_bytes(book)
+    content = read_content(book)
     if is_workbook(content, str(book)):
         return _read_workbook(content, str(book), sheet)
     text = plain_text(content, str(path))
@@ -100,9 +102,11 @@ def is_workbook(content: bytes, name: str) -> bool:
 
 def _require_size(content: bytes, name: str) -> None:
     parts = zipfile.ZipFile(io.BytesIO(content)).infolist()
-    if sum(part.file_size for part in parts if part.filename.startswith(_SHEETS)) > _LARGEST:
+    sizes = [part.file_size for part in parts if part.filename.endswith(_READ)]
+    if sum(sizes) > _LARGEST:
         raise ConfigurationError(
-            f"{name}: is a workbook of more than two million cells; save its table as .csv"
+            f"{name}: is a workbook that unpacks to {sum(sizes) / 1e6:.0f} MB, of at most "
+            f"{_LARGEST / 1e6:.0f}; save its table as .csv"
         )
 
 

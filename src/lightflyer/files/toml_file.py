@@ -14,6 +14,8 @@ from lightflyer.core.text import read_text
 from lightflyer.files.section import Alternative, Section, alternative_tags
 from lightflyer.files.validation_messages import choosing_key, format_error, nearest
 
+TOO_DEEP = "lists or tables are nested too deeply"  # for Python to follow
+
 FOLDER = "folder"
 """Key of the validation context: the folder that file names in the file are relative to."""
 
@@ -83,6 +85,8 @@ def parse_toml(text: str, path: Path, kind: FileKind) -> dict[str, Any]:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ConfigurationError(_not_toml(str(error), text, path)) from None
+    except RecursionError:
+        raise ConfigurationError(f"{path}: {TOO_DEEP}") from None
 
 
 def named_keys(message: str) -> list[str]:

@@ -85,7 +85,7 @@ def _entries(path: Path) -> Iterator[Entry]:
         warnings = len(content["warnings"])
         for name, estimate in _estimates(content, ()):
             yield Entry(str(path.parent), path.stem, ", ".join(name), estimate, warnings)
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         raise ConfigurationError(f"{path}: is no record of lightflyer, or damaged") from None
 
 

@@ -12,6 +12,7 @@ from lightflyer.budget.link import RadioLink
 from lightflyer.budget.payload import Budget
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.quantity import Altitude, Checked, Latitude, Longitude, Steepness
+from lightflyer.core.text import cell_text
 from lightflyer.mission.areas import units_of
 from lightflyer.mission.path.integration import Way
 from lightflyer.statics.grid_refinement import crossing, peak
@@ -236,5 +237,8 @@ def write_passes_csv(found: dict[str, Any], path: Path) -> None:
         writer.writeheader()
         for one in found["passes"]:
             writer.writerow(
-                {name: f"{x:.10g}" if isinstance(x, float) else x for name, x in one.items()}
+                {
+                    name: f"{x:.10g}" if isinstance(x, float) else cell_text(str(x))
+                    for name, x in one.items()
+                }
             )

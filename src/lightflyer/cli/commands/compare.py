@@ -5,6 +5,7 @@ from pathlib import Path
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json, Samples, Seed, coordinate_range
 from lightflyer.cli.output import print_json, printer, show
+from lightflyer.core.atomic_files import write_netcdf
 from lightflyer.core.errors import ConfigurationError
 
 
@@ -51,7 +52,7 @@ def compare_command(
     comparison = compare(flyer_files, searched=searched, samples=samples, seed=seed)
     summary = comparison.summary()
     files = {
-        "comparison.nc": lambda path: to_dataset(comparison).to_netcdf(path, engine="h5netcdf"),
+        "comparison.nc": lambda path: write_netcdf(to_dataset(comparison), path),
         "comparison.csv": lambda path: write_csv(comparison, path),
         "comparison.json": summary,
     }

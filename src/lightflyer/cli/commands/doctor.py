@@ -14,7 +14,7 @@ import lightflyer
 from lightflyer.array.namespace import has_jax, load_jax
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
-from lightflyer.core.cache import SETTING, cache_folder
+from lightflyer.core.cache import SETTING, cache_folder, open_to_others
 from lightflyer.core.extras import load_plugins, plugins
 
 _MEGABYTE = 1e6
@@ -105,11 +105,18 @@ def _cache() -> dict[str, Any]:
     """Where the code of Numba and XLA is kept, and how much."""
     folder = cache_folder()
     if folder is None:
-        return {"folder": None, "writable": False, "files": 0, "bytes": 0}
+        return {"folder": None, "writable": False, "open_to_others": None, "files": 0, "bytes": 0}
     sizes = [path.stat().st_size for path in folder.rglob("*") if path.is_file()]
     above = next(path for path in (folder, *folder.parents) if path.exists())
     writable = os.access(above, os.W_OK)
-    return {"folder": str(folder), "writable": writable, "files": len(sizes), "bytes": sum(sizes)}
+    found = open_to_others(folder.resolve()) if folder.exists() else None
+    return {
+        "folder": str(folder),
+        "writable": writable,
+        "open_to_others": found and str(found),
+        "files": len(sizes),
+        "bytes": sum(sizes),
+    }
 
 
 def _overview(found: dict[str, Any]) -> Table:
@@ -133,6 +140,11 @@ def _overview(found: dict[str, Any]) -> Table:
 def _in_words(cache: dict[str, Any]) -> str:
     if cache["folder"] is None:
         return f"not kept: {SETTING} says so"
+    if cache["open_to_others"]:
+        return (
+            f"not kept: others may write into {cache['open_to_others']}; chmod go-w makes it "
+            f"yours, or {SETTING}=FOLDER names another"
+        )
     if not cache["writable"]:
         return f"not kept: {cache['folder']} cannot be written; {SETTING}=FOLDER names another"
     size = cache["bytes"] / _MEGABYTE

@@ -11,6 +11,7 @@ from rich.table import Table
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, show
+from lightflyer.core.atomic_files import write_netcdf
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.quantities import quantities
 from lightflyer.files.result_text import table_of, warning_lines
@@ -183,7 +184,7 @@ def _angle_files(by_angle: "AngularSummary") -> dict[str, Any]:
     return {
         "film-angles.csv": partial(write_csv, by_angle),
         "film-angles-spectral.csv": partial(write_spectral_csv, by_angle),
-        "film-angles.nc": lambda path: by_angle.to_dataset().to_netcdf(path, engine="h5netcdf"),
+        "film-angles.nc": lambda path: write_netcdf(by_angle.to_dataset(), path),
     }
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lightflyer.cli.output import printer
+from lightflyer.core.atomic_files import write_whole
 from lightflyer.core.errors import ConfigurationError, OutputError, ParameterError
 
 _PREFIX, _SUFFIX = "flyer-", ".toml"
@@ -118,10 +119,14 @@ def init(
     path = Path(template.name) if path is None else path
     text = template.read() if model is None else _with_model(kind, template, model)
     try:
-        with path.open("w" if force else "x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise OutputError(f"{path}: already exists; --force overwrites it") from None
+        if path.exists() and not force:
+            raise OutputError(f"{path}: already exists; --force overwrites it")
+        if path.exists() and not path.is_file():  # such as /dev/stdout
+            path.write_text(text, encoding="utf-8")
+        else:
+            write_whole(path, text.encode())
+    except OutputError:
+        raise
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
     console = printer()

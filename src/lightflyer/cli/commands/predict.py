@@ -117,7 +117,7 @@ def _write(
     *,
     csv: bool,
 ) -> list[Path]:
-    from lightflyer.core.atomic_files import output_directory
+    from lightflyer.core.atomic_files import output_directory, write_netcdf
     from lightflyer.prediction.figures import prediction_figures
     from lightflyer.prediction.tables import to_dataset, write_csv
 
@@ -138,7 +138,7 @@ def _write(
 
     names = ["prediction.nc", "prediction.json"]
     with output_directory(out) as stage:
-        dataset.to_netcdf(stage("prediction.nc"), engine="h5netcdf")
+        write_netcdf(dataset, stage("prediction.nc"))
         write_json(stage("prediction.json"), summary)
         if csv:
             names.append("prediction.csv")

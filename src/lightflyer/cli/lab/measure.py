@@ -114,7 +114,7 @@ def _deliver(
     json_output: bool, figures: ResultOptions,
 ) -> None:  # fmt: skip
     """Write a measurement's record and figures, and print its text or its JSON object."""
-    from lightflyer.core.atomic_files import output_directory
+    from lightflyer.core.atomic_files import output_directory, write_netcdf
     from lightflyer.lab.measurement import Listing
 
     console = printer()
@@ -129,7 +129,7 @@ def _deliver(
     with nullcontext() if out is None else output_directory(out) as stage:
         if stage is not None:
             write_json(stage(f"{name}.json"), document)
-            found.dataset.to_netcdf(stage(f"{name}.nc"), engine="h5netcdf")
+            write_netcdf(found.dataset, stage(f"{name}.nc"))
             for file, content in found.tables.items():
                 stage(file).write_bytes(content.encode() if isinstance(content, str) else content)
             drawn = figures.write(stage, found.figures)

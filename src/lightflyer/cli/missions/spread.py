@@ -8,6 +8,7 @@ from cyclopts import Parameter
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer, show
+from lightflyer.core.atomic_files import write_netcdf
 from lightflyer.core.errors import named
 
 Members = Annotated[int | None, Parameter(negative=())]
@@ -59,7 +60,7 @@ def spread_command(
     found = summarise(dataset)
     dataset.attrs["configuration"] = mission.design.text
     files = {
-        "spread.nc": lambda path: dataset.to_netcdf(path, engine="h5netcdf"),
+        "spread.nc": lambda path: write_netcdf(dataset, path),
         "spread.json": found,
     }
     written = figures.write_folder(out, files, lambda: {"spread": plot_spread(dataset)})

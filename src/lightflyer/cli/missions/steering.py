@@ -9,6 +9,7 @@ from cyclopts import Parameter
 from lightflyer.cli.figure_files import ResultOptions
 from lightflyer.cli.options import Json, coordinate_range
 from lightflyer.cli.output import print_json, printer, show
+from lightflyer.core.atomic_files import write_netcdf
 from lightflyer.files.quantities import exact
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ class AltitudeOptions(ResultOptions):
         summary = summary_of(dataset)
         dataset.attrs["configuration"] = design.text
         files = {
-            f"{name}.nc": lambda path: dataset.to_netcdf(path, engine="h5netcdf"),
+            f"{name}.nc": lambda path: write_netcdf(dataset, path),
             f"{name}.csv": lambda path: write_csv(dataset, path),
             f"{name}.json": summary,
         }

@@ -10,7 +10,8 @@ from lightflyer.core.constants import PLANCK, SPEED_OF_LIGHT
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
 from lightflyer.core.quantity import Length, Quantity
-from lightflyer.files.encoding import plain_text, read_bytes
+from lightflyer.core.text import read_content
+from lightflyer.files.encoding import plain_text
 from lightflyer.files.table import Table, read_columns, read_table
 from lightflyer.files.table_file import Lines, read_lines
 from lightflyer.files.table_layout import Column
@@ -197,7 +198,7 @@ def _common(
 def _read_page(path: Path) -> Indices:
     """Refractive indices of a page of refractiveindex.info in YAML."""
     yaml = extra("yaml", f"{path}: a page of refractiveindex.info", "materials")
-    text = plain_text(read_bytes(path), str(path))
+    text = plain_text(read_content(path), str(path))
     try:
         page = yaml.safe_load(text)
     except yaml.YAMLError as error:

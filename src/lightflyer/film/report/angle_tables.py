@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import lightflyer
+from lightflyer.core.text import cell_text
 from lightflyer.film.media.medium import MICROMETRE
 from lightflyer.film.optics.angles import POLARISATIONS, DirectionalShares, shares_by_name
 
@@ -72,7 +73,7 @@ def write_csv(summary: "AngularSummary", path: Path) -> None:
             for place, angle in enumerate(np.degrees(summary.incidence)):
                 for row, polarisation in enumerate(POLARISATIONS):
                     numbers = (f"{values[row, place]:.8g}" for values in table.values())
-                    writer.writerow([name, f"{angle:.8g}", polarisation, *numbers])
+                    writer.writerow([cell_text(name), f"{angle:.8g}", polarisation, *numbers])
 
 
 def write_spectral_csv(summary: "AngularSummary", path: Path) -> None:

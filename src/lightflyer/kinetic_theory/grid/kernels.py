@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from numba import config, njit
 
+from lightflyer.core.cache import keeps_code
+
 _FOLDER = Path(__file__).parents[1]  # the room of the solver
 
 
@@ -30,8 +32,10 @@ def forget_stale_kernels(folder: Path = _FOLDER) -> None:
 
 forget_stale_kernels()
 
+_KEEPS = keeps_code()  # else Numba would write beside the package
+
 # a division by zero gives no number, which is noticed
-kernel: Any = njit(cache=True, error_model="numpy")  # Compile a function, and keep it compiled
+kernel: Any = njit(cache=_KEEPS, error_model="numpy")  # Compile a function, and keep it compiled
 
 _PARTS_PER_THREAD = 8  # rows differ in work
 
@@ -42,7 +46,7 @@ def shared_kernel(function: Callable[..., None]) -> Callable[..., None]:
     It takes the first row, the one after the last, points of all rows, and more; callers leave the
     first two away. numba's own threads would add a quarter to the time of compilation.
     """
-    compiled = njit(cache=True, error_model="numpy", nogil=True)(function)
+    compiled = njit(cache=_KEEPS, error_model="numpy", nogil=True)(function)
 
     @wraps(function)
     def shared(points: np.ndarray, *arguments: Any) -> None:

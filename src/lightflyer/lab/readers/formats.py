@@ -6,6 +6,7 @@ from typing import Any, NamedTuple, NoReturn
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import load_plugins
+from lightflyer.core.text import read_content
 
 
 class Source(NamedTuple):
@@ -57,10 +58,7 @@ def has_suffix(*suffixes: str) -> Callable[[Source], bool]:
 
 def read_source(path: Path) -> Source:
     """A file with its content; ConfigurationError if it cannot be read."""
-    try:
-        return Source(path, path.read_bytes())
-    except OSError as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
+    return Source(path, read_content(path))
 
 
 def find_format(source: Source, formats: Sequence[Format]) -> Format | None:

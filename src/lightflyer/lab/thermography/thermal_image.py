@@ -12,6 +12,7 @@ from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Temperature
+from lightflyer.core.text import read_content
 from lightflyer.core.units import Measured
 from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
 from lightflyer.lab.thermography import flir, scaled
@@ -140,7 +141,7 @@ def read_thermal_image(
 
 def is_thermal_image(path: Path) -> bool:
     """Whether a file is an image, whatever the options; a matrix in a text file may be a table."""
-    source = Source(path, path.read_bytes() if path.is_file() else b"")  # a sheet of a workbook
+    source = Source(path, read_content(path) if path.is_file() else b"")  # a sheet of a workbook
     return find_format(source, THERMAL_IMAGE_FORMATS) is not None
 
 

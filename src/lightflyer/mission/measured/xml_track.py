@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from xml.parsers import expat
 
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.files.encoding import read_bytes
+from lightflyer.core.text import read_content
 from lightflyer.files.table_rows import Rejected
 
 _BETWEEN = " "  # a namespace and a name
@@ -128,7 +128,7 @@ def _parse(path: Path, kind: str) -> _Element:
     parser.StartElementHandler, parser.EndElementHandler = begin, end
     parser.CharacterDataHandler = say
     try:
-        parser.Parse(read_bytes(path), True)
+        parser.Parse(read_content(path), True)
     except expat.ExpatError as error:
         said = expat.errors.messages[error.code]
         raise ConfigurationError(f"{path}:{error.lineno}: is no XML: {said}") from None

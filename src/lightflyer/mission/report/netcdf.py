@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.core import atomic_files
 from lightflyer.mission.report.dataset import ELAPSED, SEVERAL
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def write_netcdf(dataset: "xr.Dataset", path: str | Path) -> None:
         if np.issubdtype(variable.dtype, np.datetime64):
             variable.encoding |= dated
     written[ELAPSED].encoding["_FillValue"] = None
-    written.to_netcdf(path, engine="h5netcdf")
+    atomic_files.write_netcdf(written, Path(path))
 
 
 def _attributes(name: str) -> dict[str, Any]:

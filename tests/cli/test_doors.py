@@ -1,0 +1,251 @@
+"""What others on the same computer may read or write, and what ends otherwise than well."""
+
+import csv
+import errno
+import json
+import os
+import signal
+import stat
+import subprocess
+import sys
+import time
+import webbrowser
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lightflyer as lf
+from lightflyer.cli import code_cache
+from lightflyer.core import atomic_files, cache
+from lightflyer.core.text import cell_text
+from lightflyer.explorer import server
+from lightflyer.mission.telemetry import write_passes_csv
+
+POSIX = pytest.mark.skipif(os.name != "posix", reason="of POSIX")
+
+
+def command(*arguments, prefix="", **more):
+    """A command in a process of its own, begun by a shell."""
+    words = " ".join(map(str, (sys.executable, "-m", "lightflyer", *arguments)))
+    return subprocess.run(["bash", "-c", f"{prefix} {words} {more.pop('suffix', '')}"],
+                          capture_output=True, text=True, check=False, **more)  # fmt: skip
+
+
+@POSIX
+def test_the_token_of_the_explorer_stands_in_no_command_line(run, monkeypatch):
+    shown, read = [], []
+
+    def opens(address):
+        shown.append(address)
+        path = Path(address.removeprefix("file://"))
+        read.append((path.read_text(encoding="utf-8"), stat.S_IMODE(path.stat().st_mode),
+                     stat.S_IMODE(path.parent.stat().st_mode)))  # fmt: skip
+
+    def serves(workplace, port, opened):
+        opened(f"http://127.0.0.1:{port}/SECRET/")
+        begun = time.monotonic()
+        while not read and time.monotonic() - begun < 10.0:
+            time.sleep(0.01)
+
+    monkeypatch.setattr(webbrowser, "open", opens)
+    monkeypatch.setattr(server, "serve", serves)
+    code, text, _ = run("explore")
+    assert code == 0
+    assert "/SECRET/" in text  # the terminal is the user's own
+    ((page, mode, above),) = read
+    assert "SECRET" not in shown[0]
+    assert 'content="0; url=http://127.0.0.1:8470/SECRET/"' in page
+    assert (mode, above) == (0o600, 0o700)
+    assert not Path(shown[0].removeprefix("file://")).parent.exists()
+
+
+@POSIX
+@pytest.mark.parametrize(("mode", "kept"), [(0o777, False), (0o770, False), (0o1777, True),
+                                            (0o755, True)])  # fmt: skip
+def test_code_is_kept_where_nobody_else_may_exchange_it(tmp_path, monkeypatch, mode, kept, run):
+    above = tmp_path / "above"
+    above.mkdir()
+    above.chmod(mode)
+    monkeypatch.setenv(cache.SETTING, str(above / "cache"))
+    for name in (code_cache._OF_NUMBA, code_cache._OF_JAX):
+        monkeypatch.setenv(name, "")  # restored in the end
+        monkeypatch.delenv(name)
+    monkeypatch.setattr(cache, "refused", [])
+    monkeypatch.setattr(code_cache, "refused", cache.refused)
+    monkeypatch.setattr(code_cache.atexit, "register", lambda *_: None)
+    code_cache.keep_code()
+    assert (code_cache._OF_NUMBA in os.environ) == kept
+    assert cache.keeps_code() == kept
+    _, text, _ = run("doctor", "--json")
+    assert (json.loads(text)["compiled_code"]["open_to_others"] is None) == kept
+
+
+@pytest.mark.parametrize("setting", ["off", "OFF"])
+def test_numba_writes_nothing_where_nothing_is_to_be_kept(setting):
+    look = (
+        "from lightflyer.kinetic_theory.grid import kernels\n"
+        "@kernels.kernel\ndef f(x):\n    return x + 1.0\n"
+        "print(f._cache.cache_path, kernels.keeps_code())"
+    )
+    done = subprocess.run([sys.executable, "-c", look], env=os.environ | {cache.SETTING: setting},
+                          capture_output=True, text=True, check=True)  # fmt: skip
+    assert done.stdout.split() == ["None", "False"]
+
+
+def test_a_spreadsheet_takes_no_name_for_a_formula(tmp_path):
+    for text in ("=1+1", "+1", "-1", "@SUM(A1)", "\t=1"):
+        assert cell_text(text) == f"'{text}"
+    assert cell_text("disk-1=2") == "disk-1=2"
+    one = {"receiver": '=HYPERLINK("x")', "begin_h": -1.5}
+    write_passes_csv({"passes": [one]}, tmp_path / "passes.csv")
+    (row,) = csv.DictReader((tmp_path / "passes.csv").read_text(encoding="utf-8").splitlines())
+    assert (row["receiver"], row["begin_h"]) == ('\'=HYPERLINK("x")', "-1.5")
+
+
+def test_names_of_flyer_files_are_no_formulas(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run("init", "=1+1.toml", "--model", "lu2023")
+    Path("b.toml").write_bytes(Path("=1+1.toml").read_bytes())
+    heights = ("--altitudes", "70 km to 72 km", "--samples", "0")
+    code, _, errors = run("compare", "=1+1.toml", "b.toml", *heights, "--out", "o")
+    assert code == 0, errors
+    rows = list(csv.reader(Path("o/comparison.csv").read_text(encoding="utf-8").splitlines()))
+    assert {row[0] for row in rows[1:]} == {"'=1+1", "b"}
+
+
+def full(*_, **__):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_a_disk_that_is_full_leaves_no_empty_file(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "fsync", full)
+    code, text, errors = run("init", tmp_path / "flyer.toml")
+    assert (code, text) == (2, "")
+    assert errors.strip().endswith("flyer.toml: cannot be written: No space left on device")
+    assert not list(tmp_path.iterdir())
+
+
+def test_netcdf_is_made_in_memory(tmp_path, monkeypatch):
+    """HDF5 itself ends the process where a disk is full."""
+    import xarray as xr
+
+    table = xr.Dataset({"lift": ("x", np.arange(3.0))})
+    path = tmp_path / "o" / "table.nc"
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with (
+        pytest.raises(lf.OutputError, match="No space left"),
+        atomic_files.output_directory(path.parent) as stage,
+    ):
+        atomic_files.write_netcdf(table, stage(path.name))
+    assert not path.parent.exists()
+    monkeypatch.undo()
+    atomic_files.write_netcdf(table, tmp_path / "table.nc")
+    xr.testing.assert_identical(xr.load_dataset(tmp_path / "table.nc"), table)
+
+
+def test_netcdf_is_written_by_nothing_else():
+    sources = Path(lf.__file__).parent.rglob("*.py")
+    texts = {path.name: path.read_text(encoding="utf-8") for path in sources}
+    written = [name for name, text in texts.items() if ".to_netcdf(" in text]
+    assert sorted(written) == ["atomic_files.py", "downloads.py"]
+    assert '.to_netcdf(engine="h5netcdf")' in texts["downloads.py"]  # into memory
+
+
+def test_a_report_that_cannot_be_written_is_told_first(run, flyer_file, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Path, "mkdir", full)
+    code, text, errors = run("predict", flyer_file(), "--report", "r.html")
+    assert (code, text) == (2, "")
+    assert f"--report r.html: {tmp_path}: cannot be written: No space left on device" in errors
+
+
+@POSIX
+def test_closed_streams_change_nothing_else(flyer_file, tmp_path):
+    done = command("predict", flyer_file(), "--samples 0", "--out", tmp_path / "o", suffix="2>&-")
+    assert done.returncode == 0
+    assert "It flies" in done.stdout
+    assert (tmp_path / "o" / "prediction.nc").stat().st_size
+    assert command("predict", tmp_path / "none.toml", suffix="2>&-").returncode == 2
+    done = command("predict", tmp_path / "none.toml", suffix=">&- <&-")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="of Linux")
+def test_too_little_memory_for_libraries_is_a_line(flyer_file):
+    done = command("predict", flyer_file(), prefix="ulimit -v 200000;")
+    assert done.returncode == 2
+    assert "lightflyer: error: libraries find no room in memory" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+@POSIX
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_what_is_ended_leaves_nothing(flyer_file, tmp_path, number):
+    program = (
+        "import time, sys\n"
+        "from lightflyer import __main__ as command, cli\n"
+        "from lightflyer.core.atomic_files import output_directory\n"
+        "def run():\n"
+        f"    with output_directory(__import__('pathlib').Path({str(tmp_path / 'o')!r})):\n"
+        "        print('begun', flush=True)\n"
+        "        time.sleep(60)\n"
+        "cli.main = run\n"
+        "command.main()\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True,
+                          stderr=subprocess.PIPE) as process:  # fmt: skip
+        assert process.stdout.readline() == "begun\n"
+        assert list((tmp_path / "o").iterdir())
+        process.send_signal(number)
+        assert process.wait(10) == 128 + number
+        assert "interrupted" in process.stderr.read()
+    assert not (tmp_path / "o").exists()
+
+
+@pytest.mark.parametrize("depth", [30, 150, 500, 5000])
+def test_deep_files_are_a_line(run, flyer_file, tmp_path, depth):
+    text = flyer_file().read_text(encoding="utf-8")
+    for number, extra in enumerate((f"[deep]\nx = {'[' * depth}{']' * depth}\n",
+                                    f"[deep]\nx = {'{a=' * depth}1{'}' * depth}\n",
+                                    f"[{'.'.join('a' * depth)}]\nb = 1\n")):  # fmt: skip
+        path = tmp_path / f"deep{number}.toml"
+        path.write_text(f"{text}\n{extra}", encoding="utf-8")  # the fixture's file is another
+        code, out, errors = run("predict", path, "--samples", "0")
+        assert (code, out) == (2, "")
+        assert len(errors.splitlines()) == 1
+
+
+@POSIX
+@pytest.mark.parametrize("words", ["predict {}", "fly {}", "lab ftir {}", "lab tac {}",
+                                   "lab roughness {}", "calibrate {}",
+                                   "sweep {} --out o"])  # fmt: skip
+def test_devices_are_no_files(run, words):
+    code, text, errors = run(*words.format("/dev/zero").split())
+    assert (code, text) == (2, "")
+    assert "/dev/zero: cannot be read: is a device" in errors
+
+
+def test_a_workbook_that_unpacks_to_much_is_refused(run, tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    path, bomb = tmp_path / "small.xlsx", tmp_path / "bomb.xlsx"
+    book = openpyxl.Workbook()
+    book.active.append(["pressure [Pa]", "power [mW]"])
+    book.save(path)
+    with (
+        zipfile.ZipFile(path) as source,
+        zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as written,
+    ):
+        for one in source.namelist():
+            if one != "xl/sharedStrings.xml":
+                written.writestr(one, source.read(one))
+        with written.open("xl/sharedStrings.xml", "w") as file:
+            for _ in range(80):
+                file.write(b"<si><t>a</t></si>" * (2**20 // 17))
+    begun = time.process_time()
+    code, _, errors = run("lab", "tac", bomb)
+    assert code == 2
+    assert "unpacks to 8" in errors
+    assert "save its table as .csv" in errors
+    assert time.process_time() - begun < 5.0

@@ -7,11 +7,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.lab.commands import measurements
 from lightflyer.lab.estimate import Estimate
-
-COMMANDS = ("levitation", "tac", "thermography", "ftir", "optics", "roughness", "force")
-"""Commands whose records, ``NAME.json``, are collected."""
-
 
 HEADLINES = {
     "levitation": ("optimal_pressure", "minimum_irradiance"),
@@ -21,7 +18,7 @@ HEADLINES = {
     "roughness": ("rms_height",),
     "force": ("measured_over_predicted",),
 }
-"""Numbers that a measurement is made for; of optics, all that were fitted."""
+"""Numbers that a measurement is made for, where these are not all; of optics, all fitted."""
 
 _DETAILS = ("monte_carlo", "maps", "runs", "top", "bottom")  # parts of a record, beside its result
 
@@ -41,7 +38,7 @@ class Entry(NamedTuple):
         *parts, last = self.quantity.split(", ")
         if self.command == "optics":
             return parts[:1] == ["numbers"]
-        return last in HEADLINES[self.command] and not {*parts} & {*_DETAILS}
+        return last in HEADLINES.get(self.command, (last,)) and not {*parts} & {*_DETAILS}
 
 
 def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Entry]:
@@ -62,6 +59,7 @@ def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Entry]:
         If a folder does not exist or has no record, or a record is damaged.
     """
     found: list[Entry] = []
+    commands = measurements()  # whose records are NAME.json
     if isinstance(folders, str | Path):
         folders = [folders]
     if not all(isinstance(folder, str | Path) for folder in folders):
@@ -70,10 +68,10 @@ def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Entry]:
         if not folder.is_dir():
             raise ConfigurationError(f"{folder}: is not a folder")
         records = sorted(
-            path for path in folder.rglob("*.json") if path.stem in COMMANDS and path.is_file()
+            path for path in folder.rglob("*.json") if path.stem in commands and path.is_file()
         )
         if not records:
-            names = ", ".join(f"{name}.json" for name in COMMANDS)
+            names = ", ".join(f"{name}.json" for name in commands)
             raise ConfigurationError(f"{folder}: has no record of the lab bench ({names})")
         found += [entry for path in records for entry in _entries(path)]
     return list(dict.fromkeys(found))

@@ -102,7 +102,7 @@ def test_a_constructor_of_its_own_is_kept_by_subclasses():
 
 def test_signature_and_text_are_those_of_a_dataclass():
     assert list(inspect.signature(Square).parameters) == ["size", "name"]
-    assert repr(Half(Square(1.0))) == "Half(whole=Square(size=1.0, name='a'))"
+    assert repr(Half(Square(1.0))) == "Half(whole=Square(size=1.0))"  # without what is usual
 
 
 def test_jax_differentiates_and_maps_records():

@@ -6,10 +6,12 @@ from abc import ABCMeta
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar, dataclass_transform, get_origin
 
+import numpy as np
+
 from lightflyer.array import tree
 from lightflyer.array.namespace import call, notice_jax
 
-__all__ = ["AbstractClassVar", "AbstractVar", "Module", "field"]
+__all__ = ["AbstractClassVar", "AbstractVar", "Module", "ShortRepr", "field", "short_repr"]
 
 T = TypeVar("T")
 
@@ -207,6 +209,76 @@ def _is_abstract(kind: type, name: str) -> bool:
     return True
 
 
+_LINE = 200  # characters of a record up to which records within it are written out
+_TEXT = 60  # characters of a value
+_FEW = 6  # values that are written out
+
+
+def short_repr(record: Any) -> str:
+    """A record in a line or two: fields that are not as by default, arrays by shape and ends."""
+    if isinstance(record, tuple):  # a named one
+        known = record._field_defaults  # type: ignore[attr-defined]
+        given = [(name, getattr(record, name), known.get(name)) for name in record._fields]  # type: ignore[attr-defined]
+    else:
+        fields = (one for one in dataclasses.fields(record) if one.repr)
+        given = [(one.name, getattr(record, one.name), one.default) for one in fields]
+    # a default that is None or a number; arrays and records have no plain ==
+    shown = [
+        (name, value)
+        for name, value, usual in given
+        if not (value is usual or (type(value) is type(usual) and value == usual))
+    ]
+    for inner in (True, False):
+        told = ", ".join(f"{name}={_shown(value, whole=inner)}" for name, value in shown)
+        if len(told) <= _LINE:
+            break
+    else:
+        told = told if len(told) <= 2 * _LINE else f"{told[: 2 * _LINE].rpartition(', ')[0]}, …"
+    return f"{type(record).__name__}({told})"
+
+
+def _shown(value: Any, *, whole: bool) -> str:
+    """A value of a field; ``whole``: what is within it, too."""
+    if isinstance(value, np.ndarray | np.generic) or hasattr(value, "aval"):
+        return _array(value)
+    if isinstance(value, Module | ShortRepr):
+        return repr(value) if whole else f"{type(value).__name__}(…)"
+    if isinstance(value, list | tuple | dict) and len(value) > _FEW:
+        return f"<{type(value).__name__} of {len(value)}>"
+    if type(value) in (list, tuple):
+        inside = ", ".join(_shown(one, whole=whole) for one in value)
+        return f"({inside})" if type(value) is tuple else f"[{inside}]"
+    if callable(value):
+        return f"<{getattr(value, '__qualname__', type(value).__name__)}>"
+    told = repr(value)
+    if len(told) <= _TEXT:
+        return told
+    return f"{told[:_TEXT]}…'" if isinstance(value, str) else f"<{type(value).__name__}>"
+
+
+def _array(value: Any) -> str:
+    """Numbers of an array, or its shape and the ends of what it holds."""
+    if isinstance(value, np.ndarray | np.generic) and np.size(value) <= _FEW:
+        return np.array2string(np.asarray(value), separator=", ", precision=6).replace("\n", "")
+    told = f"{value.dtype} {tuple(map(int, value.shape))}"
+    if isinstance(value, np.ndarray) and value.dtype.kind in "fiu" and np.isfinite(value).any():
+        known = value[np.isfinite(value)]
+        told += f", {known.min():.4g} to {known.max():.4g}"
+    return f"<{told}>"
+
+
+class ShortRepr:
+    """A dataclass whose ``repr`` is short; see :func:`short_repr`."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "__repr__" not in vars(cls) and cls.__repr__ is ShortRepr.__repr__:
+            cls.__repr__ = ShortRepr.__repr__  # type: ignore[method-assign]  # the dataclass keeps it
+
+    def __repr__(self) -> str:
+        return short_repr(self)
+
+
 class Module(metaclass=_ModuleType):
     """A record that does not change, and is a pytree.
 
@@ -223,8 +295,7 @@ class Module(metaclass=_ModuleType):
         raise dataclasses.FrozenInstanceError(f"cannot delete field '{name}'")
 
     def __repr__(self) -> str:
-        told = (f"{name}={getattr(self, name)!r}" for name in self.__dataclass_fields__)
-        return f"{type(self).__name__}({', '.join(told)})"
+        return short_repr(self)
 
     def __eq__(self, other: object) -> bool:
         return type(self) is type(other) and tree.equal(self, other)

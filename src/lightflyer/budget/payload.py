@@ -6,7 +6,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, xp
-from lightflyer.array.records import field
+from lightflyer.array.records import field, short_repr
 from lightflyer.budget.link import RadioLink
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import ArealDensity, Checked, Efficiency, Fraction, Mass, Power
@@ -63,6 +63,9 @@ class Needs(NamedTuple):
     power: Array  #: Mean over time, with reserve [W]
     cell_area: Array  #: [m²]; zero without cells
     transmit_power: Array  #: [W]; zero without a link
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
 
 def _contradiction(items: tuple[Item, ...], link: RadioLink | None) -> str | None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Pressure, Quantity
@@ -23,7 +24,7 @@ _COLUMNS = (
 
 
 @dataclass(frozen=True)
-class Gauge:
+class Gauge(ShortRepr):
     """A gauge's factor for the gas, and its calibration."""
 
     #: Pressure over what the gauge shows of it, as of thermal gauges in another gas than the one

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.calibration.gauge import Gauge
 from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD, require_step
 from lightflyer.core.arguments import reads_units
@@ -89,7 +90,7 @@ _LEAST_ALIKE = 0.8  # of a column's name and a known one, for a hint at a misspe
 
 
 @dataclass(frozen=True)
-class Points:
+class Points(ShortRepr):
     """Points of pressure and irradiance at which samples lifted off."""
 
     source: str  #: Name of the file

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.array import tree
+from lightflyer.array.records import ShortRepr
 from lightflyer.comparison.differences import Difference, differing_models, differing_surroundings
 from lightflyer.comparison.tables import require_comparable
 from lightflyer.config.designs import as_design
@@ -52,7 +53,7 @@ _LISTED = 12  # most coordinates that are listed
 
 
 @dataclass(frozen=True)
-class Compared:
+class Compared(ShortRepr):
     """One of the flyers of a comparison."""
 
     name: str  #: The file's, or a description

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.array.records import Module
+from lightflyer.array.records import Module, ShortRepr
 from lightflyer.core.quantity import Quantity, quantities_of
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.design import digest
@@ -17,7 +17,7 @@ _RANGE = "searched"
 
 
 @dataclass(frozen=True)
-class Difference:
+class Difference(ShortRepr):
     """Something in which flyers differ.
 
     Attributes

@@ -1,5 +1,5 @@
 """Designs, their operating points and outputs: the vocabulary of all that follows."""
 
-import lazy_loader
+from lightflyer.core import attach
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from lightflyer.array.namespace import xp
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.units import dataset_unit, scale_and_offset
 from lightflyer.design.operating_point import OperatingPoint
@@ -38,7 +39,7 @@ def _has_film(flyer: AbstractFlyer) -> bool:
 
 
 @dataclass(frozen=True)
-class Output:
+class Output(ShortRepr):
     """A result that can be asked for."""
 
     name: str

@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import short_repr
 from lightflyer.core.entry_point import entry_point
 from lightflyer.drag import free_molecular
 from lightflyer.drag.inertia import SPHERE_REYNOLDS, sphere_inertia
@@ -51,6 +52,9 @@ class Outline(NamedTuple):
     surface: Numeric  #: shape (...) [m²]
     #: shape (...); :math:`\oint\nu^2\,dA` with the cosine of normal and motion [m²]
     facing: Numeric
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
     @property
     def radius(self) -> Array:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from lightflyer.array.namespace import Numeric
-from lightflyer.array.records import AbstractVar
+from lightflyer.array.records import AbstractVar, ShortRepr, short_repr
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.errors import ParameterError
@@ -41,6 +41,9 @@ class Wind(NamedTuple):
     east: Numeric  #: Components [m/s]
     north: Numeric  #: Components [m/s]
     up: Numeric  #: Components [m/s]
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
 
 class _Place(NamedTuple):
@@ -126,7 +129,7 @@ class EnvironmentState(Checked):
 
 
 @dataclass(frozen=True)
-class Coordinate:
+class Coordinate(ShortRepr):
     """The coordinate along which an environment is described."""
 
     name: str  #: As in datasets; the unit is SI

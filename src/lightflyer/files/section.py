@@ -68,6 +68,10 @@ class Section(pydantic.BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
+    def __repr_args__(self) -> Iterator[tuple[str, Any]]:
+        """What the file gives."""
+        return ((name, _told(getattr(self, name))) for name in sorted(self.model_fields_set))
+
     describes: ClassVar[type | None] = None
     """Class of what the section describes."""
 
@@ -215,6 +219,12 @@ def _key(field: dataclasses.Field) -> tuple[Any, Any] | None:
             kind for kind in get_args(annotation) if kind is not NoneType
         ), quantity.in_files
     return annotation, default if default in (None, ...) else Measured(default)
+
+
+def _told(value: Any) -> Any:
+    """A value as it is shown: a number without an uncertainty that it does not have."""
+    plain = isinstance(value, Measured) and value.uncertainty is None
+    return value.value if plain else value
 
 
 def _inner(name: str, value: Any) -> Iterator[tuple[str, Section]]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.checks import is_traced
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.units import Measured
@@ -48,7 +49,7 @@ _PASSING = {
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class ComputedFilm:
+class ComputedFilm(ShortRepr):
     """A film's properties and where each comes from."""
 
     film: Film

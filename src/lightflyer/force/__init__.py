@@ -1,5 +1,5 @@
 """Force models: how the gas heats, cools and pushes a flyer. One model a file."""
 
-import lazy_loader
+from lightflyer.core import attach
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

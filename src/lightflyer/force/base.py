@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar
 
 from lightflyer.array.namespace import Array, Numeric
-from lightflyer.array.records import AbstractClassVar
+from lightflyer.array.records import AbstractClassVar, ShortRepr
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked, quantities_of
 from lightflyer.core.validity import Looks, describe
@@ -25,7 +25,7 @@ ANY_GAS = ("monatomic", "diatomic", "polyatomic")
 
 
 @dataclass(frozen=True)
-class ModelResult:
+class ModelResult(ShortRepr):
     """A result of a force model's own, such as the velocity of the gas through a wall."""
 
     unit: str  #: SI unit as flyer files write it, such as ``"m/s"``; empty for a pure number

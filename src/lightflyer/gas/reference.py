@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from lightflyer.array.namespace import Array, xp
-from lightflyer.array.records import AbstractClassVar
+from lightflyer.array.records import AbstractClassVar, ShortRepr
 from lightflyer.core import constants
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Temperature
@@ -34,7 +34,7 @@ Formula = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
-class Correlations:
+class Correlations(ShortRepr):
     """Published formulas of one gas, and the polynomials that follow them."""
 
     viscosity: Formula  #: Of temperatures [K]; [Pa s]
@@ -102,7 +102,7 @@ class AbstractReferenceGas(AbstractGas):
 
 
 @dataclass(frozen=True)
-class IdealHeatCapacity:
+class IdealHeatCapacity(ShortRepr):
     """Isobaric heat capacity of an ideal gas over its gas constant, as published."""
 
     #: Of the rigid molecule, in ascending powers of the temperature [K]

@@ -3,6 +3,6 @@
 Solving needs numba, the extra ``kinetic``, which is imported when :func:`solve` is called.
 """
 
-import lazy_loader
+from lightflyer.core import attach
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.special import hyp2f1
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.checks import require_range
 from lightflyer.core.extras import extra
 from lightflyer.core.quantity import HIGHEST_OPEN_FRACTION
@@ -63,7 +64,7 @@ class MovingOutcome:
 
 
 @dataclass(frozen=True)
-class MovingSolution:
+class MovingSolution(ShortRepr):
     r"""Drag of a disk that moves slowly along its axis, towards its top."""
 
     knudsen: float  #: λ/(2r)

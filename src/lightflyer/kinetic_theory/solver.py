@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.extras import extra
@@ -39,7 +40,7 @@ _NITROGEN_COLLISIONS = 5.0  # near 300 K
 
 
 @dataclass(frozen=True)
-class Solution:
+class Solution(ShortRepr):
     r"""Force and heat of a disk relative to their free-molecular values, and the flow.
 
     The free-molecular values are those of the same disk, holes included.

@@ -1,5 +1,5 @@
 """Lab bench: numbers with intervals from raw measurements, one module per measurement."""
 
-import lazy_loader
+from lightflyer.core import attach
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy import optimize, stats
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import require_record
 from lightflyer.files.result_text import table_of
@@ -25,7 +26,7 @@ _NEGLIGIBLE = 1e-12  # of the variance between estimates
 
 
 @dataclass(frozen=True)
-class Estimate:
+class Estimate(ShortRepr):
     """A measured number."""
 
     value: float

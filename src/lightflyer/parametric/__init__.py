@@ -1,5 +1,5 @@
 """Many designs at once: studies, how they are computed and stored, and what is read from them."""
 
-import lazy_loader
+from lightflyer.core import attach
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.design.setup import Setup
 from lightflyer.design.tables import predicted_names, table_of
 
@@ -16,7 +17,7 @@ Table: TypeAlias = dict[str, np.ndarray]
 
 
 @dataclass(frozen=True)
-class Place:
+class Place(ShortRepr):
     """One coordinate and the outputs there."""
 
     coordinate: float  #: [m] or [Pa]

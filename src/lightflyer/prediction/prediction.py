@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.units import scale_and_offset
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.diagnostics import (
@@ -76,7 +77,7 @@ _MAP_TOP = 2.0  # its largest irradiance, over the lamp's or the least that levi
 
 
 @dataclass(frozen=True)
-class TemperatureMap:
+class TemperatureMap(ShortRepr):
     """Temperature of the flyer over pressure and irradiance, where the light can be dimmed.
 
     Attributes

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.design.diagnostics import shape_failures
 from lightflyer.design.operating_point import sinks_at_night
 from lightflyer.design.tables import NIGHT_SPEED
@@ -22,7 +23,7 @@ _CLOSER = 200  # places between two rows of the table, where a range ends
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Verdict(ShortRepr):
     """Where a flyer can be used, what becomes of it when nothing holds it, and what limits it."""
 
     #: That the film bears [K]; None where the flyer does not state it

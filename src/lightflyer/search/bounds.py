@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Quantity
 from lightflyer.design.design import Field
@@ -20,7 +21,7 @@ _WORST_TOLERANCE = 0.3  # relative, beyond which a normal error could make a thi
 
 
 @dataclass(frozen=True)
-class Tolerance:
+class Tolerance(ShortRepr):
     """How exactly a number can be made."""
 
     size: float  #: Standard uncertainty of the made number: in the unit of the field, or relative
@@ -32,7 +33,7 @@ class Tolerance:
 
 
 @dataclass(frozen=True)
-class Bounds:
+class Bounds(ShortRepr):
     """A number that is free between two ends."""
 
     field: Field

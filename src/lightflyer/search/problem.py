@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Quantity
@@ -106,7 +107,7 @@ def _nominal(entry: Any) -> Any:
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Problem(ShortRepr):
     """An optimisation problem."""
 
     design: AbstractDesign

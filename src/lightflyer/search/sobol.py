@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.compute.evaluation import Evaluator
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ConfigurationError, ParameterError
@@ -58,7 +59,7 @@ _LEFT_BY_HALVING = 0.25  # of a variance, when a standard deviation is halved
 
 
 @dataclass(frozen=True)
-class SensitivityStudy:
+class SensitivityStudy(ShortRepr):
     """Which outputs, where, and which inputs are uncertain."""
 
     design: AbstractDesign

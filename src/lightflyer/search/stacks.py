@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import LightflyerError
 from lightflyer.core.progress import report
 from lightflyer.search.local_search import (
@@ -34,7 +35,7 @@ _STARTS = 2  # of each stack in the second round
 
 
 @dataclass(frozen=True)
-class RankedStack:
+class RankedStack(ShortRepr):
     """A stack that came into the last rounds."""
 
     materials: tuple[str, ...]  #: Top to bottom
@@ -53,7 +54,7 @@ class RankedStack:
 
 
 @dataclass(frozen=True)
-class Ranking:
+class Ranking(ShortRepr):
     """Stacks by their best films."""
 
     stacks: tuple[RankedStack, ...]  #: The best first

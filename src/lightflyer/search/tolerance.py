@@ -8,6 +8,7 @@ import numpy as np
 from scipy.special import ndtri
 from scipy.stats import qmc
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.search.bounds import Tolerance
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import PROBABILITY, Problem
@@ -21,7 +22,7 @@ SAMPLES = 512  # Flyers that are made, to see what becomes of a design
 
 
 @dataclass(frozen=True)
-class Effect:
+class Effect(ShortRepr):
     """What an error of one number does to the objective."""
 
     spread: float  #: Standard uncertainty of the number, in the unit of the design
@@ -35,7 +36,7 @@ class Effect:
 
 
 @dataclass(frozen=True)
-class AsMade:
+class AsMade(ShortRepr):
     """The objective over many flyers, each made with errors of its own."""
 
     effects: dict[str, Effect]  #: By the name of the number

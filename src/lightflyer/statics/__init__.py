@@ -1,5 +1,5 @@
 """From flyer, surroundings and force model to temperature, lift, levitation and bands."""
 
-import lazy_loader
+from lightflyer.core import attach
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

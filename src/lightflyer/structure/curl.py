@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import short_repr
 from lightflyer.core.entry_point import entry_point
 from lightflyer.structure.laminate import Stiffness
 
@@ -14,6 +15,9 @@ class Curl(NamedTuple):
 
     largest: Numeric  #: Of the direction in which it curls most
     smallest: Numeric
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
     @property
     def rolls(self) -> Array:

@@ -10,7 +10,7 @@ from functools import reduce
 from typing import NamedTuple
 
 from lightflyer.array.namespace import Array, Numeric, xp
-from lightflyer.array.records import Module, field
+from lightflyer.array.records import Module, field, short_repr
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import (
     Checked,
@@ -81,6 +81,9 @@ class Stiffness(NamedTuple):
     shearing: Numeric  #: Tension over strains opposite in two directions [N/m]
     twisting: Numeric  #: Moment over curvatures opposite in two directions [N m]
     neutral: Numeric  #: Height over the bottom face at which bending strains nothing [m]
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
     @property
     def plate(self) -> Numeric:

@@ -9,7 +9,7 @@ import numpy as np
 
 from lightflyer.array import tree
 from lightflyer.array.namespace import xp
-from lightflyer.array.records import Module, field
+from lightflyer.array.records import Module, ShortRepr, field
 from lightflyer.core.errors import ParameterError, ParameterWarning
 from lightflyer.core.quantity import require_possible
 from lightflyer.design.design import AbstractDesign
@@ -51,7 +51,7 @@ class Change(Module):
 
 
 @dataclass(frozen=True)
-class Inputs:
+class Inputs(ShortRepr):
     """The uncertain numbers of a design."""
 
     design: AbstractDesign

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, xp
-from lightflyer.array.records import Module
+from lightflyer.array.records import Module, short_repr
 from lightflyer.core import constants
 from lightflyer.core.checks import require_data
 from lightflyer.core.entry_point import entry_point
@@ -63,6 +63,9 @@ class LightHours(NamedTuple):
     last: Array  #: As ``first``
     #: Of a day with the sun as at noon, with light [1]; one without night, zero without day
     share: Array
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
 
 class Daylight(AbstractSky, Checked):

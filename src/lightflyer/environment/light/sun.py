@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, xp
-from lightflyer.array.records import Module
+from lightflyer.array.records import Module, short_repr
 from lightflyer.core import constants
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import RADIANS_PER_DEGREE
@@ -85,6 +85,9 @@ class SunPosition(NamedTuple):
     direction: Array
     distance: Array  #: shape (...) [m]
 
+    def __repr__(self) -> str:
+        return short_repr(self)
+
 
 class SunInSky(NamedTuple):
     """Where the sun stands in the sky of a place, without refraction."""
@@ -92,6 +95,9 @@ class SunInSky(NamedTuple):
     zenith_angle: Array  #: Between the sun's centre and the vertical [rad]
     azimuth: Array  #: From north by way of east [rad], -π to π
     distance: Array  #: [m]
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
 
 class AbstractSun(Module):

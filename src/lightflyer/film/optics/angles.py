@@ -6,6 +6,7 @@ import numpy as np
 
 from lightflyer.array import tree
 from lightflyer.array.namespace import Numeric, xp
+from lightflyer.array.records import short_repr
 from lightflyer.core.checks import is_traced, require_positive, require_range
 from lightflyer.core.entry_point import entry_point
 from lightflyer.film.optics.integration import (
@@ -32,6 +33,9 @@ class DirectionalShares(NamedTuple):
     transmittance: Numeric  #: As ``reflectance``
     absorptance: Numeric  #: As ``reflectance``
     scattered: Numeric  #: As ``reflectance``
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
     def polarisation_mean(self) -> "DirectionalShares":
         """The mean of both polarisations, without their axis."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lightflyer.array.namespace import Numeric
-from lightflyer.array.records import Module, field
+from lightflyer.array.records import Module, field, short_repr
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
@@ -70,6 +70,9 @@ class Shares(NamedTuple):
     transmittance: Average  #: As ``absorptance``
     reflectance: Average  #: As ``absorptance``
     scattered: Average  #: As ``absorptance``
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
 
 def light_shares(

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core import constants
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive
@@ -32,7 +33,7 @@ _SMALL_ARGUMENT = 0.5
 
 @reads_units
 @dataclasses.dataclass(frozen=True, eq=False)
-class Spectrum:
+class Spectrum(ShortRepr):
     """Spectral irradiance of light, linear between the wavelengths of a table.
 
     Raises

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.film.optics.angles import DirectionalShares, heat_by_angle, light_by_angle
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum
 from lightflyer.film.optics.stack import Film
@@ -18,7 +19,7 @@ SPECTRUM_POINTS = 400
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class AngularSummary:
+class AngularSummary(ShortRepr):
     """Optics of a film's top by angle and polarisation, spectral and averaged."""
 
     film: Film

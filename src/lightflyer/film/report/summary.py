@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.array.namespace import Numeric
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.film.media.medium import MICROMETRE
@@ -30,7 +31,7 @@ _MASS = "areal_density_g_m2"
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class FilmSummary:
+class FilmSummary(ShortRepr):
     """Areal density, absorptances, transmittances, emittances and spectrum of a film."""
 
     film: Film

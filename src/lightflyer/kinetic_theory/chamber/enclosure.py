@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, fields
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.kinetic_theory.walls import CERCIGNANI_LAMPIS, Accommodation, Wall
@@ -13,7 +14,7 @@ TALLEST = 8.0  # Largest height of floor or lid, over the radius of the side wal
 
 
 @dataclass(frozen=True)
-class Surface:
+class Surface(ShortRepr):
     """Floor, lid or side wall of a chamber."""
 
     distance: float  #: From the disk's centre [disk radii]
@@ -28,7 +29,7 @@ class Surface:
 
 
 @dataclass(frozen=True)
-class Chamber:
+class Chamber(ShortRepr):
     """A cylinder around the disk, coaxial with it, with the disk at any height.
 
     Surfaces may be given as distances [disk radii]; they are then solid, at T_c, and accommodate

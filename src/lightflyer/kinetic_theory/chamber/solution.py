@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.extras import extra
@@ -39,7 +40,7 @@ BALANCES: tuple[Balance, ...] = ("isothermal", "local")
 
 
 @dataclass(frozen=True)
-class ChamberSolution:
+class ChamberSolution(ShortRepr):
     r"""Forces and heats of a disk and of what encloses the gas around it.
 
     Forces are upwards [p A] and heats out of a surface [p √(2RT_c) A], with the area A of the disk;

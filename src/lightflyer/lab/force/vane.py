@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from lightflyer.array.namespace import xp
+from lightflyer.array.records import ShortRepr
 from lightflyer.calibration.gauge import Gauge
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
@@ -55,7 +56,7 @@ COLUMNS = (_PRESSURE, _FORCE, _PRESSURE.uncertainty(), _FORCE.uncertainty())
 
 
 @dataclass(frozen=True)
-class Vane:
+class Vane(ShortRepr):
     """A thin circular vane in open gas, its faces at two temperatures.
 
     Parameters
@@ -168,7 +169,7 @@ def _drawn(number: Measured, draws: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class VaneForces:
+class VaneForces(ShortRepr):
     """Forces on a vane beside those predicted."""
 
     vane: Vane

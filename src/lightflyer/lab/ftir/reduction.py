@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.special import ndtri
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ParameterError
@@ -64,7 +65,7 @@ _ROUNDING = 1e-9  # fraction of the band below which a gap is rounding
 
 
 @dataclass(frozen=True)
-class Averages:
+class Averages(ShortRepr):
     """Averages of one quantity over the band and over Planck's spectrum."""
 
     band: Estimate

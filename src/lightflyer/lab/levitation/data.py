@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.calibration.gauge import Gauge
 from lightflyer.calibration.points import (
     LEVITATION_COLUMNS,
@@ -22,7 +23,7 @@ COLUMNS = LEVITATION_COLUMNS
 
 
 @dataclass(frozen=True)
-class LiftOffs:
+class LiftOffs(ShortRepr):
     """Points at which one sample lifted off from one launchpad."""
 
     name: str

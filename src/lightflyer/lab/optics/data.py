@@ -10,6 +10,7 @@ import pydantic
 from pydantic import Field
 
 from lightflyer.array.namespace import Numeric
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
@@ -113,7 +114,7 @@ class FilmSpectrum:
 
 
 @dataclass(frozen=True)
-class OpticsSample:
+class OpticsSample(ShortRepr):
     """A film with numbers to be fitted, and its spectra."""
 
     #: Makes the film from the free numbers by name, which may be traced by JAX

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length
@@ -31,7 +32,7 @@ _WIDEST = 1.0  # [m]
 
 
 @dataclass(frozen=True)
-class HeightMap:
+class HeightMap(ShortRepr):
     """Heights on a regular grid."""
 
     source: str  #: Name of the file

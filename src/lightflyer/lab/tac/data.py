@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.calibration.gauge import Gauge
 from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.core.arguments import reads_units
@@ -42,7 +43,7 @@ IN_WORDS = {  # name, factor to the unit, unit
 
 @reads_units
 @dataclass(frozen=True)
-class TacAccuracy:
+class TacAccuracy(ShortRepr):
     r"""Standard uncertainties of what is common to all rows.
 
     Raises
@@ -169,7 +170,7 @@ _CALIBRATION_COLUMNS = (
 
 
 @dataclass(frozen=True)
-class TacRun:
+class TacRun(ShortRepr):
     """Power of a heater at several pressures."""
 
     table: Table  #: Table it was read from, with its rejected rows
@@ -193,7 +194,7 @@ class TacRun:
 
 
 @dataclass(frozen=True)
-class ResistanceThermometer:
+class ResistanceThermometer(ShortRepr):
     """Temperature of the heater, linear in its resistance."""
 
     slope: float  #: [K/ohm]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
@@ -76,7 +77,7 @@ _ALIASES = {
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(ShortRepr):
     """What relates a thermal camera's readings to the film."""
 
     camera: CameraBand | None = UNCOOLED  #: None takes radiation as T⁴, as the paper does
@@ -94,7 +95,7 @@ class Scene:
 
 
 @dataclass(frozen=True)
-class Readings:
+class Readings(ShortRepr):
     """Repeated readings of source, reflection, transmission and background."""
 
     method: Method

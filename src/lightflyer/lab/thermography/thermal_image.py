@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
@@ -49,7 +50,7 @@ _REGION = re.compile(r"^\s*(\w+)\s*=\s*(\d+)\s*:\s*(\d+)\s*,\s*(\d+)\s*:\s*(\d+)
 
 
 @dataclass(frozen=True)
-class ThermalImage:
+class ThermalImage(ShortRepr):
     """Temperatures of the pixels of an image."""
 
     source: str  #: Name of the file

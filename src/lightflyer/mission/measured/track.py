@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterError
 from lightflyer.core.quantity import Latitude, Longitude, Quantity, quantity_of
@@ -46,7 +47,7 @@ _HOUR = 3600.0
 
 
 @dataclass(frozen=True)
-class MeasuredTrack:
+class MeasuredTrack(ShortRepr):
     """A measured track, in the order of time.
 
     Examples

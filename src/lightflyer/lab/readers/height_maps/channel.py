@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.units import scale_and_offset
 
@@ -22,7 +23,7 @@ _NO_HEIGHT = re.compile(
 
 
 @dataclass(frozen=True)
-class Channel:
+class Channel(ShortRepr):
     """A channel of a file, not read yet."""
 
     name: str

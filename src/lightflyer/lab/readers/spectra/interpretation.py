@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Quantity
 from lightflyer.files.table_rows import Rejected
@@ -111,7 +112,7 @@ _SPECULAR = ("specular", "vw", "variable angle", "absolute reflect", "arn-", "ar
 
 
 @dataclass(frozen=True)
-class MeasuredSpectrum:
+class MeasuredSpectrum(ShortRepr):
     """Transmittance or reflectance over wavenumber."""
 
     source: str  #: Name of the file

@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from lightflyer.array.records import ShortRepr
 from lightflyer.files.table_rows import Rejected
 from lightflyer.lab.readers.formats import one_line
 
@@ -17,7 +18,7 @@ MOST_POINTS = 20_000_000  # Points of a spectrum beyond which a file is taken as
 
 
 @dataclass(frozen=True)
-class SpectrumMetadata:
+class SpectrumMetadata(ShortRepr):
     """What a file says of its spectrum, in the file's own words; empty where it says nothing."""
 
     format: str  #: Such as ``"JASCO text"``
@@ -30,7 +31,7 @@ class SpectrumMetadata:
 
 
 @dataclass(frozen=True)
-class RawSpectrum:
+class RawSpectrum(ShortRepr):
     """A spectrum as it stands in its file."""
 
     abscissa: np.ndarray  #: shape (n,); in the file's units

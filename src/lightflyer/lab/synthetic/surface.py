@@ -47,7 +47,7 @@ def roughness_files(seed: int = 0) -> dict[str, str | bytes]:
     bowed = 400e-9 * x - 250e-9 * y + 120e-9 * x**2 + 60e-9 * x * y  # tilt, and bow of the scanner
     maps = [with_particles(random_surface(rng), rng, _PARTICLES) + bowed + 3e-6 for _ in range(3)]
     said = label("roughness", f"truth: rms height {RMS_HEIGHT * 1e9:.1f} nm without particles")
-    matrix = {"germanium.txt": _matrix(maps[2], said)}
+    matrix: dict[str, str | bytes] = {"germanium.txt": _matrix(maps[2], said)}
     if not find_spec("SurfaceTopography"):  # of the extra "afm"
         return matrix
     return {

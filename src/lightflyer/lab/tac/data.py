@@ -242,88 +242,60 @@ def read_tac(
         One line that names file and line or column.
     """
     table = read_table(path, COLUMNS, layout=columns)
-    _require_columns(table, thermometer, ambient_temperature)
-    if ambient_temperature is not None and "ambient_temperature" in table.numbers:
-        table.not_used("--ambient", "ambient_temperature")
-    if thermometer is not None and "heater_temperature" in table.numbers:
-        table.not_used("--calibration", "heater_temperature")
-    table = table.without(_not_heated(table, thermometer, ambient_temperature))
-    if not len(table):
-        raise ConfigurationError(f"{table.rejected[0]}; all rows are rejected")
-    difference = _heater_temperature(table, thermometer) - _ambient(table, ambient_temperature)
-    shown = table.numbers["pressure"]
-    ends = np.flatnonzero(rows_at_the_end(shown, _power(table) / difference))
-    table = table.without({int(row): end_text(shown[row]) for row in ends})
-    power, heater = _power(table), _heater_temperature(table, thermometer)
-    pressure, said = (gauge or Gauge()).correct(table.numbers["pressure"])
-    return TacRun(
-        table=table,
-        pressure=pressure,
-        power=power,
-        heater_temperature=heater,
-        ambient_temperature=_ambient(table, ambient_temperature),
-        notes=(*said, *_ends(shown[ends])),
-    )
-
-
-def _ends(shown: np.ndarray) -> list[str]:
-    """A line about rows at the gauge's ends."""
-    return [
-        f"{np.sum(shown == one)} rows are left out: {end_text(one)}" for one in np.unique(shown)
-    ]
-
-
-def _require_columns(
-    table: Table, thermometer: ResistanceThermometer | None, ambient: float | None
-) -> None:
     has = set(table.numbers)
     electrical = {"heater_voltage", "heater_current"} <= has
-    missing = None
+    missing = ""
     if "pressure" not in has:
         missing = "column pressure"
     elif "heater_power" not in has and not electrical:
         missing = "column heater_power, or heater_voltage and heater_current"
     elif "heater_temperature" not in has and not (thermometer and electrical):
         missing = "column heater_temperature, or a calibration of the heater's resistance"
-    elif "ambient_temperature" not in has and ambient is None:
+    elif "ambient_temperature" not in has and ambient_temperature is None:
         missing = "column ambient_temperature, or --ambient"
     if missing:
         found = ", ".join([*table.numbers, *table.unused]) or "none"
         raise ConfigurationError(f"{table.source}: needs the {missing}; its columns: {found}")
+    for option, given, column in (
+        ("--ambient", ambient_temperature, "ambient_temperature"),
+        ("--calibration", thermometer, "heater_temperature"),
+    ):
+        if given is not None and column in has:
+            table.not_used(option, column)
 
+    def read(table: Table) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Power, temperature of the heater, and that of the gas."""
+        one = table.numbers
+        power = one["heater_power"] if "heater_power" in has else (
+            one["heater_voltage"] * one["heater_current"]
+        )  # fmt: skip
+        heater, gas = one.get("heater_temperature"), one.get("ambient_temperature")
+        if heater is None and thermometer is not None:
+            heater = thermometer.temperature(one["heater_voltage"] / one["heater_current"])
+        return (
+            power,
+            np.asarray(heater),
+            np.full(len(table), ambient_temperature) if gas is None else gas,
+        )
 
-def _power(table: Table) -> np.ndarray:
-    if "heater_power" in table.numbers:
-        return table.numbers["heater_power"]
-    return table.numbers["heater_voltage"] * table.numbers["heater_current"]
-
-
-def _heater_temperature(table: Table, thermometer: ResistanceThermometer | None) -> np.ndarray:
-    if "heater_temperature" in table.numbers:
-        return table.numbers["heater_temperature"]
-    assert thermometer is not None  # checked by _require_columns
-    return thermometer.temperature(
-        table.numbers["heater_voltage"] / table.numbers["heater_current"]
-    )
-
-
-def _ambient(table: Table, given: float | None) -> np.ndarray:
-    if "ambient_temperature" in table.numbers:
-        return table.numbers["ambient_temperature"]
-    assert given is not None  # checked by _require_columns
-    return np.full(len(table), given)
-
-
-def _not_heated(
-    table: Table, thermometer: ResistanceThermometer | None, ambient: float | None
-) -> dict[int, str]:
-    heater, gas = _heater_temperature(table, thermometer), _ambient(table, ambient)
-    rows = np.flatnonzero(heater - gas < _LEAST_DIFFERENCE)
-    return {
+    _, heater, gas = read(table)
+    table = table.without({
         int(row): f"the heater at {heater[row]:.2f} K is not warmer than the gas at "
         f"{gas[row]:.2f} K"
-        for row in rows
-    }
+        for row in np.flatnonzero(heater - gas < _LEAST_DIFFERENCE)
+    })  # fmt: skip
+    if not len(table):
+        raise ConfigurationError(f"{table.rejected[0]}; all rows are rejected")
+    power, heater, gas = read(table)
+    shown = table.numbers["pressure"]
+    ends = np.flatnonzero(rows_at_the_end(shown, power / (heater - gas)))
+    table = table.without({int(row): end_text(shown[row]) for row in ends})
+    pressure, said = (gauge or Gauge()).correct(table.numbers["pressure"])
+    left_out = (
+        f"{np.sum(shown[ends] == one)} rows are left out: {end_text(one)}"
+        for one in np.unique(shown[ends])
+    )
+    return TacRun(table, pressure, *read(table), (*said, *left_out))
 
 
 @reads_units

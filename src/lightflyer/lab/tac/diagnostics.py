@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy import stats
@@ -93,7 +94,7 @@ def _robust_fit(problem: Problem) -> np.ndarray:
     padded = np.pad(some.conductance, _WINDOW // 2, mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, _WINDOW)
     smooth = np.median(windows, axis=1)
-    guess = first_guess(some.with_conductance(smooth))
+    guess = first_guess(replace(some, conductance=smooth, weight=1.0 / smooth))
     start = np.array([guess[0], guess[1], max(guess[2], 0.0)])
     scale = max(float(np.median(np.abs(_log_deviations(some, start)))), _LEAST_DEVIATION / _SUSPECT)
     found = least_squares(
@@ -110,7 +111,7 @@ def _log_deviations(problem: Problem, values: np.ndarray) -> np.ndarray:
 
 def _significant(problem: Problem, suspects: np.ndarray, near: np.ndarray) -> np.ndarray:
     """Rows whose deviation from the fit of the unsuspected ones is significant, shape (m,)."""
-    problem = problem.with_weight(1.0 / problem.model(*near))
+    problem = replace(problem, weight=1.0 / problem.model(*near))
     good = problem.rows(~suspects)
     freedom = int((~suspects).sum()) - len(PARAMETERS)
     if freedom < 1:

@@ -17,109 +17,6 @@ from lightflyer.lab.tac.data import DRIFT, CommonErrors
 from lightflyer.lab.tac.problem import PARAMETERS, TAC_BOUNDS, JointProblem, Problem, minimise
 from lightflyer.numerics.residuals import alike_points
 
-_POSITIVE = (0, 1)  # places of the positive parameters; their logarithms are worked on
-_FURTHEST = {"tac": TAC_BOUNDS, "area_ratio": (1e-3, 1e3), "offset": (-1e3, 1e3)}
-_GROWTH = 1.7  # of the step outwards until the interval's end is passed
-_MOST_STEPS = 40
-_LOG_RANGE = 50.0  # of the logarithms of the positive unknowns
-_TOLERANCE = 1e-3  # of the distance in standard errors
-
-
-def profile_interval(
-    problem: JointProblem,
-    values: Sequence[float],
-    run: int,
-    name: str,
-    spread: float,
-    distance: float,
-) -> tuple[float, float]:
-    r"""Interval of a run's parameter in which the sum of squares rises by less than a square."""
-    # The root of the rise is nearly linear in the parameter, so few minimisations are needed.
-    profile = _Profile(problem, values, len(PARAMETERS) * run + PARAMETERS.index(name))
-    lowest, highest = _FURTHEST[name]
-    return (
-        _end(profile, -spread * distance, lowest, distance, -np.inf),
-        _end(profile, spread * distance, highest, distance, np.inf),
-    )
-
-
-class _Profile:
-    """Root of the least rise of the sum of squares, with one unknown held."""
-
-    def __init__(self, problem: JointProblem, values: Sequence[float], held: int):
-        self.problem, self.held = problem, held
-        width = len(PARAMETERS)
-        places = range(len(problem.parameters))
-        self.positive = [place for place in places if place % width in _POSITIVE]
-        self.best = np.array(values, float)
-        self.least = float(np.sum(problem.residuals(*values) ** 2))
-        self.others = np.delete(np.arange(len(self.best)), held)
-        self.start = self._inner(self.best)
-        # once found, so that a root search sees one function whatever it starts from
-        self.known = {float(self.best[held]): 0.0}
-
-    def restart(self) -> None:
-        """Search from the minimum again."""
-        self.start = self._inner(self.best)
-
-    def _inner(self, values: np.ndarray) -> np.ndarray:
-        inner = values.copy()
-        positive = np.maximum(inner[self.positive], np.finfo(float).tiny)
-        inner[self.positive] = np.log(positive)
-        return inner[self.others]
-
-    def _outer(self, inner: np.ndarray, held: float) -> np.ndarray:
-        values = np.insert(inner, self.held, held)
-        for index in self.positive:
-            if index != self.held:
-                values[index] = np.exp(np.clip(values[index], -_LOG_RANGE, _LOG_RANGE))
-        return values
-
-    def __call__(self, held: float) -> float:
-        """Root of the rise at a value of the held unknown."""
-        if held not in self.known:
-            self.known[held] = self._root_of_rise(held)
-        return self.known[held]
-
-    def _root_of_rise(self, held: float) -> float:
-
-        def residuals(inner: np.ndarray) -> np.ndarray:
-            return self.problem.residuals(*self._outer(inner, held))
-
-        def jacobian(inner: np.ndarray) -> np.ndarray:
-            values = self._outer(inner, held)
-            rows = self.problem.jacobian(*values)
-            rows[self.positive] *= values[self.positive, None]
-            return np.asarray(rows[self.others])
-
-        # a search that does not settle has run off to where the rise hardly changes any more
-        found, *_ = leastsq(residuals, self.start, Dfun=jacobian, col_deriv=True, full_output=True)
-        rise = float(np.sum(residuals(found) ** 2)) - self.least
-        if np.all(np.isfinite(found)):
-            self.start = found
-        return float(np.sqrt(max(rise, 0.0)))
-
-
-def _end(profile: _Profile, step: float, furthest: float, distance: float, nowhere: float) -> float:
-    """Where the profile reaches the distance, outwards from the minimum."""
-    best = float(profile.best[profile.held])
-    profile.restart()
-    inside = best
-    for _ in range(_MOST_STEPS):
-        outside = best + step
-        if (outside - furthest) * step >= 0.0:
-            outside = furthest
-        if profile(outside) > distance:
-            tolerance = _TOLERANCE * abs(outside - best) / distance
-            return float(
-                brentq(lambda held: profile(held) - distance, inside, outside, xtol=tolerance)
-            )
-        if outside == furthest:
-            break
-        inside, step = outside, _GROWTH * step
-    return nowhere
-
-
 POSITIVE = ("tac", "area_ratio")  # Parameters whose logarithms have the more nearly normal errors
 
 LAW_ERROR = 2e-3
@@ -140,6 +37,79 @@ _LEAST_SCATTER = 1e-4  # relative; no bench measures a conductance better
 _ROUNDS = 6  # of scatter and common errors, each from the other
 _MOST_PARTS = 8  # of a decade, in which the law's shape errs by itself
 _SAME = 1e-3  # standard errors
+_POSITIVE = (0, 1)  # places of the positive parameters; their logarithms are worked on
+_FURTHEST = {"tac": TAC_BOUNDS, "area_ratio": (1e-3, 1e3), "offset": (-1e3, 1e3)}
+_GROWTH = 1.7  # of the step outwards until the interval's end is passed
+_MOST_STEPS = 40
+_LOG_RANGE = 50.0  # of the logarithms of the positive unknowns
+_TOLERANCE = 1e-3  # of the distance in standard errors
+
+
+def profile_interval(
+    problem: JointProblem, values: Sequence[float], run: int, one: str, spread: float,
+    distance: float,
+) -> tuple[float, float]:  # fmt: skip
+    r"""Interval of a run's parameter in which the sum of squares rises by less than a square."""
+    # The root of the rise is nearly linear in the parameter, so few minimisations are needed.
+    held = len(PARAMETERS) * run + PARAMETERS.index(one)
+    best, least = np.array(values, float), float(np.sum(problem.residuals(*values) ** 2))
+    positive = np.array([
+        place for place in range(len(problem.parameters)) if place % len(PARAMETERS) in _POSITIVE
+    ])  # fmt: skip
+    others, logs = np.delete(np.arange(best.size), held), positive[positive != held]
+    # once found, so that a root search sees one function whatever it starts from
+    known, start = {float(best[held]): 0.0}, np.zeros(0)
+
+    def outer(inner: np.ndarray, at: float) -> np.ndarray:
+        whole = np.insert(inner, held, at)
+        whole[logs] = np.exp(np.clip(whole[logs], -_LOG_RANGE, _LOG_RANGE))
+        return whole
+
+    def rise(at: float) -> float:
+        """Root of the least rise of the sum of squares at a value of the parameter."""
+        nonlocal start
+        if at in known:
+            return known[at]
+
+        def slopes(inner: np.ndarray) -> np.ndarray:
+            whole = outer(inner, at)
+            rows = problem.jacobian(*whole)
+            rows[positive] *= whole[positive, None]
+            return np.asarray(rows[others])
+
+        # a search that does not settle has run off to where the rise hardly changes any more
+        found, *_ = leastsq(
+            lambda inner: problem.residuals(*outer(inner, at)), start, Dfun=slopes, col_deriv=True,
+            full_output=True,
+        )  # fmt: skip
+        more = float(np.sum(problem.residuals(*outer(found, at)) ** 2)) - least
+        start = found if np.all(np.isfinite(found)) else start
+        known[at] = float(np.sqrt(max(more, 0.0)))
+        return known[at]
+
+    ends = []
+    for side, furthest in zip((-1.0, 1.0), _FURTHEST[one], strict=True):
+        inner = best.copy()
+        inner[positive] = np.log(np.maximum(inner[positive], np.finfo(float).tiny))
+        start, inside, step, end = (
+            inner[others],
+            best[held],
+            side * spread * distance,
+            side * np.inf,
+        )
+        for _ in range(_MOST_STEPS):
+            outside = best[held] + step
+            if (outside - furthest) * step >= 0.0:
+                outside = furthest
+            if rise(float(outside)) > distance:
+                tolerance = _TOLERANCE * abs(outside - best[held]) / distance
+                end = brentq(lambda at: rise(at) - distance, inside, outside, xtol=tolerance)
+                break
+            if outside == furthest:
+                break
+            inside, step = outside, _GROWTH * step
+        ends.append(float(end))
+    return ends[0], ends[1]
 
 
 @dataclass(frozen=True)
@@ -172,8 +142,8 @@ def solve(
     if found.total is None:
         alone = [
             Solution(
-                _by_name(plain, PARAMETERS), scatter, alike, alike * np.asarray(plain.covar),
-                profiled, profiled, normal,
+                dict(zip(PARAMETERS, _values(plain, PARAMETERS), strict=True)), scatter, alike,
+                alike * np.asarray(plain.covar), profiled, profiled, normal,
             )
             for plain, scatter, alike, (normal, profiled) in zip(
                 found.plain, found.scatter, found.alike, statistical, strict=True
@@ -241,19 +211,22 @@ def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]
     common = [0.0] * instruments
     for _ in range(_ROUNDS):
         held = [problem.with_common_errors(common) for problem in problems]
-        plain = [minimise(one, start)[1] for one, start in zip(held, starts, strict=True)]
+        plain = [minimise(one, start) for one, start in zip(held, starts, strict=True)]
         starts = [_values(one, PARAMETERS) for one in plain]
-        scatter = [_scatter(*one) for one in zip(plain, held, strict=True)]
+        scatter = [
+            float(np.sqrt(fit.chisqr / (len(one.conductance) - len(PARAMETERS))))
+            for fit, one in zip(plain, held, strict=True)
+        ]
         if not common:
             alike = [_alike(*one) for one in zip(problems, starts, strict=True)]
             break
         joint = JointProblem(
             tuple(
-                problem.group().scale_weights(1.0 / _row_error(problem, noise, count, law_error))
+                _scaled(problem, 1.0 / _row_error(problem, noise, count, law_error))
                 for problem, noise, count in zip(sharing, scatter, alike, strict=True)
             )
         )
-        total = minimise(joint, [*np.ravel(starts), *common, *of_law], scale=False)[1]
+        total = minimise(joint, [*np.ravel(starts), *common, *of_law], scale=False)
         values = _values(total, joint.names)
         before, common = common, values[last : last + instruments]
         starts = np.reshape(values[:last], (len(problems), -1)).tolist()
@@ -316,9 +289,15 @@ def _statistical(
     if scatter <= _ROUNDING:  # rows without scatter have no profile
         return normal, normal
     # very many rows are grouped; what scatters within a group is in the scatter already
-    rows = held.group().scale_weights(1.0 / (scatter * math.sqrt(alike)))
-    values = _values(minimise(rows, _values(plain, PARAMETERS))[1], PARAMETERS)
+    rows = _scaled(held, 1.0 / (scatter * math.sqrt(alike)))
+    values = _values(minimise(rows, _values(plain, PARAMETERS)), PARAMETERS)
     return normal, _profiles(JointProblem((rows,)), values, 0, normal, freedoms)
+
+
+def _scaled(problem: Problem, factor: float) -> Problem:
+    """Groups of rows, their weights multiplied by a factor."""
+    rows = problem.group()
+    return replace(rows, weight=factor * rows.weight)
 
 
 def _alike(problem: Problem, values: Sequence[float]) -> float:
@@ -352,16 +331,8 @@ def _decades(problem: Problem) -> float:
     return max(_width(problem), 1.0)
 
 
-def _scatter(result: Any, problem: Problem) -> float:
-    return float(np.sqrt(result.chisqr / (len(problem.conductance) - len(PARAMETERS))))
-
-
 def _values(result: Any, names: tuple[str, ...]) -> list[float]:
     return [float(result.params[name].value) for name in names]
-
-
-def _by_name(result: Any, names: tuple[str, ...]) -> dict[str, float]:
-    return dict(zip(names, _values(result, names), strict=True))
 
 
 def _normal(

@@ -1,6 +1,6 @@
 """What is done with a heater's run before it is fitted: rows that serve, weights, first guess."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -99,10 +99,10 @@ def _weigh(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
     """The problem with its residuals over the conductance of a first fit, and that fit."""
     guess = first_guess(problem.group())
     for _ in range(_WEIGHTINGS):
-        problem = problem.with_weight(1.0 / problem.model(*guess))
+        problem = replace(problem, weight=1.0 / problem.model(*guess))
         require_distinct(problem, guess)
         plain = problem.with_common_errors([0.0] * len(problem.errors.names)).group()
-        found = minimise(plain, guess)[1].params
+        found = minimise(plain, guess).params
         guess = (float(found["tac"]), float(found["area_ratio"]), float(found["offset"]))
     return problem, guess
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -37,24 +36,6 @@ class Problem:
     weight: np.ndarray  # Factor of the residuals [m² K/W], shape (m,)
     errors: CommonErrors
 
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters."""
-        return PARAMETERS
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the unknowns."""
-        return (*PARAMETERS, *self.errors.names)
-
-    def with_weight(self, weight: np.ndarray) -> "Problem":
-        """The same problem with other weights."""
-        return replace(self, weight=weight)
-
-    def with_conductance(self, conductance: np.ndarray) -> "Problem":
-        """The same problem with another measured conductance."""
-        return replace(self, conductance=conductance, weight=1.0 / conductance)
-
     def with_common_errors(self, common: Sequence[float]) -> "Problem":
         """The problem of the three parameters alone, at given errors of all rows."""
         given = np.array(common, float)
@@ -85,61 +66,48 @@ class Problem:
         )
         return replace(self, errors=errors)
 
-    def _gas(self, tac: float, common: np.ndarray) -> "_Gas":
-        """Both limits at a coefficient, with errors of the pressure and the plateau."""
+    def _gas(self, tac: float, common: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Both limits at a coefficient, derivative of the dense one, and the thin one's factor."""
         shift = float(common @ self.errors.log_pressure)
         factor = np.exp(shift)
-        thin = self.limits.free_molecular
-        kinetic = tac * thin * (factor + float(common @ self.errors.zero) / self.pressure)
+        at_one = tac * self.limits.free_molecular
+        thin = at_one * (factor + float(common @ self.errors.zero) / self.pressure)
         logarithm, per_tac = self.limits.log_continuum_at(tac)
         shifted = self.limits.slope * shift + common @ self.errors.log_continuum
-        return _Gas(kinetic, np.exp(logarithm + shifted), per_tac, tac * thin * factor)
+        return thin, np.exp(logarithm + shifted), per_tac, at_one * factor
 
     def model(self, tac: float, area_ratio: float, offset: float, *common: float) -> np.ndarray:
         """Conductance per nominal area [W/(m² K)], shape (m,)."""
         given = np.array(common or np.zeros(len(self.errors.names)))
-        gas = self._gas(tac, given).conductance
+        thin, dense, *_ = self._gas(tac, given)
         amplitude = np.exp(given @ self.errors.log_conductance)
+        gas = thin * dense / (thin + dense)
         return np.asarray(area_ratio * amplitude * (gas + self.radiation + offset))
 
     def residuals(self, *unknowns: float) -> np.ndarray:
-        """Weighted residuals of rows and common errors [1], shape (m + k,)."""
-        return np.concatenate([self.rows_off(*unknowns), unknowns[len(PARAMETERS) :]])
-
-    def rows_off(self, *unknowns: float) -> np.ndarray:
-        """Weighted residuals of the rows alone [1], shape (m,)."""
+        """Weighted residuals of the rows [1], shape (m,)."""
         return (self.model(*unknowns) - self.conductance) * self.weight
 
-    def jacobian(self, *unknowns: float) -> np.ndarray:
-        """Derivatives of the residuals by the unknowns, shape (3 + k, m + k)."""
-        own = _prior(len(unknowns), len(PARAMETERS))
-        return np.concatenate([self.rows_jacobian(*unknowns), own], axis=1)
-
-    def rows_jacobian(
-        self, tac: float, area_ratio: float, offset: float, *common: float
-    ) -> np.ndarray:
-        """Derivatives of the rows' residuals by the unknowns, shape (3 + k, m)."""
+    def jacobian(self, tac: float, area_ratio: float, offset: float, *common: float) -> np.ndarray:
+        """Derivatives of the residuals by the unknowns, shape (3 + k, m)."""
         given, errors = np.array(common), self.errors
-        gas = self._gas(tac, given)
+        thin, dense, per_tac, scaled = self._gas(tac, given)
         amplitude = area_ratio * np.exp(given @ errors.log_conductance)
-        thin, dense = gas.derivatives()
-        inside = gas.conductance + self.radiation + offset
-        by_tac = thin * gas.kinetic / tac + dense * gas.per_tac
-        by_pressure = thin * gas.scaled + dense * self.limits.slope
-        by_zero = thin * tac * self.limits.free_molecular / self.pressure
+        share = dense / (thin + dense)  # of the resistance, that is of thin gas
+        by_thin, by_log_dense = share**2, (1.0 - share) ** 2 * dense
+        inside = thin * dense / (thin + dense) + self.radiation + offset
+        by_tac = by_thin * thin / tac + by_log_dense * per_tac
+        by_pressure = by_thin * scaled + by_log_dense * self.limits.slope
+        by_zero = by_thin * tac * self.limits.free_molecular / self.pressure
         columns = [amplitude * by_tac, amplitude / area_ratio * inside, amplitude]
         for number in range(len(errors.names)):
             of_gas = (
                 errors.log_pressure[number] * by_pressure
                 + errors.zero[number] * by_zero
-                + errors.log_continuum[number] * dense
+                + errors.log_continuum[number] * by_log_dense
             )
             columns.append(amplitude * (of_gas + errors.log_conductance[number] * inside))
         return np.stack(columns) * self.weight
-
-    @cached_property
-    def _groups(self) -> list[np.ndarray]:
-        return np.array_split(np.argsort(self.pressure, kind="stable"), _GROUPS)
 
     def group(self) -> "Problem":
         """Rows of neighbouring pressure averaged, each group weighted by its size."""
@@ -147,7 +115,7 @@ class Problem:
         # the scatter within it does not depend on the parameters.
         if len(self.conductance) <= 2 * _GROUPS:
             return self
-        groups = self._groups
+        groups = np.array_split(np.argsort(self.pressure, kind="stable"), _GROUPS)
 
         def mean(values: np.ndarray) -> np.ndarray:
             return mean_of_groups(values, groups)
@@ -160,10 +128,6 @@ class Problem:
             self.source, mean(self.conductance), mean(self.pressure), self.limits.group(groups),
             mean(self.radiation), mean(self.weight) * np.sqrt(sizes), errors,
         )  # fmt: skip
-
-    def scale_weights(self, factor: float) -> "Problem":
-        """The same problem with all weights multiplied by a factor."""
-        return replace(self, weight=factor * self.weight)
 
     def rows(self, kept: np.ndarray) -> "Problem":
         """The same problem with some of its rows; ``kept`` is boolean, shape (m,)."""
@@ -206,54 +170,29 @@ class JointProblem:
         """Names of the unknowns."""
         return (*self.parameters, *self.runs[0].errors.names)
 
+    def _parts(self, unknowns: Sequence[float]) -> list[tuple[Problem, Sequence[float]]]:
+        last, width = len(self.parameters), len(PARAMETERS)
+        return [
+            (run, [*unknowns[number * width : (number + 1) * width], *unknowns[last:]])
+            for number, run in enumerate(self.runs)
+        ]
+
     def residuals(self, *unknowns: float) -> np.ndarray:
         """Weighted residuals of all rows, and of the common errors once [1]."""
-        last = len(self.parameters)
-        rows = [run.rows_off(*part, *unknowns[last:]) for run, part in self._parts(unknowns)]
-        return np.concatenate([*rows, unknowns[last:]])
+        rows = [run.residuals(*part) for run, part in self._parts(unknowns)]
+        return np.concatenate([*rows, unknowns[len(self.parameters) :]])
 
     def jacobian(self, *unknowns: float) -> np.ndarray:
         """Derivatives of the residuals by the unknowns, shape (3 n + k, m + k)."""
         last, width = len(self.parameters), len(PARAMETERS)
         blocks = []
         for number, (run, part) in enumerate(self._parts(unknowns)):
-            own = run.rows_jacobian(*part, *unknowns[last:])
+            own = run.jacobian(*part)
             block = np.zeros((len(unknowns), own.shape[1]))
             block[number * width : (number + 1) * width] = own[:width]
             block[last:] = own[width:]
             blocks.append(block)
-        return np.concatenate([*blocks, _prior(len(unknowns), last)], axis=1)
-
-    def _parts(self, unknowns: Sequence[float]) -> list[tuple[Problem, Sequence[float]]]:
-        width = len(PARAMETERS)
-        return [
-            (run, unknowns[number * width : (number + 1) * width])
-            for number, run in enumerate(self.runs)
-        ]
-
-
-def _prior(count: int, parameters: int) -> np.ndarray:
-    """Derivatives of the common errors' own residuals, shape (count, count - parameters)."""
-    return np.eye(count)[:, parameters:]
-
-
-@dataclass(frozen=True)
-class _Gas:
-    """Free-molecular and continuum conductance in series, each of shape (m,)."""
-
-    kinetic: np.ndarray
-    continuum: np.ndarray
-    per_tac: np.ndarray
-    scaled: np.ndarray
-
-    @property
-    def conductance(self) -> np.ndarray:
-        return self.kinetic * self.continuum / (self.kinetic + self.continuum)
-
-    def derivatives(self) -> tuple[np.ndarray, np.ndarray]:
-        """By the free-molecular conductance, and by the logarithm of the other."""
-        share = self.continuum / (self.kinetic + self.continuum)
-        return share**2, (1.0 - share) ** 2 * self.continuum
+        return np.concatenate([*blocks, np.eye(len(unknowns))[:, last:]], axis=1)
 
 
 def first_guess(problem: Problem) -> tuple[float, float, float]:
@@ -282,32 +221,21 @@ def require_distinct(problem: Problem, values: Sequence[float]) -> None:
         )
 
 
-def minimise(
-    problem: Problem | JointProblem, start: Sequence[float], *, scale: bool = True
-) -> tuple[Any, Any]:
-    """Minimise the sum of squares; returns ``minimizer``, ``result``."""
+def minimise(problem: Problem | JointProblem, start: Sequence[float], *, scale: bool = True) -> Any:
+    """Minimise the sum of squares by lmfit; its result."""
     import lmfit  # takes a while
 
-    parameters = lmfit.Parameters()
+    joint = JointProblem((problem,)) if isinstance(problem, Problem) else problem
+    parameters, last = lmfit.Parameters(), len(joint.parameters)
     bounds = (TAC_BOUNDS, (0.0, np.inf), (-np.inf, np.inf))
-    last = len(problem.parameters)
-    for number, (name, value) in enumerate(zip(problem.parameters, start[:last], strict=True)):
-        low, high = bounds[number % len(PARAMETERS)]
+    for number, (name, value) in enumerate(zip(joint.names, start, strict=True)):
+        low, high = bounds[number % len(PARAMETERS)] if number < last else bounds[-1]
         parameters.add(name, value=value, min=low, max=high)
-    for name, value in zip(problem.names[last:], start[last:], strict=True):
-        parameters.add(name, value=value)
-
-    def residuals(given: Any) -> np.ndarray:
-        return problem.residuals(*(float(given[name]) for name in problem.names))
-
-    def jacobian(given: Any) -> np.ndarray:
-        rows = problem.jacobian(*(float(given[name]) for name in problem.names))
-        return rows[[given[name].vary for name in problem.names]]
-
-    minimizer = lmfit.Minimizer(residuals, parameters, scale_covar=scale)
-    options = {"Dfun": jacobian, "col_deriv": 1, "ftol": 1e-14, "xtol": 1e-12, "gtol": 1e-14}
-    minimizer.kws.update(options)
-    result = minimizer.leastsq()
+    result = lmfit.minimize(
+        lambda given: joint.residuals(*(float(given[name]) for name in joint.names)),
+        parameters, scale_covar=scale, col_deriv=1, ftol=1e-14, xtol=1e-12, gtol=1e-14,
+        Dfun=lambda given: joint.jacobian(*(float(given[name]) for name in joint.names)),
+    )  # fmt: skip
     if result.covar is None or not np.all(np.isfinite(result.covar)):
-        raise ConvergenceError(f"{problem.source}: the fit failed: {result.message}")
-    return minimizer, result
+        raise ConvergenceError(f"{joint.source}: the fit failed: {result.message}")
+    return result

@@ -7,18 +7,21 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
+
 from lightflyer.config.reader import read_film_file
 from lightflyer.config.update import Face, emittance_keys
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.files.quantities import quantities, quantity
+from lightflyer.film.optics.stack import Film
 from lightflyer.lab.ftir.air import parse_ranges, with_straight_lines, without_air
-from lightflyer.lab.ftir.film import computed_spectra
-from lightflyer.lab.ftir.reduction import finding_parts, ftir_parts, reduce_ftir, to_dataset
+from lightflyer.lab.ftir.reduction import Ftir, finding_parts, ftir_parts, reduce_ftir, to_dataset
 from lightflyer.lab.measurement import Outcome, Share, measurement, rejected_json, rejected_parts
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 
 _RANGE = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.]\S*)\s*$")  # a band's ends
+_WAVENUMBERS = 1000  # of a computed spectrum
 
 
 def _read_band(option: str, text: str) -> tuple[float, float]:
@@ -136,7 +139,7 @@ def ftir(
     computed, warnings = {}, list(result.warnings)
     if film is not None:
         try:
-            computed, extrapolated = computed_spectra(read_film_file(film).film(), result)
+            computed, extrapolated = _computed(read_film_file(film).film(), result)
         except ParameterError as error:
             raise ConfigurationError(f"{film}: {error}") from None
         warnings += [f"{film}: the computed spectrum extrapolates {text}" for text in extrapolated]
@@ -190,3 +193,24 @@ def _facts(spectrum: MeasuredSpectrum) -> str:
         f"of {metadata.measured}" if metadata.measured else "",
     ]
     return ", ".join(filter(None, words))
+
+
+def _computed(
+    film: Film, measured: Ftir
+) -> tuple[dict[str, tuple[np.ndarray, np.ndarray]], list[str]]:
+    """Spectra of a film over the measured wavenumbers that its materials' data cover."""
+    shortest, longest = film.covered_range
+    ends = [one.wavenumber[[0, -1]] for one in measured.spectra]
+    low = max(min(end[0] for end in ends), 1.0 / longest)
+    high = max(end[1] for end in ends)
+    if shortest > 0.0:  # zero if all materials are extrapolated
+        high = min(high, 1.0 / shortest)
+    if low >= high:
+        raise ParameterError("its materials have no data in the range of the spectra")
+    # by rounding, the ends themselves may lie outside the materials' range
+    wavenumber = np.linspace(low, high, _WAVENUMBERS + 2)[1:-1]
+    optics = film.optics(1.0 / wavenumber).polarisation_mean()
+    found = {"transmittance": (wavenumber, np.asarray(optics.transmittance))}
+    if measured.reflectances:
+        found["reflectance"] = (wavenumber, np.asarray(optics.reflectance))
+    return found, list(film.extrapolations(1.0 / wavenumber[-1], 1.0 / wavenumber[0]))

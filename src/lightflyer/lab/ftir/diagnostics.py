@@ -58,38 +58,24 @@ def spectrum_warnings(
     reflectances: Sequence[MeasuredSpectrum],
     band: tuple[float, float],
     accuracy: float,
-) -> list[str]:
+) -> Iterator[str]:
     """What is suspicious about the spectra themselves; ``band`` [1/m]."""
-    found: list[str] = []
     for one in (*spectra, *reflectances):
-        found += _impossible_points(one, accuracy)
-        found += [f"{one.source}: {note.removeprefix(f'{one.source}: ')}" for note in one.notes]
-        found += _gaps(one, band)
+        tolerance = _TOLERANCE * float(np.hypot(accuracy, point_noise(one.value)))
+        beyond = (one.value < -tolerance) | (one.value > 1.0 + tolerance)
+        if beyond.mean() > _WORTH_SAYING:
+            yield (
+                f"{one.source}: {_PERCENT * beyond.mean():.1f} % of its points lie below 0 or "
+                f"above 1 by more than accuracy and noise explain (lowest {one.value.min():.3g}, "
+                f"highest {one.value.max():.3g}); {_ADVICE[one.quantity]}"
+            )
+        yield from (f"{one.source}: {note.removeprefix(f'{one.source}: ')}" for note in one.notes)
+        yield from _gaps(one, band)
         if len(one.wavenumber) < LEAST_POINTS:
-            found.append(
+            yield (
                 f"{one.source}: has {len(one.wavenumber)} points, too few to tell how the noise of "
                 "neighbours is correlated; it is taken as independent"
             )
-    if reflectances:
-        found += _partial(reflectances)
-        found += _too_much_light(spectra, reflectances, accuracy)
-    return found
-
-
-def _impossible_points(spectrum: MeasuredSpectrum, accuracy: float) -> Iterator[str]:
-    tolerance = _TOLERANCE * float(np.hypot(accuracy, point_noise(spectrum.value)))
-    beyond = (spectrum.value < -tolerance) | (spectrum.value > 1.0 + tolerance)
-    if beyond.mean() > _WORTH_SAYING:
-        yield (
-            f"{spectrum.source}: {_PERCENT * beyond.mean():.1f} % of its points lie below 0 or "
-            f"above 1 by more than accuracy and noise explain (lowest "
-            f"{spectrum.value.min():.3g}, highest {spectrum.value.max():.3g}); "
-            f"{_ADVICE[spectrum.quantity]}"
-        )
-
-
-def _partial(reflectances: Sequence[MeasuredSpectrum]) -> Iterator[str]:
-    """Reflectance that may leave out part of the light."""
     too_high = "what the film scatters is then taken as emitted, and the emissivity is too high"
     for one in reflectances:
         if one.collection is None:
@@ -99,51 +85,43 @@ def _partial(reflectances: Sequence[MeasuredSpectrum]) -> Iterator[str]:
             )
         elif one.collection == "specular":
             yield f"{one.source}: holds specular reflectance; {too_high} unless the film is smooth"
-
-
-def _gaps(spectrum: MeasuredSpectrum, band: tuple[float, float]) -> Iterator[str]:
-    steps = np.diff(spectrum.wavenumber)
-    wide = (steps > _WIDE_STEP * np.median(steps)) & (
-        steps > _WORTH_SAYING * min(band[1] - band[0], np.ptp(spectrum.wavenumber))
-    )
-    places = np.flatnonzero(wide)
-    if len(places) > _MOST_GAPS:
-        ends = spectrum.wavenumber[[places[0], places[-1] + 1]] / PER_CENTIMETRE
-        yield (
-            f"{spectrum.source}: has {len(places)} gaps between {ends[0]:.5g} and {ends[1]:.5g} "
-            f"cm^-1, up to {steps[places].max() / PER_CENTIMETRE:.3g} cm^-1 wide; "
-            f"{spectrum.quantity} is taken as linear there"
-        )
+    if not reflectances:
         return
-    for at in places:
-        ends = spectrum.wavenumber[at : at + 2] / PER_CENTIMETRE
-        inside = np.diff(np.clip(spectrum.wavenumber[at : at + 2], *band))[0]
-        kind = Doubt if inside > _MOST_UNCOVERED * (band[1] - band[0]) else str
-        yield kind(
-            f"{spectrum.source}: has no points between {ends[0]:.5g} and {ends[1]:.5g} cm^-1; "
-            f"{spectrum.quantity} is taken as linear there"
-        )
-
-
-def _too_much_light(
-    spectra: Sequence[MeasuredSpectrum], reflectances: Sequence[MeasuredSpectrum], accuracy: float
-) -> Iterator[str]:
-    wavenumber = spectra[0].wavenumber
-    inside = (wavenumber >= reflectances[0].wavenumber[0]) & (
-        wavenumber <= reflectances[0].wavenumber[-1]
-    )
+    at, mirror = spectra[0].wavenumber, reflectances[0].wavenumber
+    inside = (at >= mirror[0]) & (at <= mirror[-1])
     sums = sum(
-        np.mean([np.interp(wavenumber, one.wavenumber, one.value) for one in group], axis=0)
+        np.mean([np.interp(at, one.wavenumber, one.value) for one in group], axis=0)
         for group in (spectra, reflectances)
     )
     noise = np.hypot(point_noise(spectra[0].value), point_noise(reflectances[0].value))
-    tolerance = _TOLERANCE * np.hypot(np.sqrt(2.0) * accuracy, noise)
-    share = float(np.mean(sums[inside] > 1.0 + tolerance)) if inside.any() else 0.0
+    limit = 1.0 + _TOLERANCE * np.hypot(np.sqrt(2.0) * accuracy, noise)
+    share = float(np.mean(sums[inside] > limit)) if inside.any() else 0.0
     if share > _WORTH_SAYING:
         yield (
-            f"transmittance and reflectance add up to more than 1 at "
-            f"{_PERCENT * share:.1f} % of the wavenumbers "
-            f"(to {sums[inside].max():.3g}); {_ADVICE['emissivity']}"
+            f"transmittance and reflectance add up to more than 1 at {_PERCENT * share:.1f} % of "
+            f"the wavenumbers (to {sums[inside].max():.3g}); {_ADVICE['emissivity']}"
+        )
+
+
+def _gaps(spectrum: MeasuredSpectrum, band: tuple[float, float]) -> Iterator[str]:
+    at = spectrum.wavenumber
+    steps = np.diff(at)
+    least = _WORTH_SAYING * min(band[1] - band[0], np.ptp(at))
+    places = np.flatnonzero((steps > _WIDE_STEP * np.median(steps)) & (steps > least))
+    linear = f"{spectrum.quantity} is taken as linear there"
+    if len(places) > _MOST_GAPS:
+        ends = at[[places[0], places[-1] + 1]] / PER_CENTIMETRE
+        yield (
+            f"{spectrum.source}: has {len(places)} gaps between {ends[0]:.5g} and {ends[1]:.5g} "
+            f"cm^-1, up to {steps[places].max() / PER_CENTIMETRE:.3g} cm^-1 wide; {linear}"
+        )
+        return
+    for pair in (at[place : place + 2] for place in places):
+        inside = np.diff(np.clip(pair, *band))[0]
+        kind = Doubt if inside > _MOST_UNCOVERED * (band[1] - band[0]) else str
+        yield kind(
+            f"{spectrum.source}: has no points between {pair[0] / PER_CENTIMETRE:.5g} and "
+            f"{pair[1] / PER_CENTIMETRE:.5g} cm^-1; {linear}"
         )
 
 

@@ -33,7 +33,15 @@ def spectra(
     ax.axvspan(
         low, high, color=ORANGE, alpha=0.15, lw=0, label=f"averaged over {low:g}–{high:g} cm⁻¹"
     )
-    _black_body(result, ax)
+    ends = [one.wavenumber[[0, -1]] for one in result.spectra]
+    first, last = min(end[0] for end in ends), max(end[1] for end in ends)
+    temperature = max(result.uncovered)
+    at = np.maximum(np.linspace(first, last, 500), 1.0)
+    radiation = planck(1.0 / at, temperature) / at**2
+    ax.fill_between(
+        at / PER_CENTIMETRE, _RADIATION_HEIGHT * radiation / radiation.max(), color=GREY, alpha=0.3,
+        lw=0, label=f"black body, {temperature:g} K, arbitrary height",
+    )  # fmt: skip
     drawn = [(one, "-") for one in result.spectra] + [(one, "-.") for one in result.reflectances]
     for number, (one, style) in enumerate(drawn):
         step = max(1, len(one.wavenumber) // _MOST_POINTS)
@@ -50,40 +58,23 @@ def spectra(
         style = "--" if name == "transmittance" else ":"
         ax.plot(wavenumber / PER_CENTIMETRE, value, color="black", ls=style, lw=1,
                 label=f"{name}, computed")  # fmt: skip
-    ends = [one.wavenumber[[0, -1]] / PER_CENTIMETRE for one in result.spectra]
-    ax.set_xlim(max(end[1] for end in ends), min(end[0] for end in ends))
+    left, right = last / PER_CENTIMETRE, first / PER_CENTIMETRE
+    ax.set_xlim(left, right)
     values = np.concatenate([one.value for one in (*result.spectra, *result.reflectances)])
     ax.set_ylim(min(0.0, values.min()), _MARGIN * max(1.0, values.max()))
     ax.set_xlabel("wavenumber [cm⁻¹]")
     ax.set_ylabel("fraction of the light [1]")
-    _wavelength_axis(ax)
+    ticks = _MICROMETRES_TIMES_PER_CENTIMETRE / _TICKS_UM
+    shown = (ticks > min(left, right)) & (ticks < max(left, right))
+    near = np.inf
+    for number in np.flatnonzero(shown):  # the wavenumber falls
+        shown[number] = near - ticks[number] >= _BETWEEN_TICKS * abs(right - left)
+        near = ticks[number] if shown[number] else near
+    top = ax.secondary_xaxis("top")
+    top.set_xticks(ticks[shown], [f"{tick:g}" for tick in _TICKS_UM[shown]])
+    top.set_xlabel("wavelength [µm]")
     legend_below(ax, most=2)
     return ax
-
-
-def _black_body(result: "Ftir", ax: Axes) -> None:
-    temperature = max(result.uncovered)
-    ends = [one.wavenumber[[0, -1]] for one in result.spectra]
-    wavenumber = np.linspace(min(end[0] for end in ends), max(end[1] for end in ends), 500)
-    wavenumber = np.maximum(wavenumber, 1.0)
-    per_wavenumber = planck(1.0 / wavenumber, temperature) / wavenumber**2
-    height = _RADIATION_HEIGHT * per_wavenumber / per_wavenumber.max()
-    ax.fill_between(wavenumber / PER_CENTIMETRE, height, color=GREY, alpha=0.3, lw=0,
-                    label=f"black body, {temperature:g} K, arbitrary height")  # fmt: skip
-
-
-def _wavelength_axis(ax: Axes) -> None:
-    left, right = ax.get_xlim()
-    at = _MICROMETRES_TIMES_PER_CENTIMETRE / _TICKS_UM
-    shown = (at > min(left, right)) & (at < max(left, right))
-    room = _BETWEEN_TICKS * abs(right - left)
-    last = np.inf
-    for number in np.flatnonzero(shown):  # the wavenumber falls
-        shown[number] = last - at[number] >= room
-        last = at[number] if shown[number] else last
-    top = ax.secondary_xaxis("top")
-    top.set_xticks(at[shown], [f"{tick:g}" for tick in _TICKS_UM[shown]])
-    top.set_xlabel("wavelength [µm]")
 
 
 def ftir_figures(

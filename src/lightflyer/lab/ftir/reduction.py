@@ -238,18 +238,50 @@ def reduce_ftir(
     the interval is wider than it need be.
     """
     used = DEFAULT_ACCURACY if accuracy is None else accuracy
-    _check(spectra, reflectances, band, temperatures, used)
-    require_distinct([(one.source, (one.wavenumber, one.value)) for one in spectra])
-    low, high = _common_range([*spectra, *reflectances])
-    inside = (max(band[0], low), min(band[1], high))
-    uncovered_band = _uncovered_band(band, low, high, spectra[0].source)
     heat = [float(t) for t in temperatures]
+    require_positive(temperatures=np.asarray(heat))
+    require_range("accuracy", used, 0.0, 1.0)
+    require_range("lower end of the band", band[0], 0.0)
+    require_range("upper end of the band", band[1], band[0], open_below=True)
+    if not spectra:
+        raise ParameterError("a spectrum of transmittance is needed")
+    whole = [*spectra, *reflectances]
+    for one, quantity in zip(
+        whole, ["transmittance"] * len(spectra) + ["reflectance"] * len(reflectances), strict=True
+    ):
+        if one.quantity != quantity:
+            raise ParameterError(f"{one.source}: shows {one.quantity}, not {quantity}")
+        if quantity == "reflectance" and one.collection == "diffuse":
+            raise ParameterError(
+                f"{one.source}: holds diffuse reflectance, which leaves out the specular beam; "
+                "no emissivity follows without it"
+            )
+    require_distinct([(one.source, (one.wavenumber, one.value)) for one in spectra])
+    low, high = _common_range(whole)
+    inside = (max(band[0], low), min(band[1], high))
+    covered = (inside[1] - inside[0]) / (band[1] - band[0])
+    if covered <= 0.0:
+        in_cm = [end / PER_CENTIMETRE for end in (*band, low, high)]
+        raise ParameterError(
+            f"{spectra[0].source}: has no data in the band from {in_cm[0]:g} to {in_cm[1]:g} "
+            f"cm^-1; its data extend from {in_cm[2]:.5g} to {in_cm[3]:.5g} cm^-1"
+        )
+    uncovered_band = 0.0 if covered > 1.0 - _ROUNDING else 1.0 - covered
     uncovered = {t: uncovered_power((low, high), t) for t in heat}
-    raw = [
-        _averages(group, inside, (low, high), heat, used)
-        for group in (spectra, reflectances)
-        if group
-    ]
+    raw: list[dict[str | float, Share]] = []  # by temperature, and over the band
+    far: list[Doubt] = []
+    for group in filter(None, (spectra, reflectances)):
+        noisy = [(one, noise_density(one.value)) for one in group]
+        means = {_BAND_MEAN: [band_mean(*one, inside) for one in noisy]} | {
+            t: [planck_mean(*one, (low, high), t) for one in noisy] for t in heat
+        }
+        raw.append({where: combine_repeats(each, used) for where, each in means.items()})
+        scatter = raw[-1][_BAND_MEAN].random * float(np.sqrt(len(group)))
+        if len(group) > 1 and scatter > _FAR_ABOVE * used > 0.0:
+            far.append(Doubt(
+                f"repeats of {group[0].quantity} differ by {scatter:.2g} over the band, where an "
+                f"accuracy of {used:.2g} is stated or assumed: are all of one film?"
+            ))  # fmt: skip
     rest = {where: remainder([one[where] for one in raw]) for where in raw[0]}
     bounds, unsaid = Bounds(), Bounds()
     transmittance = _cut(bounds, "transmittance", raw[0])
@@ -271,39 +303,14 @@ def reduce_ftir(
         uncovered=uncovered,
         accuracy=used,
         warnings=(
-            *coverage_warnings([*spectra, *reflectances], band, uncovered_band, uncovered),
-            *_far_repeats(spectra, raw[0], used),
-            *_far_repeats(reflectances, raw[-1], used),
+            *coverage_warnings(whole, band, uncovered_band, uncovered),
+            *far,
             *spectrum_warnings(spectra, reflectances, band, used),
             *bounds.warnings,
             *accuracy_warnings(accuracy, used),
             *(doubts_of("emissivity", EMISSIVITY, emissivity.band.value) if reflectances else []),
         ),
-    )  # fmt: skip
-
-
-def _check(
-    spectra: Sequence[MeasuredSpectrum],
-    reflectances: Sequence[MeasuredSpectrum],
-    band: tuple[float, float],
-    temperatures: Sequence[float],
-    accuracy: float,
-) -> None:
-    require_positive(temperatures=np.asarray(temperatures, float))
-    require_range("accuracy", accuracy, 0.0, 1.0)
-    require_range("lower end of the band", band[0], 0.0)
-    require_range("upper end of the band", band[1], band[0], open_below=True)
-    if not spectra:
-        raise ParameterError("a spectrum of transmittance is needed")
-    for group, quantity in ((spectra, "transmittance"), (reflectances, "reflectance")):
-        for one in group:
-            if one.quantity != quantity:
-                raise ParameterError(f"{one.source}: shows {one.quantity}, not {quantity}")
-            if quantity == "reflectance" and one.collection == "diffuse":
-                raise ParameterError(
-                    f"{one.source}: holds diffuse reflectance, which leaves out the specular beam; "
-                    "no emissivity follows without it"
-                )
+    )
 
 
 def _common_range(spectra: Sequence[MeasuredSpectrum]) -> tuple[float, float]:
@@ -315,67 +322,15 @@ def _common_range(spectra: Sequence[MeasuredSpectrum]) -> tuple[float, float]:
     return low, high
 
 
-def _averages(
-    group: Sequence[MeasuredSpectrum],
-    band: tuple[float, float],
-    measured: tuple[float, float],
-    temperatures: Sequence[float],
-    accuracy: float,
-) -> dict[str | float, Share]:
-    """Means of repeated spectra over the band, and by temperature."""
-    densities = [noise_density(one.value) for one in group]
-    noisy = list(zip(group, densities, strict=True))
-    found: dict[str | float, Share] = {
-        _BAND_MEAN: combine_repeats([band_mean(one, noise, band) for one, noise in noisy], accuracy)
-    }
-    for temperature in temperatures:
-        means = [planck_mean(one, noise, measured, temperature) for one, noise in noisy]
-        found[temperature] = combine_repeats(means, accuracy)
-    return found
-
-
-def _far_repeats(
-    group: Sequence[MeasuredSpectrum], shares: dict[str | float, Share], accuracy: float
-) -> list[Doubt]:
-    """A line where repeats differ by far more than the instrument's accuracy."""
-    scatter = shares[_BAND_MEAN].random * float(np.sqrt(len(group)))
-    if len(group) < 2 or scatter <= _FAR_ABOVE * accuracy or not accuracy:
-        return []
-    return [
-        Doubt(
-            f"repeats of {group[0].quantity} differ by {scatter:.2g} over the band, where an "
-            f"accuracy of {accuracy:.2g} is stated or assumed: are all of one film?"
-        )
-    ]
-
-
 def _cut(bounds: Bounds, quantity: str, shares: dict[str | float, Share]) -> Averages:
     """Estimates of the shares, cut at what is possible."""
-    band = bounds.cut(quantity, _BAND_MEAN, shares[_BAND_MEAN].estimate())
-    planck = {
-        where: bounds.cut(quantity, f"at {where:g} K", share.estimate())
-        for where, share in shares.items()
-        if not isinstance(where, str)
-    }
-    return Averages(band, planck)
-
-
-def _uncovered_band(band: tuple[float, float], low: float, high: float, source: str) -> float:
-    """Share of the band's width without data."""
-    covered = (min(band[1], high) - max(band[0], low)) / (band[1] - band[0])
-    if covered <= 0.0:
-        in_cm = [end / PER_CENTIMETRE for end in (*band, low, high)]
-        raise ParameterError(
-            f"{source}: has no data in the band from {in_cm[0]:g} to {in_cm[1]:g} cm^-1; its data "
-            f"extend from {in_cm[2]:.5g} to {in_cm[3]:.5g} cm^-1"
+    found = {
+        where: bounds.cut(
+            quantity, where if isinstance(where, str) else f"at {where:g} K", share.estimate()
         )
-    return 0.0 if covered > 1.0 - _ROUNDING else 1.0 - covered
-
-
-def _metadata_of(spectrum: MeasuredSpectrum) -> dict[str, str]:
-    """What the file says of its spectrum, without what it leaves open."""
-    metadata = {name: text for name, text in asdict(spectrum.metadata).items() if text}
-    return metadata | ({"collection": spectrum.collection} if spectrum.collection else {})
+        for where, share in shares.items()
+    }
+    return Averages(found.pop(_BAND_MEAN), found)  # type: ignore[arg-type]
 
 
 def to_dataset(result: Ftir) -> "xr.Dataset":
@@ -385,13 +340,15 @@ def to_dataset(result: Ftir) -> "xr.Dataset":
         for number, one in enumerate(group):
             name = f"{one.quantity}_{number}"
             dimension = f"wavenumber_{name}"
+            said = asdict(one.metadata) | {"collection": one.collection}
+            said = {key: text for key, text in said.items() if text}
             variables[dimension] = (
                 dimension, one.wavenumber / PER_CENTIMETRE,
                 {"units": "cm-1", "long_name": "wavenumber"},
             )  # fmt: skip
             variables[name] = (
                 dimension, one.value,
-                {"units": "1", "long_name": one.quantity, "file": one.source} | _metadata_of(one),
+                {"units": "1", "long_name": one.quantity, "file": one.source, **said},
             )  # fmt: skip
     at, value = result.emissivity_spectrum()
     name = "emissivity" if result.reflectances else "emissivity_upper_bound"

@@ -157,7 +157,13 @@ def solve(
     for number, (problem, (normal, profiled)) in enumerate(zip(given, statistical, strict=True)):
         own = slice(number * width, (number + 1) * width)
         covariance = whole[own, own]
-        freedoms = _freedoms(covariance, normal, len(problem.conductance) - width)
+        # by Welch's formula; those of common errors are infinite
+        shares = {
+            name: normal[name].uncertainty / one
+            for name, one in zip(PARAMETERS, np.sqrt(np.diag(covariance)), strict=True)
+        }
+        rows = len(problem.conductance) - width
+        freedoms = {name: rows / min(share, 1.0) ** 4 for name, share in shares.items()}
         total_normal = _normal(values[own], covariance, freedoms)
         solutions.append(
             Solution(
@@ -202,7 +208,9 @@ def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]
     # they would take up scatter.
     starts, total, alike = [[*guess] for guess in guesses], None, [1.0] * len(problems)
     last, instruments = len(PARAMETERS) * len(problems), len(problems[0].errors.names)
-    sharing, law_error = problems, _law_error(problems)
+    # a smooth error of the law's shape bends within less than a decade as the square of its width;
+    # what is straight of it goes into area ratio and offset
+    sharing, law_error = problems, LAW_ERROR * min(max(map(_decades, problems)), 1.0) ** 2
     if len(problems) > 1 and instruments:
         own = LAW_OWN if min(guess[0] for guess in guesses) > _ALIKE_TAC else 1.0
         sharing, law_error = _with_shared_law(problems, law_error, own), own * law_error
@@ -220,12 +228,14 @@ def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]
         if not common:
             alike = [_alike(*one) for one in zip(problems, starts, strict=True)]
             break
-        joint = JointProblem(
-            tuple(
-                _scaled(problem, 1.0 / _row_error(problem, noise, count, law_error))
-                for problem, noise, count in zip(sharing, scatter, alike, strict=True)
-            )
-        )
+        runs = []
+        for problem, noise, count in zip(sharing, scatter, alike, strict=True):
+            # the mean over a decade keeps the law's own error, or very many rows would seem to
+            # measure the gauge's error by the shape of the curve
+            per_decade = len(problem.pressure) / max(_decades(problem), 1.0)
+            error = np.hypot(noise * np.sqrt(count), law_error * np.sqrt(per_decade))
+            runs.append(_scaled(problem, 1.0 / max(float(error), _LEAST_SCATTER)))
+        joint = JointProblem(tuple(runs))
         total = minimise(joint, [*np.ravel(starts), *common, *of_law], scale=False)
         values = _values(total, joint.names)
         before, common = common, values[last : last + instruments]
@@ -265,7 +275,7 @@ def _with_shared_law(problems: Sequence[Problem], law_error: float, own: float) 
     """Runs with the law's error of shape, which they share, as unknowns over pressure."""
     # Several a decade, whose mean over it keeps the law's error: one a decade would leave the shape
     # within a decade exact, and by that very good rows would seem to measure the gauge's error.
-    most = min(len(problem.pressure) / _decades(problem) for problem in problems)
+    most = min(len(problem.pressure) / max(_decades(problem), 1.0) for problem in problems)
     each = int(np.clip(most, 1.0, _MOST_PARTS))
     levels = [each * np.log10(problem.pressure) for problem in problems]
     lowest = min(level.min() for level in levels)
@@ -306,29 +316,8 @@ def _alike(problem: Problem, values: Sequence[float]) -> float:
     return alike_points(residuals[np.argsort(problem.pressure, kind="stable")])
 
 
-def _row_error(problem: Problem, scatter: float, alike: float, law_error: float) -> float:
-    """Relative error of a row such that the mean over a decade keeps the law's own error [1]."""
-    # Without it very many rows would seem to measure the gauge's error by the shape of the curve.
-    per_decade = len(problem.pressure) / _decades(problem)
-    both = np.hypot(scatter * np.sqrt(alike), law_error * np.sqrt(per_decade))
-    return max(float(both), _LEAST_SCATTER)
-
-
-def _law_error(problems: Sequence[Problem]) -> float:
-    """Relative standard error of the law's shape, whose bend needs room [1]."""
-    # A smooth error bends within less than a decade as the square of its width; what is straight
-    # of it goes into area ratio and offset.
-    return LAW_ERROR * min(max(map(_width, problems)), 1.0) ** 2
-
-
-def _width(problem: Problem) -> float:
-    """Decades of pressure of a run."""
-    return float(np.log10(problem.pressure.max() / problem.pressure.min()))
-
-
 def _decades(problem: Problem) -> float:
-    """The same, one at least."""
-    return max(_width(problem), 1.0)
+    return float(np.log10(problem.pressure.max() / problem.pressure.min()))
 
 
 def _values(result: Any, names: tuple[str, ...]) -> list[float]:
@@ -355,31 +344,14 @@ def positive_estimate(
     return Estimate(value, (value / factor, value * factor), unit, uncertainty)
 
 
-def _freedoms(
-    covariance: np.ndarray, statistical: Mapping[str, Estimate], freedom: int
-) -> dict[str, float]:
-    """Degrees of freedom of the total by Welch's formula; those of common errors are infinite."""
-    spread = np.sqrt(np.diag(covariance))
-    shares = [
-        statistical[name].uncertainty / one for name, one in zip(PARAMETERS, spread, strict=True)
-    ]
-    return {
-        name: freedom / min(share, 1.0) ** 4 for name, share in zip(PARAMETERS, shares, strict=True)
-    }
-
-
 def _profiles(
     joint: JointProblem, values: Sequence[float], run: int, normal: Mapping[str, Estimate],
     freedoms: Mapping[str, float],
 ) -> dict[str, Estimate]:  # fmt: skip
     """A run's parameters with profile intervals; residuals of all runs in standard errors."""
-    ends = {
-        name: profile_interval(
-            joint, values, run, name, one.uncertainty or 0.0, student_factor(freedoms[name])
-        )
-        for name, one in normal.items()
-    }
     return {
-        name: Estimate(one.value, ends[name], one.unit, one.uncertainty)
+        name: replace(one, interval=profile_interval(
+            joint, values, run, name, one.uncertainty or 0.0, student_factor(freedoms[name])
+        ))
         for name, one in normal.items()
-    }
+    }  # fmt: skip

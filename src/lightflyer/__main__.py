@@ -11,6 +11,7 @@ import codecs
 import ctypes
 import gc
 import io
+import logging
 import os
 import signal
 import sys
@@ -55,6 +56,8 @@ def main() -> None:
     gc.set_threshold(50_000, 20, 100)  # collecting the garbage of imports takes time, saves none
     _keep_memory()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait on matrices as small as ours
+    # of a home that cannot be written, in which Matplotlib would keep its list of fonts
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     from lightflyer.cli import main as run  # takes a while
     from lightflyer.cli.code_cache import keep_code
     from lightflyer.core.extras import hide_dask

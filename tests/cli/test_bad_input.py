@@ -234,7 +234,7 @@ COMMANDS = [
     ("sweep study.toml --out r --workers 0", "at least 1"),
     ("sweep study.toml --out points.csv", "is not a sweep; choose another folder"),
     ("sweep optimise.toml --out r", "needs a section .sweep."),
-    ("map nothere.zarr --x diameter --value payload", "is not a sweep"),
+    ("map nothere.zarr --x diameter --value payload", "does not exist"),
     ("optimise study.toml", "needs a section .optimise."),
     ("optimise optimise.toml --write flyer.toml", "choose another name"),
     ("optimise optimise.toml --write nowhere/best.toml", "there is no folder nowhere"),

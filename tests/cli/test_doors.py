@@ -20,6 +20,7 @@ import lightflyer as lf
 from lightflyer.cli import code_cache
 from lightflyer.core import atomic_files, cache
 from lightflyer.core.text import cell_text
+from lightflyer.environment.wind import layouts
 from lightflyer.explorer import server
 from lightflyer.mission.telemetry import write_passes_csv
 
@@ -215,6 +216,30 @@ def test_deep_files_are_a_line(run, flyer_file, tmp_path, depth):
         code, out, errors = run("predict", path, "--samples", "0")
         assert (code, out) == (2, "")
         assert len(errors.splitlines()) == 1
+
+
+@pytest.mark.parametrize("date", ["2023-02-29", "2023-06-31T10:00:00Z", "2023-13-01", "25:00"])
+def test_days_that_do_not_exist_are_named(run, tmp_path, date):
+    path = tmp_path / "mission.toml"
+    run("init", path, "--kind", "mission")
+    text = path.read_text(encoding="utf-8").replace("2026-06-21T12:00:00Z", date, 1)
+    path.write_text(text, encoding="utf-8")
+    code, _, errors = run("fly", path)
+    assert code == 2
+    assert errors.strip().endswith(f"mission.toml:6: date = {date}: there is no such date or time")
+
+
+def test_a_wind_file_that_was_cut_is_damaged(run, tmp_path):
+    import xarray as xr
+
+    wind = np.zeros((2, 3, 4, 5))
+    whole = xr.Dataset(dict.fromkeys("uv", (("time", "level", "latitude", "longitude"), wind)))
+    for engine, size in (("h5netcdf", 4000), ("scipy", 500), ("h5netcdf", 100)):
+        whole.to_netcdf(tmp_path / "w.nc", engine=engine)
+        cut = (tmp_path / "w.nc").read_bytes()[:size]
+        (tmp_path / "w.nc").write_bytes(cut)
+        with pytest.raises(lf.ConfigurationError, match="is damaged or cut short"):
+            layouts.open_parts(tmp_path / "w.nc")
 
 
 @POSIX

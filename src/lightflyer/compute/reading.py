@@ -67,22 +67,32 @@ def damaged(folder: Path, what: str) -> ConfigurationError:
     return ConfigurationError(f"{folder}: {what}; the same sweep mends it")
 
 
-def read_store(folder: Path) -> xr.Dataset:
-    """The results in a store; ConfigurationError where a part of it was lost."""
+def _record_of(folder: Path) -> dict[str, Any]:
+    """What a store says of itself."""
     if not (folder / RECORDS).is_dir():
+        if not folder.exists():
+            raise ConfigurationError(f"{folder}: does not exist")
         if not (folder / METADATA).is_file():
-            raise ConfigurationError(f"{folder}: is not a sweep")
+            kind = "folder" if folder.is_dir() else "file"
+            raise ConfigurationError(
+                f"{folder}: this {kind} is not a sweep, which is the folder of lightflyer sweep"
+            )
         raise ConfigurationError(
             f"{folder}: its hidden folder {RECORDS}, which says what is complete, is missing; copy "
             "the whole sweep, or read it unchecked with xarray.open_zarr"
         )
     try:
-        stored = stored_study(folder)
+        return stored_study(folder)
     except (OSError, ValueError):
         raise ConfigurationError(
             f"{folder}: {RECORDS}/{STUDY} is damaged or missing; copy it again or run the sweep "
             "into another folder"
         ) from None
+
+
+def read_store(folder: Path) -> xr.Dataset:
+    """The results in a store; ConfigurationError where a part of it was lost."""
+    stored = _record_of(folder)
     recorded = stored.get("group", {})  # version 0.2 recorded none
     try:
         told = group_checksums(folder, [name for name in recorded if name])

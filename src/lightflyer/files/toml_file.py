@@ -105,11 +105,14 @@ def _not_toml(said: str, text: str, path: Path) -> str:
     what = _GRAMMAR.get(what, what)
     line = lines[number - 1] if number <= len(lines) else ""
     unquoted = re.match(r"\s*([\w.]+)\s*=\s*([^\s\"'#\[{][^\"#]*?)\s*(?:#.*)?$", line)
+    if unquoted and _DATE.match(unquoted[2]):
+        return f"{path}:{number}: {unquoted[1]} = {unquoted[2]}: there is no such date or time"
     hint = f'; texts need quotes: {unquoted[1]} = "{unquoted[2]}"' if unquoted else ""
     return f"{path}:{number}: is not valid TOML: {what[0].lower()}{what[1:]}{hint}"
 
 
 _NAMED = re.compile(r"(?:Value error, )?(?:(\w+(?:\.\w+)*) = |\[(\w+(?:\.\w+)*)\])")
+_DATE = re.compile(r"\d{4}-\d{2}-\d{2}(?!\d)|\d{2}:\d{2}(?!\d)")
 _GRAMMAR = {
     "Cannot overwrite a value": "a key is given twice",
     "Illegal character '\\n'": "a text is not closed by quotes",

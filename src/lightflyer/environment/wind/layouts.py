@@ -10,9 +10,11 @@ import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
+from lightflyer.core.text import read_content
 from lightflyer.core.units import scale_and_offset
 
 _PATTERN = re.compile(r"[*?\[]")
+_NETCDF = (b"\x89HDF", b"CDF")  # what such files begin with
 _GRIB = (".grib", ".grib2", ".grb", ".grb2", ".gb2")
 _INDEX = ".idx"  # Written by cfgrib beside a file
 _IN_GRIB = "u", "v", "w", "t", "z", "gh"
@@ -82,7 +84,9 @@ def _open(path: str) -> list[Any]:
         datasets = _open_grib(path) if is_grib else [xarray.open_dataset(path)]
         found = [_of_interest(dataset) for dataset in datasets]
     except (OSError, ValueError, EOFError) as error:
-        reason = getattr(error, "strerror", None) or "xarray knows no way to open it"
+        damaged = Path(path).is_file() and read_content(Path(path)).startswith(_NETCDF)
+        unknown = "is damaged or cut short" if damaged else "xarray knows no way to open it"
+        reason = getattr(error, "strerror", None) or unknown
         kind = "GRIB" if is_grib else "NetCDF"
         raise ConfigurationError(f"{path}: cannot be read as {kind}: {reason}") from None
     if not found:

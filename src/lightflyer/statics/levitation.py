@@ -17,14 +17,11 @@ from lightflyer.statics.balance import (
     status_within,
 )
 from lightflyer.statics.equations import FlightEquations, total
-from lightflyer.statics.minimum_irradiance import LiftOff, find_by_irradiance
+from lightflyer.statics.minimum_irradiance import LOAD_TOLERANCE, LiftOff, find_by_irradiance
 
 HIGHEST_IRRADIANCE = 1e7
 """Irradiance above which nothing levitates [W/m²]: two black faces at the highest temperature of
 the search emit a little less, so a flyer that needs more hardly absorbs its light or has melted."""
-
-LOAD_TOLERANCE = 1e-10
-"""Largest difference of force and weight of a converged levitation, over the weight."""
 
 
 class Levitation(PrintedResult, Module):

@@ -10,8 +10,9 @@ derivative.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
-from functools import reduce
+from functools import partial, reduce
 from typing import NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
@@ -35,6 +36,9 @@ from lightflyer.numerics.system import implicit_system
 from lightflyer.statics.balance import imbalances, largest_power, solve_balance
 from lightflyer.statics.equations import FlightEquations, total
 
+LOAD_TOLERANCE = 1e-10
+"""Largest difference of force and weight of a levitating flyer, over its weight."""
+
 _DIMMEST = 1e-5  # light looked at after darkness, over the brightest
 _STEPS = 8  # in equal ratios from there to the brightest
 _RATIO = _DIMMEST ** (-1.0 / _STEPS)
@@ -46,6 +50,7 @@ _ROUGH = 1e-3  # the same on the way to light that carries the load
 _PATIENCE = 8  # steps of a balance before the careful search begins
 _FEW = 64  # elements that are not worth being taken apart
 _MANY_LEFT = 0.7  # share of the elements above which those that have ended are not left out
+_CLOSER = 4  # steps in the end, where they are needed
 _STEEPEST = 2.0  # power of the light with which an unknown is taken to grow, at most
 
 # what an element looks at: darkness is 0, then come the lights
@@ -135,7 +140,7 @@ def find_by_irradiance(equations: FlightEquations) -> LiftOff:
     share = found.light / top
     held = ~found.carries | found.in_the_dark
 
-    def residual(point: tuple[Array, ...]) -> tuple[Array, ...]:
+    def residual(equations: FlightEquations, load: Array, point: Unknowns) -> Unknowns:
         unknowns, way = point[:-1], point[-1]
         powers = equations.powers(way * top)
         push = equations.upward_force(unknowns) / load - 1.0
@@ -143,7 +148,11 @@ def find_by_irradiance(equations: FlightEquations) -> LiftOff:
         off = imbalances(balance, powers, largest_power(powers))
         return *off, xp.where(held, way - share, push)
 
-    (*rest, share), _ = implicit_system(residual, lambda: ((*found.unknowns, share), None))
+    def search() -> tuple[Unknowns, None]:
+        known = (*found.unknowns, share)
+        return _closer(partial(residual, still, least), known, len(flyer.nodes)), None
+
+    (*rest, share), _ = implicit_system(partial(residual, equations, load), search)
     unknowns = tuple(rest)
     temperature = state.temperature * (1.0 + reduce(xp.maximum, unknowns[: len(flyer.nodes)]))
     off = equations.upward_force(unknowns) / load - 1.0
@@ -156,6 +165,30 @@ def find_by_irradiance(equations: FlightEquations) -> LiftOff:
         status=found.status,
         strongest=found.force,
     )
+
+
+def _closer(residual: Callable[[Unknowns], Unknowns], point: Unknowns, nodes: int) -> Unknowns:
+    """A root found before, with Newton steps where the force still misses the load."""
+
+    # Light is found to a share of itself. Where the force is what two large ones leave, as that of
+    # a balloon thousands of times as heavy as its film, so much light changes it by more.
+    def misses(left: Unknowns) -> Array:
+        return xp.abs(left[-1]) > LOAD_TOLERANCE
+
+    def step(at: tuple[Unknowns, Array, Array]) -> tuple[Unknowns, Array, Array]:
+        point, rough, count = at
+        left, columns = with_slopes(residual, point, (-1.0,) * nodes)
+        rows = tuple(zip(*columns, strict=True))
+        steps = solve_linear(rows, [-one for one in left])
+        finite = reduce(xp.logical_and, [xp.isfinite(one) for one in steps])
+        moved = tuple(
+            xp.where(rough & finite, one + by, one) for one, by in zip(point, steps, strict=True)
+        )
+        return moved, misses(residual(moved)), count + 1
+
+    start = (point, misses(residual(point)), xp.zeros((), int))
+    found, _, _ = repeat_while(lambda at: xp.any(at[1]) & (at[2] < _CLOSER), step, start)
+    return found
 
 
 def _force_in(

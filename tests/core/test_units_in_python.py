@@ -190,6 +190,25 @@ def test_units_are_read_as_datasets_write_them(kind):
     assert number("x", xr.DataArray(0.5, attrs={"units": kind})) == pytest.approx(expected)
 
 
+def test_columns_of_pandas_go_out_as_columns():
+    table = pd.DataFrame({"radius": [0.5, 1.0, 2.0], "km": [70.0, 74.0, 78.0]}, ["c", "a", "b"])
+    some = table[table.radius < 1.5]
+    disk, state = lf.Disk(FILM, 1e-2 * some.radius), EARTH.state(1e3 * some.km)
+    found = lf.lift(disk, state, LU)
+    assert type(found) is pd.Series
+    assert [*found.index] == ["c", "a"]
+    alone = lf.lift(lf.Disk(FILM, 0.01), EARTH.state(74e3), LU)
+    assert found["a"] == pytest.approx(alone, rel=1e-12)
+    assert type(lf.levitate(disk, state, LU).irradiance) is pd.Series
+    assert type(lf.payload(disk, EARTH.state(72e3), LU)) is pd.Series
+    table["lift"] = found  # by the index
+    assert np.isnan(table.loc["b", "lift"])
+    grid = EARTH.state(xr.DataArray([70e3, 72e3], dims="altitude"))
+    assert type(lf.lift(lf.Disk(FILM, 0.01), grid, LU)) is xr.DataArray
+    with pytest.raises(lf.ParameterError, match="columns of pandas have different indexes"):
+        lf.lift(disk, EARTH.state(1e3 * table.km[::-1][:2]), LU)
+
+
 def test_names_of_dimensions_make_a_grid():
     radii = xr.DataArray([1.0, 2.0, 3.0], dims="radius", attrs={"units": "cm"})
     altitudes = xr.DataArray([70.0, 72.0], dims="altitude", attrs={"units": "km"})

@@ -239,6 +239,8 @@ def short_repr(record: Any) -> str:
 
 def _shown(value: Any, *, whole: bool) -> str:
     """A value of a field; ``whole``: what is within it, too."""
+    if hasattr(value, "to_numpy"):  # of pandas or xarray
+        value = value.to_numpy()
     if isinstance(value, np.ndarray | np.generic) or hasattr(value, "aval"):
         return _array(value)
     if isinstance(value, Module | ShortRepr):

@@ -11,7 +11,7 @@ from typing import Any, ParamSpec, TypeVar, Union, get_args, get_origin
 import numpy as np
 
 from lightflyer.array import tree
-from lightflyer.core.checks import is_labelled
+from lightflyer.core.checks import is_labelled, is_series
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import quantity_of, require_fit
 from lightflyer.core.units import is_si
@@ -68,7 +68,7 @@ class Reader:
             raise ParameterError(f"{name} must be {wanted}, not {type(value).__name__}")
         quantity = self._quantities.get(name)
         if quantity is not None and value is not None:
-            return quantity.number(name, value)
+            return quantity.number(name, value, keep_index=self._refuse)
         if not self._refuse:
             return value
         plain = np.asarray(value) if isinstance(value, list) else value
@@ -100,6 +100,9 @@ def strip_labels(whole: Any) -> Any:
 
 def align(arguments: Any) -> tuple[Any, Callable[[Any], Any]]:
     """Arguments without names of dimensions, and what gives results of their shape these names."""
+    columns = [leaf for leaf in tree.leaves(arguments) if is_series(leaf)]
+    if columns:
+        return _align_columns(arguments, columns)
     labelled = [leaf for leaf in tree.leaves(arguments) if is_labelled(leaf)]
     if not labelled:
         return arguments, _unchanged
@@ -129,6 +132,22 @@ def align(arguments: Any) -> tuple[Any, Callable[[Any], Any]]:
     def named(leaf: Any) -> Any:
         fits = template.ndim and isinstance(leaf, np.ndarray) and leaf.shape == template.shape
         return xr.DataArray(leaf, template.coords, template.dims) if fits else leaf
+
+    return found, lambda result: tree.map_leaves(named, result)
+
+
+def _align_columns(arguments: Any, columns: list[Any]) -> tuple[Any, Callable[[Any], Any]]:
+    """Arguments without the index of columns of pandas; beside arrays of xarray it is dropped."""
+    first = columns[0]
+    if not all(one.index.equals(first.index) for one in columns):
+        raise ParameterError("columns of pandas have different indexes: take them of one table")
+    found = tree.map_leaves(lambda leaf: leaf.to_numpy() if is_series(leaf) else leaf, arguments)
+    if any(map(is_labelled, tree.leaves(found))):
+        return align(found)
+
+    def named(leaf: Any) -> Any:
+        fits = isinstance(leaf, np.ndarray) and leaf.shape == first.shape
+        return type(first)(leaf, index=first.index) if fits else leaf
 
     return found, lambda result: tree.map_leaves(named, result)
 

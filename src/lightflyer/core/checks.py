@@ -35,6 +35,11 @@ def is_labelled(value: Any) -> bool:
     return hasattr(value, "dims") and hasattr(value, "attrs") and hasattr(value, "dtype")
 
 
+def is_series(value: Any) -> bool:
+    """Whether a value is a column of pandas."""
+    return hasattr(value, "iloc") and hasattr(value, "dtype")
+
+
 def is_concrete(*values: Any) -> bool:
     """Whether all values are numbers that are still to be checked: none within a public function.
 

@@ -30,7 +30,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from lightflyer.array.namespace import Numeric, call, is_tracer, within, xp
 from lightflyer.array.records import AbstractClassVar, AbstractVar, Module, field
-from lightflyer.core.checks import is_concrete, is_labelled, range_text, require_range
+from lightflyer.core.checks import is_concrete, is_labelled, is_series, range_text, require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.units import Measured, file_unit, parse, scale_and_offset
 
@@ -92,8 +92,11 @@ class Quantity:
             "the units"
         )
 
-    def number(self, name: str, value: Any) -> Any:
-        """Number or array in the unit, from whatever a script gives; labels of xarray stay."""
+    def number(self, name: str, value: Any, *, keep_index: bool = False) -> Any:
+        """Number or array in the unit, from whatever a script gives; labels of xarray stay.
+
+        Columns of pandas become arrays, unless their index is to be kept.
+        """
         if isinstance(value, Module):
             return value  # a number that depends on another, such as an emittance on temperature
         if is_tracer(value):
@@ -103,6 +106,8 @@ class Quantity:
             return value
         if hasattr(value, "columns"):
             raise ParameterError(f"{name} is a table of pandas; give one of its columns")
+        if is_series(value) and keep_index and value.dtype.kind in "fiu":
+            return value.astype(float)
         if hasattr(value, "index") or not hasattr(value, "dtype"):  # pandas has both
             value = _array_of(value)
         if isinstance(value, np.ma.MaskedArray):
@@ -442,7 +447,7 @@ def _converter(name: str, annotation: Any) -> Callable[[Any], Any] | None:
 def _as_number(name: str, quantity: Quantity, is_optional: bool, value: Any) -> Any:
     if call.depth and not isinstance(value, str):  # made of checked numbers
         return quantity.possible(value) if call.blanks and value is not None else value
-    return None if value is None and is_optional else quantity.number(name, value)
+    return None if value is None and is_optional else quantity.number(name, value, keep_index=True)
 
 
 def require_record(name: str, kinds: tuple[type, ...], value: Any) -> Any:

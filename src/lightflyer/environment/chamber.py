@@ -154,7 +154,7 @@ class Chamber(AbstractEnvironment):
 
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:  # noqa: ARG002
         """Surroundings at a pressure, which may lie outside the range of interest."""
-        pressure = self.coordinate.quantity.number("pressure", coordinate)
+        pressure = self.coordinate.quantity.number("pressure", coordinate, keep_index=True)
         _PRESSURE.check("pressure", pressure)
         state = EnvironmentState(
             pressure=pressure,

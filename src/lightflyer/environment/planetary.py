@@ -116,7 +116,7 @@ class Planetary(AbstractEnvironment):
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
         """Surroundings at an altitude; ``coordinate``: geometric altitude."""
         warn_of_kilometres(coordinate)
-        altitude = self.coordinate.quantity.number("altitude", coordinate)
+        altitude = self.coordinate.quantity.number("altitude", coordinate, keep_index=True)
         require_range("altitude [m]", altitude, *self.atmosphere.altitude_range)
         wind = None if place is None else self.wind
         place = self.place if place is None else place

@@ -146,3 +146,93 @@ def test_bad_options(folder, run, arguments, says):
     assert says in errors
     assert errors.count("\n") == 1
     assert not (folder / "fit").exists()
+
+
+@pytest.fixture
+def measured(folder, run):
+    """Points of two disks, a flyer file, and what runs the command on some of the points."""
+    run("init", "measured.csv", "--kind", "points")
+    run("init", "chamber.toml", "--kind", "chamber")
+    lines = (folder / "measured.csv").read_text(encoding="utf-8").splitlines()
+    head, *rows = [line for line in lines if not line.startswith("#")]
+    rows = [row.split(", ") for row in rows]
+
+    def calibrated(*options, change=lambda rows: rows, header=head, points="some.csv"):
+        text = "\n".join([header, *(", ".join(row) for row in change(rows))]) + "\n"
+        (folder / points).write_text(text, encoding="utf-8")
+        code, shown, errors = run(
+            "calibrate", points, "--flyer", "chamber.toml", "--update", "chamber.toml", *options
+        )
+        return code, shown, errors, (folder / "chamber.toml").read_text(encoding="utf-8")
+
+    return calibrated
+
+
+def test_what_fits_is_written_with_its_total_and_origin(measured):
+    code, shown, errors, text = measured()
+    assert code == 0, errors
+    assert 'chamber.toml: force.c_fm = "0.401 ± 0.019"' in shown
+    assert 'c_cont = "3.05 ± 0.49"  # measured: calibrate, some.csv, 20' in text
+    setup = lf.calibration.calibrate(
+        "chamber.toml", points=lf.calibration.read_points("some.csv")
+    ).setup
+    assert setup.model.c_fm == pytest.approx(0.4006, rel=1e-3)
+    code, shown, _, text = measured()  # again: the same number, in the same place
+    assert (code, text.count("measured: calibrate")) == (0, 2)
+
+
+@pytest.mark.parametrize(
+    ("change", "header", "says"),
+    [
+        (lambda rows: [row for row in rows if float(row[1]) < 40], None,
+         "c_cont limits the force at no point: by at most"),
+        (lambda rows: [row for row in rows if float(row[1]) > 50], None,
+         "c_fm limits the force at no point: by at most"),
+        (lambda rows: [[*row[:3], "1", *row[4:]] for row in rows], None,
+         "times as much as their stated uncertainties say"),
+        (lambda rows: [rows[0], rows[-1]], None, "nothing shows whether the model fits"),
+        # of another unit: all light is a tenth
+        (lambda rows: [[row[0], row[1], f"{0.1 * float(row[2])}", f"{0.1 * float(row[3])}",
+                        *row[4:]] for row in rows], None, "times as much"),
+        # without uncertainties, up and down by half
+        (lambda rows: [[row[0], row[1], f"{float(row[2]) * (0.5, 1.5)[number % 2]}", row[4]]
+                       for number, row in enumerate(rows)],
+         "sample, pressure [mTorr], irradiance [W/m^2], diameter [cm]",
+         "scatter of the points 0.5"),
+    ],
+)  # fmt: skip
+def test_what_is_in_doubt_is_written_on_demand_only(measured, change, header, says):
+    before = Path("chamber.toml").read_text(encoding="utf-8")
+    more = {} if header is None else {"header": header}
+    code, shown, errors, text = measured("--out", "o", change=change, **more)
+    assert (code, shown, text) == (2, "", before)
+    assert says in errors
+    assert "--insist writes it all the same; chamber.toml is unchanged" in errors
+    assert len(errors.splitlines()) == 1
+    assert not Path("o").exists()
+    code, shown, errors, text = measured("--insist", change=change, **more)
+    assert code == 0, errors
+    assert text != before
+    assert says in shown
+
+
+def test_what_no_flyer_file_takes_is_a_line(measured, run):
+    code, _, errors, _ = measured("--free", "c_fm[Ge 2 cm]")
+    assert code == 2
+    assert "c_fm[Ge 2 cm]: of one sample each; a flyer file has one flyer" in errors
+    run("init", "kinetic.toml")
+    before = Path("kinetic.toml").read_text(encoding="utf-8")
+    code, _, errors = run("calibrate", "some.csv", "--update", "kinetic.toml")
+    assert code == 2
+    assert 'force.c_fm belongs to model = "lu2023"' in errors
+    assert Path("kinetic.toml").read_text(encoding="utf-8") == before
+    code, _, errors = run("calibrate", "some.csv", "--insist")
+    assert "--insist needs --update" in errors
+
+
+def test_samples_named_like_formulas_are_none(folder, run):
+    text = (folder / "points.csv").read_text(encoding="utf-8").replace("synthetic,", "=1+1,")
+    (folder / "points.csv").write_text(text, encoding="utf-8")
+    assert run("calibrate", "points.csv", "--out", "fit")[0] == 0
+    rows = (folder / "fit" / "residuals.csv").read_text(encoding="utf-8").splitlines()[1:]
+    assert all(row.startswith("'=1+1,") for row in rows)

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.config.update import require_no_doubt
+from lightflyer.core.errors import ConfigurationError, Doubt
 from lightflyer.lab.optics.data import OpticsSample, read_sample
 from lightflyer.lab.optics.fit import fit_optics
 from lightflyer.lab.optics.model import OpticalModel
-from lightflyer.lab.record import Doubt, require_no_doubt
 
 tmm = pytest.importorskip("tmm")
 

@@ -11,12 +11,17 @@ from lightflyer.calibration.points import Points
 from lightflyer.calibration.problem import (
     Problem,
 )
+from lightflyer.config.update import Fitted
+from lightflyer.core.errors import ParameterError
 from lightflyer.design.setup import Setup
 from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+_NORMAL = 1.959963984540054  # half width of a normal 95 % interval, in standard deviations
 
 
 @dataclass(frozen=True, repr=False)
@@ -94,6 +99,35 @@ class Calibration(PrintedResult):
         }
         model = self.problem.model
         return model.design.build(shared, model.prepared)
+
+    def for_flyer_file(self) -> dict[tuple[str, str], Fitted]:
+        """Values with total ± by section and key of a flyer file.
+
+        Those that all samples share. The ± is that of a normal distribution as wide as the total
+        95 % interval.
+
+        Raises
+        ------
+        ParameterError
+            If all parameters are of single samples, or one is of a part of a section.
+        """
+        found = {}
+        for row, parameter in enumerate(self.problem.parameters):
+            spread, ends = self.total_standard_uncertainties[row], self.total_intervals[row]
+            if np.all(np.isfinite(ends)):
+                spread = np.ptp(ends) / (2.0 * _NORMAL)
+            for field in parameter.target.fields if parameter.chosen.all() else ():
+                factor, (section, dot, key) = parameter.target.factor, field.partition(".")
+                if not dot or "." in key:
+                    raise ParameterError(f"{field} stands in a part of a section: write it by hand")
+                value = factor * float(self.values[row])
+                unit = parameter.target.quantity.unit
+                found[section, key] = Fitted(value, factor * float(spread), unit)
+        if not found:
+            raise ParameterError(
+                f"{', '.join(self.names)}: of one sample each; a flyer file has one flyer"
+            )
+        return found
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the points with the fit, and the residuals."""

@@ -7,11 +7,24 @@ import numpy as np
 from lightflyer.calibration.calibration import Calibration
 from lightflyer.calibration.steps import found_step
 from lightflyer.calibration.targets import target_of
+from lightflyer.core.errors import Doubt
+from lightflyer.core.quantity import Quantity
 
 LEAST_PROBABILITY = 0.01
 """Probability of chi-squared below which, or above one minus which, a warning says so."""
 
+FAR_ABOVE = 3.0
+"""Scatter over what the points' uncertainties say, from which the fit is in doubt."""
+
+_SCATTER = Quantity(
+    likely=(0.0, 0.25), known="repeated levitations of one film agree within some percent"
+)
+_UNLIKE = 3.0  # points of neighbouring pressures that err alike, from which the fit is in doubt
+_COVERED = 0.5  # of the force at some point, for a coefficient to be that of the points
 _LARGE_SHARE = 0.1  # of the inputs' variance, for an input to be named
+_LIMITS = {"c_fm": "lower", "c_cont": "higher"}
+"""Coefficients of the limits of thin and of dense gas, and where these are."""
+
 _AT_END = 1e-3  # relative distance of a value from the end of its range
 
 
@@ -22,6 +35,7 @@ def diagnose(fit: Calibration) -> list[str]:
         *_about_columns(fit),
         *_about_errors(fit),
         *_about_intervals(fit),
+        *_about_coverage(fit),
         *_about_inputs(fit),
         *_about_steps(fit),
     ]
@@ -40,26 +54,35 @@ def _about_columns(fit: Calibration) -> list[str]:
 
 def _about_errors(fit: Calibration) -> list[str]:
     if not fit.freedom:
-        return ["there are as many parameters as points: nothing shows whether the model fits"]
-    said = []
+        return [
+            Doubt("there are as many parameters as points: nothing shows whether the model fits")
+        ]
+    said: list[str] = []
     if fit.alike > 1.0:
         count = len(fit.points)
-        said.append(
+        text = (
             "residuals at neighbouring pressures are alike, as if of only "
             f"{count / fit.alike:.0f} points in place of {count}: the model does not fit them; "
             "intervals are wider for it"
         )
-    if fit.estimated_scatter or fit.error_scale != 1.0:
-        return said
+        said.append(Doubt(text) if fit.alike > _UNLIKE else text)
+    if fit.estimated_scatter:
+        unlikely = _SCATTER.unlikely(fit.scatter)
+        return [*said, Doubt(f"scatter of the points {unlikely}")] if unlikely else said
+    if fit.error_scale != 1.0:
+        if fit.error_scale < FAR_ABOVE:
+            return said
+        text = f"the stated uncertainties of the points had to be scaled by {fit.error_scale:.3g}"
+        return [*said, Doubt(f"{text}: the model, or something not stated, does not fit")]
     found = f"reduced chi-squared {fit.reduced_chi_squared:.3g}, {fit.freedom} degrees of freedom"
     ratio = math.sqrt(fit.reduced_chi_squared)
     if fit.chi_squared_probability < LEAST_PROBABILITY:
-        return [
-            *said,
+        text = (
             f"the points scatter {ratio:.3g} times as much as their stated uncertainties say "
             f"({found}): the intervals are too narrow; scale the errors, or find what the "
-            "uncertainties or the model leave out",
-        ]
+            "uncertainties or the model leave out"
+        )
+        return [*said, Doubt(text) if ratio >= FAR_ABOVE else text]
     if fit.chi_squared_probability > 1.0 - LEAST_PROBABILITY:
         return [
             f"the points scatter only {ratio:.2g} times as much as their stated uncertainties say "
@@ -72,13 +95,15 @@ def _about_intervals(fit: Calibration) -> list[str]:
     said = []
     for row, (name, parameter) in enumerate(zip(fit.names, fit.problem.parameters, strict=True)):
         doubt = parameter.target.quantity.unlikely(fit.values[row])
-        said += [f"{name} = {doubt}"] if doubt else []
+        said += [Doubt(f"{name} = {doubt}")] if doubt else []
         least, most = parameter.ends
         at = np.exp(parameter.log_bounds)
         if np.any(np.abs(fit.values[row] / at - 1.0) < _AT_END):
             said.append(
-                f"{name} = {fit.values[row]:.4g} is the end of its range: the points, or the "
-                "inputs, do not fit a value inside; fix it, or check the inputs"
+                Doubt(
+                    f"{name} = {fit.values[row]:.4g} is the end of its range: the points, or the "
+                    "inputs, do not fit a value inside; fix it, or check the inputs"
+                )
             )
         for end, bound, word, limit in (
             (0, least, "lower", f"zero ({least:g})" if least else "zero"),
@@ -91,10 +116,38 @@ def _about_intervals(fit: Calibration) -> list[str]:
                 if fit.intervals[row, end] == bound
                 else f"within their ±, {_largest(fit, row)} allow any value"
             )
+            open_ended = math.isinf(bound) or bound == 0.0
             said.append(
-                f"{name} has no {word} bound: {why}"
-                if math.isinf(bound) or bound == 0.0
+                Doubt(f"{name} has no {word} bound: {why}")
+                if open_ended
                 else f"the interval of {name} is cut at {limit}: {why}"
+            )
+    return said
+
+
+def _about_coverage(fit: Calibration) -> list[str]:
+    """That no point is where a force coefficient, which is named as that of a limit, counts."""
+    slopes = np.abs(fit.problem.linearise(np.log(fit.values)).jacobian)
+    rows = {
+        name.rpartition(".")[2]: row
+        for row, name in enumerate(fit.names)
+        if name.rpartition(".")[2] in _LIMITS
+    }
+    if not rows:
+        return []
+    # where the light grows as the force falls, that of both together is at least 1
+    whole = np.maximum(slopes[:, list(rows.values())].sum(axis=1), 1.0)
+    said = []
+    for name, row in rows.items():
+        share = slopes[:, row] / whole
+        best = int(np.argmax(share))
+        if share[best] < _COVERED:
+            said.append(
+                Doubt(
+                    f"{name} limits the force at no point: by at most {100.0 * share[best]:.0f} %, "
+                    f"at {fit.points.pressure[best]:.3g} Pa; points at {_LIMITS[name]} pressures "
+                    "would measure it"
+                )
             )
     return said
 

@@ -5,17 +5,14 @@ import math
 import os
 import re
 import tempfile
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TextIO
+from typing import Any, Literal, NamedTuple, Protocol, TextIO
 
 from lightflyer.core.atomic_files import TEMPORARY, remove_if_interrupted
-from lightflyer.core.errors import ConfigurationError, OutputError
+from lightflyer.core.errors import ConfigurationError, Doubt, OutputError
 from lightflyer.core.text import read_text
 from lightflyer.core.units import rewrite
-
-if TYPE_CHECKING:
-    from lightflyer.lab.estimate import Estimate
 
 Face = Literal["top", "bottom", "both"]  # Faces of a film that a value applies to
 
@@ -26,7 +23,40 @@ _NEW_FILE = 0o666
 _FACES = {"top": ("top",), "bottom": ("bottom",), "both": ("top", "bottom")}
 
 
-def measured_text(estimate: "Estimate", digits: int = _DIGITS) -> str:
+class Measured(Protocol):
+    """A number with a standard uncertainty, such as an estimate of the lab bench."""
+
+    @property
+    def value(self) -> float:
+        """In the unit."""
+
+    @property
+    def unit(self) -> str:
+        """As files write it; empty for a pure number."""
+
+    @property
+    def uncertainty(self) -> float | None:
+        """Standard uncertainty; None where there is none."""
+
+
+class Fitted(NamedTuple):
+    """A number that was fitted."""
+
+    value: float
+    uncertainty: float | None = None
+    unit: str = ""
+
+
+def require_no_doubt(path: Path, warnings: Sequence[str], *, insist: bool) -> None:
+    """Refuse to write into a flyer file what is in doubt, unless the user insists."""
+    for text in () if insist else warnings:
+        if isinstance(text, Doubt):
+            raise ConfigurationError(
+                f"{text}; --insist writes it all the same; {path} is unchanged"
+            )
+
+
+def measured_text(estimate: Measured, digits: int = _DIGITS) -> str:
     """Text of an estimate for a flyer file; ``estimate``: with a standard uncertainty."""
     spread = estimate.uncertainty or 0.0
     if not spread > 0.0:
@@ -38,7 +68,7 @@ def measured_text(estimate: "Estimate", digits: int = _DIGITS) -> str:
 
 def update_flyer_file(
     path: str | Path,
-    values: Mapping[tuple[str, str], "Estimate"],
+    values: Mapping[tuple[str, str], Measured],
     origin: str,
     *,
     insist: bool = False,

@@ -37,6 +37,10 @@ class ParameterWarning(UserWarning):
     """A parameter is possible but unusual, such as a measured TAC above one."""
 
 
+class Doubt(str):
+    """A warning of a number that ``--update`` writes into a flyer file on demand only."""
+
+
 @contextmanager
 def named(file: Any) -> Iterator[None]:
     """Say in which file the numbers are that are found impossible."""

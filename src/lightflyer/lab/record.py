@@ -3,30 +3,17 @@
 import io
 from collections.abc import Mapping, Sequence
 from itertools import combinations
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import lightflyer
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.errors import Doubt as Doubt
 from lightflyer.core.quantity import Quantity
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-class Doubt(str):
-    """A warning of a number that ``--update`` writes on demand only."""
-
-
-def require_no_doubt(path: Path, warnings: Sequence[str], *, insist: bool) -> None:
-    """Refuse to write into a flyer file what is in doubt, unless the user insists."""
-    for text in () if insist else warnings:
-        if isinstance(text, Doubt):
-            raise ConfigurationError(
-                f"{text}; --insist writes it all the same; {path} is unchanged"
-            )
 
 
 def joint_warnings(found: Sequence[tuple[str, Sequence[str]]]) -> list[str]:

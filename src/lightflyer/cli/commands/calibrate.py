@@ -9,8 +9,9 @@ from cyclopts import Parameter
 
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json, Samples, Seed, only_with
-from lightflyer.cli.output import print_json, printer, show
+from lightflyer.cli.output import print_json, printer, say, show
 from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.text import cell_text
 from lightflyer.files.quantities import exact, optional_share
 from lightflyer.files.result_text import warning_lines
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from lightflyer.calibration.calibration import Calibration
 
 
-@only_with(samples="posterior", seed="posterior")
+@only_with(samples="posterior", seed="posterior", insist="update")
 def calibrate_command(
     points_file: Path,
     /,
@@ -37,6 +38,8 @@ def calibrate_command(
     scale_errors: Annotated[bool, Parameter(negative=())] = False,
     keep_ground_effect: Annotated[bool, Parameter(negative=())] = False,
     out: Path | None = None,
+    update: Path | None = None,
+    insist: Annotated[bool, Parameter(negative=())] = False,
     posterior: Annotated[bool, Parameter(negative=())] = False,
     samples: Samples = 2000,
     seed: Seed = 0,
@@ -85,6 +88,12 @@ def calibrate_command(
     out
         Folder for the fit (JSON), the residuals (CSV) and their figure, and the draws
         from the posterior (CSV).
+    update
+        Flyer file to write the values that all samples share into, with their total ± and the
+        origin. What is in doubt is refused, and the file left as it is.
+    insist
+        Have --update write also what is in doubt: not determined, unlikely, of points that do not
+        fit or not cover it.
     posterior
         Also draw from the posterior by NUTS, at the inputs as given, without their ±; needs
         numpyro: pip install 'lightflyer[posterior]'.
@@ -103,6 +112,7 @@ def calibrate_command(
     from lightflyer.calibration.points import read_points
     from lightflyer.calibration.text import fit_parts
     from lightflyer.config.reader import read_flyer_file
+    from lightflyer.config.update import require_no_doubt
 
     points = read_points(points_file, columns=columns, gauge=read_gauge(gauge, gauge_factor))
     points = points if keep_ground_effect else points.without_ground_effect()
@@ -126,7 +136,10 @@ def calibrate_command(
     files = {"calibration.json": summary, "residuals.csv": partial(_write_residuals, fit)}
     if drawn is not None:
         files["posterior.csv"] = partial(_write_draws, drawn)
+    if update is not None:
+        require_no_doubt(update, fit.warnings, insist=insist)
     written = figures.write_folder(out, files, lambda: _figures(fit, drawn))
+    changes = [] if update is None else _update(update, fit, points_file, insist=insist)
     if json_output:
         print_json(summary)
         return
@@ -142,6 +155,16 @@ def calibrate_command(
     show(console, warning_lines(fit.warnings))
     hint = "add --out FOLDER to write the fit and a figure of the residuals"
     figures.tell(console, written, hint)
+    for text in changes:
+        say(console, f"{update}: {text}")
+
+
+def _update(path: Path, fit: "Calibration", points_file: Path, *, insist: bool) -> list[str]:
+    """Write fitted numbers into a flyer file; lines that say what was written."""
+    from lightflyer.config.update import update_flyer_file
+
+    origin = f"calibrate, {points_file.name}"
+    return update_flyer_file(path, fit.for_flyer_file(), origin, insist=insist)
 
 
 def _draw(fit: "Calibration", samples: int, seed: int) -> "Posterior":
@@ -181,7 +204,7 @@ def _write_residuals(fit: "Calibration", path: Path) -> None:
         fit.uncertainty,
     )
     rows = [
-        ",".join([sample.replace(",", ";"), *(f"{value:.8g}" for value in values)])
+        ",".join([cell_text(sample.replace(",", ";")), *(f"{value:.8g}" for value in values)])
         for sample, *values in zip(fit.points.samples, *columns, strict=True)
     ]
     path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")

@@ -146,8 +146,7 @@ def _deliver(
 
 
 def _update(name: str, found: "Outcome", flyer: Path, *, insist: bool) -> Sequence[str]:
-    from lightflyer.config.update import update_flyer_file
-    from lightflyer.lab.record import require_no_doubt
+    from lightflyer.config.update import require_no_doubt, update_flyer_file
 
     if found.write is not None:
         return found.write(flyer, insist)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import tomlkit
 
-from lightflyer.config.update import measured_text, replace_file
+from lightflyer.config.update import measured_text, replace_file, require_no_doubt
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import read_text
 from lightflyer.film.layered_section import LayeredFilmSection
@@ -17,7 +17,7 @@ from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.optics.data import OpticsSample, names_of_layers
 from lightflyer.lab.optics.diagnostics import display_unit
 from lightflyer.lab.optics.fit import OpticsFit
-from lightflyer.lab.record import csv_text, require_no_doubt
+from lightflyer.lab.record import csv_text
 
 if TYPE_CHECKING:
     from lightflyer.lab.optics.fit import OpticsFit

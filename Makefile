@@ -6,7 +6,7 @@ STAMP = $(VENV)/.installed
 DEV = $(VENV)/.installed-dev
 LOCK = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --no-header --generate-hashes
 
-.PHONY: demo test slow check lint types docs pages snippets figures listings screenshots verdicts wheel bench lock clean
+.PHONY: demo test slow check lint types docs pages snippets figures listings picture screenshots verdicts wheel bench lock clean
 
 demo: $(STAMP)  ## predict a 5-mm germanium disk, with bands; verdict here, figures and data in demo/
 	@test -e demo/flyer.toml || { mkdir -p demo && $(BIN)/lightflyer init demo/flyer.toml --kind laden > /dev/null; }
@@ -45,6 +45,9 @@ listings: $(DEV)  ## after a change of results on purpose: take what commands pr
 
 screenshots: $(DEV)  ## after a change of the calculator's or the explorer's page: take their pictures anew
 	$(BIN)/python docs/screenshots.py docs/_build
+
+picture: $(STAMP)  ## after a change of results on purpose: draw the picture of the README anew
+	$(BIN)/python docs/readme_picture.py
 
 verdicts: $(DEV)  ## after a change of published flyers: compute our verdicts on them
 	$(BIN)/python docs/_extensions/published/verdicts.py

@@ -4,9 +4,11 @@ import re
 import tomllib
 from pathlib import Path
 
+import pytest
 import yaml
 
 import lightflyer as lf
+from lightflyer.cli.commands.init import templates
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -30,6 +32,23 @@ def test_every_page_answers_a_question_on_the_front_page():
     assert subjects - parts - flyers - answered == set()
     for flyer in flyers:
         assert f"({flyer}.md)" in (DOCS / "flyers.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_picture_of_the_readme_shows_what_is_predicted(scheme, tmp_path):
+    """``make picture`` draws it; its description holds the numbers that it shows."""
+    drawn = (DOCS / "images" / f"lightflyer-{scheme}.svg").read_text(encoding="utf-8")
+    path = tmp_path / "flyer.toml"
+    path.write_text(templates()["laden"].read(), encoding="utf-8")
+    found = lf.predict(path)
+    low, high = found.uncertainty.bands["verdict.rest.temperature_k"]
+    rest = found.verdict.rest
+    told = f"{rest.coordinate / 1e3:.1f} km, {rest.values['temperature']:.0f} K"
+    told += f" ({low:.0f} to {high:.0f})"
+    assert f"rests at {told}" in drawn
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"images/lightflyer-{scheme}.svg" in readme
+    assert f"rests {told.split(' km')[0]} km over Earth" in readme
 
 
 def test_the_citation_is_whole_and_of_this_version():

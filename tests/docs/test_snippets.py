@@ -7,12 +7,14 @@ figures on purpose, ``make figures`` takes the new ones, and ``make listings`` t
 commands print. Read the difference: each line is taken from the printed one that is most like it.
 """
 
+import io
 import os
 import re
 import shlex
 import shutil
 import subprocess
 import tomllib
+from contextlib import redirect_stdout
 from difflib import SequenceMatcher
 from pathlib import Path
 
@@ -38,7 +40,11 @@ DOCS = ROOT / "docs"
 COMMAND_PAGES = sorted((DOCS / "commands").glob("*.md"))
 PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md")), *COMMAND_PAGES]
 # "% not run: why" stands above what needs a file that no reader has
-BLOCK = re.compile(r"^(% not run: .+\n)?```(python|toml|console)\n(.*?)^```$", re.M | re.S)
+# a block of Python may be followed by what it prints
+BLOCK = re.compile(
+    r"^(% not run: .+\n)?```(python|toml|console)\n(.*?)^```$(?:\n\n```text\n(.*?)^```$)?",
+    re.M | re.S,
+)
 DRAWN = re.compile(r"^% drawn above: (\S+)\n!\[[^]]+\]\((\S+)\)$", re.M)
 RENEW = os.environ.get("LIGHTFLYER_RENEW_FIGURES") == "yes"
 RENEW_LISTINGS = os.environ.get("LIGHTFLYER_RENEW_LISTINGS") == "yes"
@@ -68,14 +74,15 @@ def files(tmp_path_factory):
 
 
 def blocks_of(text):
-    """Blocks that are run, each with its kind."""
-    return [(kind, block) for left_out, kind, block in BLOCK.findall(text) if not left_out]
+    """Blocks that are run, each with its kind and what stands below it."""
+    found = BLOCK.findall(text)
+    return [(kind, block, printed) for left_out, kind, block, printed in found if not left_out]
 
 
 def run_elsewhere():
     """Commands on the pages of commands, as words."""
     texts = [page.read_text(encoding="utf-8") for page in COMMAND_PAGES]
-    blocks = [block for text in texts for kind, block in blocks_of(text) if kind == "console"]
+    blocks = [block for text in texts for kind, block, _ in blocks_of(text) if kind == "console"]
     return [shlex.split(command) for block in blocks for command, _ in commands(block)]
 
 
@@ -96,9 +103,16 @@ def test_the_page_works(page, blocks, drawn, files, run, tmp_path, monkeypatch):
     monkeypatch.delenv("COLUMNS", raising=False)  # tables are as wide as they are
     mpl.use("agg")
     names, renewed = {}, []
-    for kind, text in blocks:
+    for kind, text, printed in blocks:
         if kind == "python":
-            exec(compile(text, "page", "exec"), names)
+            with redirect_stdout(io.StringIO()) as stream:
+                exec(compile(text, "page", "exec"), names)
+            lines = [line.rstrip() for line in stream.getvalue().splitlines()]
+            stale = [line for line in printed.splitlines() if line not in ("...", *lines)]
+            if RENEW_LISTINGS:
+                renewed += [(line, most_alike(line, lines)) for line in stale]
+            else:
+                assert not stale, f"{stale[0]}\n{stream.getvalue()}"
         elif kind == "toml":
             require_readable(text)
         else:

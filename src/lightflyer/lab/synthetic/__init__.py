@@ -1,8 +1,32 @@
 """Synthetic raw files with known truth, one module per measurement."""
 
+from importlib import import_module
 from typing import NamedTuple
 
 from lightflyer.core.errors import ParameterError
+
+# by measurement: module here, its function that makes the files, commands that reduce them
+_EXAMPLES = {
+    "force": ("force", "force_files", (
+        'force vane.csv --diameter "12 cm" --hot "419 K" --cold "394 K" --out force',
+    )),
+    "ftir": ("ftir", "ftir_files", (
+        "ftir film.jdx --out ftir", "ftir film.csv --reflectance film-reflectance.csv",
+    )),
+    "levitation": ("levitation", "levitation_files", (
+        "levitation levitation.csv --out levitation", "levitation launchpads.csv",
+    )),
+    "optics": ("optics", "optics_files", ("optics sample.toml --out optics",)),
+    "roughness": ("surface", "roughness_files", ("roughness {} --out roughness",)),
+    "tac": ("tac", "tac_files", (
+        "tac tac-raw.csv --calibration tac-resistance.csv", "tac tac-reduced.txt --out tac",
+        "tac --top tac-top.txt --bottom tac-bottom.txt --out faces",
+    )),
+    "thermography": ("thermography", "thermography_files", (
+        'thermography thermal.csv --band "7.5-14 um" --accuracy "0.5 K" --out thermography',
+        "thermography light-meter.csv --light-meter",
+    )),
+}  # fmt: skip
 
 
 class Example(NamedTuple):
@@ -31,48 +55,8 @@ def example_files(name: str, seed: int = 0) -> Example:
     ParameterError
         If the name is unknown.
     """
-    if name == "force":
-        from lightflyer.lab.synthetic.force import force_files
-
-        vane = 'vane.csv --diameter "12 cm" --hot "419 K" --cold "394 K"'
-        return Example({**force_files(seed)}, [f"force {vane} --out force"])
-    if name == "ftir":
-        from lightflyer.lab.synthetic.ftir import ftir_files
-
-        return Example(
-            {**ftir_files(seed)},
-            ["ftir film.jdx --out ftir", "ftir film.csv --reflectance film-reflectance.csv"],
-        )
-    if name == "levitation":
-        from lightflyer.lab.synthetic.levitation import levitation_files
-
-        return Example(
-            {**levitation_files(seed)},
-            ["levitation levitation.csv --out levitation", "levitation launchpads.csv"],
-        )
-    if name == "optics":
-        from lightflyer.lab.synthetic.optics import optics_files
-
-        return Example({**optics_files(seed)}, ["optics sample.toml --out optics"])
-    if name == "roughness":
-        from lightflyer.lab.synthetic.surface import roughness_files
-
-        files = roughness_files(seed)
-        return Example(files, [f"roughness {' '.join(files)} --out roughness"])
-    if name == "tac":
-        from lightflyer.lab.synthetic.tac import tac_files
-
-        return Example(
-            {**tac_files(seed)},
-            ["tac tac-raw.csv --calibration tac-resistance.csv", "tac tac-reduced.txt --out tac",
-             "tac --top tac-top.txt --bottom tac-bottom.txt --out faces"],
-        )  # fmt: skip
-    if name == "thermography":
-        from lightflyer.lab.synthetic.thermography import thermography_files
-
-        return Example(
-            {**thermography_files(seed)},
-            ['thermography thermal.csv --band "7.5-14 um" --accuracy "0.5 K" --out thermography',
-             "thermography light-meter.csv --light-meter"],
-        )  # fmt: skip
-    raise ParameterError(f'there are no synthetic files for "{name}"')
+    if name not in _EXAMPLES:
+        raise ParameterError(f'there are no synthetic files for "{name}"')
+    module, make, commands = _EXAMPLES[name]
+    files = getattr(import_module(f"lightflyer.lab.synthetic.{module}"), make)(seed)
+    return Example({**files}, [one.format(" ".join(files)) for one in commands])

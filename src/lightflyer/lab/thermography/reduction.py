@@ -197,7 +197,14 @@ def reduce_readings(
     value = each.mean(axis=1)
     scatter = np.cov(each) / count if count > 1 else np.zeros((3, 3))
     mean, spread = _inputs(readings)
-    _require_cold_film(readings, mean, spread)
+    if readings.scene.film_temperature is not None:  # its emission must not hide the rest
+        warm = mean + np.array([0.0, 0.0, 0.0, 0.0, 0.0, _CLEAR * spread[5]])
+        source, _, _, background, emissivity, film = _radiation(warm, _law(readings)[0])
+        if film - background > _WARMEST * emissivity * (source - background):
+            raise ConfigurationError(
+                f"film_temperature = {mean[5]:.4g} ± {spread[5]:.2g} K is too close to the "
+                "hotplate's: so warm a film does not show what it reflects and transmits"
+            )
     slopes = _derivatives(readings, mean)
     total = np.diag((slopes * spread**2) @ slopes.T + scatter)
     random = np.diag(scatter)
@@ -250,19 +257,6 @@ def _inputs(readings: Readings) -> tuple[np.ndarray, np.ndarray]:
     return np.array(mean), np.array(spread)
 
 
-def _require_cold_film(readings: Readings, mean: np.ndarray, spread: np.ndarray) -> None:
-    """Refuse a film so warm that its emission hides what it reflects and transmits."""
-    if readings.scene.film_temperature is None:
-        return
-    warm = mean + np.array([0.0, 0.0, 0.0, 0.0, 0.0, _CLEAR * spread[5]])
-    source, _, _, background, emissivity, film = _radiation(warm, _law(readings)[0])
-    if film - background > _WARMEST * emissivity * (source - background):
-        raise ConfigurationError(
-            f"film_temperature = {mean[5]:.4g} ± {spread[5]:.2g} K is too close to the hotplate's: "
-            "so warm a film does not show what it reflects and transmits"
-        )
-
-
 def _law(readings: Readings) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """What is proportional to radiation, as a function of a reading, and its derivative."""
     camera = readings.scene.camera
@@ -308,15 +302,24 @@ def _judge(
     readings: Readings, rows: np.ndarray, first: dict[str, Estimate], second: dict[str, Estimate]
 ) -> RadiativeProperties:
     """The result within physical bounds, with its warnings."""
-    outliers = _outliers(readings, rows, first)
-    warnings = list(outliers)
+    method, light = readings.method, readings.method == LIGHT
+    warnings: list[str] = _outliers(readings, rows, first)
+    names, means = method.readings, readings.values.mean(axis=1)
+    # what is most likely wrong with impossible readings
+    hint = f"{names[1]} and {names[2]} together are more than {names[0]} can cause"
+    for number in (2, 1):
+        if means[number] < means[3]:
+            hint = f"{names[number]} is below {names[3]}; are columns exchanged?"
+        if means[number] > means[0]:
+            hint = f"{names[number]} is above {names[0]}; are columns exchanged?"
+    hint = warnings[0] if warnings else hint
+    source = f"{readings.places[0].rpartition(':')[0]}: " if readings.places else ""
     for name, one in first.items():
-        shown = readings.method.remainder if name == "emissivity" else name
+        shown = method.remainder if name == "emissivity" else name
         low, high = one.interval
         if high < -_ROUNDING or low > 1.0 + _ROUNDING:
-            hint = outliers[0] if outliers else _hint(readings)
             raise ConfigurationError(
-                f"{_source(readings)}{shown} {one} is impossible, it lies between 0 and 1: {hint}"
+                f"{source}{shown} {one} is impossible, it lies between 0 and 1: {hint}"
             )
         if not -_ROUNDING <= one.value <= 1.0 + _ROUNDING:
             warnings.append(
@@ -329,67 +332,30 @@ def _judge(
             )
     if not readings.uncertainties.any() and rows.shape[1] == 1:
         warnings.append("no reading states an uncertainty: the interval of one row has no width")
-    kind = ABSORPTANCE if readings.method == LIGHT else EMISSIVITY
+    apart = abs(means[0]) / max(np.abs(means[1:])) if light else 0.0
+    unit = f"{names[0]} is {apart:.3g} times the others: is it in mW and they in W?"
     warnings += doubts_of(
-        readings.method.remainder, kind, first["emissivity"].value, _unit_hint(readings)
-    )
-    warnings += _scatter_doubts(readings, rows)
-    if readings.method == THERMAL:
-        warnings += ambient_doubts(readings.values[3])
-        warnings += [*_band_diagnostics(readings, first), *_film_diagnostics(readings, first)]
-    return RadiativeProperties(
-        readings, rows, {name: _cut(one) for name, one in first.items()},
-        {name: _cut(one) for name, one in second.items()}, (*warnings, *readings.warnings),
+        method.remainder, ABSORPTANCE if light else EMISSIVITY, first["emissivity"].value,
+        unit if apart >= _OTHER_UNIT else "",
     )  # fmt: skip
-
-
-def _unit_hint(readings: Readings) -> str:
-    """What readings of a light meter look like that are of different units."""
-    if readings.method != LIGHT:
-        return ""
-    incident, *others = np.abs(readings.values.mean(axis=1))
-    apart = incident / max(others)
-    if apart < _OTHER_UNIT:
-        return ""
-    names = readings.method.readings
-    return f"{names[0]} is {apart:.3g} times the others: is it in mW and they in W?"
-
-
-def _scatter_doubts(readings: Readings, rows: np.ndarray) -> list[Doubt]:
-    """A line where rows differ by far more than the accuracy of their readings."""
     mean, spread = _inputs(readings)
     stated = np.sqrt(((_derivatives(readings, mean) * spread) ** 2).sum(axis=1))[2]
-    if rows.shape[1] < 2 or not stated > 0.0:
-        return []
-    scatter = float(rows[2].std(ddof=1))
-    if scatter <= _FAR_ABOVE * stated:
-        return []
-    return [
-        Doubt(
-            f"{readings.method.remainder} varies by {scatter:.2g} from row to row, where the "
-            f"readings' accuracy allows {stated:.2g}: not all rows are of one film in one state"
-        )
-    ]
+    scatter = float(rows[2].std(ddof=1)) if rows.shape[1] > 1 else 0.0
+    if scatter > _FAR_ABOVE * stated > 0.0:
+        warnings.append(Doubt(
+            f"{method.remainder} varies by {scatter:.2g} from row to row, where the readings' "
+            f"accuracy allows {stated:.2g}: not all rows are of one film in one state"
+        ))  # fmt: skip
+    if not light:
+        warnings += ambient_doubts(readings.values[3])
+        warnings += [*_band_diagnostics(readings, first), *_film_diagnostics(readings, first)]
 
+    def cut(one: Estimate) -> Estimate:
+        value, low, high = np.clip([one.value, *one.interval], 0.0, 1.0).tolist()
+        return Estimate(value, (low, high), one.unit, one.uncertainty)
 
-def _cut(one: Estimate) -> Estimate:
-    value, *ends = np.clip([one.value, *one.interval], 0.0, 1.0).tolist()
-    return Estimate(value, (ends[0], ends[1]), one.unit, one.uncertainty)
-
-
-def _source(readings: Readings) -> str:
-    return f"{readings.places[0].rpartition(':')[0]}: " if readings.places else ""
-
-
-def _hint(readings: Readings) -> str:
-    """What is most likely wrong with impossible readings."""
-    names, means = readings.method.readings, readings.values.mean(axis=1)
-    for number in (1, 2):
-        if means[number] > means[0]:
-            return f"{names[number]} is above {names[0]}; are columns exchanged?"
-        if means[number] < means[3]:
-            return f"{names[number]} is below {names[3]}; are columns exchanged?"
-    return f"{names[1]} and {names[2]} together are more than {names[0]} can cause"
+    within = [{name: cut(one) for name, one in found.items()} for found in (first, second)]
+    return RadiativeProperties(readings, rows, *within, (*warnings, *readings.warnings))
 
 
 def _outliers(readings: Readings, rows: np.ndarray, first: Mapping[str, Estimate]) -> list[str]:
@@ -400,11 +366,10 @@ def _outliers(readings: Readings, rows: np.ndarray, first: Mapping[str, Estimate
     robust = _MAD * np.median(away, axis=1, keepdims=True)
     spread = np.array([[one.uncertainty or 0.0] for one in first.values()])
     found = np.flatnonzero((away > np.maximum(_WIDE * robust, _FAR * spread)).any(axis=0))
-    if not found.size:
-        return []
     names = [readings.places[row] if readings.places else f"row {row + 1}" for row in found]
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return [f"{', '.join(names[:_NAMED])}{more}: far from the other rows; check the readings"]
+    said = f"{', '.join(names[:_NAMED])}{more}: far from the other rows; check the readings"
+    return [said] if names else []
 
 
 def _band_diagnostics(readings: Readings, first: Mapping[str, Estimate]) -> list[str]:

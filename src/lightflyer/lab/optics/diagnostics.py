@@ -36,14 +36,26 @@ def diagnose(
     film: Film,
 ) -> tuple[str, ...]:
     """Warnings of a fit, one line each; ``correlation`` (free, free)."""
+    names = list(numbers)
+    total = [one for one in sample.spectra if one.spectrum.collection == "total"]
+    rough = [
+        "the film is rough, and the model has its specular beams only; total light was collected "
+        f"in {', '.join(one.spectrum.source for one in total)}"
+    ] * bool(film.is_rough and total)
     return (
         *_undetermined_lines(sample, numbers, open_ends),
-        *_tied_lines(list(numbers), correlation),
+        *(
+            f"{names[i]} and {names[j]} are hardly told apart: their errors have a correlation of "
+            f"{correlation[i, j]:+.3f}"
+            for i in range(len(names))
+            for j in range(i)
+            if abs(correlation[i, j]) > TIED
+        ),
         *_rivals(fit),
         *_beforehand(sample, numbers),
         *_misfits(sample, fit),
         *_instruments(sample, fit),
-        *_rough(sample, film),
+        *rough,
         *dict.fromkeys(text for medium in film.media for text in medium.diagnostics),
         *(
             f"{one.spectrum.source}: {note}"
@@ -75,16 +87,6 @@ def _undetermined_lines(
             )
             found.append(f"the interval of {one.name} ends at its {ends}, not by the spectra")
     return found
-
-
-def _tied_lines(names: list[str], correlation: np.ndarray) -> list[str]:
-    return [
-        f"{names[i]} and {names[j]} are hardly told apart: their errors have a correlation of "
-        f"{correlation[i, j]:+.3f}"
-        for i in range(len(names))
-        for j in range(i)
-        if abs(correlation[i, j]) > TIED
-    ]
 
 
 def _rivals(fit: Fit) -> list[str]:
@@ -170,16 +172,6 @@ def _instruments(sample: OpticsSample, fit: Fit) -> list[str]:
                     f"{error:+.1f} stated standard uncertainties"
                 ))  # fmt: skip
     return found
-
-
-def _rough(sample: OpticsSample, film: Film) -> list[str]:
-    total = [one for one in sample.spectra if one.spectrum.collection == "total"]
-    if not film.is_rough or not total:
-        return []
-    return [
-        "the film is rough, and the model has its specular beams only; total light was collected "
-        f"in {', '.join(one.spectrum.source for one in total)}"
-    ]
 
 
 def amount_text(value: float, unit: str) -> str:

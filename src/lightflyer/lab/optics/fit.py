@@ -12,6 +12,7 @@ number of points over which they are alike. Intervals are those of the profile o
 with Student's factor for as many degrees of freedom as there are independent points.
 """
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -44,6 +45,7 @@ TEMPERATURE = 441.0
 
 _STEP = 0.5  # standard errors, of the differences that carry uncertainties on
 _WAVELENGTHS = 200
+_NEARLY_ALL = 0.005
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,18 @@ class OpticsFit(PrintedResult):
             "correlation": {
                 "names": list(self.numbers), "matrix": np.round(self.correlation, 4).tolist(),
             },
-            "spectra": [_fitted_json(one) for one in self.spectra],
+            "spectra": [
+                {
+                    "file": one.measured.spectrum.source,
+                    "quantity": one.measured.spectrum.quantity,
+                    "points": len(one.reading),
+                    "independent_points": one.scatter.independent,
+                    "residual_standard_deviation": one.scatter.deviation,
+                    "scale_error": one.scale_error,
+                    "zero_error": one.zero_error,
+                }
+                for one in self.spectra
+            ],
             "other_minima": [
                 {"numbers": one.values, "excess": one.excess, "excluded": one.excluded}
                 for one in self.rivals
@@ -135,18 +148,6 @@ class OpticsFit(PrintedResult):
             "degrees_of_freedom": self.freedom,
             "warnings": list(self.warnings),
         }  # fmt: skip
-
-
-def _fitted_json(one: FittedSpectrum) -> dict[str, Any]:
-    return {
-        "file": one.measured.spectrum.source,
-        "quantity": one.measured.spectrum.quantity,
-        "points": len(one.reading),
-        "independent_points": one.scatter.independent,
-        "residual_standard_deviation": one.scatter.deviation,
-        "scale_error": one.scale_error,
-        "zero_error": one.zero_error,
-    }
 
 
 @reads_units
@@ -200,14 +201,30 @@ def fit_optics(
     fit, ends = intervals(search(Problem.of(sample, model), starts=starts, seed=seed))
     numbers, covariance = _estimates(fit, ends)
     spreads = np.sqrt(np.diag(covariance))
-    rivals = tuple(_rival(fit, solution, excess) for solution, excess in fit.rivals)
-    spectra = _fit(sample, fit)
+    model = fit.problem.model
+    names = [one.name for one in fit.problem.free]
+    rivals = tuple(
+        Rival(
+            dict(zip(names, map(float, model.values(solution.position)), strict=True)),
+            float(excess),
+            bool(excess > fit.factor**2),
+        )
+        for solution, excess in fit.rivals
+    )
+    errors = fit.best.errors * np.array([one.errors for one in sample.spectra])
+    spectra = tuple(
+        FittedSpectrum(one, reading, share, *map(float, error), scatter)
+        for one, reading, share, error, scatter in zip(
+            sample.spectra, fit.problem.readings(fit.best), model.shares(fit.best.position)[0],
+            errors, fit.scatter, strict=True,
+        )
+    )  # fmt: skip
     correlation = covariance / np.outer(spreads, spreads)
     open_ends = {
         one.name: (low <= 0.0, high >= 1.0)
         for one, (low, high) in zip(sample.free, ends, strict=True)
     }
-    film = fit.problem.model.film(fit.best.position)
+    film = model.film(fit.best.position)
     predictions, diagnostics = _predictions(fit, covariance)
     return OpticsFit(
         sample=sample,
@@ -285,28 +302,6 @@ def _estimates(
     return numbers, covariance
 
 
-def _rival(fit: Fit, solution: Any, excess: float) -> Rival:
-    values = fit.problem.model.values(solution.position)
-    names = [one.name for one in fit.problem.free]
-    return Rival(
-        {name: float(value) for name, value in zip(names, values, strict=True)},
-        float(excess),
-        bool(excess > fit.factor**2),
-    )
-
-
-def _fit(sample: OpticsSample, fit: Fit) -> tuple[FittedSpectrum, ...]:
-    shares, _ = fit.problem.model.shares(fit.best.position)
-    readings = fit.problem.readings(fit.best)
-    accuracy = np.array([one.errors for one in sample.spectra])
-    errors = fit.best.errors * accuracy
-    return tuple(
-        FittedSpectrum(one, readings[i], shares[i], float(errors[i, 0]), float(errors[i, 1]),
-                       fit.scatter[i])
-        for i, one in enumerate(sample.spectra)
-    )  # fmt: skip
-
-
 def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate], list[str]]:
     """Absorptance of sunlight and emittance of the film, where its materials have data."""
     model = fit.problem.model
@@ -316,7 +311,7 @@ def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate],
     found, diagnostics = {}, []
     for name, average in (
         ("absorptance, AM0", absorptance),
-        (f"emittance at {TEMPERATURE:g} K, top", _emittance),
+        (f"emittance at {TEMPERATURE:g} K, top", lambda one: emittance(one, TEMPERATURE)),
     ):
         try:
             middle = average(film)
@@ -335,13 +330,6 @@ def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate],
                 f"{float(middle.upper):.3f}"
             )
     return found, diagnostics
-
-
-_NEARLY_ALL = 0.005
-
-
-def _emittance(film: Film) -> Any:
-    return emittance(film, TEMPERATURE)
 
 
 def _slopes(average: Any, fit: Fit, covariance: np.ndarray) -> np.ndarray:
@@ -372,7 +360,10 @@ def _indices(
     draws = rng.multivariate_normal(fit.best.position, scaled, DRAWS, method="eigh")
     draws = np.clip(draws, 0.0, 1.0)
     # one evaluation of the media per draw, all layers together
-    drawn = [found for draw in draws if (found := _drawn_index(model, draw, wavelength))]
+    drawn = []
+    for draw in draws:
+        with contextlib.suppress(ParameterError):  # numbers that make no medium
+            drawn.append(model.film(draw).index(wavelength))
     if not drawn:
         return ()
     n, k = film.index(wavelength)
@@ -387,16 +378,6 @@ def _indices(
                    bands[0][:, i], bands[1][:, i])
         for i in varied
     )  # fmt: skip
-
-
-def _drawn_index(
-    model: OpticalModel, position: np.ndarray, wavelength: np.ndarray
-) -> tuple[Any, Any] | None:
-    """Values of n and k of all layers, None where the numbers make no medium."""
-    try:
-        return model.film(position).index(wavelength)
-    except ParameterError:
-        return None
 
 
 def to_dataset(result: OpticsFit) -> "xr.Dataset":

@@ -55,18 +55,33 @@ def update_layers(
     path = Path(path)
     names = list(fit.numbers)
     require_same_layers(path, fit.sample)
-    _require_determined(path, fit, names)
+    for name in names:
+        one = fit.numbers[name]
+        if all(fit.open_ends[name]) or not (one.uncertainty or 0.0) < abs(one.value):
+            raise ConfigurationError(
+                f"{path}: the spectra do not tell {name}; fix it in {fit.sample.source}, or state "
+                "it with ±; the file is unchanged"
+            )
     require_no_doubt(path, fit.warnings, insist=insist)
     document: Any = tomlkit.parse(read_text(path))
     table, told, written = document["film"], [], []
     for name, estimate in fit.numbers.items():
-        text = measured_text(_in_written_unit(estimate), _DIGITS)
+        scale, unit = display_unit(estimate.unit)
+        low, high = estimate.interval
+        spread = (estimate.uncertainty or 0.0) / scale
+        written_as = Estimate(estimate.value / scale, (low / scale, high / scale), unit, spread)
+        text = measured_text(written_as, _DIGITS)
         for alias in _aliases(fit.sample, name):
-            _put(table, alias, text)
+            *sections, key = alias.split(".")
+            part = table
+            for section in sections:
+                part = part[int(section) if section.isdigit() else section]
+            part[key] = text
             told.append(f'film.{alias} = "{text}"')
             written += [] if insist else [f"film.{alias}"]
     entries = _correlations(fit, names)
-    kept = [one for one in table.get("correlated", []) if not _touches(one, fit, names)]
+    ours = {alias for name in names for alias in _aliases(fit.sample, name)}
+    kept = [one for one in table.get("correlated", []) if ours.isdisjoint(map(str, one["of"]))]
     if kept or entries:
         table["correlated"] = [*kept, *entries]
     told += [f"film.correlated: {' and '.join(one['of'])} {one['value']:+.3f}" for one in entries]
@@ -100,37 +115,8 @@ def require_same_layers(path: str | Path, sample: OpticsSample) -> None:
             )
 
 
-def _require_determined(path: Path, fit: OpticsFit, names: Sequence[str]) -> None:
-    for name in names:
-        one = fit.numbers[name]
-        if all(fit.open_ends[name]) or not (one.uncertainty or 0.0) < abs(one.value):
-            raise ConfigurationError(
-                f"{path}: the spectra do not tell {name}; fix it in {fit.sample.source}, or state "
-                "it with ±; the file is unchanged"
-            )
-
-
 def _aliases(sample: OpticsSample, name: str) -> tuple[str, ...]:
     return sample.same.get(name, (name,))
-
-
-def _in_written_unit(one: Estimate) -> Estimate:
-    scale, unit = display_unit(one.unit)
-    low, high = one.interval
-    spread = (one.uncertainty or 0.0) / scale
-    return Estimate(one.value / scale, (low / scale, high / scale), unit, spread)
-
-
-def _put(table: Any, name: str, text: str) -> None:
-    *sections, key = name.split(".")
-    for section in sections:
-        table = table[int(section) if section.isdigit() else section]
-    table[key] = text
-
-
-def _touches(entry: Any, fit: OpticsFit, names: Sequence[str]) -> bool:
-    ours = {alias for name in names for alias in _aliases(fit.sample, name)}
-    return any(str(one) in ours for one in entry["of"])
 
 
 def _correlations(fit: OpticsFit, names: Sequence[str]) -> list[Mapping[str, Any]]:

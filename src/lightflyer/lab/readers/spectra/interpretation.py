@@ -158,7 +158,16 @@ def interpret_spectrum(source: Source, raw: RawSpectrum, options: ReadOptions) -
     notes = list(raw.notes)
     shown = _ordinate_of(source, raw, options)
     wavenumber, ordinate = _points(source, raw, notes)
-    quantity = _quantity(shown, options, notes)
+    absorbance = shown.quantity == "absorbance"
+    quantity: Ordinate = options.quantity or "transmittance"
+    if shown.quantity == "transmittance":
+        quantity = "transmittance"
+    elif shown.quantity in ("reflectance", "log(1/R)"):
+        quantity = "reflectance"
+    elif absorbance and options.quantity is None:
+        notes.append("absorbance is taken as log10(1/T), of transmittance")
+    elif absorbance and quantity == "reflectance":
+        notes.append("absorbance is taken as log10(1/R): it is said to be of reflectance")
     with np.errstate(over="ignore"):
         if shown.quantity in ("absorbance", "log(1/R)"):
             value = 10.0**-ordinate
@@ -168,8 +177,18 @@ def interpret_spectrum(source: Source, raw: RawSpectrum, options: ReadOptions) -
             value = _fraction(source, ordinate, raw, shown, options, notes)
     wavenumber, value = _possible(source, quantity, wavenumber, value, notes)
     metadata = replace(raw.metadata, ordinate=raw.ordinate_name)
-    collection = options.collection or _collection_of(metadata)
-    notes += _accessory_notes(metadata, shown, quantity, options)
+    collected, accessory = _collection_of(metadata), f'"{metadata.accessory[:60]}"'
+    if absorbance and quantity == "transmittance" and collected:
+        notes.append(
+            f"absorbance is taken as that of transmittance, but its accessory {accessory} is one "
+            "for reflectance"
+        )
+    elif quantity == "reflectance" and collected == "total" and options.collection is None:
+        notes.append(
+            f"its accessory {accessory} is taken to collect all light; with an open specular port "
+            "it collects the diffuse part only"
+        )
+    collection = options.collection or collected
     distinct, place, count = np.unique(wavenumber, return_inverse=True, return_counts=True)
     if distinct.size < 2:
         source.refuse(f"has {distinct.size} wavenumber; a spectrum needs two or more")
@@ -218,19 +237,6 @@ def _ordinate_of(source: Source, raw: RawSpectrum, options: ReadOptions) -> Ordi
     if options.quantity is not None and not shows(raw, options.quantity):
         source.refuse(f"shows {shown.quantity}, not {options.quantity}")
     return shown
-
-
-def _quantity(shown: OrdinateUnit, options: ReadOptions, notes: list[str]) -> Ordinate:
-    if shown.quantity == "transmittance":
-        return "transmittance"
-    if shown.quantity in ("reflectance", "log(1/R)"):
-        return "reflectance"
-    quantity: Ordinate = options.quantity or "transmittance"
-    if shown.quantity == "absorbance" and options.quantity is None:
-        notes.append("absorbance is taken as log10(1/T), of transmittance")
-    elif shown.quantity == "absorbance" and quantity == "reflectance":
-        notes.append("absorbance is taken as log10(1/R): it is said to be of reflectance")
-    return quantity
 
 
 def _points(source: Source, raw: RawSpectrum, notes: list[str]) -> tuple[np.ndarray, np.ndarray]:
@@ -324,23 +330,6 @@ def _possible(
         f"is as far out as {value[outside][np.argmax(np.abs(value[outside]))]:.3g}"
     )
     return wavenumber[kept], value[kept]
-
-
-def _accessory_notes(
-    metadata: SpectrumMetadata, shown: OrdinateUnit, quantity: Ordinate, options: ReadOptions
-) -> list[str]:
-    collection = _collection_of(metadata)
-    if shown.quantity == "absorbance" and quantity == "transmittance" and collection:
-        return [
-            "absorbance is taken as that of transmittance, but its accessory "
-            f'"{metadata.accessory[:60]}" is one for reflectance'
-        ]
-    if quantity == "reflectance" and collection == "total" and options.collection is None:
-        return [
-            f'its accessory "{metadata.accessory[:60]}" is taken to collect all light; with an '
-            "open specular port it collects the diffuse part only"
-        ]
-    return []
 
 
 def _collection_of(metadata: SpectrumMetadata) -> Collection | None:

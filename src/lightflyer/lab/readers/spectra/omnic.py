@@ -57,7 +57,12 @@ def read_omnic(source: Source) -> list[RawSpectrum]:
     titles = [plain(source.content[one.place : one.place + _NAME]) for one in groups[_TITLE]]
     if len(headers) == 1 or len(titles) != len(headers):
         titles = [name if len(headers) == 1 else ""] * len(headers)
-    resolution = _resolution(source.content, groups[_HISTORY])
+    resolution = ""  # in the history of a single spectrum
+    if len(groups[_HISTORY]) == 1:
+        _, place, size = groups[_HISTORY][0]
+        history = source.content[place : place + size].decode("cp1252", "replace")
+        match = _RESOLUTION.search(history)
+        resolution = f"{match[1]} cm-1" if match else ""
     return [
         _spectrum(
             source, header, value, SpectrumMetadata(FORMAT, sample=title, resolution=resolution)
@@ -94,12 +99,3 @@ def _spectrum(
         _ABSCISSAE.get(unit, f"unit {unit}"), _ORDINATES.get(ordinate, f"ordinate {ordinate}"),
         metadata,
     )  # fmt: skip
-
-
-def _resolution(content: bytes, histories: list[_Entry]) -> str:
-    """Resolution in the history of a single spectrum."""
-    if len(histories) != 1:
-        return ""
-    _, place, size = histories[0]
-    match = _RESOLUTION.search(content[place : place + size].decode("cp1252", "replace"))
-    return f"{match[1]} cm-1" if match else ""

@@ -107,25 +107,16 @@ def _spectrum(
     with np.errstate(all="ignore"):
         y = values.astype(float) * said.get("csf", 1.0)
     name = _KINDS[block.get_data_key().rstrip("_2345678")]
-    if "interferogram" not in name:
-        _require_extremes(source, name, y, said)
-    return RawSpectrum(
-        np.linspace(said["fxv"], said["lxv"], count), y,
-        _ABSCISSAE.get(str(said.get("dxu")), str(said.get("dxu"))), name,
-        _date(metadata, said), percent=False if name in ("transmittance", "reflectance") else None,
-    )  # fmt: skip
-
-
-def _require_extremes(source: Source, name: str, y: np.ndarray, said: dict[str, Any]) -> None:
-    """The stated extremes are those of the data, where they are stated."""
     for key, value in (("mny", y.min()), ("mxy", y.max())):
-        stated = said.get(key)
+        stated = None if "interferogram" in name else said.get(key)
         if isinstance(stated, float) and not abs(stated - value) <= _ROUNDED * np.abs(y).max():
             source.refuse(
                 f"is damaged: it says {key.upper()} {stated:g} of {name}, the data {value:g}"
             )
-
-
-def _date(metadata: SpectrumMetadata, said: dict[str, Any]) -> SpectrumMetadata:
-    words = [str(said[key]) for key in ("dat", "tim") if key in said]
-    return replace(metadata, measured=one_line(" ".join(words)))
+    words = " ".join(str(said[key]) for key in ("dat", "tim") if key in said)
+    return RawSpectrum(
+        np.linspace(said["fxv"], said["lxv"], count), y,
+        _ABSCISSAE.get(str(said.get("dxu")), str(said.get("dxu"))), name,
+        replace(metadata, measured=one_line(words)),
+        percent=False if name in ("transmittance", "reflectance") else None,
+    )  # fmt: skip

@@ -45,17 +45,10 @@ class Rows(NamedTuple):
     digit: np.ndarray  # shape (m,); unit of the last digit of the abscissa
 
 
-class _State:
-    """Ordinates read so far, and the last difference."""
-
-    def __init__(self) -> None:
-        self.values: list[float] = []
-        self.difference: float | None = None
-
-
 def read_rows(lines: Sequence[str]) -> Rows:
     """Read a table ``(X++(Y..Y))``."""
-    state = _State()
+    values: list[float] = []
+    step: float | None = None  # the last difference
     starts: list[float] = []
     places: list[int] = []
     digits: list[float] = []
@@ -67,10 +60,40 @@ def read_rows(lines: Sequence[str]) -> Rows:
             raise Fault(f'"{line.strip()[:30]}" does not start with an abscissa', row)
         starts.append(float(match[1]))
         digits.append(last_digit(match[1]))
-        checked = state.difference is not None
-        places.append(len(state.values) - checked)
-        _read_line(state, line[match.end() :], row, checked=checked)
-    return Rows(np.array(state.values), np.array(starts), np.array(places, int), np.array(digits))
+        repeated = step is not None  # after differences the first ordinate repeats the last one
+        places.append(len(values) - repeated)
+        at = match.end()
+        while at < len(line):
+            match = _TOKEN.match(line, at)
+            if match is None:
+                raise Fault(f'"{line[at : at + 20].strip()}" is no number of JCAMP-DX', row)
+            at = match.end()
+            number, squeezed, rest, difference, more, duplicate, count, missing = match.groups()
+            if number or squeezed or missing:
+                value = float(number or (_SQUEEZED[squeezed] + rest if squeezed else "nan"))
+                step = None
+                if not repeated:
+                    values.append(value)
+                elif not abs(value - values[-1]) <= _CHECK:
+                    raise Fault(
+                        f"fails its checksum: it starts with {value:g}, the line above ends at "
+                        f"{values[-1]:g}", row,
+                    )  # fmt: skip
+                repeated = False
+            elif difference:
+                if not values:
+                    raise Fault("starts with a difference", row)
+                step = float(_DIFFERENCES[difference] + more)
+                values.append(values[-1] + step)
+            elif duplicate:
+                times = int(_DUPLICATES[duplicate] + count[:12])
+                if not values or times < 1:
+                    raise Fault("repeats nothing", row)
+                if len(values) + times > MOST_POINTS:
+                    raise Fault("repeats a value too often", row)
+                last = values[-1]
+                values += [last + (step or 0.0) * (one + 1) for one in range(times - 1)]
+    return Rows(np.array(values), np.array(starts), np.array(places, int), np.array(digits))
 
 
 def last_digit(number: str) -> float:
@@ -80,50 +103,6 @@ def last_digit(number: str) -> float:
     mantissa, _, exponent = number.lower().partition("e")
     decimals = len(mantissa.partition(".")[2])
     return float(10.0 ** (int(exponent or 0) - decimals))
-
-
-def _read_line(state: _State, text: str, row: int, *, checked: bool) -> None:
-    """Read the ordinates of a line; the first one repeats the last of a line with differences."""
-    at = 0
-    while at < len(text):
-        match = _TOKEN.match(text, at)
-        if match is None:
-            raise Fault(f'"{text[at : at + 20].strip()}" is no number of JCAMP-DX', row)
-        at = match.end()
-        number, squeezed, rest, difference, more, duplicate, count, missing = match.groups()
-        if number or squeezed or missing:
-            value = float(number or (_SQUEEZED[squeezed] + rest if squeezed else "nan"))
-            state.difference = None
-            if checked:
-                _check(state, value, row)
-                checked = False
-                continue
-            state.values.append(value)
-        elif difference:
-            if not state.values:
-                raise Fault("starts with a difference", row)
-            state.difference = float(_DIFFERENCES[difference] + more)
-            state.values.append(state.values[-1] + state.difference)
-        elif duplicate:
-            _repeat(state, int(_DUPLICATES[duplicate] + count[:12]), row)
-
-
-def _check(state: _State, value: float, row: int) -> None:
-    last = state.values[-1]
-    if not abs(value - last) <= _CHECK:
-        raise Fault(
-            f"fails its checksum: it starts with {value:g}, the line above ends at {last:g}", row
-        )
-
-
-def _repeat(state: _State, count: int, row: int) -> None:
-    if not state.values or count < 1:
-        raise Fault("repeats nothing", row)
-    if len(state.values) + count > MOST_POINTS:
-        raise Fault("repeats a value too often", row)
-    step = state.difference or 0.0
-    last = state.values[-1]
-    state.values += [last + step * (number + 1) for number in range(count - 1)]
 
 
 def read_pairs(lines: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
@@ -188,7 +167,11 @@ def read_jcamp(source: Source) -> list[RawSpectrum]:
     found: list[RawSpectrum] = []
     others: list[str] = []
     for block in _blocks(source, text.splitlines()):
-        what = _what(block)
+        # what a block holds; nothing where it only links others
+        kind = f"{block.entry_of('DATATYPE')} {block.entry_of('DATACLASS')}".upper()
+        tables = [one for label, one in _TABLES.items() if label in block.entries]
+        named = [one for word, one in _KINDS if word in kind]
+        what = named[0] if tables and named else next(iter(tables), "")
         if what == "a spectrum":
             found.append(_spectrum(source, block))
         elif what:
@@ -224,14 +207,6 @@ def _blocks(source: Source, lines: list[str]) -> Iterator[_Block]:
         opened[-1].entries.setdefault(label, entry)
     if opened or not ended:
         source.refuse("ends without ##END=", len(lines))
-
-
-def _what(block: _Block) -> str:
-    """What a block holds; empty for one that only links others."""
-    kind = f"{block.entry_of('DATATYPE')} {block.entry_of('DATACLASS')}".upper()
-    tables = [what for label, what in _TABLES.items() if label in block.entries]
-    named = [what for word, what in _KINDS if word in kind]
-    return named[0] if tables and named else next(iter(tables), "")
 
 
 def _spectrum(source: Source, block: _Block) -> RawSpectrum:

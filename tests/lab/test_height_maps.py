@@ -10,7 +10,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.lab.readers.formats import Format
 from lightflyer.lab.readers.height_map import HeightMap, list_channels, read_height_map
-from lightflyer.lab.readers.height_maps.channel import Channel, choose_channel
+from lightflyer.lab.readers.microscopes import Channel, choose_channel
 from lightflyer.lab.readers.number_matrix import read_number_matrix
 from lightflyer.lab.surface.reduction import roughness, to_dataset
 

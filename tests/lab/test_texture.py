@@ -5,8 +5,7 @@ import pytest
 from scipy import ndimage
 
 import lightflyer as lf
-from lightflyer.lab.readers.height_map import HeightMap
-from lightflyer.lab.readers.masks import mask_as_png, read_mask
+from lightflyer.lab.readers.height_map import HeightMap, mask_as_png, read_mask
 from lightflyer.lab.surface.reduction import roughness
 from lightflyer.lab.surface.texture import texture_of
 

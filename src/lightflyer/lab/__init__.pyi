@@ -23,7 +23,7 @@ from .readers.formats import Source as Source
 from .readers.height_map import HEIGHT_MAP_FORMATS as HEIGHT_MAP_FORMATS
 from .readers.height_map import HeightMap as HeightMap
 from .readers.height_map import read_height_map as read_height_map
-from .readers.height_maps.channel import Channel as Channel
+from .readers.microscopes import Channel as Channel
 from .readers.spectra.formats import SPECTRUM_FORMATS as SPECTRUM_FORMATS
 from .readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
 from .readers.spectra.raw import RawSpectrum as RawSpectrum

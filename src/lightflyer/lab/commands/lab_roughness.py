@@ -6,8 +6,7 @@ from typing import Any
 from lightflyer.core.errors import ParameterError
 from lightflyer.lab.measurement import Listing, Metres, Outcome, Share, measurement
 from lightflyer.lab.readers.height_map import list_channels as channels_of
-from lightflyer.lab.readers.height_map import read_height_map
-from lightflyer.lab.readers.masks import mask_as_png, read_mask
+from lightflyer.lab.readers.height_map import mask_as_png, read_height_map, read_mask
 from lightflyer.lab.record import require_distinct
 from lightflyer.lab.surface.particles import THRESHOLD, Flatten
 from lightflyer.lab.surface.reduction import (

@@ -27,9 +27,29 @@ def warnings_of(
     flattened: bool,
 ) -> tuple[str, ...]:
     """Warnings of one map; ``raw`` (rows, columns); ``masked`` (rows, columns)."""
-    said = [*source.notes, *_pixel_diagnostics(source)]
+    said = list(source.notes)
+    if missing := int(source.missing.sum()):
+        said.append(
+            f"{missing} pixels ({_PERCENT * missing / source.height.size:.2g} %) have no height; "
+            "they are left out like holes"
+        )
+    if max(source.pixel_aspect, 1.0 / source.pixel_aspect) > _OBLONG:
+        said.append(
+            f"pixels are {source.pixel_aspect:.3g} times as wide as long: particles are searched "
+            "for in circles of pixels, which are ellipses on the surface"
+        )
+    steps = np.diff(source.height, axis=1) * source.height.shape[1] / source.width
+    slope = float(np.sqrt(np.nanmean(steps**2)))
+    spread = float(np.nanmax(source.height) - np.nanmin(source.height))
+    if slope > _STEEPEST or spread < _ATOMS:
+        said.append(
+            f"its heights lie within {1e9 * spread:.3g} nm, with a slope of {slope:.2g} from pixel "
+            "to pixel, which no film has; check --size and --unit"
+        )
     share = float(masked.mean())
-    if (clipped := _clip_share(source.height)) > _MOST_CLIPPED:
+    known = source.height[np.isfinite(source.height)]
+    clipped = float(max((known == known.max()).mean(), (known == known.min()).mean()))
+    if clipped > _MOST_CLIPPED:
         said.append(
             f"{_PERCENT * clipped:.1f} % of the heights are exactly the highest or the lowest: "
             "the range of the scanner or of the file may cut the surface off; measure with a "
@@ -51,44 +71,10 @@ def warnings_of(
             f"and the map has only about {patches:.0f} independent patches: Sq is that of the "
             "levelled map, the interval that of the surface; a wider map narrows it"
         )
-    if not flattened and _rows_are_shifted(raw):
+    # whether neighbouring rows differ by a common step far more than neighbouring columns
+    across, along = (
+        float(np.std(np.diff(np.median(np.diff(raw, axis=axis), axis=1 - axis)))) for axis in (0, 1)
+    )
+    if not flattened and across > _SHIFTED * along > 0.0:
         said.append("scan lines are shifted against each other; compare with --flatten rows")
     return tuple(said)
-
-
-def _pixel_diagnostics(source: HeightMap) -> list[str]:
-    said = []
-    if missing := int(source.missing.sum()):
-        said.append(
-            f"{missing} pixels ({_PERCENT * missing / source.height.size:.2g} %) have no height; "
-            "they are left out like holes"
-        )
-    if max(source.pixel_aspect, 1.0 / source.pixel_aspect) > _OBLONG:
-        said.append(
-            f"pixels are {source.pixel_aspect:.3g} times as wide as long: particles are searched "
-            "for in circles of pixels, which are ellipses on the surface"
-        )
-    steps = np.diff(source.height, axis=1) * source.height.shape[1] / source.width
-    slope = float(np.sqrt(np.nanmean(steps**2)))
-    spread = float(np.nanmax(source.height) - np.nanmin(source.height))
-    if slope > _STEEPEST or spread < _ATOMS:
-        said.append(
-            f"its heights lie within {1e9 * spread:.3g} nm, with a slope of {slope:.2g} from pixel "
-            "to pixel, which no film has; check --size and --unit"
-        )
-    return said
-
-
-def _clip_share(height: np.ndarray) -> float:
-    height = height[np.isfinite(height)]
-    ends = (height == height.max()).mean(), (height == height.min()).mean()
-    return float(max(ends))
-
-
-def _rows_are_shifted(raw: np.ndarray) -> bool:
-    """Whether neighbouring rows differ by a common step far more than neighbouring columns."""
-    rows, columns = (
-        np.median(np.diff(raw, axis=axis), axis=1 - axis) for axis in (0, 1)
-    )  # of each pair of neighbours
-    across, along = (float(np.std(np.diff(one))) for one in (rows, columns))
-    return across > _SHIFTED * along > 0.0

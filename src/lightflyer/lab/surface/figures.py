@@ -63,7 +63,11 @@ def draw_height_map(
                       interpolation="nearest")  # fmt: skip
     if masked:
         rms = result.parameters["rms_height"].value
-        _draw_masks(result, ax, step, extent)
+        for _, mask, colour in _masks(result):
+            # every so many pixels, in which none that is masked gets lost
+            thin = ndimage.maximum_filter(mask, step, origin=-((step - 1) // 2))[::step, ::step]
+            ax.imshow(np.ma.masked_equal(thin, 0), extent=extent, cmap=ListedColormap([colour]),
+                      interpolation="nearest")  # fmt: skip
         shares = ", ".join(
             f"{name} {_PERCENT * mask.mean():.2g} %"
             for name, mask, _ in _masks(result)
@@ -77,23 +81,9 @@ def draw_height_map(
     return image
 
 
-def _draw_masks(
-    result: "Roughness", ax: Axes, step: int, extent: tuple[float, float, float, float]
-) -> None:
-    """Particles and holes in plain colours."""
-    for _, mask, colour in _masks(result):
-        image = np.ma.masked_equal(_thin(mask, step), 0)
-        ax.imshow(image, extent=extent, cmap=ListedColormap([colour]), interpolation="nearest")
-
-
 def _masks(result: "Roughness") -> tuple[tuple[str, np.ndarray, str], ...]:
     """Name, mask and colour of what is masked."""
     return ("particles", result.particles, VERMILION), ("holes", result.holes, SKY)
-
-
-def _thin(mask: np.ndarray, step: int) -> np.ndarray:
-    """Mask of every so many pixels, in which none that is masked gets lost."""
-    return ndimage.maximum_filter(mask, step, origin=-((step - 1) // 2))[::step, ::step]
 
 
 def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:

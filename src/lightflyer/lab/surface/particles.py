@@ -182,23 +182,13 @@ def _stand_out(
     if not (holes.any() or particles.any()):
         searches = [([(above, 1.0), (below, -1.0)], holes)]
     for signs, others in searches:
-        for step, relief in _reliefs(_without(even, others)):
+        for step, relief in _reliefs(fill_missing(np.where(others, np.nan, even))):
             for mask, sign in signs:
                 found = _objects(sign * relief, far[::step, ::step], threshold)
                 if found.any():
                     whole = np.repeat(np.repeat(found, step, axis=0), step, axis=1)
                     mask |= whole[:rows, :columns]
     return _widen(above), _widen(below)
-
-
-def _without(even: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Heights with those of other objects replaced by the nearest that is free."""
-    if not others.any():
-        return even
-    nearest: np.ndarray = np.asarray(
-        ndimage.distance_transform_edt(others, return_distances=False, return_indices=True)
-    )
-    return np.asarray(even[nearest[0], nearest[1]])
 
 
 def _objects(relief: np.ndarray, far: np.ndarray, threshold: float) -> np.ndarray:

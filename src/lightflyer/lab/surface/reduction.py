@@ -192,12 +192,29 @@ def roughness(
     require_range("height_accuracy", height_accuracy, 0.0, 0.5)
     rows = None if flatten == "none" else flatten_order
     missing = source.missing
-    raw = _raw(source, rows)
+    raw = fill_missing(source.height)
+    if np.ptp(raw) == 0.0:
+        raise ConfigurationError(
+            f"{source.source}: all heights are equal: this is no map of a surface"
+        )
+    if rows is not None:
+        raw = flatten_rows(raw, rows)
     whole = level(raw, missing, order)
     nothing = np.zeros(raw.shape, bool)
     if not isinstance(mask, str):
         mask = np.asarray(mask)
-        _require_fitting(source, mask)
+        if mask.dtype != bool:
+            raise ParameterError(f"a mask is an array of bool, not of {mask.dtype}")
+        if mask.shape != source.height.shape:
+            sizes = (" x ".join(map(str, one.shape[::-1])) for one in (mask, source.height))
+            raise ConfigurationError(
+                f"{source.source}: the mask has {' and the map '.join(sizes)} pixels"
+            )
+        if mask.mean() > MOST_MASKED:
+            raise ConfigurationError(
+                f"{source.source}: the mask given leaves out more than {MOST_MASKED:.0%} of the "
+                "map; what is 1, or not black, is left out"
+            )
         found = Objects(level(raw, mask | missing, order), mask, nothing)
     elif mask == "none":
         found = Objects(whole, nothing, nothing)
@@ -219,7 +236,8 @@ def roughness(
     everything = _estimates(whole, missing, *common)[0]
     said = warnings_of(source, raw, masked, inside["skewness"].value, lost, patches,
                        flattened=rows is not None)  # fmt: skip
-    said += _empty(mask)
+    if not isinstance(mask, str) and not mask.any():
+        said += ("the mask given is empty: Sq is that of the whole map",)
     if height_accuracy is None:
         said += assumed_accuracies({"heights": f"± {_PERCENT * HEIGHT_ACCURACY:g} %"})
     rows_columns = zip((source.length, source.width), raw.shape, strict=True)
@@ -228,36 +246,6 @@ def roughness(
         source, found.height, found.particles, found.holes, inside, everything, accuracy, patches,
         lost, texture_of(found.height, masked, (down, right)), said,
     )  # fmt: skip
-
-
-def _raw(source: HeightMap, rows: int | None) -> np.ndarray:
-    """Heights, missing ones filled; rows flattened by a polynomial of order ``rows``, if any."""
-    raw = fill_missing(source.height)
-    if np.ptp(raw) == 0.0:
-        raise ConfigurationError(
-            f"{source.source}: all heights are equal: this is no map of a surface"
-        )
-    return raw if rows is None else flatten_rows(raw, rows)
-
-
-def _require_fitting(source: HeightMap, mask: np.ndarray) -> None:
-    if mask.dtype != bool:
-        raise ParameterError(f"a mask is an array of bool, not of {mask.dtype}")
-    if mask.shape != source.height.shape:
-        sizes = (" x ".join(map(str, one.shape[::-1])) for one in (mask, source.height))
-        raise ConfigurationError(
-            f"{source.source}: the mask has {' and the map '.join(sizes)} pixels"
-        )
-    if mask.mean() > MOST_MASKED:
-        raise ConfigurationError(
-            f"{source.source}: the mask given leaves out more than {MOST_MASKED:.0%} of the map; "
-            "what is 1, or not black, is left out"
-        )
-
-
-def _empty(mask: Mask) -> tuple[str, ...]:
-    empty = not isinstance(mask, str) and not mask.any()
-    return ("the mask given is empty: Sq is that of the whole map",) if empty else ()
 
 
 def _estimates(

@@ -191,6 +191,7 @@ def test_what_fits_is_written_with_its_total_and_origin(measured):
         (lambda rows: [[*row[:3], "1", *row[4:]] for row in rows], None,
          "times as much as their stated uncertainties say"),
         (lambda rows: [rows[0], rows[-1]], None, "nothing shows whether the model fits"),
+        (lambda rows: rows + rows, None, "18 of 36 points are copies of others"),
         # of another unit: all light is a tenth
         (lambda rows: [[row[0], row[1], f"{0.1 * float(row[2])}", f"{0.1 * float(row[3])}",
                         *row[4:]] for row in rows], None, "times as much"),
@@ -236,3 +237,16 @@ def test_samples_named_like_formulas_are_none(folder, run):
     assert run("calibrate", "points.csv", "--out", "fit")[0] == 0
     rows = (folder / "fit" / "residuals.csv").read_text(encoding="utf-8").splitlines()[1:]
     assert all(row.startswith("'=1+1,") for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--free", "C_FM"], 'did you mean "c_fm"?'),
+        (["--free", "irradiance"], "irradiance has no effect on the light that lifts"),
+        (["--pressure-accuracy", "0.5"], "is 50 %: more than of any such instrument"),
+    ],
+)
+def test_slips_are_named(run, options, says):
+    _, _, errors = run("calibrate", "points.csv", *options)
+    assert says in errors

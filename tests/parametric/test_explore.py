@@ -196,3 +196,12 @@ def test_a_lucky_draw_is_no_best_design(dataset):
     cost = drawn.payload.median("sample") * 0.0
     _, gains, _ = explore.front(drawn.assign(cost=cost), "payload", "cost")
     assert gains.tolist() == [medians.max()]
+
+
+def test_a_map_of_a_list_in_any_order_rises(dataset):
+    """Contours over values that go up and down are of no design."""
+    shuffled = dataset.isel({"film.emittance": [3, 0, 4, 1, 2]})
+    kept = ["film.emittance", "altitude"]
+    sliced, _ = explore.choose_slice(shuffled, "payload", kept, {})
+    expected, _ = explore.choose_slice(dataset, "payload", kept, {})
+    xr.testing.assert_identical(sliced, expected)

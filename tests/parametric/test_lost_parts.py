@@ -192,3 +192,22 @@ def test_workers_that_died_leave_nothing_in_a_finished_sweep(design, tmp_path):
 
     sweep_into(make_study(design, ENTRIES, VARIABLES), folder, chunk=100, evaluator=dying)
     assert not [*folder.rglob("*.partial"), *folder.rglob("repair-*")]
+
+
+def test_parts_of_a_sweep_are_no_folders_for_others(sweeps, design, tmp_path, run):
+    folder = tmp_path / "v.zarr"
+    shutil.copytree(sweeps / "one", folder)
+    with pytest.raises(lf.OutputError, match="is within the sweep"):
+        sweep_into(make_study(design, ENTRIES, VARIABLES), folder / "more", evaluator=outputs)
+    with pytest.raises(lf.ConfigurationError, match="is a part of a sweep; name its folder"):
+        lf.parametric.open_sweep(folder / "lift")
+    twice = "altitude = 70 km, altitude = 80 km"
+    over = ("--x", "diameter", "--value", "lift", "--out", tmp_path / "m")
+    code, _, errors = run("map", folder, *over, "--at", twice)
+    assert (code, errors) == (2, 'lightflyer: error: --at "altitude" is given twice\n')
+
+
+def test_impossible_shares_of_distributions_are_told(design):
+    entries = {"film.emittance": "0.08 ± 0.2"}
+    with pytest.warns(lf.ParameterWarning, match="film.emittance: 34 % of the distribution is"):
+        make_study(design, entries, ["own_mass"])

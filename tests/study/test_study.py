@@ -170,6 +170,7 @@ def test_a_text_with_an_uncertainty_is_a_normal_distribution(design):
     assert isinstance(read_entry(0.8, design.field("film.tac_top")), Axis)
 
 
+@pytest.mark.filterwarnings("ignore:film.absorptance. 31 %")
 @pytest.mark.parametrize("method", ["sobol", "latin-hypercube", "random"])
 def test_samples_follow_their_distributions(design, method):
     parts = [

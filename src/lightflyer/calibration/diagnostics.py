@@ -19,6 +19,7 @@ FAR_ABOVE = 3.0
 _SCATTER = Quantity(
     likely=(0.0, 0.25), known="repeated levitations of one film agree within some percent"
 )
+_COPIES = 0.25  # share of equal rows, beyond what coarse readings repeat
 _UNLIKE = 3.0  # points of neighbouring pressures that err alike, from which the fit is in doubt
 _COVERED = 0.5  # of the force at some point, for a coefficient to be that of the points
 _LARGE_SHARE = 0.1  # of the inputs' variance, for an input to be named
@@ -32,12 +33,28 @@ def diagnose(fit: Calibration) -> list[str]:
     """Diagnostics of a fit, one line each."""
     return [
         *fit.problem.model.design.warnings,
+        *_about_copies(fit),
         *_about_columns(fit),
         *_about_errors(fit),
         *_about_intervals(fit),
         *_about_coverage(fit),
         *_about_inputs(fit),
         *_about_steps(fit),
+    ]
+
+
+def _about_copies(fit: Calibration) -> list[str]:
+    """That rows stand in the file twice, each of which would count."""
+    points = fit.points
+    rows = list(zip(points.samples, *points.numbers.values(), strict=True))
+    copies = len(rows) - len(set(rows))
+    if copies < _COPIES * len(rows):
+        return []
+    return [
+        Doubt(
+            f"{copies} of {len(rows)} points are copies of others, to all digits: the intervals "
+            "count them as measured again"
+        )
     ]
 
 
@@ -92,7 +109,7 @@ def _about_errors(fit: Calibration) -> list[str]:
 
 
 def _about_intervals(fit: Calibration) -> list[str]:
-    said = []
+    said: list[str] = []
     for row, (name, parameter) in enumerate(zip(fit.names, fit.problem.parameters, strict=True)):
         doubt = parameter.target.quantity.unlikely(fit.values[row])
         said += [Doubt(f"{name} = {doubt}")] if doubt else []
@@ -116,16 +133,14 @@ def _about_intervals(fit: Calibration) -> list[str]:
                 if fit.intervals[row, end] == bound
                 else f"within their ±, {_largest(fit, row)} allow any value"
             )
-            open_ended = math.isinf(bound) or bound == 0.0
-            said.append(
-                Doubt(f"{name} has no {word} bound: {why}")
-                if open_ended
-                else f"the interval of {name} is cut at {limit}: {why}"
-            )
+            if math.isinf(bound) or bound == 0.0:
+                said.append(Doubt(f"{name} has no {word} bound: {why}"))
+            else:
+                said.append(f"the interval of {name} is cut at {limit}: {why}")
     return said
 
 
-def _about_coverage(fit: Calibration) -> list[str]:
+def _about_coverage(fit: Calibration) -> list[Doubt]:
     """That no point is where a force coefficient, which is named as that of a limit, counts."""
     slopes = np.abs(fit.problem.linearise(np.log(fit.values)).jacobian)
     rows = {

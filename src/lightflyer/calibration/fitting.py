@@ -288,6 +288,9 @@ def _solve_weighted(
 
 def _require_distinct(weighted: np.ndarray, names: list[str]) -> None:
     """Raise where the points cannot tell the parameters apart."""
+    for name, column in zip(names, weighted.T, strict=True):
+        if not np.any(column):
+            raise ParameterError(f"{name} has no effect on the light that lifts at these points")
     _, singular, directions = np.linalg.svd(weighted, full_matrices=False)
     if singular[-1] > _RANK_TOLERANCE * singular[0]:
         return

@@ -4,6 +4,7 @@ They are the ± of the design, those of the samples in the points' own columns, 
 of the two instruments. Each has an error in its own standard uncertainties, zero as stated.
 """
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -13,6 +14,7 @@ from lightflyer.calibration.points import Points
 from lightflyer.calibration.targets import Fields, Target
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
+from lightflyer.core.errors import ParameterWarning
 from lightflyer.core.quantity import Fraction
 from lightflyer.design.design import AbstractDesign
 from lightflyer.uncertainty.inputs import Change, Inputs, uncertain_inputs
@@ -32,6 +34,7 @@ IRRADIANCE_ACCURACY = 0.05
 accuracy that makers state for thermal power sensors."""
 
 _PERCENT = 100.0
+_LARGEST_USUAL = 0.3  # relative accuracy of such instruments
 _SCATTER, _COEFFICIENTS = "force.force_error", {"force.c_fm", "force.c_cont"}
 """What the published coefficients of a force model scatter by, and those coefficients."""
 
@@ -46,6 +49,13 @@ def instruments(
         ("irradiance_accuracy", irradiance_accuracy),
     ):
         require_range(name, stated, 0.0, 1.0)
+        if stated is not None and stated > _LARGEST_USUAL:
+            warnings.warn(
+                f"{name} = {stated:g} is {_PERCENT * stated:g} %: more than of any such "
+                'instrument; per cent are written "0.5 %"',
+                ParameterWarning,
+                stacklevel=2,
+            )
     found, assumed = {}, {}
     for instrument, stated, usual in (
         (PRESSURE_GAUGE, pressure_accuracy, PRESSURE_ACCURACY),

@@ -102,7 +102,8 @@ def _why_unknown(design: AbstractDesign, name: str) -> str:
     if name == design.coordinate_name:
         return f"{name} is the coordinate of the points, not a number of the design"
     ends = {field.rpartition(".")[2] for field in design.quantities}
-    near = difflib.get_close_matches(name, sorted(ends), n=1)
+    small = {end.lower(): end for end in ends}
+    near = [small[one] for one in difflib.get_close_matches(name.lower(), sorted(small), n=1)]
     if near:
         return f'{name} is not a number of the design; did you mean "{near[0]}"?'
     try:

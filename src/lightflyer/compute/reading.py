@@ -24,6 +24,7 @@ from lightflyer.compute.store import (
     group_checksums,
     journal_entries,
     stored_study,
+    sweep_around,
 )
 from lightflyer.core.errors import ConfigurationError
 
@@ -72,6 +73,9 @@ def _record_of(folder: Path) -> dict[str, Any]:
     if not (folder / RECORDS).is_dir():
         if not folder.exists():
             raise ConfigurationError(f"{folder}: does not exist")
+        whole = sweep_around(folder)
+        if whole is not None:
+            raise ConfigurationError(f"{folder}: is a part of a sweep; name its folder, {whole}")
         if not (folder / METADATA).is_file():
             kind = "folder" if folder.is_dir() else "file"
             raise ConfigurationError(

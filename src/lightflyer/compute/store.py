@@ -282,10 +282,18 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
 
 def _require_free(folder: Path) -> None:
     """Raise unless the folder is a store, perhaps an interrupted one, or empty."""
+    whole = sweep_around(folder)
+    if whole is not None:
+        raise OutputError(f"{folder}: is within the sweep {whole}; choose another folder")
     if not folder.exists() or (folder / RECORDS).is_dir():
         return
     if not folder.is_dir() or any(folder.iterdir()):
         raise OutputError(f"{folder}: already exists and is not a sweep; choose another folder")
+
+
+def sweep_around(folder: Path) -> Path | None:
+    """The sweep whose folder a path is in."""
+    return next((path for path in folder.absolute().parents if (path / RECORDS).is_dir()), None)
 
 
 def require_same(folder: Path, stored: dict[str, str], asked: dict[str, str]) -> None:

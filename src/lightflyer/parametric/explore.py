@@ -2,7 +2,7 @@
 
 import difflib
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -74,6 +74,7 @@ class _Results:
         """Where each part lies along each dimension, and these outputs of it, in memory."""
         needed = self.dataset[[name for name in names if name in self.dataset.data_vars]]
         blocks = dict(self.dataset[self.output].chunksizes)
+        places: Iterable[tuple[slice, ...]]
         if blocks:  # Dask's, each of which is computed once
             sizes = [blocks[name] for name in self.dims]
             ends = [np.cumsum(lengths) for lengths in sizes]
@@ -103,7 +104,8 @@ class _Results:
         # Of uncertain designs the median over the samples counts, for a best draw is no better
         # design.
         sizes = {name: part.sizes[name] for name in self.dims} | self._samples
-        values = sign * np.asarray(array.variable.set_dims(sizes), float)
+        wide: Any = array.variable
+        values = sign * np.asarray(wide.set_dims(sizes), np.float64)
         values = np.where(np.isnan(values), -np.inf, values)
         if self._samples:
             # the lower of two, so that it is that of a sample and never a mean of infinities
@@ -235,7 +237,7 @@ def _best(found: _Results, count: int) -> tuple[np.ndarray, np.ndarray]:
 def choose_slice(
     dataset: "xr.Dataset", value: str, kept: list[str], asked: Mapping[str, str]
 ) -> tuple["xr.Dataset", dict[str, tuple[float, str]]]:
-    """Fix all dimensions but some, at asked values or else at the best design."""
+    """Fix all dimensions but some, at asked values or else at the best design; those rise."""
     chosen: dict[str, tuple[float, str]] = {}
     for short, text in asked.items():
         name = find_name(dataset, short, among="fields")
@@ -263,13 +265,12 @@ def choose_slice(
             number = best.index[name] if best else 0
             chosen[name] = (float(dataset[name][number]), unit_of(dataset[name]))
             dataset = dataset.isel({name: number})
-    return dataset, chosen
+    # figures and tables follow the axes, lists of values need not
+    return dataset.sortby(kept), chosen
 
 
 def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
     """What is positive where the designs of a sweep fly, as far as its outputs tell."""
-    import xarray as xr
-
     name = next((name for name in _TELLING if name in dataset), None)
     if name is None:
         return None
@@ -281,8 +282,8 @@ def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
     if name in ("relative_payload", "payload"):
         return values.fillna(-1.0)
     if name == "band_width":
-        return xr.where(values > 0.0, 0.5, -0.5)
-    return xr.where(values.isnull(), -0.5, 0.5)
+        return (values > 0.0) - _HALF
+    return values.notnull() - _HALF
 
 
 def pareto_front(results: "xr.Dataset | str | Path", output: str, cost: str) -> "xr.Dataset":

@@ -2,17 +2,19 @@
 
 import abc
 import math
+import warnings
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError, ParameterWarning
 from lightflyer.design.design import AbstractDesign, Field
 from lightflyer.uncertainty.correlation import Correlations, correlate
 
 SAMPLE = "sample"  # Dimension along which all distributions are drawn together
 
+_LOST = 0.01  # share that is impossible, from which a warning says so
 SAMPLES = 1024  # of distributions, unless stated otherwise
 MOST_SAMPLES = 10_000_000
 """Most numbers along one dimension of a study: unlike its results they are kept in memory."""
@@ -36,14 +38,26 @@ class Normal(Distribution):
     mean: float  # Before truncation, in the unit of the field
     standard_deviation: float
 
-    def quantile(self, share: np.ndarray) -> np.ndarray:
-        from scipy.stats import truncnorm
-
+    def _ends(self) -> tuple[float, float]:
+        """Ends of what is possible, in standard deviations from the mean."""
         possible = self.field.quantity
         low, high = (
             (end - self.mean) / self.standard_deviation
             for end in (possible.lowest, possible.highest)
         )
+        return low, high
+
+    def impossible(self) -> float:
+        """Share of the distribution before truncation that is not possible."""
+        from scipy.special import ndtr
+
+        low, high = self._ends()
+        return float(ndtr(low) + ndtr(-high))
+
+    def quantile(self, share: np.ndarray) -> np.ndarray:
+        from scipy.stats import truncnorm
+
+        possible, (low, high) = self.field.quantity, self._ends()
         values = truncnorm.ppf(share, low, high, loc=self.mean, scale=self.standard_deviation)
         # the ends of an open range are limits, not values
         inside = np.nextafter(possible.lowest, np.inf) if possible.open_below else possible.lowest
@@ -117,6 +131,15 @@ def draw_samples(
             f"points = {points} samples of {count} numbers do not fit into memory; at most "
             f"{MOST_SAMPLES // count}, or sweep a range instead"
         )
+    for one in distributions:
+        lost = one.impossible() if isinstance(one, Normal) else 0.0
+        if lost > _LOST:
+            warnings.warn(
+                f"{one.field.name}: {100.0 * lost:.0f} % of the distribution is impossible; "
+                "samples are of the rest",
+                ParameterWarning,
+                stacklevel=2,
+            )
     names = [distribution.field.name for distribution in distributions]
     shares = correlate(METHODS[method](points, count, seed), names, correlations or {})
     return {

@@ -81,6 +81,8 @@ def _parse_places(at: str | None) -> dict[str, str]:
             raise ConfigurationError(
                 f'--at "{part.strip()}": write name = value, as in "altitude = 70 km"'
             )
+        if name in asked:
+            raise ConfigurationError(f'--at "{name}" is given twice')
         if name:
             asked[name] = text
     return asked

@@ -45,7 +45,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from rich.table import Table
 
 BAND = (500.0 * PER_CENTIMETRE, 1300.0 * PER_CENTIMETRE)  # Band of the paper, 900 ± 400 cm⁻¹ [1/m]
 TEMPERATURES = (300.0, 400.0, 441.0, 500.0)  # Default temperatures of Planck-weighted means [K]
@@ -388,11 +387,6 @@ def ftir_parts(result: "Ftir") -> Parts:
         "weighted with Planck's spectrum over the measured wavenumbers; total: nothing or\n"
         "everything is emitted outside them"
     )
-    yield _planck_table(result)
-
-
-def _planck_table(result: "Ftir") -> "Table":
-    """Planck-weighted means, and bounds with what lies outside the data."""
     measured, bounds = result.reflectance is not None, result.total_bounds()
     headings = (
         "at\n[K]", "\ntransmittance", "\nemissivity" if measured else "1 - trans-\nmittance",
@@ -408,4 +402,4 @@ def _planck_table(result: "Ftir") -> "Table":
             f"{_PERCENT * result.uncovered[temperature]:.1f} %",
             f"{least:.3f} to {most:.3f}" if measured else f"{most:.3f}",
         ))  # fmt: skip
-    return table_of(headings, rows, left=())
+    yield table_of(headings, rows, left=())

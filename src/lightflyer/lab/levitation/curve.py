@@ -154,67 +154,31 @@ def levitation_curve(
     require_range("span", span, 0.1, 1.0)
     require_range("draws", draws, 100)
     accuracies, assumed = instruments(pressure_accuracy, irradiance_accuracy)
-    _require_enough(points)
+    count, pressures = len(points.pressure), np.unique(points.pressure).size
+    if count < LEAST_POINTS:
+        raise ConfigurationError(
+            f"{points.place}: {points.name} has {count} point{'s' * (count != 1)}; a curve needs "
+            f"{LEAST_POINTS} or more"
+        )
+    if pressures < LEAST_PRESSURES or np.ptp(np.log(points.pressure)) < _LEAST_SPREAD:
+        raise ConfigurationError(
+            f"{points.place}: {points.name} was measured at {pressures} "
+            f"pressure{'s' * (pressures != 1)}; a curve needs {LEAST_PRESSURES} or more"
+        )
     require_step(step, points.irradiance, points.place)
     x, y = np.log(points.pressure), np.log(points.irradiance - CENTRE * step)
+    stated = None  # of each log-irradiance, that of pressure included
+    if points.uncertainties.keys() & {"irradiance_uncertainty", "pressure_uncertainty"}:
+        order = np.unique(x, return_index=True)[1]
+        slope = np.gradient(smoother(x, x, span)[order] @ y, x[order])
+        numbers = {
+            "pressure": points.pressure, "irradiance": points.irradiance, **points.uncertainties
+        }  # fmt: skip
+        stated = log_uncertainty(numbers, np.interp(x, x[order], slope), points.place)
     least = minimum(
-        x, points.irradiance, span=span, draws=draws, seed=seed, step=step,
-        stated=_stated_uncertainty(points, x, y, span),
+        x, points.irradiance, span=span, draws=draws, seed=seed, step=step, stated=stated
     )  # fmt: skip
     pressure, irradiance, band = _estimates(least, tuple(accuracies.values()), seed)
-    return LevitationCurve(
-        points=points,
-        optimal_pressure=pressure,
-        minimum_irradiance=irradiance,
-        at_edge=least.edge != 0,
-        pressure=np.exp(least.grid),
-        irradiance=np.exp(least.curve),
-        lower=np.exp(np.minimum(band[0], least.curve)),
-        upper=np.exp(np.maximum(band[1], least.curve)),
-        draws=np.stack([least.places, least.values], axis=1),
-        step=step,
-        warnings=(*_diagnostics(points, least, pressure, step), *assumed),
-    )
-
-
-def _estimates(
-    least: Minimum, accuracies: tuple[float, ...], seed: int
-) -> tuple[Estimate, Estimate, np.ndarray]:
-    """Optimum, least irradiance and log-irradiances of the band, with the instruments' errors."""
-    rng = np.random.default_rng([seed, len(least.places)])
-    gauge, meter = (one * rng.normal(size=len(least.places)) for one in accuracies)
-    pressure = _estimate(least.place, least.places + gauge, "Pa")
-    irradiance = _estimate(least.value, least.values + meter, "W/m^2")
-    low, high = pressure.interval
-    tail = 0.5 * (1.0 - CONFIDENCE)
-    if np.mean(least.edges == -1) > tail:
-        low = 0.0
-    if np.mean(least.edges == 1) > tail:
-        high = np.inf
-    pressure = replace(pressure, interval=(low, high))
-    if least.edge:
-        irradiance = replace(irradiance, interval=(0.0, irradiance.interval[1]))
-    slope = np.gradient(least.curve, least.grid)
-    band = central_interval(least.curves + meter[:, None] - np.outer(gauge, slope), axis=0)
-    return pressure, irradiance, band
-
-
-def _stated_uncertainty(
-    points: LiftOffs, x: np.ndarray, y: np.ndarray, span: float
-) -> np.ndarray | None:
-    """Uncertainty of each log-irradiance, that of pressure included; None where none is stated."""
-    if not points.uncertainties.keys() & {"irradiance_uncertainty", "pressure_uncertainty"}:
-        return None
-    order = np.unique(x, return_index=True)[1]
-    slope = np.gradient(smoother(x, x, span)[order] @ y, x[order])
-    numbers = {"pressure": points.pressure, "irradiance": points.irradiance, **points.uncertainties}
-    return log_uncertainty(numbers, np.interp(x, x[order], slope), points.place)
-
-
-def _diagnostics(
-    points: LiftOffs, least: Minimum, pressure: Estimate, step: float
-) -> tuple[str, ...]:
-    """What a reader of the result must know."""
     said = list(points.notes)
     if least.gap is not None:
         low, high = np.exp(least.gap)
@@ -258,22 +222,41 @@ def _diagnostics(
             f"{points.place}: {points.name} is in ground effect: the floor is {gap:.3g} mm below, "
             f"less than the diameter of {diameter:.3g} mm"
         )
-    return tuple(said)
+    return LevitationCurve(
+        points=points,
+        optimal_pressure=pressure,
+        minimum_irradiance=irradiance,
+        at_edge=least.edge != 0,
+        pressure=np.exp(least.grid),
+        irradiance=np.exp(least.curve),
+        lower=np.exp(np.minimum(band[0], least.curve)),
+        upper=np.exp(np.maximum(band[1], least.curve)),
+        draws=np.stack([least.places, least.values], axis=1),
+        step=step,
+        warnings=(*said, *assumed),
+    )
 
 
-def _require_enough(points: LiftOffs) -> None:
-    count, pressures = len(points.pressure), np.unique(points.pressure).size
-    place, name = points.place, points.name
-    if count < LEAST_POINTS:
-        raise ConfigurationError(
-            f"{place}: {name} has {count} point{'s' * (count != 1)}; a curve needs "
-            f"{LEAST_POINTS} or more"
-        )
-    if pressures < LEAST_PRESSURES or np.ptp(np.log(points.pressure)) < _LEAST_SPREAD:
-        raise ConfigurationError(
-            f"{place}: {name} was measured at {pressures} pressure{'s' * (pressures != 1)}; a "
-            f"curve needs {LEAST_PRESSURES} or more"
-        )
+def _estimates(
+    least: Minimum, accuracies: tuple[float, ...], seed: int
+) -> tuple[Estimate, Estimate, np.ndarray]:
+    """Optimum, least irradiance and log-irradiances of the band, with the instruments' errors."""
+    rng = np.random.default_rng([seed, len(least.places)])
+    gauge, meter = (one * rng.normal(size=len(least.places)) for one in accuracies)
+    pressure = _estimate(least.place, least.places + gauge, "Pa")
+    irradiance = _estimate(least.value, least.values + meter, "W/m^2")
+    low, high = pressure.interval
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    if np.mean(least.edges == -1) > tail:
+        low = 0.0
+    if np.mean(least.edges == 1) > tail:
+        high = np.inf
+    pressure = replace(pressure, interval=(low, high))
+    if least.edge:
+        irradiance = replace(irradiance, interval=(0.0, irradiance.interval[1]))
+    slope = np.gradient(least.curve, least.grid)
+    band = central_interval(least.curves + meter[:, None] - np.outer(gauge, slope), axis=0)
+    return pressure, irradiance, band
 
 
 def _estimate(log_value: float, log_draws: np.ndarray, unit: str) -> Estimate:
@@ -339,11 +322,13 @@ def warnings_of(curves: Sequence[LevitationCurve]) -> list[str]:
 
 def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.Dataset":
     """Points of all samples over ``point``, curves over ``sample`` and ``node``."""
-    light = ("W m-2", "irradiance at lift-off")
     names = [curve.points.name for curve in curves]
 
     def points(field: str) -> np.ndarray:
         return np.concatenate([getattr(curve.points, field) for curve in curves])
+
+    def at_points(values: np.ndarray, units: str, long_name: str) -> Any:
+        return "point", values, {"units": units, "long_name": long_name}
 
     def nodes(field: str, units: str, long_name: str) -> Any:
         values = np.stack([getattr(curve, field) for curve in curves])
@@ -353,13 +338,9 @@ def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.D
     return dataset(
         "levitation",
         {
-            "point_sample": (
-                "point",
-                owner,
-                {"units": "1", "long_name": "position of the sample, from 0"},
-            ),
-            "point_pressure": ("point", points("pressure"), _attributes("Pa", "gas pressure")),
-            "point_irradiance": ("point", points("irradiance"), _attributes(*light)),
+            "point_sample": at_points(owner, "1", "position of the sample, from 0"),
+            "point_pressure": at_points(points("pressure"), "Pa", "gas pressure"),
+            "point_irradiance": at_points(points("irradiance"), "W m-2", "irradiance at lift-off"),
             "pressure": nodes("pressure", "Pa", "gas pressure"),
             "irradiance": nodes("irradiance", "W m-2", "curve of the irradiance"),
             "lower": nodes("lower", "W m-2", "lower end of the 95 % band"),
@@ -369,10 +350,6 @@ def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.D
         warnings=warnings_of(curves),
         samples=", ".join(names),
     )
-
-
-def _attributes(units: str, long_name: str) -> dict[str, str]:
-    return {"units": units, "long_name": long_name}
 
 
 def tables(curves: Sequence[LevitationCurve]) -> dict[str, str]:

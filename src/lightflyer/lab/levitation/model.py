@@ -26,19 +26,14 @@ def model_curve(points: LiftOffs, setup: Setup) -> tuple[np.ndarray, np.ndarray]
     """Irradiance at which the model levitates, a little beyond the pressures of a sample."""
     low, high = points.pressure.min() / _BEYOND, points.pressure.max() * _BEYOND
     pressure = np.geomspace(low, high, _PRESSURES)
-    sample = _sample_setup(setup, points)
-    found = levitate(sample.flyer, sample.environment.state(pressure), sample.model, throw=False)
-    return pressure, np.where(found.levitates, found.irradiance, np.nan)
-
-
-def _sample_setup(setup: Setup, points: LiftOffs) -> Setup:
-    """The setup with the known properties of a sample."""
     design = as_design(setup)
     values: dict[str, float] = {}
     for name, value in points.properties.items():
         target = target_of(design, name, describes_flyer=True)
         values |= dict.fromkeys(target.fields, target.factor * value)
-    return design.build(values)
+    sample = design.build(values)
+    found = levitate(sample.flyer, sample.environment.state(pressure), sample.model, throw=False)
+    return pressure, np.where(found.levitates, found.irradiance, np.nan)
 
 
 def calibrate_curves(
@@ -50,7 +45,14 @@ def calibrate_curves(
     irradiance_accuracy: float | None = None,
 ) -> Calibration:
     """Fit the force coefficients to the points of all samples."""
-    lots = [_points(curve, keep_ground_effect=keep_ground_effect) for curve in curves]
+    lots = []
+    for curve in curves:
+        lot, count = curve.points, len(curve.points.pressure)
+        gap = None if keep_ground_effect else lot.floor_gap
+        numbers = {"pressure": lot.pressure, "irradiance": lot.irradiance, **lot.uncertainties}
+        numbers |= {name: np.full(count, value) for name, value in lot.properties.items()}
+        numbers["floor_gap"] = np.full(count, np.inf if gap is None else gap)
+        lots.append(Points(lot.place, [lot.name] * count, numbers).with_step(curve.step))
     shared = set.intersection(*(set(one.numbers) for one in lots))
     whole = Points(
         source=lots[0].source,
@@ -81,15 +83,3 @@ def measured_coefficients(fit: Calibration) -> dict[str, Estimate]:
         low, high = map(float, fit.total_intervals[row])
         found[name] = Estimate(value, (low, high), "", spread)
     return found
-
-
-def _points(curve: LevitationCurve, *, keep_ground_effect: bool) -> Points:
-    """Points of one sample as a calibration takes them."""
-    lot = curve.points
-    numbers = {"pressure": lot.pressure, "irradiance": lot.irradiance, **lot.uncertainties}
-    for name, value in lot.properties.items():
-        numbers[name] = np.full(len(lot.pressure), value)
-    gap = None if keep_ground_effect else lot.floor_gap
-    numbers["floor_gap"] = np.full(len(lot.pressure), np.inf if gap is None else gap)
-    points = Points(lot.place, [lot.name] * len(lot.pressure), numbers)
-    return points.with_step(curve.step)

@@ -42,6 +42,19 @@ def diagnose(
         "the film is rough, and the model has its specular beams only; total light was collected "
         f"in {', '.join(one.spectrum.source for one in total)}"
     ] * bool(film.is_rough and total)
+    found = []
+    for solution, excess in fit.rivals[:_SHOWN]:
+        if excess > fit.factor**2:
+            continue
+        values = fit.problem.model.values(solution.position)
+        told = ", ".join(
+            f"{one.name} = {amount_text(value, one.unit)}"
+            for one, value in zip(fit.problem.free, values, strict=True)
+        )
+        found.append(
+            f"another minimum fits as well (cost +{excess:.2g}, excluded from "
+            f"{fit.factor**2:.2g}) and is not in the intervals: {told}"
+        )
     return (
         *_undetermined_lines(sample, numbers, open_ends),
         *(
@@ -51,7 +64,7 @@ def diagnose(
             for j in range(i)
             if abs(correlation[i, j]) > TIED
         ),
-        *_rivals(fit),
+        *found,
         *_beforehand(sample, numbers),
         *_misfits(sample, fit),
         *_instruments(sample, fit),
@@ -86,24 +99,6 @@ def _undetermined_lines(
                 if is_open
             )
             found.append(f"the interval of {one.name} ends at its {ends}, not by the spectra")
-    return found
-
-
-def _rivals(fit: Fit) -> list[str]:
-    """Other minima that fit as well; those that are excluded need no warning."""
-    found = []
-    for solution, excess in fit.rivals[:_SHOWN]:
-        if excess > fit.factor**2:
-            continue
-        values = fit.problem.model.values(solution.position)
-        told = ", ".join(
-            f"{one.name} = {amount_text(value, one.unit)}"
-            for one, value in zip(fit.problem.free, values, strict=True)
-        )
-        found.append(
-            f"another minimum fits as well (cost +{excess:.2g}, excluded from "
-            f"{fit.factor**2:.2g}) and is not in the intervals: {told}"
-        )
     return found
 
 

@@ -177,9 +177,9 @@ class _Profile:
     def _excess(self, number: int, at: float, near: Solution) -> tuple[float, Solution]:
         start = near.position.copy()
         start[number] = at
-        found = self._fit.problem.minimise(
-            _inside_but(start, number), near.errors, held={number: at}
-        )
+        inside = _inside(start)
+        inside[number] = start[number]
+        found = self._fit.problem.minimise(inside, near.errors, held={number: at})
         excess = found.cost - self._fit.best.cost
         if excess < -_BETTER and (self.better is None or found.cost < self.better.cost):
             self.better = found
@@ -209,10 +209,3 @@ class _Profile:
             else:
                 inner, within, near = middle, excess, found
         return float(0.5 * (inner + outer))
-
-
-def _inside_but(position: np.ndarray, number: int) -> np.ndarray:
-    """A start off the bounds, but for one number that is held."""
-    inside = _inside(position)
-    inside[number] = position[number]
-    return inside

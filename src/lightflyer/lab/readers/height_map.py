@@ -14,7 +14,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length
 from lightflyer.core.units import parse, scale_and_offset
 from lightflyer.lab.readers import microscopes
-from lightflyer.lab.readers.formats import Format, Source, find_format, read_source
+from lightflyer.lab.readers.formats import Format, find_format, read_source
 from lightflyer.lab.readers.microscopes import Channel, choose_channel, with_different_names
 from lightflyer.lab.readers.number_matrix import NumberMatrix, read_number_matrix
 
@@ -199,35 +199,17 @@ def read_height_map(
         matrix, notes = read_matrix(source.path, size, unit)
         channels = [matrix]
     else:
-        _refuse_options(source, size, unit)
+        for option, value in (("--size", size), ("--unit", unit)):
+            if value is not None:
+                source.refuse(
+                    f"states its sizes and units itself; {option} is for a matrix in a text file; "
+                    "leave it out"
+                )
         channels = kind.read(source)
     found, note = choose_channel(source.path, channels, channel)
     if note:
         notes = (*notes, note)
     one = HeightMap(str(source.path), found.read(), found.width, found.length, found.name, notes)
-    _require_usable(one)
-    return one
-
-
-def list_channels(path: str | Path) -> list[Channel]:
-    """Channels of a height map's file."""
-    source = read_source(Path(path))
-    kind = find_format(source, HEIGHT_MAP_FORMATS)
-    if kind is None:
-        source.refuse("a matrix in a text file has no channels")
-    return with_different_names(kind.read(source))
-
-
-def _refuse_options(source: Source, size: float | None, unit: str | None) -> None:
-    for option, value in (("--size", size), ("--unit", unit)):
-        if value is not None:
-            source.refuse(
-                f"states its sizes and units itself; {option} is for a matrix in a text file; "
-                "leave it out"
-            )
-
-
-def _require_usable(one: HeightMap) -> None:
     if one.height.ndim != 2 or min(one.height.shape) < _LEAST_SIDE:
         shape = " x ".join(map(str, one.height.shape))
         raise ConfigurationError(
@@ -257,3 +239,13 @@ def _require_usable(one: HeightMap) -> None:
             f"{one.source}: its size, {one.width:.3g} m x {one.length:.3g} m, is not between 0 and "
             f"{_WIDEST:g} m"
         )
+    return one
+
+
+def list_channels(path: str | Path) -> list[Channel]:
+    """Channels of a height map's file."""
+    source = read_source(Path(path))
+    kind = find_format(source, HEIGHT_MAP_FORMATS)
+    if kind is None:
+        source.refuse("a matrix in a text file has no channels")
+    return with_different_names(kind.read(source))

@@ -58,7 +58,19 @@ def read_number_matrix(path: str | Path, what: str) -> NumberMatrix:
     _require_equal_lengths(path, body, what)
     comments = [line for _, line in lines if is_comment(line)]
     values = _numbers(path, body, delimiter, what, comments)
-    values, notes = _without_axes(values)
+    # The first row is an axis where it is far straighter than the rows below, and so is the first
+    # column. A corner between both may hold anything.
+    said = []
+    column = any(_is_axis(values[corner:, 0], values.T) for corner in (0, 1))
+    row = any(_is_axis(values[0, corner:], values) for corner in (0, 1))
+    row &= column or values.shape[1] > _LEAST_AXIS
+    if row:
+        ends = values[0, [int(column), -1]]
+        said.append(f"the first row, {ends[0]:g} to {ends[1]:g}, is an axis and is left out")
+    if column:
+        ends = values[[int(row), -1], 0]
+        said.append(f"the first column, {ends[0]:g} to {ends[1]:g}, is an axis and is left out")
+    values, notes = values[int(row) :, int(column) :], tuple(said)
     first = body[0].line
     return NumberMatrix(values, tuple(line for number, line in lines if number < first), notes)
 
@@ -182,23 +194,6 @@ def _may_be_axis(cells: list[str]) -> bool:
     numbers = np.array(points, float)
     steps = np.diff(numbers)
     return bool(np.all(np.abs(steps - steps.mean()) <= _EVEN * abs(steps.mean())) and steps.any())
-
-
-def _without_axes(values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """The matrix without a row and a column of axes, and what is said of that."""
-    # The first row is an axis where it is far straighter than the rows below, and so is the first
-    # column. A corner between both may hold anything.
-    said = []
-    column = any(_is_axis(values[corner:, 0], values.T) for corner in (0, 1))
-    row = any(_is_axis(values[0, corner:], values) for corner in (0, 1))
-    row &= column or values.shape[1] > _LEAST_AXIS
-    if row:
-        ends = values[0, [int(column), -1]]
-        said.append(f"the first row, {ends[0]:g} to {ends[1]:g}, is an axis and is left out")
-    if column:
-        ends = values[[int(row), -1], 0]
-        said.append(f"the first column, {ends[0]:g} to {ends[1]:g}, is an axis and is left out")
-    return values[int(row) :, int(column) :], tuple(said)
 
 
 def _is_axis(first: np.ndarray, rows: np.ndarray) -> bool:

@@ -10,7 +10,7 @@ from lightflyer.core.arguments import reads_units
 from lightflyer.core.constants import PLANCK, SPEED_OF_LIGHT
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length, Quantity
-from lightflyer.files.table import Table, read_table
+from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.lab.readers.formats import Source, read_source
 from lightflyer.lab.readers.spectra.formats import format_of, read_raw
@@ -120,33 +120,31 @@ def read_spectrum(
             source.refuse(f'is a table of one spectrum, not of "{spectrum}"')
         table = read_table(path, COLUMNS, layout=columns)
         as_written = read_table(path, _AS_WRITTEN, layout=columns)
-        raw = _from_table(table, as_written, options)
+        numbers = table.numbers
+        axes = [name for name in AXES if name in numbers]
+        if len(axes) != 1:
+            raise ConfigurationError(
+                f"{table.source}: needs one column wavenumber, wavelength or photon_energy"
+            )
+        given = [name for name in ("transmittance", "reflectance", "absorbance") if name in numbers]
+        chosen = [name for name in given if name == options.quantity] or given
+        if len(chosen) != 1:
+            raise ConfigurationError(
+                f"{table.source}: needs one of the columns transmittance, reflectance, absorbance"
+            )
+        value, written = numbers[chosen[0]], as_written.numbers[chosen[0]]
+        marked = not np.array_equal(value, written) and np.allclose(100.0 * value, written)
+        raw = RawSpectrum(
+            AXES[axes[0]](numbers[axes[0]]) / PER_CENTIMETRE,
+            written if marked else value,
+            "cm-1",
+            f"{chosen[0]} [%]" if marked else chosen[0],
+            SpectrumMetadata("table"),
+            notes=tuple(table.notes),
+            rejected=tuple(table.rejected),
+        )
     else:
         raw = read_raw(source, kind, options)
         if columns is not None:
             raw = replace(raw, notes=(*raw.notes, f"columns are not used: it is {kind.name}"))
     return interpret_spectrum(source, raw, options)
-
-
-def _from_table(table: Table, as_written: Table, options: ReadOptions) -> RawSpectrum:
-    """Spectrum of a table, whose header may mark the ordinate as per cent."""
-    numbers = table.numbers
-    axes = [name for name in AXES if name in numbers]
-    if len(axes) != 1:
-        raise ConfigurationError(
-            f"{table.source}: needs one column wavenumber, wavelength or photon_energy"
-        )
-    given = [name for name in ("transmittance", "reflectance", "absorbance") if name in numbers]
-    chosen = [name for name in given if name == options.quantity] or given
-    if len(chosen) != 1:
-        raise ConfigurationError(
-            f"{table.source}: needs one of the columns transmittance, reflectance, absorbance"
-        )
-    value, written = numbers[chosen[0]], as_written.numbers[chosen[0]]
-    marked = not np.array_equal(value, written) and np.allclose(100.0 * value, written)
-    return RawSpectrum(
-        AXES[axes[0]](numbers[axes[0]]) / PER_CENTIMETRE,
-        written if marked else value,
-        "cm-1", f"{chosen[0]} [%]" if marked else chosen[0], SpectrumMetadata("table"),
-        notes=tuple(table.notes), rejected=tuple(table.rejected),
-    )  # fmt: skip

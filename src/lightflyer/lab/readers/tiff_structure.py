@@ -22,29 +22,24 @@ def require_sound_tiff(content: bytes) -> None:
         if place in seen or len(seen) >= _MOST_PAGES:
             raise ValueError("its directories go round in a circle")
         seen.add(place)
-        place = _next_directory(content, order, place)
-
-
-def _next_directory(content: bytes, order: str, place: int) -> int:
-    """Check a directory; the place of the next one, 0 after the last."""
-    if place + 2 > len(content):
-        raise ValueError("a directory lies beyond the end of the file")
-    count = struct.unpack_from(order + "H", content, place)[0]
-    size = struct.calcsize(order + _ENTRY)
-    end = place + 2 + count * size
-    if end + 4 > len(content):
-        raise ValueError("a directory is longer than the file")
-    pixels = 1
-    for start in range(place + 2, end, size):
-        code, kind, values, where = struct.unpack_from(order + _ENTRY, content, start)
-        if kind not in _SIZES:
-            raise ValueError(f"entry {code} has the unknown type {kind}")
-        held = values * _SIZES[kind]
-        if held > 4 and where + held > len(content):
-            raise ValueError(f"entry {code} lies beyond the end of the file")
-        if code in _PIXELS and kind in (3, 4):
-            short = struct.unpack_from(order + "H", content, start + 8)[0]
-            pixels *= short if kind == 3 else where
-    if pixels > 64 * len(content):  # compressed images hold more pixels than bytes
-        raise ValueError("an image is larger than the file")
-    return int(struct.unpack_from(order + "I", content, end)[0])
+        if place + 2 > len(content):
+            raise ValueError("a directory lies beyond the end of the file")
+        count = struct.unpack_from(order + "H", content, place)[0]
+        size = struct.calcsize(order + _ENTRY)
+        end = place + 2 + count * size
+        if end + 4 > len(content):
+            raise ValueError("a directory is longer than the file")
+        pixels = 1
+        for start in range(place + 2, end, size):
+            code, kind, values, where = struct.unpack_from(order + _ENTRY, content, start)
+            if kind not in _SIZES:
+                raise ValueError(f"entry {code} has the unknown type {kind}")
+            held = values * _SIZES[kind]
+            if held > 4 and where + held > len(content):
+                raise ValueError(f"entry {code} lies beyond the end of the file")
+            if code in _PIXELS and kind in (3, 4):
+                short = struct.unpack_from(order + "H", content, start + 8)[0]
+                pixels *= short if kind == 3 else where
+        if pixels > 64 * len(content):  # compressed images hold more pixels than bytes
+            raise ValueError("an image is larger than the file")
+        place = int(struct.unpack_from(order + "I", content, end)[0])

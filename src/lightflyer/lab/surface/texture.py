@@ -51,9 +51,21 @@ def texture_of(height: np.ndarray, mask: np.ndarray, steps: tuple[float, float])
     if below.size and below[0]:
         pair = slice(below[0] - 1, below[0] + 1)
         length = float(np.interp(-np.exp(-1.0), -auto[pair], distance[pair]))
-    slopes = _square_slopes(height, mask, steps)
+    down, right = np.diff(height, axis=0) / steps[0], np.diff(height, axis=1) / steps[1]
+    first = down[:, :-1] ** 2 + right[:-1] ** 2
+    second = down[:, 1:] ** 2 + right[1:] ** 2
+    free = ~(mask[:-1, :-1] | mask[1:, :-1] | mask[:-1, 1:] | mask[1:, 1:])
+    slopes = np.concatenate([first[free], second[free]])
+    window = np.outer(*(np.hanning(count + 2)[1:-1] for count in flat.shape))
+    area = steps[0] * steps[1]
+    power = np.abs(fft.fft2(flat * window)) ** 2 * area / np.sum(window[~mask] ** 2)
+    along = [fft.fftfreq(count, step) for count, step in zip(flat.shape, steps, strict=True)]
+    radius = np.hypot(along[0][:, None], along[1])
+    least = max(1.0 / (count * step) for count, step in zip(flat.shape, steps, strict=True))
+    used = (radius >= least) & (radius <= 0.5 / max(steps))
+    at, sums = _rings(radius[used] / least, [power[used], np.ones(used.sum())])
     return Texture(
-        distance, auto, *_spectrum(flat, mask, steps), length,
+        distance, auto, at[1:] * least, sums[0][1:] / sums[1][1:], length,
         float(np.sqrt(slopes.mean())), float(np.mean(np.sqrt(1.0 + slopes)) - 1.0),
         float(known.mean() - known.min()), float(known.max() - known.mean()),
     )  # fmt: skip
@@ -84,21 +96,6 @@ def _autocorrelation(
     return at * step, auto / auto[0] if auto[0] > 0.0 else np.ones_like(auto)
 
 
-def _spectrum(
-    flat: np.ndarray, mask: np.ndarray, steps: tuple[float, float]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Spatial frequencies and power density, by Hann's window."""
-    window = np.outer(*(np.hanning(count + 2)[1:-1] for count in flat.shape))
-    area = steps[0] * steps[1]
-    power = np.abs(fft.fft2(flat * window)) ** 2 * area / np.sum(window[~mask] ** 2)
-    along = [fft.fftfreq(count, step) for count, step in zip(flat.shape, steps, strict=True)]
-    radius = np.hypot(along[0][:, None], along[1])
-    least = max(1.0 / (count * step) for count, step in zip(flat.shape, steps, strict=True))
-    used = (radius >= least) & (radius <= 0.5 / max(steps))
-    at, sums = _rings(radius[used] / least, [power[used], np.ones(used.sum())])
-    return at[1:] * least, sums[0][1:] / sums[1][1:]
-
-
 def _rings(radius: np.ndarray, values: list[np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:
     """Mean radius of rings of a width of one, and sums of values in each."""
     ring = np.rint(radius).astype(int).ravel()
@@ -106,12 +103,3 @@ def _rings(radius: np.ndarray, values: list[np.ndarray]) -> tuple[np.ndarray, li
     return np.bincount(ring, radius.ravel()) / count, [
         np.bincount(ring, one.ravel()) for one in values
     ]
-
-
-def _square_slopes(height: np.ndarray, mask: np.ndarray, steps: tuple[float, float]) -> np.ndarray:
-    """Squares of the slopes of the triangles between pixels without a masked one."""
-    down, right = np.diff(height, axis=0) / steps[0], np.diff(height, axis=1) / steps[1]
-    first = down[:, :-1] ** 2 + right[:-1] ** 2
-    second = down[:, 1:] ** 2 + right[1:] ** 2
-    free = ~(mask[:-1, :-1] | mask[1:, :-1] | mask[:-1, 1:] | mask[1:, 1:])
-    return np.concatenate([first[free], second[free]])

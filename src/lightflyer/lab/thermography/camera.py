@@ -64,7 +64,18 @@ class CameraBand:
             raise ParameterError("the wavelengths of a camera's band must increase")
         if not response.any():
             raise ParameterError("the response of the camera is zero everywhere")
-        nodes, weights = _quadrature(wavelength)
+        position, weight = np.polynomial.legendre.leggauss(_NODES)
+        counts = np.ceil(np.log(wavelength[1:] / wavelength[:-1]) / np.log(_WIDEST)).astype(int)
+        pieces = [
+            np.geomspace(start, end, count, endpoint=False)
+            for start, end, count in zip(wavelength[:-1], wavelength[1:], counts, strict=True)
+        ]
+        ends = np.concatenate([*pieces, wavelength[-1:]])
+        half, middle = 0.5 * np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
+        nodes, weights = (
+            (middle[:, None] + half[:, None] * position).ravel(),
+            (half[:, None] * weight).ravel(),
+        )
         object.__setattr__(self, "_nodes", nodes)
         object.__setattr__(self, "_weights", weights * np.interp(nodes, wavelength, response))
 
@@ -150,19 +161,6 @@ def parse_band(text: str) -> CameraBand | None:
         return flat_band(shortest, longest)
     except (ConfigurationError, ParameterError) as error:
         raise ConfigurationError(f'--band: "{text}": {error}') from None
-
-
-def _quadrature(wavelength: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and weights between the first and last wavelength, with a piece for each interval."""
-    position, weight = np.polynomial.legendre.leggauss(_NODES)
-    counts = np.ceil(np.log(wavelength[1:] / wavelength[:-1]) / np.log(_WIDEST)).astype(int)
-    pieces = [
-        np.geomspace(start, end, count, endpoint=False)
-        for start, end, count in zip(wavelength[:-1], wavelength[1:], counts, strict=True)
-    ]
-    ends = np.concatenate([*pieces, wavelength[-1:]])
-    half, middle = 0.5 * np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
-    return (middle[:, None] + half[:, None] * position).ravel(), (half[:, None] * weight).ravel()
 
 
 UNCOOLED = flat_band(7.5 * MICROMETRE, 14.0 * MICROMETRE, assumed=True)

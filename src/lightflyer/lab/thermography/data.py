@@ -162,7 +162,21 @@ def read_readings(
     ConfigurationError
         One line that names file and line or column.
     """
-    table = _read(path, method, columns)
+    # a light meter's readings may have any unit, but one of the same kind
+    units: tuple[str | None, ...] = _OF_LIGHT if method == LIGHT else (None,)
+    table = None
+    for unit in units:
+        try:
+            table = read_table(path, columns_of(method, unit), layout=columns)
+            break
+        except ConfigurationError as error:
+            if method != LIGHT or "of the wrong kind" not in str(error):
+                raise
+    if table is None:
+        kinds = ", ".join(unit for unit in _OF_LIGHT if unit)
+        raise ConfigurationError(
+            f"{path}: a light meter's columns need units of one kind, {kinds}, or none"
+        )
     given = _check(given or {}, method)
     if method == LIGHT and "dark" not in table.numbers:
         given.setdefault("dark", Measured(0.0, 0.0))
@@ -180,22 +194,6 @@ def read_readings(
     places = tuple(f"{path}:{line}" for line in table.lines)
     _require_possible(readings, places)
     return dataclasses.replace(readings, places=places), table
-
-
-def _read(path: str | Path, method: Method, layout: str | None) -> Table:
-    """The table; a light meter's readings may have any unit, but one of the same kind."""
-    if method != LIGHT:
-        return read_table(path, columns_of(method), layout=layout)
-    for unit in _OF_LIGHT:
-        try:
-            return read_table(path, columns_of(method, unit), layout=layout)
-        except ConfigurationError as error:
-            if "of the wrong kind" not in str(error):
-                raise
-    kinds = ", ".join(unit for unit in _OF_LIGHT if unit)
-    raise ConfigurationError(
-        f"{path}: a light meter's columns need units of one kind, {kinds}, or none"
-    )
 
 
 def given_readings(
@@ -269,12 +267,13 @@ def with_accuracy(
     found: Mapping[str, Measured], accuracy: float | None = None
 ) -> dict[str, Measured]:
     """Temperatures of an image's regions with the camera's accuracy; with both."""
-
-    def total(one: Measured) -> float:
-        camera = float(standard_uncertainties(THERMAL, np.array(one.value), accuracy))
-        return float(np.hypot(one.uncertainty or 0.0, camera))
-
-    return {name: Measured(one.value, total(one)) for name, one in found.items()}
+    return {
+        name: Measured(one.value, float(np.hypot(
+            one.uncertainty or 0.0,
+            float(standard_uncertainties(THERMAL, np.array(one.value), accuracy)),
+        )))
+        for name, one in found.items()
+    }  # fmt: skip
 
 
 def _check(given: Mapping[str, Measured], method: Method) -> dict[str, Measured]:

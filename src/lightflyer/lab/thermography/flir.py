@@ -137,7 +137,29 @@ def read_flir(path: Path, content: bytes) -> tuple[np.ndarray, CameraSettings]:
     try:
         if content[:2] == _JPEG:
             content = _records_of_jpeg(content)
-        records = _records(content)
+        if content[:4] not in _MAGIC:
+            raise _WrongError("it has no FLIR data")
+        order = next(
+            (one for one in "><" if struct.unpack_from(one + "I", content, 20)[0] in _VERSIONS),
+            None,
+        )
+        if order is None:
+            raise _WrongError("its FLIR data have an unknown version")
+        start, count = struct.unpack_from(order + "2I", content, 24)
+        if start + count * _ENTRY > len(content):
+            raise _WrongError("its directory is longer than the file")
+        found: dict[int, bytes] = {}
+        for place in range(start, start + count * _ENTRY, _ENTRY):
+            kind = struct.unpack_from(order + "H", content, place)[0]
+            at, size = struct.unpack_from(order + "2I", content, place + 12)
+            if kind in (_RAW, _CAMERA) and kind not in found:
+                if at + size > len(content):
+                    raise _WrongError("a record ends beyond the end of the file")
+                found[kind] = content[at : at + size]
+        for kind, what in ((_RAW, "raw signal"), (_CAMERA, "settings of the camera")):
+            if kind not in found:
+                raise _WrongError(f"it has no {what}")
+        records = found
         counts, settings = _raw(records[_RAW]), _settings(records[_CAMERA])
         if wrong := settings.problem():
             raise _WrongError(wrong)
@@ -171,32 +193,6 @@ def _records_of_jpeg(content: bytes) -> bytes:
             f"pieces of its FLIR data are missing: it has {sorted(pieces)}, {count} are due"
         )
     return b"".join(pieces[number] for number in range(count))
-
-
-def _records(content: bytes) -> dict[int, bytes]:
-    """First record of each type that is needed."""
-    if content[:4] not in _MAGIC:
-        raise _WrongError("it has no FLIR data")
-    order = next(
-        (one for one in "><" if struct.unpack_from(one + "I", content, 20)[0] in _VERSIONS), None
-    )
-    if order is None:
-        raise _WrongError("its FLIR data have an unknown version")
-    start, count = struct.unpack_from(order + "2I", content, 24)
-    if start + count * _ENTRY > len(content):
-        raise _WrongError("its directory is longer than the file")
-    found: dict[int, bytes] = {}
-    for place in range(start, start + count * _ENTRY, _ENTRY):
-        kind = struct.unpack_from(order + "H", content, place)[0]
-        at, size = struct.unpack_from(order + "2I", content, place + 12)
-        if kind in (_RAW, _CAMERA) and kind not in found:
-            if at + size > len(content):
-                raise _WrongError("a record ends beyond the end of the file")
-            found[kind] = content[at : at + size]
-    for kind, what in ((_RAW, "raw signal"), (_CAMERA, "settings of the camera")):
-        if kind not in found:
-            raise _WrongError(f"it has no {what}")
-    return found
 
 
 def _order(record: bytes) -> str:

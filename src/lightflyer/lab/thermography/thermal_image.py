@@ -136,7 +136,16 @@ def read_thermal_image(
         if name not in kind.options:
             source.refuse(_NOT_TAKEN[name])
     image: ThermalImage = kind.read(source, **given)
-    _require_plausible(image)
+    known = image.temperature[np.isfinite(image.temperature)]
+    if not known.size:
+        raise ConfigurationError(f"{image.source}: no pixel has a temperature")
+    scene = THERMAL.quantities[0]
+    middle = float(np.median(known))
+    if not scene.lowest <= middle <= scene.highest:
+        raise ConfigurationError(
+            f"{image.source}: half of its pixels are above {middle:.4g} K, which is not between "
+            f"{scene.lowest:g} K and {scene.highest:g} K: the unit or the scale is wrong"
+        )
     return image
 
 
@@ -194,19 +203,6 @@ THERMAL_IMAGE_FORMATS = [
 """All formats but matrices in text files. A plug-in adds its own."""
 
 _MATRIX = Format("text", lambda _: True, _read_matrix, ("scale",))
-
-
-def _require_plausible(image: ThermalImage) -> None:
-    known = image.temperature[np.isfinite(image.temperature)]
-    if not known.size:
-        raise ConfigurationError(f"{image.source}: no pixel has a temperature")
-    scene = THERMAL.quantities[0]
-    middle = float(np.median(known))
-    if not scene.lowest <= middle <= scene.highest:
-        raise ConfigurationError(
-            f"{image.source}: half of its pixels are above {middle:.4g} K, which is not between "
-            f"{scene.lowest:g} K and {scene.highest:g} K: the unit or the scale is wrong"
-        )
 
 
 def setting_warnings(image: ThermalImage, ambient: float) -> tuple[str, ...]:

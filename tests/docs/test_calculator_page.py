@@ -298,3 +298,15 @@ def test_it_works_from_a_folder(browser, files, at_first):
     expect(_value(page, "levitation_irradiance")).to_have_text(at_first[0])
     assert all(re.match("file:|data:", url) for url in asked)
     page.close()
+
+
+def test_sliders_and_figure_are_on_one_screen(page):
+    """As wide as the theme leaves it at 1280 × 800, below the page's title and a line of words."""
+    page.set_viewport_size({"width": 850, "height": 800})
+    page.wait_for_function("document.querySelector('#lf-verdict').textContent")
+    for part in ("#lf-curve", "#lf-flyer-diameter", "#lf-film-tac_bottom"):
+        box = page.locator(part).bounding_box()
+        assert box["y"] + box["height"] < 800 - 135, part
+    kinds = page.locator(".lf-kinds-nav")
+    rows = {round(one.bounding_box()["y"]) for one in kinds.locator("a").all()}
+    assert len(rows) == 1

@@ -7,6 +7,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.core import progress
+from lightflyer.core.progress import report, report_to, reported_as_part
 from lightflyer.mission import fleet, kept
 from lightflyer.mission.kept import forget_flights, keeps_flights
 from lightflyer.mission.path import integration
@@ -165,3 +166,18 @@ def test_only_work_that_listens_is_asked_to_end():
         assert progress.asked_to_end()
         assert not progress.ask_to_end()  # the second time the process ends
     assert not progress.asked_to_end()
+
+
+def test_an_ensemble_tells_how_far_it_is():
+    """All the time, not batch by batch; a swarm counts its members."""
+    steps = []
+    with report_to(steps.append):
+        fly(disk(limit=None), ensemble=lf.mission.Ensemble(members=8, wind=5.0))
+    told = [step.done for step in steps if step.unit == "flights"]
+    assert told == sorted(told)
+    assert len({*told}) > 3
+    assert {step.total for step in steps if step.unit == "flights"} == {9}
+    with report_to(steps.append), reported_as_part(100, 200, "flights"):
+        report("flying", 7, 9, "flights")
+        report("flying", 7, 9, "h")
+    assert steps[-1] == ("flying", 107, 200, "flights")

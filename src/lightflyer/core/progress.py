@@ -42,6 +42,19 @@ def report_to(listener: Listener) -> Iterator[None]:
         _LISTENERS.remove(listener)
 
 
+@contextmanager
+def reported_as_part(before: int, total: int, unit: str) -> Iterator[None]:
+    """Have what is counted within the block reported as a part of something larger."""
+    outer = _LISTENERS[-1] if _LISTENERS else None
+
+    def tell(step: Step) -> None:
+        if outer is not None and step.unit == unit:
+            outer(step._replace(done=min(before + (step.done or 0), total), total=total))
+
+    with report_to(tell):
+        yield
+
+
 class Counted:
     """Work whose parts are counted as they end, in whatever thread."""
 

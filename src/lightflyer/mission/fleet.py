@@ -271,9 +271,16 @@ def fly_all(
     count, alone = flights.count, int(first is not None)
     states, law = scale(flights.starts), law_of(flights, limits)
 
+    flown = {}  # of each batch, in flights
+
     def fly_some(begin: int) -> Track:
         rows = np.arange(begin, min(begin + BATCH, count))
-        return integrate(law.take(rows), states[rows], elapsed, accuracy).track
+
+        def tell(share: float) -> None:
+            flown[begin] = share * rows.size
+            report("flying", alone + int(sum([*flown.values()])), count, "flights")
+
+        return integrate(law.take(rows), states[rows], elapsed, accuracy, tell).track
 
     def compute(begin: int) -> Track | None:
         return None if asked_to_end() else keep(begin, partial(fly_some, begin))
@@ -290,7 +297,7 @@ def fly_all(
         found = map(compute, begins) if pool is None else pool.map(compute, begins)
         for begin, some in zip(begins, takewhile(whole, found), strict=False):
             tracks.append(some)
-            report("flying", min(begin + BATCH, count), count, "flights")
+            flown[begin] = min(BATCH, count - begin)
     tracks = tracks or [unflown(take(flights, np.arange(0)), elapsed)]
     return tree.map_leaves(lambda *parts: np.concatenate(parts), *tracks)
 

@@ -14,6 +14,7 @@ from lightflyer.array import tree
 from lightflyer.array.namespace import Array, xp
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.progress import report
 from lightflyer.core.quantity import Checked, SpecificHeat
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.planet import Planet
@@ -40,6 +41,7 @@ from lightflyer.mission.path.position import directions, latitude_and_longitude,
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.statics.equations import FlightEquations
 
+_HOUR = 3600.0  # [s]
 SPECIFIC_HEAT = 1000.0
 """Specific heat of films where none is given [J/(kg K)]: between alumina and polymers."""
 
@@ -297,7 +299,13 @@ def follow(
 ) -> tuple[Track, Way]:
     """Flight of one flyer in balance; ``elapsed``: times to keep, shape (times,)."""
     law = Balanced(craft, np.reshape(np.asarray(start.place.time, float), (1, 1)), limits)
-    found = integrate(law, np.reshape(scale(start), (1, -1)), elapsed, accuracy, reports=True)
+    hours = float(np.max(elapsed)) / _HOUR
+
+    def tell(share: float) -> None:
+        if hours > 1.0:  # seconds are not worth a line
+            report("flying", int(share * hours), int(hours), "h")
+
+    found = integrate(law, np.reshape(scale(start), (1, -1)), elapsed, accuracy, tell)
     return tree.map_leaves(lambda leaf: leaf[0], found.track), found.way
 
 

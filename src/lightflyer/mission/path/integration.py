@@ -24,7 +24,7 @@ import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, by_numpy, xp
 from lightflyer.array.records import Module, field
-from lightflyer.core.progress import asked_to_end, report
+from lightflyer.core.progress import asked_to_end
 from lightflyer.environment.base import Place
 from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.statics.grid_refinement import crossing
@@ -263,12 +263,11 @@ class _Flights:
         self.steps = np.zeros(members, int)
         self.pieces: list[tuple[Any, ...]] = []  # of the first: begin, end, coefficients
 
-    def fly(self, reports: bool) -> None:
-        """Fly to the end."""
+    def fly(self, tell: Callable[[float], None]) -> None:
+        """Fly to the end; ``tell``: is told the share that has been flown."""
         while self.flying.any():
-            if reports:
-                flown, whole = self.before["end"].min(), self.last
-                report("flying", int(flown / _SECONDS_AN_HOUR), int(whole / _SECONDS_AN_HOUR), "h")
+            left = np.where(self.flying, 1.0 - self.before["end"] / self.last, 0.0)
+            tell(1.0 - float(left.sum()) / self.steps.size)
             if asked_to_end():
                 self._end(np.flatnonzero(self.flying), TerminationReason.INTERRUPTED)
                 return
@@ -559,13 +558,20 @@ class _Flights:
 
 
 def integrate(
-    law: Law, states: np.ndarray, elapsed: np.ndarray, accuracy: Accuracy, *, reports: bool = False
+    law: Law,
+    states: np.ndarray,
+    elapsed: np.ndarray,
+    accuracy: Accuracy,
+    tell: Callable[[float], None] = lambda _: None,
 ) -> Flown:
-    """Flights from scaled states (members, components) on; ``elapsed``: times to keep, (times,)."""
+    """Flights from scaled states (members, components) on; ``elapsed``: times to keep, (times,).
+
+    ``tell`` is told the share that has been flown.
+    """
     states, elapsed = np.array(states, float), np.asarray(elapsed, float)
     with by_numpy():
         flights = _Flights(law, states, elapsed, accuracy)
-        flights.fly(reports and elapsed[-1] > _SECONDS_AN_HOUR)  # seconds are not worth a line
+        flights.fly(tell)
     ends, kept = flights.ends, flights.kept
     track: dict[str, Any] = {
         "altitude": kept[..., 3] * ALTITUDE_SCALE,

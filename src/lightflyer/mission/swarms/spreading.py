@@ -14,7 +14,7 @@ from lightflyer.config.designs import as_design
 from lightflyer.core.clock import dates_of
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.progress import Counted, Step, report_to
+from lightflyer.core.progress import Counted, reported_as_part
 from lightflyer.design.design import AbstractDesign
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
@@ -94,7 +94,7 @@ class _Swarm:
         ensemble = replace(self.ensemble, members=self.size(batch), seed=self.seed(batch))
         seed = self.ensemble.seed
         flights = flights_of(self.design, self.rule, self.start, ensemble, air_seed=seed)
-        with report_to(_silent):  # whole batches are reported
+        with reported_as_part(batch * MEMBERS, self.ensemble.members, "flights"):
             begun = begin(flights, self.limits, self.elapsed, self.accuracy)
             tracks = begun.join(fly_all(begun.flights, self.limits, begun.elapsed, self.accuracy))
         # without the flyer as it is stated
@@ -206,10 +206,6 @@ def _require_members(ensemble: Ensemble, areas: Sequence[AbstractArea]) -> None:
     for area in areas:
         if not isinstance(area, AbstractArea):
             raise ParameterError(f"areas are a Circle or a Polygon, not {type(area).__name__}")
-
-
-def _silent(step: Step) -> None:
-    """Hear of a step without telling it."""
 
 
 def _counts_of(tracks: Track, swarm: _Swarm) -> Counts:

@@ -190,7 +190,9 @@ def test_a_mistake_in_a_study(run, tmp_path, kind, old, new, message):
 
 KINETIC = "kinetic --kn 1 --tac-top 0.8 --tac-bottom 0.9"
 COMMANDS = [
-    ("predict", "FLYER_FILE requires an argument; see lightflyer predict --help"),
+    ("predict", r"predict needs FLYER_FILE \(TOML file .*see lightflyer predict --help"),
+    ("predict flyer.toml --at", r"--at needs a value \(altitudes such as"),
+    ("map x.zarr", r"map needs --x \(field across, such as diameter\) and --value \(output, such"),
     ("predict nothere.toml", "nothere.toml: cannot be read: No such file"),
     ("predict folder", "folder: cannot be read: Is a directory"),
     ("predict empty.toml", "is empty; 'lightflyer init' writes an example"),
@@ -228,7 +230,7 @@ COMMANDS = [
     ("calibrate points.csv --pressure-accuracy 5", 'per cent are written "5 %"'),
     ("calibrate points.csv --columns a,b", "has no row"),
     ("calibrate one.csv", "1 points cannot determine 2 parameters"),
-    ("sweep study.toml", "--out requires an argument"),
+    ("sweep study.toml", r"sweep needs --out \(folder for the results"),
     ("sweep nothere.toml --out r", "cannot be read"),
     ("sweep flyer.toml --out r", "is a flyer file: a study file names one"),
     ("sweep study.toml --out r --workers 0", "at least 1"),
@@ -242,7 +244,7 @@ COMMANDS = [
     ("kinetic --kn 0 --tac-top 0.8 --tac-bottom 0.9", "--kn = 0 is not between 0.03 and 100"),
     ("kinetic --kn nan --tac-top 0.8 --tac-bottom 0.9", "--kn = nan is not between"),
     ("kinetic --kn 1 --tac-top 1.8 --tac-bottom 0.9", "--tac-top = 1.8 is not between 0"),
-    ("kinetic --kn 1", "--tac-top requires an argument"),
+    ("kinetic --kn 1", r"kinetic needs --tac-top \(.* and --tac-bottom \("),
     (f"{KINETIC} --gas xenon", 'Choose from: "monatomic", "diatomic"'),
     (f"{KINETIC} --boundary 1", "is not at least 1.5"),
     (f"{KINETIC} --floor 2 --lid 3", "--lid needs --side; alone it does nothing"),

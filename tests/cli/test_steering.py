@@ -56,7 +56,7 @@ def test_a_command_prints_a_table_and_writes_what_it_says(run, flyer_file, tmp_p
     (("drift", "--altitudes", "72 km"), "write a range"),
     (("stability", *RANGE), "its payload is zero"),
     (("stability", *RANGE, "--rod", "1"), 'rod = "1" has no unit'),
-    (("swarm", *RANGE), "requires an argument"),
+    (("swarm", *RANGE), "swarm needs --payload (what they carry"),
     (("swarm", *RANGE, "--payload", "1 m"), "payload"),
     (("swarm", *RANGE, "--payload", "1 g", "--tether", "1 g/m"), "do not carry it"),
 ])  # fmt: skip

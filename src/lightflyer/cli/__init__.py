@@ -9,7 +9,7 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from errno import ENOENT
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ import lightflyer
 from lightflyer.cli.progress import Display, show_progress
 from lightflyer.cli.report import note_warning, write_report
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
+from lightflyer.files.result_text import listed
 
 EXIT_FAILURE = 2
 EXIT_INTERRUPTED = 130
@@ -197,7 +198,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 app(given, exit_on_error=False, print_error=False)
             sys.stdout.flush()  # a full device says so here, not while Python ends
     except cyclopts.CycloptsError as error:
-        _fail(f"{_one_line(error)}; see lightflyer {_help_of(given)} --help".replace("  ", " "))
+        help_of = f"lightflyer {_help_of(given)} --help".replace("  ", " ")
+        _fail(f"{_one_line(error, given)}; see {help_of}")
     except LightflyerError as error:
         _fail(str(error))
     except MemoryError:
@@ -247,14 +249,35 @@ def _fail(text: str) -> None:
     sys.exit(EXIT_FAILURE)
 
 
-def _one_line(error: cyclopts.CycloptsError) -> str:
+def _one_line(error: cyclopts.CycloptsError, given: Sequence[str]) -> str:
     """What is wrong with the options, in one line without the full stop."""
+    if isinstance(error, cyclopts.MissingArgumentError) and error.argument is not None:
+        missing = listed(_missing(error.argument.name, given))
+        without_value = {*error.argument.names} & {*given}
+        return (
+            missing.replace(" (", " needs a value (", 1)
+            if without_value
+            else (f"{_help_of(given)} needs {missing}")
+        )
     if isinstance(error, cyclopts.UnusedCliTokensError):
         return f"takes no further {' '.join(error.unused_tokens or [])}"
     text = " ".join(str(error).split())
     for kind, words in _KINDS.items():
         text = text.replace(f" into {kind}", f" into {words}")
     return text if text.endswith("...") else text.removesuffix(".")
+
+
+def _missing(first: str, given: Sequence[str]) -> Iterator[str]:
+    """What a command needs and was not given, each with what it is; ``first``: one of them."""
+    where: Any = app
+    for word in _help_of(given).split():
+        where = where[word]
+    there = {word.partition("=")[0] for word in given}
+    for one in where.assemble_argument_collection(parse_docstring=True):
+        option = one.name.startswith("--") and one.required and not {*one.names} & there
+        if one.name == first or option:
+            about = " ".join((one.parameter.help or "").split()).split(". ")[0].removesuffix(".")
+            yield f"{one.name} ({about[:1].lower() + about[1:] if about[1:2].islower() else about})"
 
 
 _KINDS = {"int": "a whole number", "float": "a number"}

@@ -8,6 +8,7 @@ from the function's annotated parameters, its docstring and the outcome
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
@@ -92,6 +93,12 @@ def measurement(**needs: str) -> Callable[[Callable[..., Any]], Callable[..., An
         return function
 
     return needing
+
+
+def figures_by(figures: str, *results: Any, **options: Any) -> "Callable[[], Mapping[str, Figure]]":
+    """Function that draws results by ``"module:function"``, which is imported when it is called."""
+    module, _, name = figures.partition(":")
+    return lambda: getattr(import_module(f"lightflyer.lab.{module}"), name)(*results, **options)
 
 
 def read_summary(tables: Sequence[Table]) -> list[dict[str, Any]]:

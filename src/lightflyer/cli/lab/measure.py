@@ -87,7 +87,7 @@ def command_of(measure: Callable[..., "Outcome | Listing"]) -> Callable[..., Non
     command.__name__, command.__doc__ = name, measure.__doc__
     command.__signature__ = signature  # type: ignore[attr-defined]
     command.__annotations__ = {one.name: one.annotation for one in parameters}
-    return only_with(**needs)(command)  # type: ignore[no-any-return]
+    return only_with(**needs)(command)
 
 
 def _kind_of(one: inspect.Parameter, kind: Any) -> Any:

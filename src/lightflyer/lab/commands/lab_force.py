@@ -83,10 +83,13 @@ def force(
     if (tac_hot is None) != (tac_cold is None) or (tac is not None and tac_hot is not None):
         raise ConfigurationError("give either --tac, or both --tac-hot and --tac-cold")
     alike = tac_hot is None
-    faces = [tac, tac] if alike else [tac_hot, tac_cold]
+    of_hot, of_cold = (
+        ASSUMED_TAC if one is None else one
+        for one in ((tac, tac) if alike else (tac_hot, tac_cold))
+    )
     vane = Vane(
         diameter, hot, cold, GASES[gas], ambient,
-        *(ASSUMED_TAC if one is None else one for one in faces), alike, wall,
+        of_hot, of_cold, alike, wall,
     )  # fmt: skip
     shown = gauge.build(vane.gas, ambient.value)
     points = None if file is None else read_forces(file, shown)

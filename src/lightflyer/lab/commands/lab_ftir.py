@@ -16,7 +16,14 @@ from lightflyer.files.quantities import quantities, quantity
 from lightflyer.film.optics.stack import Film
 from lightflyer.lab.ftir.air import parse_ranges, with_straight_lines, without_air
 from lightflyer.lab.ftir.reduction import Ftir, finding_parts, ftir_parts, reduce_ftir, to_dataset
-from lightflyer.lab.measurement import Outcome, Share, measurement, rejected_json, rejected_parts
+from lightflyer.lab.measurement import (
+    Outcome,
+    Share,
+    figures_by,
+    measurement,
+    rejected_json,
+    rejected_parts,
+)
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 
@@ -136,18 +143,14 @@ def ftir(
             "--update: the emissivity is not distinguishable from 0; it is at most "
             f"{result.at_most:.3g} (95 %, one-sided), and nothing is written"
         )
-    computed, warnings = {}, list(result.warnings)
+    computed: dict[str, Any] = {}
+    warnings = list(result.warnings)
     if film is not None:
         try:
             computed, extrapolated = _computed(read_film_file(film).film(), result)
         except ParameterError as error:
             raise ConfigurationError(f"{film}: {error}") from None
         warnings += [f"{film}: the computed spectrum extrapolates {text}" for text in extrapolated]
-
-    def draw() -> Any:
-        from lightflyer.lab.ftir.figures import ftir_figures
-
-        return ftir_figures(result, computed)
 
     return Outcome(
         result.summary(),
@@ -162,7 +165,7 @@ def ftir(
             for one in (*spectra, *mirrors)
         ],
         warnings=warnings,
-        figures=draw,
+        figures=figures_by("ftir.figures:ftir_figures", result, computed),
         tables={"emissivity.csv": result.table_text()},
         sources=[*files, *([reflectance] if reflectance else [])],
         values={} if emissivity is None else dict.fromkeys(emittance_keys(face), emissivity),

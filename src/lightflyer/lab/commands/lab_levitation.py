@@ -18,6 +18,7 @@ from lightflyer.lab.measurement import (
     Outcome,
     Share,
     WattsPerArea,
+    figures_by,
     measurement,
     read_parts,
     read_summary,
@@ -127,11 +128,6 @@ def levitation(
         document["calibration"] = fit.summary()
         warnings = list(dict.fromkeys([*warnings, *fit.warnings]))
 
-    def draw() -> Any:
-        from lightflyer.lab.levitation.figures import levitation_figures
-
-        return levitation_figures(curves, pressure_unit=pressure_unit, models=models)
-
     return Outcome(
         document,
         levitation_module.to_dataset(curves, [table.source for table in tables]),
@@ -141,7 +137,10 @@ def levitation(
         ],
         read=read_summary(tables),
         warnings=warnings,
-        figures=draw,
+        figures=figures_by(
+            "levitation.figures:levitation_figures", curves, pressure_unit=pressure_unit,
+            models=models,
+        ),
         tables=levitation_module.tables(curves),
         values={} if fit is None else {
             ("force", name): one for name, one in measured_coefficients(fit).items()

@@ -2,9 +2,8 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-from lightflyer.lab.measurement import Outcome, rejected_json, rejected_parts
+from lightflyer.lab.measurement import Outcome, figures_by, rejected_json, rejected_parts
 from lightflyer.lab.optics.data import read_sample
 from lightflyer.lab.optics.fit import OpticsFit, finding_parts, fit_optics, fit_parts, to_dataset
 from lightflyer.lab.optics.record import require_same_layers, tables, update_layers
@@ -36,11 +35,6 @@ def optics(
         require_same_layers(update, sample)
     result = fit_optics(sample, starts=starts, seed=seed)
 
-    def draw() -> Any:
-        from lightflyer.lab.optics.figures import optics_figures
-
-        return optics_figures(result)
-
     return Outcome(
         result.summary(),
         to_dataset(result),
@@ -54,7 +48,7 @@ def optics(
             for one in sample.spectra
         ],
         warnings=result.warnings,
-        figures=draw,
+        figures=figures_by("optics.figures:optics_figures", result),
         tables=tables(result),
         write=lambda flyer, insist: update_layers(flyer, result, sample_file.name, insist=insist),
     )

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from lightflyer.core.errors import ParameterError
-from lightflyer.lab.measurement import Listing, Metres, Outcome, Share, measurement
+from lightflyer.lab.measurement import Listing, Metres, Outcome, Share, figures_by, measurement
 from lightflyer.lab.readers.height_map import list_channels as channels_of
 from lightflyer.lab.readers.height_map import mask_as_png, read_height_map, read_mask
 from lightflyer.lab.record import require_distinct
@@ -72,7 +72,7 @@ def roughness(
     """
     if list_channels:
         return _channels({str(file): channels_of(file) for file in files})
-    where = mask if mask in ("auto", "none") else read_mask(Path(mask))
+    where: Any = mask if mask in ("auto", "none") else read_mask(Path(mask))
     if mask != "auto" and threshold != THRESHOLD:
         raise ParameterError(f"--threshold is for --mask auto; with {mask} it does nothing")
     maps = [read_height_map(file, size=size, unit=unit, channel=channel) for file in files]
@@ -90,18 +90,13 @@ def roughness(
     if len(results) > 1:
         parts += means_parts(means, len(results))
 
-    def draw() -> Any:
-        from lightflyer.lab.surface.figures import roughness_figures, texture_figures
-
-        return roughness_figures(results) | texture_figures(results)
-
     return Outcome(
         document,
         to_dataset(results),
         [*finding_parts(means), *parts],
         read=[{"file": one.source, "channel": one.channel} for one in maps],
         warnings=document["warnings"],
-        figures=draw,
+        figures=figures_by("surface.figures:surface_figures", results),
         tables={f"mask-{number}.png": mask_as_png(one.mask) for number, one in enumerate(results)},
     )
 

@@ -20,6 +20,7 @@ from lightflyer.lab.measurement import (
     Outcome,
     Pascals,
     Share,
+    figures_by,
     measurement,
     read_parts,
     read_summary,
@@ -207,7 +208,7 @@ def tac(
                 *(runs_parts(fits, mean) if len(fits) > 1 else ()),
             ],
             warnings=warnings,
-            figures=lambda: _figures("tac_figures", fits),
+            figures=figures_by("tac.figures:tac_figures", fits),
             tables=record.tables(fits),
             values=dict.fromkeys(tac_keys(face), mean) if face else {},
             **common,
@@ -221,18 +222,12 @@ def tac(
         difference_dataset(found, warnings),
         [f"TAC α, top less bottom {found.difference}", *reads, *difference_parts(found)],
         warnings=warnings,
-        figures=lambda: _figures("difference_figures", found),
+        figures=figures_by("tac.figures:difference_figures", found),
         tables=difference_tables(found),
         values=found.film_values(),
         digits=4,  # the difference of both ± keeps the uncertainty of the coefficients' difference
         **common,
     )
-
-
-def _figures(name: str, found: Any) -> Any:
-    from lightflyer.lab.tac import figures
-
-    return getattr(figures, name)(found)
 
 
 def _about_flyer(

@@ -13,6 +13,7 @@ from lightflyer.lab.measurement import (
     MeasuredKelvins,
     Number,
     Outcome,
+    figures_by,
     measurement,
     read_parts,
     read_summary,
@@ -143,19 +144,18 @@ def thermography(
         read: Any = share if light_meter else difference
         own = read("--accuracy", accuracy, *([] if light_meter else ["K"]))
     image, tables, areas = None, [], parse_regions(regions or "")
-    if light_meter:
+    if light_meter and file is not None:
         readings, table = read_readings(file, LIGHT, columns=columns, accuracy=own)
         tables = [table]
     else:
         scene = _scene(band, hotplate_emissivity or BLACK, film_temperature)
-        is_image = file is not None and (regions or is_thermal_image(file))
-        if regions and not is_image:
+        if regions and file is None:
             raise ConfigurationError("--regions is for an image; give its file")
-        if is_image and regions is None:
-            raise ConfigurationError(
-                f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."'
-            )
-        if is_image:
+        if file is not None and (regions or is_thermal_image(file)):
+            if regions is None:
+                raise ConfigurationError(
+                    f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."'
+                )
             image = read_thermal_image(
                 file,
                 scale=None if image_unit is None else parse_scale(image_unit, image_zero),
@@ -177,11 +177,6 @@ def thermography(
         both = ["absorptance", "absorptance_bottom"]
         keys = [("film", key) for key in names.get(face, both)]
 
-    def draw() -> Any:
-        from lightflyer.lab.thermography.figures import thermography_figures
-
-        return thermography_figures(result, image, areas)
-
     files = [] if file is None else [file]
     return Outcome(
         result.summary() | ({} if image is None else {"image": image.summary()}),
@@ -192,7 +187,7 @@ def thermography(
         ],
         read=read_summary(tables),
         warnings=result.warnings,
-        figures=draw,
+        figures=figures_by("thermography.figures:thermography_figures", result, image, areas),
         values=dict.fromkeys(keys, result.emissivity),
         origin=f"thermography, {result.meaning}",
         sources=files,

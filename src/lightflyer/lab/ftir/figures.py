@@ -67,9 +67,9 @@ def spectra(
     ticks = _MICROMETRES_TIMES_PER_CENTIMETRE / _TICKS_UM
     shown = (ticks > min(left, right)) & (ticks < max(left, right))
     near = np.inf
-    for number in np.flatnonzero(shown):  # the wavenumber falls
-        shown[number] = near - ticks[number] >= _BETWEEN_TICKS * abs(right - left)
-        near = ticks[number] if shown[number] else near
+    for place in np.flatnonzero(shown):  # the wavenumber falls
+        shown[place] = near - ticks[place] >= _BETWEEN_TICKS * abs(right - left)
+        near = ticks[place] if shown[place] else near
     top = ax.secondary_xaxis("top")
     top.set_xticks(ticks[shown], [f"{tick:g}" for tick in _TICKS_UM[shown]])
     top.set_xlabel("wavelength [µm]")

@@ -213,7 +213,7 @@ def fit_optics(
     )
     errors = fit.best.errors * np.array([one.errors for one in sample.spectra])
     spectra = tuple(
-        FittedSpectrum(one, reading, share, *map(float, error), scatter)
+        FittedSpectrum(one, reading, share, float(error[0]), float(error[1]), scatter)
         for one, reading, share, error, scatter in zip(
             sample.spectra, fit.problem.readings(fit.best), model.shares(fit.best.position)[0],
             errors, fit.scatter, strict=True,

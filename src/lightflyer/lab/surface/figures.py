@@ -146,6 +146,11 @@ def texture_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     return {"roughness-texture": figure}
 
 
+def surface_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
+    """Figures of maps and of their texture, by file name without suffix."""
+    return roughness_figures(results) | texture_figures(results)
+
+
 def plot_roughness(result: "Roughness", ax: Axes | None = None) -> Figure:
     """Draw one map."""
     if ax is None:

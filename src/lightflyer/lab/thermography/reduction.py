@@ -354,8 +354,10 @@ def _judge(
         value, low, high = np.clip([one.value, *one.interval], 0.0, 1.0).tolist()
         return Estimate(value, (low, high), one.unit, one.uncertainty)
 
-    within = [{name: cut(one) for name, one in found.items()} for found in (first, second)]
-    return RadiativeProperties(readings, rows, *within, (*warnings, *readings.warnings))
+    by_slopes, by_draws = (
+        {name: cut(one) for name, one in found.items()} for found in (first, second)
+    )
+    return RadiativeProperties(readings, rows, by_slopes, by_draws, (*warnings, *readings.warnings))
 
 
 def _outliers(readings: Readings, rows: np.ndarray, first: Mapping[str, Estimate]) -> list[str]:

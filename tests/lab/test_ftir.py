@@ -10,7 +10,6 @@ from lightflyer.lab.ftir.means import planck_weights, uncovered_power
 from lightflyer.lab.ftir.reduction import (
     BAND,
     DEFAULT_ACCURACY,
-    finding_parts,
     reduce_ftir,
     to_dataset,
 )
@@ -385,7 +384,7 @@ def test_half_a_band_is_not_named_as_the_whole():
     assert "50.0 % of the band" in doubt
     assert "r.csv, reflectance from 900 to 1400 cm^-1" in doubt
     assert "synthetic" not in doubt
-    assert "over 900 to 1300 cm⁻¹, 50 % of the band" in next(iter(finding_parts(found)))
+    assert "over 900 to 1300 cm⁻¹, 50 % of the band" in next(iter(found.finding()))
     assert not [one for one in reduce_ftir([whole], [replace(whole, quantity="reflectance",
                 value=0.2 - 0.1 * whole.value)]).warnings if isinstance(one, Doubt)]  # fmt: skip
 

@@ -11,7 +11,7 @@ from scipy import optimize, stats
 from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import require_record
-from lightflyer.files.result_text import table_of
+from lightflyer.files.result_text import Parts, PrintedResult, table_of, warning_lines
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -70,6 +70,20 @@ class Estimate(ShortRepr):
 
     def __str__(self) -> str:
         return f"{self.value:.4g} ({self.interval_text()}) {self.unit}".rstrip()
+
+
+class LabResult(PrintedResult):
+    """A result that prints as its parts, and a line for each warning."""
+
+    warnings: Sequence[str]
+
+    def parts(self) -> Parts:
+        """Lines and tables of the result."""
+        raise NotImplementedError
+
+    def text_parts(self) -> Parts:
+        yield from self.parts()
+        yield from warning_lines(self.warnings)
 
 
 def estimate_table(

@@ -15,7 +15,7 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.files.quantities import quantities, quantity
 from lightflyer.film.optics.stack import Film
 from lightflyer.lab.ftir.air import parse_ranges, with_straight_lines, without_air
-from lightflyer.lab.ftir.reduction import Ftir, finding_parts, ftir_parts, reduce_ftir, to_dataset
+from lightflyer.lab.ftir.reduction import Ftir, reduce_ftir, to_dataset
 from lightflyer.lab.measurement import (
     Outcome,
     Share,
@@ -155,7 +155,7 @@ def ftir(
     return Outcome(
         result.summary(),
         to_dataset(result),
-        [*finding_parts(result), *_read_parts([*spectra, *mirrors]), *ftir_parts(result)],
+        [*result.finding(), *_read_parts([*spectra, *mirrors]), *result.parts()],
         read=[
             {
                 "file": one.source, "quantity": one.quantity, **asdict(one.metadata),

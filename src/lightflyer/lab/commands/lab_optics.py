@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lightflyer.lab.measurement import Outcome, figures_by, rejected_json, rejected_parts
 from lightflyer.lab.optics.data import read_sample
-from lightflyer.lab.optics.fit import OpticsFit, finding_parts, fit_optics, fit_parts, to_dataset
+from lightflyer.lab.optics.fit import OpticsFit, fit_optics, to_dataset
 from lightflyer.lab.optics.record import require_same_layers, tables, update_layers
 
 
@@ -38,7 +38,7 @@ def optics(
     return Outcome(
         result.summary(),
         to_dataset(result),
-        [*finding_parts(result), *_read_parts(result), *fit_parts(result)],
+        [*result.finding(), *_read_parts(result), *result.parts()],
         read=[
             {
                 "file": one.spectrum.source,

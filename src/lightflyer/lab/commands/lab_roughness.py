@@ -13,7 +13,6 @@ from lightflyer.lab.surface.reduction import (
     finding_parts,
     mean_parameters,
     means_parts,
-    roughness_parts,
     summary,
     to_dataset,
 )
@@ -85,7 +84,7 @@ def roughness(
         for one in maps
     ]  # fmt: skip
     document = summary(results)
-    parts = [part for one in results for part in roughness_parts(one)]
+    parts = [part for one in results for part in one.parts()]
     means = results[0].parameters if len(results) == 1 else mean_parameters(results)
     if len(results) > 1:
         parts += means_parts(means, len(results))

@@ -36,11 +36,10 @@ from lightflyer.lab.tac.data import (
 from lightflyer.lab.tac.diagnostics import POSSIBLE_TAC
 from lightflyer.lab.tac.difference import (
     difference_dataset,
-    difference_parts,
     difference_tables,
     fit_tac_difference,
 )
-from lightflyer.lab.tac.fit import TacFit, errors_parts, fit_parts, fit_tac, runs_parts
+from lightflyer.lab.tac.fit import TacFit, fit_tac, runs_parts
 from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC, KineticLaw
 
 
@@ -199,7 +198,7 @@ def tac(
         warnings = [
             *doubts, *record.warnings_of(fits), *_about_flyer(update, [fits], face), *unstated
         ]  # fmt: skip
-        text = [part for fit in fits for part in (*fit_parts(fit), *errors_parts(fit))]
+        text = [part for fit in fits for part in fit.parts()]
         return Outcome(
             record.summary(fits),
             record.to_dataset(fits, warnings),
@@ -220,7 +219,7 @@ def tac(
     return Outcome(
         found.summary(),
         difference_dataset(found, warnings),
-        [f"TAC α, top less bottom {found.difference}", *reads, *difference_parts(found)],
+        [f"TAC α, top less bottom {found.difference}", *reads, *found.parts()],
         warnings=warnings,
         figures=figures_by("tac.figures:difference_figures", found),
         tables=difference_tables(found),

@@ -31,8 +31,6 @@ from lightflyer.lab.thermography.data import (
     with_accuracy,
 )
 from lightflyer.lab.thermography.reduction import (
-    finding_parts,
-    properties_parts,
     reduce_readings,
     to_dataset,
 )
@@ -182,8 +180,8 @@ def thermography(
         result.summary() | ({} if image is None else {"image": image.summary()}),
         to_dataset(result, [str(one) for one in files]),
         [
-            *finding_parts(result), *read_parts(tables),
-            *([] if image is None else [image.description]), *properties_parts(result),
+            *result.finding(), *read_parts(tables),
+            *([] if image is None else [image.description]), *result.parts(),
         ],
         read=read_summary(tables),
         warnings=result.warnings,

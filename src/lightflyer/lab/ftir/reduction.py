@@ -21,8 +21,8 @@ from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Temperature
-from lightflyer.files.result_text import Parts, PrintedResult, table_of, warning_lines
-from lightflyer.lab.estimate import CONFIDENCE, Estimate
+from lightflyer.files.result_text import Parts, table_of
+from lightflyer.lab.estimate import CONFIDENCE, Estimate, LabResult
 from lightflyer.lab.ftir.diagnostics import (
     Bounds,
     accuracy_warnings,
@@ -72,7 +72,7 @@ class Averages(ShortRepr):
 
 
 @dataclass(frozen=True, repr=False)
-class Ftir(PrintedResult):
+class Ftir(LabResult):
     """Transmittance, reflectance and emissivity of a film from its infrared spectra."""
 
     spectra: list[MeasuredSpectrum]  #: Spectra of transmittance
@@ -138,9 +138,48 @@ class Ftir(PrintedResult):
         }  # fmt: skip
         return csv_text([], columns)
 
-    def text_parts(self) -> Parts:
-        yield from ftir_parts(self)
-        yield from warning_lines(self.warnings)
+    def finding(self) -> Parts:
+        """The emissivity over the band, or its bound, in a sentence."""
+        low, high = (end / PER_CENTIMETRE for end in self.covered)
+        found = f"at most {self.at_most:.4g}" if self.emissivity is None else self.emissivity
+        part = f", {_PERCENT * (1.0 - self.uncovered_band):.0f} % of the band"
+        said = part * bool(self.uncovered_band)
+        yield f"emissivity {found}, over {low:.5g} to {high:.5g} cm⁻¹{said}"
+
+    def parts(self) -> Parts:
+        """Means over the band, and those weighted with Planck's spectrum."""
+        low, high = (end / PER_CENTIMETRE for end in self.covered)
+        accuracy = f"{_PERCENT * self.accuracy:.3g} %"
+        yield f"over {low:.5g} to {high:.5g} cm⁻¹, 95 % intervals with an accuracy of {accuracy}:"
+        yield f"  transmittance {self.transmittance.band}"
+        if self.reflectance is None:
+            yield f"  1 - transmittance {self.upper_bound}"
+            yield f"  upper bound: emissivity at most {self.at_most:.4g} (95 %, one-sided)"
+        else:
+            yield f"  reflectance {self.reflectance.band}"
+            yield f"  emissivity {self.emissivity}"
+        if self.uncovered_band:
+            yield f"  {_PERCENT * self.uncovered_band:.1f} % of the band has no data"
+        yield (
+            "weighted with Planck's spectrum over the measured wavenumbers; total: nothing or\n"
+            "everything is emitted outside them"
+        )
+        measured, bounds = self.reflectance is not None, self.total_bounds()
+        headings = (
+            "at\n[K]", "\ntransmittance", "\nemissivity" if measured else "1 - trans-\nmittance",
+            "\n95 % interval", "outside\nthe data",
+            "total,\nbounds" if measured else "total, at\nmost (95 %)",
+        )  # fmt: skip
+        rows = []
+        for temperature, estimate in self.planck_emissivity.items():
+            ends, (least, most) = estimate.interval, bounds[temperature]
+            rows.append((
+                f"{temperature:g}", f"{self.transmittance.planck[temperature].value:.4f}",
+                f"{estimate.value:.4f}", f"{ends[0]:.4f} to {ends[1]:.4f}",
+                f"{_PERCENT * self.uncovered[temperature]:.1f} %",
+                f"{least:.3f} to {most:.3f}" if measured else f"{most:.3f}",
+            ))  # fmt: skip
+        yield table_of(headings, rows, left=())
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the spectra with the band and the spectrum of a black body."""
@@ -358,48 +397,3 @@ def to_dataset(result: Ftir) -> "xr.Dataset":
 
 
 _PERCENT = 100.0
-
-
-def finding_parts(result: "Ftir") -> Parts:
-    """The emissivity over the band, or its bound, in a sentence."""
-    low, high = (end / PER_CENTIMETRE for end in result.covered)
-    found = f"at most {result.at_most:.4g}" if result.emissivity is None else result.emissivity
-    part = f", {_PERCENT * (1.0 - result.uncovered_band):.0f} % of the band"
-    said = part * bool(result.uncovered_band)
-    yield f"emissivity {found}, over {low:.5g} to {high:.5g} cm⁻¹{said}"
-
-
-def ftir_parts(result: "Ftir") -> Parts:
-    """Means over the band, and those weighted with Planck's spectrum."""
-    low, high = (end / PER_CENTIMETRE for end in result.covered)
-    accuracy = f"{_PERCENT * result.accuracy:.3g} %"
-    yield f"over {low:.5g} to {high:.5g} cm⁻¹, 95 % intervals with an accuracy of {accuracy}:"
-    yield f"  transmittance {result.transmittance.band}"
-    if result.reflectance is None:
-        yield f"  1 - transmittance {result.upper_bound}"
-        yield f"  upper bound: emissivity at most {result.at_most:.4g} (95 %, one-sided)"
-    else:
-        yield f"  reflectance {result.reflectance.band}"
-        yield f"  emissivity {result.emissivity}"
-    if result.uncovered_band:
-        yield f"  {_PERCENT * result.uncovered_band:.1f} % of the band has no data"
-    yield (
-        "weighted with Planck's spectrum over the measured wavenumbers; total: nothing or\n"
-        "everything is emitted outside them"
-    )
-    measured, bounds = result.reflectance is not None, result.total_bounds()
-    headings = (
-        "at\n[K]", "\ntransmittance", "\nemissivity" if measured else "1 - trans-\nmittance",
-        "\n95 % interval", "outside\nthe data",
-        "total,\nbounds" if measured else "total, at\nmost (95 %)",
-    )  # fmt: skip
-    rows = []
-    for temperature, estimate in result.planck_emissivity.items():
-        ends, (least, most) = estimate.interval, bounds[temperature]
-        rows.append((
-            f"{temperature:g}", f"{result.transmittance.planck[temperature].value:.4f}",
-            f"{estimate.value:.4f}", f"{ends[0]:.4f} to {ends[1]:.4f}",
-            f"{_PERCENT * result.uncovered[temperature]:.1f} %",
-            f"{least:.3f} to {most:.3f}" if measured else f"{most:.3f}",
-        ))  # fmt: skip
-    yield table_of(headings, rows, left=())

@@ -23,9 +23,8 @@ from lightflyer.files.result_text import (
     PrintedResult,
     open_interval_text,
     table_of,
-    warning_lines,
 )
-from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
+from lightflyer.lab.estimate import CONFIDENCE, Estimate, LabResult, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
 from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother
 from lightflyer.lab.record import Doubt, csv_text, dataset, joint_warnings
@@ -51,7 +50,7 @@ _NO_MINIMUM = 0.9  # share of the measured log-pressures within the interval of 
 
 
 @dataclass(frozen=True, repr=False)
-class LevitationCurve(PrintedResult):
+class LevitationCurve(LabResult):
     """Curve through a sample's points, with its minimum."""
 
     points: LiftOffs
@@ -74,9 +73,8 @@ class LevitationCurve(PrintedResult):
     step: float = 0.0  #: Step in which the light was raised [W/m²], 0 for none
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
-    def text_parts(self) -> Parts:
+    def parts(self) -> Parts:
         yield from curves_parts([self])
-        yield from warning_lines(self.warnings)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw points, curve with its 95 % band, and minimum."""

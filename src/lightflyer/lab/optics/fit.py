@@ -22,10 +22,10 @@ import numpy as np
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.text import correlation_text
-from lightflyer.files.result_text import Parts, PrintedResult, listed, table_of, warning_lines
+from lightflyer.files.result_text import Parts, listed, table_of
 from lightflyer.film.optics.averages import absorptance, emittance
 from lightflyer.film.optics.stack import Film
-from lightflyer.lab.estimate import Estimate, estimate_table
+from lightflyer.lab.estimate import Estimate, LabResult, estimate_table
 from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
 from lightflyer.lab.optics.diagnostics import diagnose, display_unit, is_off
 from lightflyer.lab.optics.model import OpticalModel, Problem, select_covered
@@ -88,7 +88,7 @@ class Rival:
 
 
 @dataclass(frozen=True, repr=False)
-class OpticsFit(PrintedResult):
+class OpticsFit(LabResult):
     """Numbers of a film from its spectra."""
 
     sample: OpticsSample
@@ -106,9 +106,29 @@ class OpticsFit(PrintedResult):
     freedom: float  #: Degrees of freedom, from independent points
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
-    def text_parts(self) -> Parts:
-        yield from fit_parts(self)
-        yield from warning_lines(self.warnings)
+    def finding(self) -> Parts:
+        """Fitted numbers in a sentence."""
+        yield listed(f"{name} {in_display_unit(one)}" for name, one in self.numbers.items())
+
+    def parts(self) -> Parts:
+        """Fitted numbers, what the fitted film does, and the errors of the instruments."""
+        numbers = [(name, in_display_unit(one)) for name, one in self.numbers.items()]
+        yield estimate_table(numbers, "fitted", _DIGITS)
+        if self.predictions:
+            yield estimate_table(self.predictions.items(), "of the fitted film", _DIGITS)
+        yield table_of(
+            _HEADINGS,
+            (
+                (
+                    one.measured.label, f"{_PERCENT * one.scatter.deviation:.2f}",
+                    f"{len(one.reading)}", f"{one.scatter.independent:.0f}",
+                    f"{_PERCENT * one.scale_error:+.2f}", f"{_PERCENT * one.zero_error:+.2f}",
+                )
+                for one in self.spectra
+            ),
+        )  # fmt: skip
+
+        yield correlation_text(list(self.numbers), self.correlation)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the spectra with their fits; ``ax``: by default that of a new figure."""
@@ -410,32 +430,6 @@ _PERCENT = 100.0
 _HEADINGS = ("spectrum", "scatter\n[%]", "points", "indepen-\ndent", "scale's\nerror [%]",
              "zero's\nerror [%]")  # fmt: skip
 _DIGITS = 5
-
-
-def finding_parts(result: "OpticsFit") -> Parts:
-    """Fitted numbers in a sentence."""
-    yield listed(f"{name} {in_display_unit(one)}" for name, one in result.numbers.items())
-
-
-def fit_parts(result: "OpticsFit") -> Parts:
-    """Fitted numbers, what the fitted film does, and the errors of the instruments."""
-    numbers = [(name, in_display_unit(one)) for name, one in result.numbers.items()]
-    yield estimate_table(numbers, "fitted", _DIGITS)
-    if result.predictions:
-        yield estimate_table(result.predictions.items(), "of the fitted film", _DIGITS)
-    yield table_of(
-        _HEADINGS,
-        (
-            (
-                one.measured.label, f"{_PERCENT * one.scatter.deviation:.2f}",
-                f"{len(one.reading)}", f"{one.scatter.independent:.0f}",
-                f"{_PERCENT * one.scale_error:+.2f}", f"{_PERCENT * one.zero_error:+.2f}",
-            )
-            for one in result.spectra
-        ),
-    )  # fmt: skip
-
-    yield correlation_text(list(result.numbers), result.correlation)
 
 
 def in_display_unit(one: Estimate) -> Estimate:

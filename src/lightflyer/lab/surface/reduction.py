@@ -19,8 +19,14 @@ from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Fraction
-from lightflyer.files.result_text import Parts, PrintedResult, warning_lines
-from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, estimate_table, student_factor
+from lightflyer.files.result_text import Parts
+from lightflyer.lab.estimate import (
+    NORMAL_FACTOR,
+    Estimate,
+    LabResult,
+    estimate_table,
+    student_factor,
+)
 from lightflyer.lab.readers.height_map import NANOMETRE, HeightMap
 from lightflyer.lab.record import dataset, joint_warnings
 from lightflyer.lab.surface.diagnostics import warnings_of
@@ -55,7 +61,7 @@ _EIGHT = np.ones((3, 3))
 
 
 @dataclass(frozen=True, repr=False)
-class Roughness(PrintedResult):
+class Roughness(LabResult):
     """A levelled map, its mask and its parameters."""
 
     source: HeightMap
@@ -89,9 +95,31 @@ class Roughness(PrintedResult):
         """Share of the map on particles and in holes."""
         return float(self.mask.mean())
 
-    def text_parts(self) -> Parts:
-        yield from roughness_parts(self)
-        yield from warning_lines(self.warnings)
+    def parts(self) -> Parts:
+        """Size of a map, what is masked, and its parameters."""
+        rows, columns = self.height.shape
+        source = self.source
+        channel = f", {source.channel}" if source.channel else ""
+        sides = " x ".join(f"{side / _MICROMETRE:.4g}" for side in (source.width, source.length))
+        masked = ", ".join(
+            f"{count_objects(mask)} {name} ({_PERCENT * mask.mean():.2f} %)"
+            for name, mask in (("particles", self.particles), ("holes", self.holes))
+        )
+        yield (
+            f"read {source.source}{channel}: {columns} x {rows} pixels, {sides} µm; {masked} masked"
+        )
+        named = [(name, self.parameters[key]) for key, name in _NAMES.items()]
+        yield estimate_table([*named, ("Sq without a mask", self.parameters_all["rms_height"])])
+        skewness, kurtosis = (self.parameters[key].value for key in ("skewness", "kurtosis"))
+        found = self.texture
+        yield f"of this map: skewness Ssk {skewness:.3g}, kurtosis Sku {kurtosis:.3g}"
+        yield (
+            f"  correlation length (1/e) {found.correlation_length / _MICROMETRE:.3g} µm, "
+            f"rms slope Sdq {found.rms_slope:.3g}\n"
+            f"  developed area Sdr {_PERCENT * found.developed_area:.2g} %, "
+            f"highest point Sp {found.highest / NANOMETRE:.3g} nm, "
+            f"lowest Sv {found.deepest / NANOMETRE:.3g} nm"
+        )
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the levelled map, as it is and with its mask."""
@@ -350,31 +378,6 @@ _NAMES = {
 def finding_parts(parameters: Mapping[str, Estimate]) -> Parts:
     """The roughness in a sentence."""
     yield f"{_NAMES['rms_height']} {parameters['rms_height']}"
-
-
-def roughness_parts(one: "Roughness") -> Parts:
-    """Size of a map, what is masked, and its parameters."""
-    rows, columns = one.height.shape
-    source = one.source
-    channel = f", {source.channel}" if source.channel else ""
-    sides = " x ".join(f"{side / _MICROMETRE:.4g}" for side in (source.width, source.length))
-    masked = ", ".join(
-        f"{count_objects(mask)} {name} ({_PERCENT * mask.mean():.2f} %)"
-        for name, mask in (("particles", one.particles), ("holes", one.holes))
-    )
-    yield (f"read {source.source}{channel}: {columns} x {rows} pixels, {sides} µm; {masked} masked")
-    named = [(name, one.parameters[key]) for key, name in _NAMES.items()]
-    yield estimate_table([*named, ("Sq without a mask", one.parameters_all["rms_height"])])
-    skewness, kurtosis = (one.parameters[key].value for key in ("skewness", "kurtosis"))
-    found = one.texture
-    yield f"of this map: skewness Ssk {skewness:.3g}, kurtosis Sku {kurtosis:.3g}"
-    yield (
-        f"  correlation length (1/e) {found.correlation_length / _MICROMETRE:.3g} µm, "
-        f"rms slope Sdq {found.rms_slope:.3g}\n"
-        f"  developed area Sdr {_PERCENT * found.developed_area:.2g} %, "
-        f"highest point Sp {found.highest / NANOMETRE:.3g} nm, "
-        f"lowest Sv {found.deepest / NANOMETRE:.3g} nm"
-    )
 
 
 def means_parts(means: Mapping[str, Estimate], count: int) -> Parts:

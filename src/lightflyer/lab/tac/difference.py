@@ -18,10 +18,10 @@ from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Fraction, Length
 from lightflyer.core.units import Measured
-from lightflyer.files.result_text import Parts, PrintedResult, table_of, warning_lines
+from lightflyer.files.result_text import Parts, table_of
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
-from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
+from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, LabResult, student_factor
 from lightflyer.lab.tac.data import TacAccuracy, TacRun
 from lightflyer.lab.tac.diagnostics import MOST_TAC, POSSIBLE_TAC, cut
 from lightflyer.lab.tac.fit import TacFit, errors_parts, fit_parts, fit_together
@@ -46,7 +46,7 @@ ONE_RUN = (
 
 
 @dataclass(frozen=True, repr=False)
-class TacDifference(PrintedResult):
+class TacDifference(LabResult):
     """Accommodation coefficients of two faces, and their difference."""
 
     top: tuple[TacFit, ...]  #: Runs of the top face
@@ -71,9 +71,31 @@ class TacDifference(PrintedResult):
         """Standard uncertainty that the difference had if nothing were shared [1]."""
         return math.hypot(self.tac_top.uncertainty or 0.0, self.tac_bottom.uncertainty or 0.0)
 
-    def text_parts(self) -> Parts:
-        yield from difference_parts(self)
-        yield from warning_lines(self.warnings)
+    def parts(self) -> Parts:
+        """Difference of two faces, their coefficients, and the runs of each."""
+        rows = [
+            (name, f"{one.value:.4g}", one.interval_text(), f"{one.uncertainty:.2g}")
+            for name, one in (
+                ("TAC α, top less bottom", self.difference),
+                ("TAC α, top", self.tac_top),
+                ("TAC α, bottom", self.tac_bottom),
+            )
+        ]
+        yield table_of(_FACES_TABLE, rows, left=(0, 2))
+        yield (
+            f"the errors of both have a correlation of {self.tac_correlation:.4g}; if they shared "
+            f"nothing, the difference would be uncertain by {self.unshared:.2g}"
+        )
+        if self.other_face is not None:
+            yield (
+                "α of each run below is the mean of that of the sample and that of the heater's "
+                f"other face, {self.other_face.value:g}"
+            )
+        for name, fits in (("top", self.top), ("bottom", self.bottom)):
+            yield f"{name} face"
+            for fit in fits:
+                yield from fit_parts(fit)
+        yield from errors_parts(self.fits[0])
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the runs of both faces with their fits, and what is known of both coefficients."""
@@ -288,30 +310,3 @@ def difference_tables(found: TacDifference) -> dict[str, str]:
 
 
 _FACES_TABLE = ("", "value", "95 % interval", "standard uncertainty")
-
-
-def difference_parts(found: TacDifference) -> Parts:
-    """Difference of two faces, their coefficients, and the runs of each."""
-    rows = [
-        (name, f"{one.value:.4g}", one.interval_text(), f"{one.uncertainty:.2g}")
-        for name, one in (
-            ("TAC α, top less bottom", found.difference),
-            ("TAC α, top", found.tac_top),
-            ("TAC α, bottom", found.tac_bottom),
-        )
-    ]
-    yield table_of(_FACES_TABLE, rows, left=(0, 2))
-    yield (
-        f"the errors of both have a correlation of {found.tac_correlation:.4g}; if they shared "
-        f"nothing, the difference would be uncertain by {found.unshared:.2g}"
-    )
-    if found.other_face is not None:
-        yield (
-            "α of each run below is the mean of that of the sample and that of the heater's other "
-            f"face, {found.other_face.value:g}"
-        )
-    for name, fits in (("top", found.top), ("bottom", found.bottom)):
-        yield f"{name} face"
-        for fit in fits:
-            yield from fit_parts(fit)
-    yield from errors_parts(found.fits[0])

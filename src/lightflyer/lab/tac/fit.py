@@ -24,10 +24,10 @@ import numpy as np
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.quantity import Fraction, Length
 from lightflyer.core.text import correlation_text
-from lightflyer.files.result_text import Parts, PrintedResult, table_of, warning_lines
+from lightflyer.files.result_text import Parts, table_of
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
-from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.estimate import Estimate, LabResult
 from lightflyer.lab.record import ambient_doubts
 from lightflyer.lab.tac.data import IN_WORDS, TacAccuracy, TacRun
 from lightflyer.lab.tac.diagnostics import (
@@ -62,7 +62,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class TacFit(PrintedResult):
+class TacFit(LabResult):
     r"""Accommodation coefficient, area ratio and offset of one run."""
 
     run: TacRun
@@ -153,10 +153,9 @@ class TacFit(PrintedResult):
         """The three estimates by name."""
         return {name: getattr(self, name) for name in PARAMETERS}
 
-    def text_parts(self) -> Parts:
+    def parts(self) -> Parts:
         yield from fit_parts(self)
         yield from errors_parts(self)
-        yield from warning_lines(self.warnings)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the conductance against pressure with the fit, and that of the gas."""

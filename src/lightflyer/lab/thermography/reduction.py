@@ -28,10 +28,11 @@ from lightflyer.core.checks import require_range
 from lightflyer.core.constants import STEFAN_BOLTZMANN
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import require_record
-from lightflyer.files.result_text import Parts, PrintedResult, listed, warning_lines
+from lightflyer.files.result_text import Parts, listed
 from lightflyer.lab.estimate import (
     NORMAL_FACTOR,
     Estimate,
+    LabResult,
     central_interval,
     estimate_table,
     student_factor,
@@ -69,7 +70,7 @@ _FAR_ABOVE = 5.0  # standard deviation of rows over what the readings' accuracy 
 
 
 @dataclass(frozen=True, repr=False)
-class RadiativeProperties(PrintedResult):
+class RadiativeProperties(LabResult):
     """Reflectance, transmittance and emissivity, or absorptivity for a light meter."""
 
     readings: Readings
@@ -97,9 +98,24 @@ class RadiativeProperties(PrintedResult):
         remainder = self.readings.method.remainder
         return {remainder if key == "emissivity" else key: one for key, one in values.items()}
 
-    def text_parts(self) -> Parts:
-        yield from properties_parts(self)
-        yield from warning_lines(self.warnings)
+    def finding(self) -> Parts:
+        """The properties in a sentence."""
+        found = self.name_properties(self.first_order)
+        yield f"{listed(f'{name} {one}' for name, one in found.items())}, {self.meaning}"
+
+    def parts(self) -> Parts:
+        """The properties with both intervals, and the uncertainties of the readings."""
+        second = self.name_properties(self.monte_carlo)
+        rows = []
+        for name, estimate in self.name_properties(self.first_order).items():
+            rows += [(name, estimate), ("  by Monte Carlo", second[name])]
+        yield estimate_table(rows, self.meaning)
+        method = self.readings.method
+        spreads = ", ".join(
+            f"{name.removesuffix('_temperature')} {one:.2g}"
+            for name, one in zip(method.readings, self.readings.uncertainties, strict=True)
+        )
+        yield f"standard uncertainties of the readings: {spreads} {method.unit}".rstrip()
 
     def plot(self) -> "Figure":
         """Draw the rows and the means with their intervals."""
@@ -422,24 +438,3 @@ def _film_diagnostics(readings: Readings, first: Mapping[str, Estimate]) -> list
         f"{film - cold:.0f} K warmer, and the emissivity about {missing:.3f} higher; state the "
         "film's temperature"
     ]
-
-
-def finding_parts(result: "RadiativeProperties") -> Parts:
-    """The properties in a sentence."""
-    found = result.name_properties(result.first_order)
-    yield f"{listed(f'{name} {one}' for name, one in found.items())}, {result.meaning}"
-
-
-def properties_parts(result: "RadiativeProperties") -> Parts:
-    """The properties with both intervals, and the uncertainties of the readings."""
-    second = result.name_properties(result.monte_carlo)
-    rows = []
-    for name, estimate in result.name_properties(result.first_order).items():
-        rows += [(name, estimate), ("  by Monte Carlo", second[name])]
-    yield estimate_table(rows, result.meaning)
-    method = result.readings.method
-    spreads = ", ".join(
-        f"{name.removesuffix('_temperature')} {one:.2g}"
-        for name, one in zip(method.readings, result.readings.uncertainties, strict=True)
-    )
-    yield f"standard uncertainties of the readings: {spreads} {method.unit}".rstrip()

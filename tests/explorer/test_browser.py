@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.cli.commands import explore
 from lightflyer.explorer.state import View, to_url
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
@@ -384,3 +385,13 @@ def test_nothing_was_asked_of_other_machines_and_nothing_went_wrong(page, site):
     assert others == []
     wrong = [text for text in page.said if not text.startswith("info")]
     assert [text for text in wrong if "422" not in text] == []
+
+
+def test_the_file_for_this_user_alone_leads_to_the_page(browser, site):
+    with explore._page_to(site.address) as path:
+        page = browser.new_page()
+        page.set_default_timeout(PATIENCE)
+        page.goto(path.as_uri())
+        page.wait_for_selector("body[data-banded]")
+        assert page.url.startswith(site.address)
+        page.close()

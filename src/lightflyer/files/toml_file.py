@@ -14,7 +14,7 @@ from lightflyer.core.text import read_text
 from lightflyer.files.section import Alternative, Section, alternative_tags
 from lightflyer.files.validation_messages import choosing_key, format_error, nearest
 
-TOO_DEEP = "lists or tables are nested too deeply"  # for Python to follow
+_DEEPEST = 50  # tables and lists within each other; files of ours have six
 
 FOLDER = "folder"
 """Key of the validation context: the folder that file names in the file are relative to."""
@@ -82,11 +82,25 @@ def parse_toml(text: str, path: Path, kind: FileKind) -> dict[str, Any]:
     if not text.strip():
         raise ConfigurationError(f"{path}: is empty; {kind.hint}")
     try:
-        return tomllib.loads(text)
+        document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ConfigurationError(_not_toml(str(error), text, path)) from None
     except RecursionError:
-        raise ConfigurationError(f"{path}: {TOO_DEEP}") from None
+        document = None
+    if document is None or not _is_flat_enough(document):
+        raise ConfigurationError(f"{path}: lists or tables are nested too deeply")
+    return document
+
+
+def _is_flat_enough(document: dict[str, Any]) -> bool:
+    """Whether what is nested can be followed by functions that call themselves."""
+    level: list[Any] = [document]
+    for _ in range(_DEEPEST):
+        within = (one.values() if isinstance(one, dict) else one for one in level)
+        level = [part for parts in within for part in parts if isinstance(part, dict | list)]
+        if not level:
+            return True
+    return False
 
 
 def named_keys(message: str) -> list[str]:

@@ -205,3 +205,23 @@ def test_a_map_of_a_list_in_any_order_rises(dataset):
     sliced, _ = explore.choose_slice(shuffled, "payload", kept, {})
     expected, _ = explore.choose_slice(dataset, "payload", kept, {})
     xr.testing.assert_identical(sliced, expected)
+
+
+def test_one_design_is_its_own_best_and_front(dataset):
+    one = dataset.isel({"flyer.diameter": 1, "film.emittance": 0, "altitude": 2})
+    one["payload"] = abs(one.payload)
+    assert explore.best_design(one, "payload").value == float(one.payload)
+    assert explore.best_designs(one, "payload").payload.values.tolist() == [float(one.payload)]
+    assert explore.pareto_front(one, "payload", "temperature").sizes == {"point": 1}
+    assert explore.best_designs(one * np.nan, "payload").sizes == {"rank": 0}
+    assert float(explore.quantiles(one, "payload", 0.5)[0]) == float(one.payload)
+
+
+def test_slips_in_what_is_read_from_a_sweep_are_named(dataset):
+    for count in (0, -3, 2.5, True):
+        with pytest.raises(lf.ParameterError, match="a whole number of at least 1"):
+            explore.best_designs(dataset, "payload", count)
+    with pytest.raises(lf.ParameterError, match="not against itself"):
+        explore.pareto_front(dataset, "payload", "payload")
+    with pytest.raises(lf.ParameterError, match="not a DataArray"):
+        explore.quantiles(dataset.payload, "payload")

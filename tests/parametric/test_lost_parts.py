@@ -9,7 +9,9 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
+from lightflyer.parametric import explore
 from lightflyer.parametric.run import sweep_into
+from lightflyer.study.sections import SamplingSection
 from lightflyer.study.study import make_study
 
 VARIABLES = ["temperature", "lift", "relative_payload", "levitation_irradiance"]
@@ -211,3 +213,31 @@ def test_impossible_shares_of_distributions_are_told(design):
     entries = {"film.emittance": "0.08 ± 0.2"}
     with pytest.warns(lf.ParameterWarning, match="film.emittance: 34 % of the distribution is"):
         make_study(design, entries, ["own_mass"])
+
+
+@pytest.mark.parametrize("names", [["usable", "relative_payload"], ["relative_payload", "lift"],
+                                   ["levitation_irradiance", "lift"]])  # fmt: skip
+@pytest.mark.parametrize("entry", [[0.06, 0.08], "0.08 ± 0.01"])
+def test_maps_of_unfinished_sweeps_are_drawn(design, tmp_path, run, names, entry):
+    folder, drawn = tmp_path / "v.zarr", isinstance(entry, str)
+    entries = {**ENTRIES, "film.emittance": entry}
+    study = make_study(design, entries, names, SamplingSection(points=8))
+
+    def some(start, stop):
+        if start >= 2 * study.size // 5:
+            raise KeyboardInterrupt
+        found = {name: 1.0 + np.sin(np.arange(start, stop)) for name in names}
+        found |= {"usable": 1.0 * (found[names[-1]] > 1.0)} if "usable" in names else {}
+        return found, 0
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep_into(study, folder, chunk=study.size // 10, evaluator=some, workers=1)
+    for over in (("--x", "diameter"), ("--x", "diameter", "--y", "altitude")):
+        at = () if drawn else ("--at", "emittance = 0.06")
+        command = ("map", folder, *over, *at, "--value", names[-1], "--out", tmp_path / "m")
+        code, text, errors = run(*command)
+        assert code == 0, errors
+        assert "the sweep is not finished; missing designs are left blank" in text
+    able = explore.margin(lf.parametric.open_sweep(folder))
+    assert bool(able.isel({"flyer.diameter": -1}).isnull().all())  # neither flies nor does not
+    assert bool(able.isel({"flyer.diameter": 0}).notnull().all())

@@ -2,15 +2,17 @@
 
 import difflib
 import itertools
+import operator
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lightflyer.compute.chunks import Chunks
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.units import file_unit, number_or_text, parse
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.files.display_units import amount, suitable, unit_of
@@ -91,12 +93,12 @@ class _Results:
 
     def numbers(self, there: dict[str, slice], local: np.ndarray) -> np.ndarray:
         """Numbers of designs, from those that they have within a part."""
+        if not there:
+            return local
         sizes = tuple(part.stop - part.start for part in there.values())
         places = np.unravel_index(local, sizes)
         starts = [part.start for part in there.values()]
         moved = tuple(place + start for place, start in zip(places, starts, strict=True))
-        if not moved:
-            return local
         return np.ravel_multi_index(moved, tuple(self._sizes.values()))
 
     def medians(self, part: "xr.Dataset", array: "xr.DataArray", sign: float) -> np.ndarray:
@@ -114,6 +116,8 @@ class _Results:
 
     def places(self, designs: np.ndarray) -> dict[str, np.ndarray]:
         """Places of designs along each dimension."""
+        if not self.dims:
+            return {}
         places = np.unravel_index(designs, tuple(self._sizes.values()))
         return dict(zip(self.dims, places, strict=True))
 
@@ -122,6 +126,8 @@ class _Results:
         import xarray as xr
 
         places = {name: xr.DataArray(at, dims=along) for name, at in self.places(designs).items()}
+        if not places:  # one design
+            return self.dataset.expand_dims(along).isel({along: designs})
         return self.dataset.isel(places)
 
 
@@ -131,6 +137,11 @@ def _opened(results: "xr.Dataset | str | Path") -> "xr.Dataset":
         from lightflyer.parametric.run import open_sweep
 
         return open_sweep(results)
+    if not hasattr(results, "data_vars"):
+        raise ParameterError(
+            "results are the folder of a sweep or a Dataset, such as of lf.sweep, not a "
+            f"{type(results).__name__}"
+        )
     return results
 
 
@@ -157,8 +168,12 @@ def best_designs(results: "xr.Dataset | str | Path", output: str, count: int = 1
     ------
     ConfigurationError
         If the sweep has no such output, or its folder is damaged.
+    ParameterError
+        If the count is none.
     """
     dataset = _opened(results)
+    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
+        raise ParameterError(f"count = {count} must be a whole number of at least 1")
     found = _Results(dataset, find_name(dataset, output, among="outputs"))
     return found.rows(_best(found, count)[0], "rank")
 
@@ -270,7 +285,7 @@ def choose_slice(
 
 
 def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
-    """What is positive where the designs of a sweep fly, as far as its outputs tell."""
+    """What is positive where designs fly, as far as outputs tell; NaN where that is not known."""
     name = next((name for name in _TELLING if name in dataset), None)
     if name is None:
         return None
@@ -280,10 +295,16 @@ def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
     if name == "lift_over_weight":
         return values - 1.0
     if name in ("relative_payload", "payload"):
-        return values.fillna(-1.0)
-    if name == "band_width":
-        return (values > 0.0) - _HALF
-    return values.notnull() - _HALF
+        able = values.fillna(-1.0)
+    elif name == "band_width":
+        able = (values > 0.0) - _HALF
+    else:
+        able = values.notnull() - _HALF
+    if dataset.attrs.get("complete", True):
+        return able
+    # a design that has no number at all is not computed yet
+    there = [one.notnull() for one in dataset.data_vars.values() if one.dims == values.dims]
+    return able.where(reduce(operator.or_, there))
 
 
 def pareto_front(results: "xr.Dataset | str | Path", output: str, cost: str) -> "xr.Dataset":
@@ -314,6 +335,8 @@ def pareto_front(results: "xr.Dataset | str | Path", output: str, cost: str) -> 
     name = find_name(dataset, output, among="outputs")
     if cost not in dataset.data_vars:
         cost = find_name(dataset, cost, among="fields")
+    if cost == name:
+        raise ParameterError(f"a front weighs {name} against something else, not against itself")
     return _Results(dataset, name).rows(front(dataset, name, cost)[0], "point")
 
 
@@ -375,7 +398,7 @@ def quantiles(
 
     dataset = _opened(results)
     name = find_name(dataset, output, among="outputs")
-    asked = np.asarray(shares, float)
+    asked = np.atleast_1d(np.asarray(shares, float))
     if not np.all((asked >= 0.0) & (asked <= 1.0)):
         raise ConfigurationError("shares are numbers from 0 to 1")
     found = _Results(dataset, name)

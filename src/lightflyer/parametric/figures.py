@@ -93,7 +93,9 @@ def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axe
     sampled = SAMPLE in array.dims
     shown = over_samples(array)["median"] if sampled else array
     if able is not None:
-        able = ((able >= 0.0).mean(SAMPLE) - _HALF if sampled else able).transpose(y, x)
+        able = (
+            (able >= 0.0).where(able.notnull()).mean(SAMPLE) - _HALF if sampled else able
+        ).transpose(y, x)
     horizontal, vertical = _axis(ax, "x", dataset[x]), _axis(ax, "y", dataset[y])
     factor, label = scale_and_label(array)
     values = factor * shown.transpose(y, x).values
@@ -195,9 +197,10 @@ def _cannot_fly(
     handles: list[Any] = []
     if np.any(able < 0.0):
         if min(able.shape) > 1:
-            lowest = min(float(able.min()), -1.0)
+            lowest = min(float(np.nanmin(able)), -1.0)
+            known = np.ma.masked_invalid(able)
             area = ax.contourf(
-                horizontal, vertical, able, levels=[lowest, 0.0], colors="white", hatches=["///"]
+                horizontal, vertical, known, levels=[lowest, 0.0], colors="white", hatches=["///"]
             )
             area.set_edgecolor(GREY)
             area.set_linewidth(0.0)
@@ -210,8 +213,8 @@ def _cannot_fly(
                 label=label,
             )
         )
-    if sampled and np.ptp(able) > 0.0:
-        chances = able + _HALF
+    if sampled and np.nanmax(able) > np.nanmin(able):
+        chances = np.ma.masked_invalid(able) + _HALF
         for chance, style in zip(_PROBABILITIES, (":", "-", "--"), strict=True):
             lines = ax.contour(
                 horizontal, vertical, chances, levels=[chance], colors="black",
@@ -242,7 +245,7 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
         ax.fill_between(horizontal, low, high, color=BLUE, alpha=_OPACITY, lw=0, label=BAND)
         ax.plot(horizontal, np.where(np.isfinite(middle), middle, np.nan), color=BLUE,
                 label="median of the samples", marker=marker, ms=3.5)  # fmt: skip
-        able = None if able is None else (able >= 0.0).mean(SAMPLE) - _HALF
+        able = None if able is None else (able >= 0.0).where(able.notnull()).mean(SAMPLE) - _HALF
     else:
         shown = factor * array.values[np.isfinite(array.values)]
         ax.plot(

@@ -52,7 +52,7 @@ def _flying(dataset: "xr.Dataset", output: str) -> "xr.DataArray":
     able, values = margin(dataset), dataset[output]
     if SAMPLE in values.dims:
         values = over_samples(values)["median"]
-        able = None if able is None else (able >= 0.0).mean(SAMPLE) - _HALF
+        able = None if able is None else (able >= 0.0).where(able.notnull()).mean(SAMPLE) - _HALF
     values = values.where(np.isfinite(values))
     return values if able is None else values.where(able >= 0.0)
 

@@ -4,6 +4,7 @@ import csv
 import errno
 import json
 import os
+import re
 import signal
 import stat
 import subprocess
@@ -177,7 +178,9 @@ def test_closed_streams_change_nothing_else(flyer_file, tmp_path):
 def test_too_little_memory_for_libraries_is_a_line(flyer_file):
     done = command("predict", flyer_file(), prefix="ulimit -v 200000;")
     assert done.returncode == 2
-    assert "lightflyer: error: libraries find no room in memory" in done.stderr
+    # Python itself, or a library, may be the first to find none
+    told = "lightflyer: error: (libraries find no room in|this needs more) memory"
+    assert re.match(told, done.stderr)
     assert done.stderr.count("\n") == 1
 
 

@@ -17,6 +17,7 @@ from typing import Any
 import cyclopts
 
 import lightflyer
+from lightflyer.cli.output import printer, say
 from lightflyer.cli.progress import Display, show_progress
 from lightflyer.cli.report import note_warning, write_report
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
@@ -196,6 +197,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             _require_files(given)
             with write_report(given):
                 app(given, exit_on_error=False, print_error=False)
+            _tell_next(given)
             sys.stdout.flush()  # a full device says so here, not while Python ends
     except cyclopts.CycloptsError as error:
         help_of = f"lightflyer {_help_of(given)} --help".replace("  ", " ")
@@ -217,6 +219,36 @@ def main(arguments: Sequence[str] | None = None) -> None:
         where = "the output" if error.filename is None else error.filename
         _abandon_output()
         _fail(f"{where}: {error.strerror or error}")
+
+
+_MISSION = "lightflyer init mission.toml --kind mission"
+_NEXT = {
+    "calibrate": "--update FLYER_FILE writes what was fitted into a flyer file",
+    "compare": "lightflyer predict FILE, for all of one of them",
+    "doctor": "lightflyer init flyer.toml",
+    "drift": _MISSION,
+    "film": "lightflyer predict {}, where it describes a flyer",
+    "fly": "lightflyer spread {}, for thousands of them",
+    "kinetic": 'model = "kinetic" in a flyer file; lightflyer init flyer.toml writes one',
+    "map": "lightflyer init best.toml --kind optimise, to find the best by its slopes",
+    "materials": "lightflyer init layers.toml --kind layers, to make a film of them",
+    "sensitivity": "lightflyer lab --help, to measure what comes first",
+    "spread": "lightflyer fly {}, to follow one of them",
+    "stability": _MISSION,
+    "swarm": _MISSION,
+    "lab": "lightflyer lab summary FOLDER, for the numbers of all records; --update FLYER_FILE",
+}
+"""What to do after a command that does not say so itself; braces are the file that it was given."""
+
+
+def _tell_next(given: Sequence[str]) -> None:
+    """End with what to do next, where a person reads."""
+    if {*given} & {"--json", "--help", "-h", "--version"} or given[1:2] in (["example"], []):
+        return
+    following = _NEXT.get(given[0])
+    if following is not None:
+        file = next((word for word in given[1:] if not word.startswith("-")), "FILE")
+        say(printer(), f"next: {following.format(file)}")
 
 
 def _require_files(given: Sequence[str]) -> None:

@@ -74,8 +74,8 @@ def optimise_command(
         print_json(summary)
         return
     figures.tell(console, written)
-    if write is not None:
-        say(console, f"next: lightflyer predict {write}")
+    best = "--write FLYER_FILE, for a flyer file with the best design"
+    say(console, f"next: {best if write is None else f'lightflyer predict {write}'}")
 
 
 def _write_flyer(path: Path, study_file: Path, optimum: "Optimum") -> None:

@@ -40,3 +40,4 @@ def paper_command(
     console.print(table_of(("#", "claim", "verdict", "by"), rows, left=(1, 2, 3)))
     for name in ("report.html", "report.md", "report.json", "figures", "data"):
         console.print(f"wrote {out / name}", soft_wrap=True)
+    console.print(f"next: open {out / 'report.html'} in a browser", soft_wrap=True)

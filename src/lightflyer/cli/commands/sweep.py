@@ -8,7 +8,7 @@ from rich.console import Console
 
 from lightflyer.cli.amounts import duration, in_words, with_prefix
 from lightflyer.cli.options import Json, Whole
-from lightflyer.cli.output import print_json, printer
+from lightflyer.cli.output import print_json, printer, say
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.files.result_text import table_of
 
@@ -79,7 +79,11 @@ def sweep_command(
         print_json(_summary(out, study, report, dataset))
         return
     _show(printer(), study, report, dataset)
-    printer().print(f"wrote {out}", soft_wrap=True)
+    console = printer()
+    console.print(f"wrote {out}", soft_wrap=True)
+    across = next(iter(study.dimensions[0].values), "FIELD") if study.dimensions else "FIELD"
+    value = _best(dataset)[0] or study.outputs[0]
+    say(console, f"next: lightflyer map {out} --x {across} --value {value}")
 
 
 def _require_reasonable(study: "Study", out: Path) -> None:

@@ -199,3 +199,14 @@ def test_too_many_samples_are_refused(design):
     part = Uniform(design.field("film.tac_top"), 0.5, 1.0)
     with pytest.raises(lf.ConfigurationError, match="do not fit into memory"):
         draw_samples([part, part], 6_000_000, "sobol", 0)
+
+
+def test_bare_numbers_that_mean_something_else_are_told(design):
+    with pytest.warns(lf.ParameterWarning, match="kilomet|m is meant|metres"):
+        read_entry(np.array([70.0, 72.0]), design.field("altitude"))
+    with pytest.raises(lf.ConfigurationError, match=r'write "72000\.0 m"'):
+        read_entry(["70 km", 72e3], design.field("altitude"))
+    with pytest.raises(lf.ConfigurationError, match='write "72 km"'):
+        read_entry(["70 km", "72"], design.field("altitude"))
+    with pytest.raises(lf.ConfigurationError, match="real numbers, not of complex128"):
+        read_entry(np.array([7e4 + 0j]), design.field("altitude"))

@@ -31,6 +31,7 @@ class Measured(NamedTuple):
 
 DIGITS = 12  # Of a number that is written into a file: a prediction from it repeats the search's
 
+_KILO = 1e3
 _COLD = 100.0  # kelvin, below which a temperature without a unit is meant in °C
 _LONGEST, _SHOWN = 200, 40  # characters of a number with its unit; of a longer one in a message
 _FAR = 1e6  # a value beside which offsets of temperature scales are small
@@ -264,6 +265,8 @@ def _unit_advice(target: str, unit: str) -> str:
 
 
 def _no_unit(text: str | float, value: float, unit: str, usual: str) -> ConfigurationError:
+    if usual == f"k{unit}" and abs(value) >= _KILO:  # which is hardly meant
+        usual = unit
     if not usual:
         usual = "°C" if unit == "K" and value < _COLD else {"rad": "deg"}.get(unit, unit)
     given = in_toml(text)

@@ -11,6 +11,7 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import Measured
 from lightflyer.design.design import Field
+from lightflyer.environment.altitude import warn_of_kilometres
 from lightflyer.study.distributions import (
     MOST_SAMPLES,
     Distribution,
@@ -19,6 +20,7 @@ from lightflyer.study.distributions import (
     Uniform,
 )
 
+_ALTITUDE = "altitude"  # the coordinate of planets
 _RANGE = ("from", "to", "points", "scale")
 _SCALES = ("linear", "log")
 _EXAMPLE = '{ from = "1 cm", to = "5 cm", points = 9 }'
@@ -64,7 +66,11 @@ def require(field: Field, values: np.ndarray) -> None:
 def _array_axis(values: np.ndarray, field: Field) -> Axis:
     if values.ndim != 1:
         raise ConfigurationError(f"has {values.ndim} dimensions; give values along one")
+    if values.dtype.kind not in "fiu":
+        raise ConfigurationError(f"must be an array of real numbers, not of {values.dtype}")
     require(field, values)
+    if field.name == _ALTITUDE:
+        warn_of_kilometres(values)
     return _axis(field, values.astype(float))
 
 

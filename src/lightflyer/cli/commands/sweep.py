@@ -156,7 +156,7 @@ def report_line(report: "SweepReport") -> str:
 
     if not report.computed:
         return f"{report.designs:,} designs: all were already computed, and are intact"
-    parts = [f"{report.designs:,} designs"]
+    parts = [f"{report.designs:,} design{'s' * (report.designs != 1)}"]
     if report.found:
         parts.append(f"{report.found:,} were already computed")
     if report.damaged:

@@ -172,7 +172,8 @@ def best_designs(results: "xr.Dataset | str | Path", output: str, count: int = 1
         If the count is none.
     """
     dataset = _opened(results)
-    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
+    asked: Any = count
+    if isinstance(asked, bool) or not isinstance(asked, int | np.integer) or asked < 1:
         raise ParameterError(f"count = {count} must be a whole number of at least 1")
     found = _Results(dataset, find_name(dataset, output, among="outputs"))
     return found.rows(_best(found, count)[0], "rank")

@@ -82,8 +82,8 @@ def sweep_command(
     console = printer()
     console.print(f"wrote {out}", soft_wrap=True)
     across = next(iter(study.dimensions[0].values), "FIELD") if study.dimensions else "FIELD"
-    value = _best(dataset)[0] or study.outputs[0]
-    say(console, f"next: lightflyer map {out} --x {across} --value {value}")
+    judged = _best(dataset)[0] or study.outputs[0]
+    say(console, f"next: lightflyer map {out} --x {across} --value {judged}")
 
 
 def _require_reasonable(study: "Study", out: Path) -> None:

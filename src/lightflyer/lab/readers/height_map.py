@@ -31,6 +31,8 @@ def read_mask(path: Path) -> np.ndarray:
             return np.asarray(image.convert("L")) > 0
     except OSError as error:
         raise ConfigurationError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except Image.DecompressionBombError:
+        raise ConfigurationError(f"{path}: has more pixels than any height map") from None
 
 
 def mask_as_png(mask: np.ndarray) -> bytes:

@@ -10,6 +10,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import read_content
 from lightflyer.files.table_rows import Rejected
 
+_DEEPEST = 100  # elements within each other
 _BETWEEN = " "  # a namespace and a name
 _UNTIMED = ("LineString", "LinearRing", "Polygon")
 
@@ -114,6 +115,10 @@ def _parse(path: Path, kind: str) -> _Element:
         )
 
     def begin(name: str, attributes: dict[str, str]) -> None:
+        if len(open_ones) > _DEEPEST:
+            raise ConfigurationError(
+                f"{path}:{parser.CurrentLineNumber}: elements are nested too deeply"
+            )
         one = _Element(name.rpartition(_BETWEEN)[2], attributes, parser.CurrentLineNumber)
         open_ones[-1].children.append(one)
         open_ones.append(one)

@@ -170,6 +170,8 @@ def test_closed_streams_change_nothing_else(flyer_file, tmp_path):
     assert "It flies" in done.stdout
     assert (tmp_path / "o" / "prediction.nc").stat().st_size
     assert command("predict", tmp_path / "none.toml", suffix="2>&-").returncode == 2
+    if Path("/dev/full").exists():
+        assert command("predict", tmp_path / "none.toml", suffix="2>/dev/full").returncode == 2
     done = command("predict", tmp_path / "none.toml", suffix=">&- <&-")
     assert done.stderr.count("\n") == 1
 

@@ -241,3 +241,17 @@ def test_maps_of_unfinished_sweeps_are_drawn(design, tmp_path, run, names, entry
     able = explore.margin(lf.parametric.open_sweep(folder))
     assert bool(able.isel({"flyer.diameter": -1}).isnull().all())  # neither flies nor does not
     assert bool(able.isel({"flyer.diameter": 0}).notnull().all())
+
+
+def test_stores_of_the_last_version_are_read_and_their_chunks_compared(sweeps, tmp_path):
+    """Which recorded no checksums of coordinates and descriptions."""
+    folder = tmp_path / "v.zarr"
+    shutil.copytree(sweeps / "one", folder)
+    record = json.loads((folder / STUDY).read_text(encoding="utf-8"))
+    kept = {name: record[name] for name in ("token", "block", "description")}
+    (folder / STUDY).write_text(json.dumps(kept), encoding="utf-8")
+    whole = lf.parametric.open_sweep(sweeps / "one").load()
+    xr.testing.assert_identical(lf.parametric.open_sweep(folder).load(), whole)
+    (folder / CHUNK).unlink()
+    with pytest.raises(lf.ConfigurationError, match=f"{CHUNK} is missing"):
+        lf.parametric.open_sweep(folder)

@@ -276,8 +276,9 @@ def _with_negatives(given: Sequence[str]) -> list[str]:
 
 def _fail(text: str) -> None:
     """End with a line for each mistake."""
-    for line in text.splitlines():
-        print(f"lightflyer: error: {line}", file=sys.stderr)  # noqa: T201
+    with contextlib.suppress(OSError):  # nothing can be said where this stream is full
+        for line in text.splitlines():
+            print(f"lightflyer: error: {line}", file=sys.stderr)  # noqa: T201
     sys.exit(EXIT_FAILURE)
 
 

@@ -170,6 +170,14 @@ def best_designs(results: "xr.Dataset | str | Path", output: str, count: int = 1
         If the sweep has no such output, or its folder is damaged.
     ParameterError
         If the count is none.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> payload = ("altitude", [1e-6, 3e-6, 2e-6], {"units": "kg"})
+    >>> sweep = xr.Dataset({"payload": payload}, {"altitude": [60e3, 70e3, 80e3]})
+    >>> best_designs(sweep, "payload", 2).altitude.values
+    array([70000., 80000.])
     """
     dataset = _opened(results)
     asked: Any = count
@@ -331,6 +339,16 @@ def pareto_front(results: "xr.Dataset | str | Path", output: str, cost: str) -> 
     ------
     ConfigurationError
         If the sweep has no such quantity, or its folder is damaged.
+    ParameterError
+        If both are the same.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> payload = ("altitude", [1e-6, 3e-6, 2e-6], {"units": "kg"})
+    >>> sweep = xr.Dataset({"payload": payload}, {"altitude": [60e3, 70e3, 80e3]})
+    >>> pareto_front(sweep, "payload", "altitude").altitude.values
+    array([80000., 70000.])
     """
     dataset = _opened(results)
     name = find_name(dataset, output, among="outputs")
@@ -394,6 +412,14 @@ def quantiles(
     ------
     ConfigurationError
         If the sweep has no such output, or its folder is damaged.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> payload = ("altitude", [1e-6, 3e-6, 2e-6], {"units": "kg"})
+    >>> sweep = xr.Dataset({"payload": payload}, {"altitude": [60e3, 70e3, 80e3]})
+    >>> quantiles(sweep, "payload", [0.0, 0.5]).values
+    array([1.e-06, 2.e-06])
     """
     import xarray as xr
 

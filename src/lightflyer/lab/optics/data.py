@@ -42,6 +42,7 @@ _PORES = 0.9  # Largest porosity tried where no bound is given: a film with more
 _LEAST_ACCURATE = 0.5  # a spectrum that is off by more than half of full scale measures nothing
 _Accuracy = Annotated[Numeric, Quantity("", 0.0, _LEAST_ACCURATE)]
 _SHARES = ("porosity", "porosity_bottom", "fraction", "fraction_bottom", "open_fraction")
+_OPTICAL = ("layers.", "substrate.", "ambient.", "roughness_bottom", "open_fraction")
 _FIXED = ("density", "tac", "grain", "at", "hole_diameter", "tac_top", "tac_bottom")
 
 
@@ -253,85 +254,64 @@ def _free_numbers(file: SampleFile) -> tuple[tuple[FreeNumber, ...], dict[str, t
     """Free numbers, and the names of all numbers that each stands for."""
     # Numbers of optics with ± that are not asked for are free too, within what is known of them.
     known = {name: (kind, value) for name, kind, value in file.film.numbers()}
+    given = [name for name, (_, value) in known.items() if value is not None]
+
+    def why_not(name: str) -> str | None:
+        """Why a number cannot be fitted to spectra."""
+        if name.rpartition(".")[2] in _FIXED or not name.startswith(_OPTICAL):
+            return "does not change reflectance and transmittance"
+        return file.film.reason_not_varied(name)
+
     free, same = [], {}
     taken: set[str] = set()
     for entry in file.free:
         for name in (entry.number, *entry.same):
-            _require_fit(name, known, file.film)
+            if name not in given:
+                fit = ", ".join(key for key in given if why_not(key) is None) or "none"
+                raise ConfigurationError(f"{name} is no number that [film] gives; it gives {fit}")
+            if reason := why_not(name):
+                raise ConfigurationError(f"{name} {reason}")
             if name in taken:
                 raise ConfigurationError(f"{name} is named twice")
             taken.add(name)
-        kind, value = known[entry.number]
-        free.append(_free_number(entry, kind, value))
+        free.append(_free_number(entry, *known[entry.number]))
         same[entry.number] = (entry.number, *entry.same)
     for name, (kind, value) in known.items():
         uncertain = value is not None and bool(value.uncertainty)
-        if uncertain and name not in taken and _why_not(name, file.film) is None:
+        if uncertain and name not in taken and why_not(name) is None:
             free.append(_free_number(FreeSection(number=name), kind, value))
             same[name] = (name,)
     return tuple(free), same
 
 
-def _why_not(name: str, film: SampleSection) -> str | None:
-    """Why a number cannot be fitted to spectra."""
-    if name.rpartition(".")[2] in _FIXED or not name.startswith(("layers.", "substrate.",
-                                                                 "ambient.", "roughness_bottom",
-                                                                 "open_fraction")):  # fmt: skip
-        return "does not change reflectance and transmittance"
-    return film.reason_not_varied(name)
-
-
-def _require_fit(
-    name: str, known: Mapping[str, tuple[Quantity, Measured | None]], film: SampleSection
-) -> None:
-    given = [key for key, (_, value) in known.items() if value is not None]
-    if name not in given:
-        fit = [key for key in given if _why_not(key, film) is None]
-        raise ConfigurationError(
-            f"{name} is no number that [film] gives; it gives {', '.join(fit) or 'none'}"
-        )
-    reason = _why_not(name, film)
-    if reason is not None:
-        raise ConfigurationError(f"{name} {reason}")
-
-
 def _free_number(entry: FreeSection, kind: Quantity, value: Measured | None) -> FreeNumber:
     assert value is not None  # as checked
-    ends = _default_bounds(entry.number, kind, value)
-    given = [
-        end if text is None else _bound(kind, entry.number, text)
-        for end, text in zip(ends, (entry.lowest, entry.highest), strict=True)
-    ]
-    if not given[0] < given[1]:
-        raise ConfigurationError(f"{entry.number}: lowest must be below highest")
-    if not given[0] <= value.value <= given[1]:
+    name, start = entry.number, float(value.value)
+    last = name.rpartition(".")[2]
+    # bounds of a number that states none: all that is possible of a share, else a factor
+    if last in _SHARES:
+        ends = kind.lowest, max(_PORES, start)
+    elif last in ("roughness", "roughness_bottom", "gap"):
+        ends = kind.lowest, max(_WIDEST * start, kind.lowest)
+    elif start == 0.0:
+        raise ConfigurationError(f"{name} = 0 needs bounds: lowest and highest")
+    else:
+        ends = start / _WIDEST, min(_WIDEST * start, kind.highest)
+        ends = ends if start > 0.0 else (_WIDEST * start, start / _WIDEST)
+    bounds = []
+    for end, text in zip(ends, (entry.lowest, entry.highest), strict=True):
+        try:
+            bounds.append(float(end if text is None else kind.read(text).value))
+        except ConfigurationError as error:
+            raise ConfigurationError(f"bound of {name}: {text}: {error}") from None
+    low, high = bounds
+    if not low < high:
+        raise ConfigurationError(f"{name}: lowest must be below highest")
+    if not low <= start <= high:
         raise ConfigurationError(
-            f"{entry.number} = {value.value:g} {kind.unit} in [film] must be from lowest to highest"
+            f"{name} = {start:g} {kind.unit} in [film] must be from lowest to highest"
         )
-    return FreeNumber(
-        entry.number, float(value.value), float(given[0]), float(given[1]), kind.unit,
-        value.uncertainty or None,
-    )  # fmt: skip
-
-
-def _bound(kind: Quantity, name: str, text: str | float) -> float:
-    try:
-        return float(kind.read(text).value)
-    except ConfigurationError as error:
-        raise ConfigurationError(f"bound of {name}: {text}: {error}") from None
-
-
-def _default_bounds(name: str, kind: Quantity, value: Measured) -> tuple[float, float]:
-    """Bounds of a number that states none: all that is possible of a share, else a factor."""
-    if name.rpartition(".")[2] in _SHARES:
-        return kind.lowest, max(_PORES, value.value)
-    if name.rpartition(".")[2] in ("roughness", "roughness_bottom", "gap"):
-        return kind.lowest, max(_WIDEST * value.value, kind.lowest)
-    if value.value > 0.0:
-        return value.value / _WIDEST, min(_WIDEST * value.value, kind.highest)
-    if value.value < 0.0:
-        return _WIDEST * value.value, value.value / _WIDEST
-    raise ConfigurationError(f"{name} = 0 needs bounds: lowest and highest")
+    return FreeNumber(name, start, low, high, kind.unit, value.uncertainty or None)
 
 
 def names_of_layers(section: SampleSection) -> dict[str, str]:

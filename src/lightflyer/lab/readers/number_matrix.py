@@ -51,43 +51,38 @@ def read_number_matrix(path: str | Path, what: str) -> NumberMatrix:
     written = [(number, line) for number, line in lines if line.strip() and not is_comment(line)]
     if not written:
         raise ConfigurationError(f"{path}: is empty; a matrix of {what} is needed")
-    delimiter = _delimiter(written[-1][1])
-    rows = [_Row(number, _cells(line, delimiter)) for number, line in written]
-    start = _first_row(path, rows)
-    body = rows[start:]
-    _require_equal_lengths(path, body, what)
+    last = written[-1][1]
+    delimiter = next((mark for mark in ("\t", ";") if mark in last), None)  # None is white space
+    if delimiter is None and "," in last and len(last.split(",")) > len(last.split()):
+        delimiter = ","
+    rows = []
+    for number, line in written:
+        cells = [cell.strip() for cell in split_cells(line, delimiter)]
+        rows.append(_Row(number, cells[:-1] if cells and not cells[-1] else cells))
+    body = rows[_first_row(path, rows) :]
+    for row in body:
+        _require_numbers(path, row)
+        if len(row.cells) != len(body[0].cells):
+            raise ConfigurationError(
+                f"{path}:{row.line}: has {len(row.cells)} {what}, the first row has "
+                f"{len(body[0].cells)}"
+            )
     comments = [line for _, line in lines if is_comment(line)]
     values = _numbers(path, body, delimiter, what, comments)
     # The first row is an axis where it is far straighter than the rows below, and so is the first
     # column. A corner between both may hold anything.
     said = []
-    column = any(_is_axis(values[corner:, 0], values.T) for corner in (0, 1))
-    row = any(_is_axis(values[0, corner:], values) for corner in (0, 1))
-    row &= column or values.shape[1] > _LEAST_AXIS
-    if row:
-        ends = values[0, [int(column), -1]]
+    across = any(_is_axis(values[0, corner:], values) for corner in (0, 1))
+    down = any(_is_axis(values[corner:, 0], values.T) for corner in (0, 1))
+    across &= down or values.shape[1] > _LEAST_AXIS
+    if across:
+        ends = values[0, [int(down), -1]]
         said.append(f"the first row, {ends[0]:g} to {ends[1]:g}, is an axis and is left out")
-    if column:
-        ends = values[[int(row), -1], 0]
+    if down:
+        ends = values[[int(across), -1], 0]
         said.append(f"the first column, {ends[0]:g} to {ends[1]:g}, is an axis and is left out")
-    values, notes = values[int(row) :, int(column) :], tuple(said)
-    first = body[0].line
-    return NumberMatrix(values, tuple(line for number, line in lines if number < first), notes)
-
-
-def _delimiter(line: str) -> str | None:
-    """That of a row of numbers; None is white space."""
-    found = next((mark for mark in ("\t", ";") if mark in line), None)
-    if found is None and "," in line and len(line.split(",")) > len(line.split()):
-        return ","
-    return found
-
-
-def _cells(line: str, delimiter: str | None) -> list[str]:
-    cells = [cell.strip() for cell in split_cells(line, delimiter)]
-    if cells and not cells[-1]:
-        del cells[-1]  # a delimiter at the end of each row
-    return cells
+    above = tuple(line for number, line in lines if number < body[0].line)
+    return NumberMatrix(values[int(across) :, int(down) :], above, tuple(said))
 
 
 def _is_number(cell: str) -> bool:
@@ -103,49 +98,34 @@ def _reads(cell: str) -> bool:
     return True
 
 
-def _first_row(path: Path, rows: list[_Row]) -> int:
-    width = len(rows[-1].cells)
-    start = next(
-        (
-            index
-            for index, row in enumerate(rows)
-            if len(row.cells) > 1 and all(map(_is_number, row.cells))
-        ),
-        0,
-    )
-    for row in rows[:start]:  # a damaged row of numbers is not a heading
-        numbers = sum(map(_is_number, row.cells))
-        if len(row.cells) == width and 2 * numbers >= width and not _may_be_axis(row.cells[1:]):
-            _refuse_cell(path, row)
-    if start == 0 and not all(map(_is_number, rows[0].cells)):
-        _refuse_cell(path, rows[0])
-    return start
-
-
-def _refuse_cell(path: Path, row: _Row) -> None:
-    bad = next((cell for cell in row.cells if not _is_number(cell)), "")
-    raise _no_number(path, row.line, bad)
+def _require_numbers(path: Path, row: _Row) -> None:
+    for cell in row.cells:
+        if not _is_number(cell):
+            raise _no_number(path, row.line, cell)
 
 
 def _no_number(path: Path, line: int, cell: str) -> ConfigurationError:
     return ConfigurationError(f'{path}:{line}: "{cell[:_SHOWN]}" is not a number')
 
 
-def _require_equal_lengths(path: Path, body: list[_Row], what: str) -> None:
-    for row in body:
-        if not all(map(_is_number, row.cells)):
-            _refuse_cell(path, row)
-        if len(row.cells) != len(body[0].cells):
-            raise ConfigurationError(
-                f"{path}:{row.line}: has {len(row.cells)} {what}, the first row has "
-                f"{len(body[0].cells)}"
-            )
+def _first_row(path: Path, rows: list[_Row]) -> int:
+    width, start = len(rows[-1].cells), 0
+    for index, row in enumerate(rows):
+        if len(row.cells) > 1 and all(map(_is_number, row.cells)):
+            start = index
+            break
+    for row in rows[:start]:  # a damaged row of numbers is not a heading
+        numbers = sum(map(_is_number, row.cells))
+        if len(row.cells) == width and 2 * numbers >= width and not _may_be_axis(row.cells[1:]):
+            _require_numbers(path, row)
+    return start
 
 
 def _numbers(
     path: Path, body: list[_Row], delimiter: str | None, what: str, comments: list[str]
 ) -> np.ndarray:
-    cells = [cell for row in body for cell in row.cells]
+    placed = [(row.line, cell) for row in body for cell in row.cells]
+    cells = [cell for _, cell in placed]
     if delimiter == ",":
         proof = next((cell for cell in cells if _LEADING_ZERO.fullmatch(cell)), None)
         if proof is not None and not any("." in cell for cell in cells):
@@ -154,36 +134,25 @@ def _numbers(
                 "the file with another delimiter"
             )
     elif any("," in cell for cell in cells):
-        cells = _with_points(path, body, what, comments)
+        stated = stated_mark(comments)
+        only_commas = not any("." in cell for cell in cells)
+        if stated is None and only_commas and shows_decimal(cells[:_HEAD], COMMA):
+            cells = [cell.replace(",", ".") for cell in cells]
+        else:
+            marks = (
+                find_marks(str(path), {what: placed}, lambda _name, _value: True, say=False)
+                if stated is None
+                else Marks(stated, POINT if stated == COMMA else COMMA)
+            )
+            numbers = [marks.number(cell) for cell in cells]
+            cells = [
+                cell if one is None else repr(one) for cell, one in zip(cells, numbers, strict=True)
+            ]
     try:
         return np.array(cells).astype(float).reshape(len(body), -1)
     except ValueError:
-        width = len(body[0].cells)
         at = next(place for place, cell in enumerate(cells) if not _reads(cell))
-        row = body[at // width]
-        raise _no_number(path, row.line, row.cells[at % width]) from None
-
-
-def _with_points(path: Path, body: list[_Row], what: str, comments: list[str]) -> list[str]:
-    """Cells of a file with commas in its numbers, written with decimal points."""
-    cells = [(row.line, cell) for row in body for cell in row.cells]
-    stated = stated_mark(comments)
-    if stated is None and not any("." in cell for _, cell in cells):
-        head = [cell for _, cell in cells[:_HEAD]]
-        if shows_decimal(head, COMMA):  # the only mark of the file
-            return [cell.replace(",", ".") for _, cell in cells]
-    marks = (
-        find_marks(str(path), {what: cells}, lambda _name, _value: True, say=False)
-        if stated is None
-        else Marks(stated, POINT if stated == COMMA else COMMA)
-    )
-    found = []
-    for line, cell in cells:
-        value = marks.number(cell)
-        if value is None and not _reads(cell):
-            raise _no_number(path, line, cell)
-        found.append(cell if value is None else repr(value))
-    return found
+        raise _no_number(path, *placed[at]) from None
 
 
 def _may_be_axis(cells: list[str]) -> bool:

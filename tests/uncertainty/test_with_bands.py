@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import lightflyer as lf
 from lightflyer import cli
@@ -101,3 +102,19 @@ def test_open_errors_are_those_that_a_file_counts(section, content):
 def test_every_model_has_its_own_open_errors():
     assert Schafer2025().open_errors == ("force_error",)
     assert Schafer2025(force_error=0.0).open_errors == ()
+
+
+@pytest.mark.parametrize("kind", ["laden", "chamber"])
+def test_the_written_file_is_the_dataset(kind, tmp_path):
+    """The command writes without xarray what xarray reads as the dataset of Python."""
+    flyer, out = tmp_path / "flyer.toml", tmp_path / "out"
+    for words in (["init", str(flyer), "--kind", kind], ["predict", str(flyer), "--out", str(out)]):
+        with pytest.raises(SystemExit, match="0"):
+            cli.main(words)
+    with xr.open_dataset(out / "prediction.nc") as written:
+        expected = lf.predict(flyer).dataset
+        assert {*written.attrs} == {*expected.attrs, "uncertainties", "summary"}
+        xr.testing.assert_equal(written.load(), expected)
+        for name in (*expected.variables, *written.variables):
+            assert written[name].attrs == expected[name].attrs
+            assert written[name].dims == expected[name].dims

@@ -1,5 +1,6 @@
 """Files that are whole or not there."""
 
+import io
 import os
 import secrets
 import shutil
@@ -8,10 +9,12 @@ import threading
 import time
 import warnings
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
 
 from lightflyer.core.errors import OutputError, ParameterWarning
 
@@ -108,6 +111,27 @@ def write_netcdf(dataset: "xr.Dataset", path: Path) -> None:
     """Write a dataset as NetCDF; OSError where the disk is full."""
     # HDF5 ends the process there, with a segmentation fault: it gets memory to write into.
     path.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+
+
+Columns: TypeAlias = Mapping[str, tuple[Any, np.ndarray, Mapping[str, str]]]
+"""Dimensions, values and attributes by name, as :class:`xarray.Dataset` takes them."""
+
+
+def write_columns(path: Path, columns: Columns, attributes: Mapping[str, str]) -> None:
+    """Write numbers as NetCDF, as xarray would, which takes as long to load as they to compute."""
+    import h5netcdf
+
+    memory = io.BytesIO()
+    with h5netcdf.File(memory, "w") as file:
+        for name, (dimensions, values, about) in columns.items():
+            along = (dimensions,) if isinstance(dimensions, str) else tuple(dimensions)
+            for dimension, size in zip(along, values.shape, strict=True):
+                if dimension not in file.dimensions:
+                    file.dimensions[dimension] = size
+            made = file.create_variable(name, along, values.dtype, data=values, fillvalue=np.nan)
+            made.attrs.update(about)
+        file.attrs.update(attributes)
+    path.write_bytes(memory.getvalue())
 
 
 def require_directory(directory: Path) -> None:

@@ -40,6 +40,7 @@ OWN_STYLES = ("column",)  # Style sheets of the package: a journal's column of 8
 DOTS_PER_INCH = 150  # Of a PNG where nothing else is asked
 
 _POINTS_PER_INCH = 72.0
+_PACKED = 3  # of 9, of a PNG: twice as fast as usual, and 6 % larger
 _WIDTH, _HEIGHT = 6.0, 4.2  # of axes [inch], unless a style sheet gives a size of figures
 _PAGE = 9.0  # width of several axes [inch]: letters are legible where a page makes it its width
 _OF_COLUMN = 0.95  # that a legend may take: the axes above it are not in the middle
@@ -141,7 +142,9 @@ def save(figure: Figure, paths: list[Path], dpi: int = DOTS_PER_INCH) -> None:
                 canvas.print_pdf(path, metadata={"CreationDate": None, "Creator": None})
             else:
                 canvas = FigureCanvasAgg(figure)
-                canvas.print_png(path, metadata={"Software": None})
+                canvas.print_png(
+                    path, metadata={"Software": None}, pil_kwargs={"compress_level": _PACKED}
+                )
 
 
 class _PlainNumbers(Formatter):

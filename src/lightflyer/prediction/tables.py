@@ -32,6 +32,14 @@ def to_dataset(prediction: "Prediction", configuration: str = "") -> "xr.Dataset
     """
     import xarray as xr
 
+    coords, variables, attributes = columns(prediction, configuration)
+    return xr.Dataset(variables, coords, attributes)
+
+
+def columns(
+    prediction: "Prediction", configuration: str = ""
+) -> tuple[dict[str, Any], dict[str, Any], dict[str, str]]:
+    """Coordinates, variables and attributes of that dataset."""
     where, known = prediction.coordinate, outputs_of(prediction.setup)
     variables: dict[str, Any] = {
         name: (
@@ -51,28 +59,18 @@ def to_dataset(prediction: "Prediction", configuration: str = "") -> "xr.Dataset
         "warnings": "; ".join(prediction.warnings),
         "configuration": configuration,
     }
-    dataset = xr.Dataset(variables, attrs=attributes)
     about = {"units": dataset_unit(where.unit), "long_name": where.long_name}
-    dataset.coords[where.name] = (where.name, prediction.coordinates, about)
-    if prediction.map is not None:
-        _add_map(dataset, prediction)
-    return dataset
-
-
-def _add_map(dataset: "xr.Dataset", prediction: "Prediction") -> None:
-    found, where = prediction.map, prediction.coordinate
-    assert found is not None  # the caller has looked
-    axes = {
-        f"map_{where.name}": (dataset_unit(where.unit), where.long_name, found.coordinate),
-        "map_irradiance": ("W m-2", "irradiance", found.irradiance),
-    }
-    for name, (units, long_name, values) in axes.items():
-        dataset.coords[name] = (name, values, {"units": units, "long_name": long_name})
-    dataset["map_temperature"] = (
-        tuple(axes),
-        found.temperature,
-        {"units": "K", "long_name": "flyer temperature"},
-    )
+    coords: dict[str, Any] = {where.name: (where.name, prediction.coordinates, about)}
+    if (found := prediction.map) is not None:
+        axes = {
+            f"map_{where.name}": (dataset_unit(where.unit), where.long_name, found.coordinate),
+            "map_irradiance": ("W m-2", "irradiance", found.irradiance),
+        }
+        for name, (units, long_name, values) in axes.items():
+            coords[name] = (name, values, {"units": units, "long_name": long_name})
+        about = {"units": "K", "long_name": "flyer temperature"}
+        variables["map_temperature"] = (tuple(axes), found.temperature, about)
+    return coords, variables, attributes
 
 
 def write_csv(prediction: "Prediction", path: Path) -> None:

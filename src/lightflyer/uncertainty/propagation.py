@@ -18,6 +18,7 @@ from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
 from lightflyer.core.units import dataset_unit
+from lightflyer.design.outputs import outputs_of
 from lightflyer.design.tables import LEVITATION, group_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import Parts, PrintedResult
@@ -103,18 +104,21 @@ class PredictionUncertainty(PrintedResult):
 
     def add_to_dataset(self, dataset: "xr.Dataset") -> None:
         """Add the 95 % bands as ``..._low`` and ``..._high`` over a coordinate of their own."""
-        where = self.prediction.coordinate
+        coords, variables = self.columns()
+        dataset.update(variables | coords)
+
+    def columns(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Coordinate and variables of the bands, as a dataset takes them."""
+        where, known = self.prediction.coordinate, outputs_of(self.prediction.setup)
         name = f"band_{where.name}"
         about = {"units": dataset_unit(where.unit), "long_name": where.long_name}
-        dataset.coords[name] = (name, self.coordinate, about)
         bands = {}
         for end, table in (("low", self.low), ("high", self.high)):
             for output, values in table.items():
-                about = dataset[output].attrs
-                long_name = f"{about['long_name']}, {end} end of the 95 % band"
-                attributes = {"units": about["units"], "long_name": long_name}
-                bands[f"{output}_{end}"] = (name, values, attributes)
-        dataset.update(bands)
+                told = known[output].attributes
+                long_name = f"{told['long_name']}, {end} end of the 95 % band"
+                bands[f"{output}_{end}"] = (name, values, told | {"long_name": long_name})
+        return {name: (name, self.coordinate, about)}, bands
 
     @property
     def sources(self) -> str:

@@ -117,16 +117,18 @@ def _write(
     *,
     csv: bool,
 ) -> list[Path]:
-    from lightflyer.core.atomic_files import output_directory, write_netcdf
+    from lightflyer.core.atomic_files import output_directory, write_columns
     from lightflyer.prediction.figures import prediction_figures
-    from lightflyer.prediction.tables import to_dataset, write_csv
+    from lightflyer.prediction.tables import columns, write_csv
 
     uncertainty = prediction.uncertainty
-    dataset = to_dataset(prediction, flyer_file.read_text(encoding="utf-8-sig"))
-    dataset.attrs["uncertainties"] = json.dumps(file.uncertainties())
-    dataset.attrs["summary"] = json.dumps(summary)
+    text = flyer_file.read_text(encoding="utf-8-sig")
+    coords, variables, attributes = columns(prediction, text)
+    attributes["uncertainties"] = json.dumps(file.uncertainties())
+    attributes["summary"] = json.dumps(summary)
     if uncertainty is not None:
-        uncertainty.add_to_dataset(dataset)
+        for whole, bands in zip((coords, variables), uncertainty.columns(), strict=True):
+            whole |= bands
 
     def draw() -> "dict[str, Figure]":
         figures = prediction_figures(prediction)
@@ -138,7 +140,7 @@ def _write(
 
     names = ["prediction.nc", "prediction.json"]
     with output_directory(out) as stage:
-        write_netcdf(dataset, stage("prediction.nc"))
+        write_columns(stage("prediction.nc"), coords | variables, attributes)
         write_json(stage("prediction.json"), summary)
         if csv:
             names.append("prediction.csv")

@@ -425,7 +425,7 @@ def test_numbers_of_a_wrong_unit_are_said(setup, exact):
     fit = lf.calibrate(setup, points=points(1e-3 * exact), **EXACT)  # kW taken for W
     said = " ".join(fit.warnings)
     assert "synthetic 2 cm: irradiance = " in said
-    assert re.search(r"c_cont = \S+ is unlikely, 0.04 to 30 is usual: .*check the units", said)
+    assert re.search(r"c_cont = \S+ is unlikely, 0.3 to 30 is usual: .*check the units", said)
 
 
 def test_parameters_that_can_hardly_be_told_apart():

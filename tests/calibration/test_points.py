@@ -6,7 +6,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.calibration.inputs import assumed_accuracies
-from lightflyer.calibration.points import read_points
+from lightflyer.calibration.points import doubts, read_points
 from lightflyer.lab.levitation.data import read_lift_offs
 from lightflyer.lab.synthetic import example_files
 
@@ -136,3 +136,13 @@ def test_what_must_be_known_of_the_reading_is_a_warning(write):
 def test_assumed_accuracies_in_words():
     said = assumed_accuracies({"power": "± 1 %"})
     assert said == ("no accuracy of the power is stated; ± 1 % is assumed",)
+
+
+def test_light_that_may_be_least_beyond_the_pressures_is_in_no_doubt():
+    """Points of dense gas alone, or of thin gas alone, have no optimum of a wrong unit."""
+    pressure = np.array([40.0, 60.0, 80.0])
+    assert doubts(pressure, np.array([900.0, 1500.0, 2500.0]), 0.02) == []
+    assert doubts(pressure, np.array([1500.0, 900.0, 2500.0]), 0.02)
+    thin = np.array([0.1, 0.2, 0.3])
+    assert doubts(thin, np.array([2500.0, 1500.0, 900.0]), 0.02) == []
+    assert doubts(thin, np.array([900.0, 1500.0, 2500.0]), 0.02)

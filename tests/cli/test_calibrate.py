@@ -195,6 +195,8 @@ def test_what_fits_is_written_with_its_total_and_origin(measured):
         # of another unit: all light is a tenth
         (lambda rows: [[row[0], row[1], f"{0.1 * float(row[2])}", f"{0.1 * float(row[3])}",
                         *row[4:]] for row in rows], None, "times as much"),
+        (lambda rows: [[row[0], f"{0.1 * float(row[1])}", *row[2:]] for row in rows], None,
+         "pressure of least irradiance times diameter = 0.006933 Pa*m is unlikely"),
         # without uncertainties, up and down by half
         (lambda rows: [[row[0], row[1], f"{float(row[2]) * (0.5, 1.5)[number % 2]}", row[4]]
                        for number, row in enumerate(rows)],

@@ -20,6 +20,16 @@ _SCATTER = Quantity(
     likely=(0.0, 0.25), known="repeated levitations of one film agree within some percent"
 )
 _COPIES = 0.25  # share of equal rows, beyond what coarse readings repeat
+_USUAL = {
+    "c_fm": Quantity(
+        likely=(0.1, 4.0), known="the paper has 0.4, its uncertain TACs leave it 0.21 to 2.4"
+    ),
+    "c_cont": Quantity(
+        likely=(0.3, 30.0), known="the paper has 3; a tenth or ten times it is of another unit"
+    ),
+}
+"""Of coefficients in the limits of thin and of dense gas."""
+
 _UNLIKE = 3.0  # points of neighbouring pressures that err alike, from which the fit is in doubt
 _COVERED = 0.5  # of the force at some point, for a coefficient to be that of the points
 _LARGE_SHARE = 0.1  # of the inputs' variance, for an input to be named
@@ -111,7 +121,8 @@ def _about_errors(fit: Calibration) -> list[str]:
 def _about_intervals(fit: Calibration) -> list[str]:
     said: list[str] = []
     for row, (name, parameter) in enumerate(zip(fit.names, fit.problem.parameters, strict=True)):
-        doubt = parameter.target.quantity.unlikely(fit.values[row])
+        usual = _USUAL.get(name.rpartition(".")[2], parameter.target.quantity)
+        doubt = usual.unlikely(fit.values[row])
         said += [Doubt(f"{name} = {doubt}")] if doubt else []
         least, most = parameter.ends
         at = np.exp(parameter.log_bounds)

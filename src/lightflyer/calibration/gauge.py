@@ -7,7 +7,7 @@ import numpy as np
 
 from lightflyer.array.records import ShortRepr
 from lightflyer.core.arguments import reads_units
-from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.errors import ConfigurationError, Doubt, ParameterError
 from lightflyer.core.quantity import Pressure, Quantity
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
@@ -47,7 +47,9 @@ class Gauge(ShortRepr):
         """Pressures for what is shown, shape (m,) [Pa], and what must be known of them."""
         doubts = [_FACTOR.unlikely(self.factor)]
         if self.shown is None or self.pressure is None:
-            return self.factor * shown, [f"pressure over shown = {one}" for one in doubts if one]
+            return self.factor * shown, [
+                Doubt(f"pressure over shown = {one}") for one in doubts if one
+            ]
         # straight in logarithms; beyond the ends the ratio is that of the end
         ratio = np.interp(np.log(shown), np.log(self.shown), np.log(self.pressure / self.shown))
         beyond = int(np.sum((shown < self.shown[0]) | (shown > self.shown[-1])))
@@ -57,7 +59,9 @@ class Gauge(ShortRepr):
                 f"{shown.max():.3g} Pa, is within its calibration; check the units"
             )
         doubts.append(_RATIO.unlikely(self.pressure / self.shown))
-        said = [f"{self.source}: pressure over shown = {one}" for one in doubts if one]
+        said: list[str] = [
+            Doubt(f"{self.source}: pressure over shown = {one}") for one in doubts if one
+        ]
         said += [
             f"{beyond} pressure{'s are' if beyond > 1 else ' is'} beyond the gauge's calibration, "
             f"{self.source}, {self.shown[0]:.3g} to {self.shown[-1]:.3g} Pa; its end holds there"

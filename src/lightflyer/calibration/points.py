@@ -19,7 +19,7 @@ from lightflyer.calibration.gauge import Gauge
 from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD, require_step
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive
-from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.errors import ConfigurationError, Doubt, ParameterError
 from lightflyer.core.quantity import (
     AccommodationCoefficient,
     ArealDensity,
@@ -175,7 +175,7 @@ class Points(ShortRepr):
             one = self.where(self.of(name))
             sizes = one.numbers.get("diameter", [None])
             found = doubts(one.pressure, one.irradiance, sizes[0])
-            yield from (f"{name}: {text}" for text in found)
+            yield from (Doubt(f"{name}: {text}") for text in found)
 
     @property
     def table(self) -> Table:
@@ -250,12 +250,15 @@ def doubts(pressure: np.ndarray, irradiance: np.ndarray, diameter: float | None)
     least = int(np.argmin(irradiance))
     optimum = float(pressure[least])
     found = [("irradiance", _LIGHT.unlikely(irradiance))]
-    if diameter is None:
-        found.append(("pressure of least irradiance", _OPTIMUM.unlikely(optimum)))
-    else:
-        scaled = _SCALED.unlikely(optimum * diameter)
-        found.append(("pressure of least irradiance times diameter", scaled))
-    return [f"{name} = {why}" for name, why in found if why]
+    name, usual, value = "pressure of least irradiance", _OPTIMUM, optimum
+    if diameter is not None:
+        name, usual, value = f"{name} times diameter", _SCALED, optimum * diameter
+    # at an end of the pressures, light may be less beyond it
+    may_be_lower, may_be_higher = optimum == pressure.min(), optimum == pressure.max()
+    low, high = usual.likely
+    if not (may_be_lower and value > high) and not (may_be_higher and value < low):
+        found.append((name, usual.unlikely(value)))
+    return [Doubt(f"{name} = {why}") for name, why in found if why]
 
 
 def log_uncertainty(

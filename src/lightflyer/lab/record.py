@@ -15,6 +15,26 @@ from lightflyer.core.quantity import Quantity
 if TYPE_CHECKING:
     import xarray as xr
 
+LABORATORY = Quantity(
+    "K", likely=(280.0, 315.0), known="chambers stand in laboratories, unless they are cooled"
+)
+"""Temperature of the surroundings."""
+
+EMISSIVITY = Quantity(
+    likely=(5e-3, 0.98), known="polished gold has 0.02, black paint and skin have 0.95 to 0.98"
+)
+"""Emissivity of a film in the infrared."""
+
+ABSORPTANCE = Quantity(
+    likely=(1e-3, 0.99), known="black paint absorbs 0.97, all but forests of nanotubes less"
+)
+"""Absorptance of a film for visible light."""
+
+AREA_RATIO = Quantity(likely=(0.5, 2.0), known="films cover a heater and not much else")
+"""Effective over nominal area of a heater; [Lu2023]_ has 1.22."""
+
+_NOT_LOGGED = 273.15  # [K]: what loggers write of an input that nothing is connected to
+
 
 def joint_warnings(found: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     """Warnings of several files."""
@@ -66,27 +86,6 @@ def dataset(
             **attributes,
         },
     )
-
-
-LABORATORY = Quantity(
-    "K", likely=(280.0, 315.0), known="chambers stand in laboratories, unless they are cooled"
-)
-"""Temperature of the surroundings."""
-
-EMISSIVITY = Quantity(
-    likely=(5e-3, 0.98), known="polished gold has 0.02, black paint and skin have 0.95 to 0.98"
-)
-"""Emissivity of a film in the infrared."""
-
-ABSORPTANCE = Quantity(
-    likely=(1e-3, 0.99), known="black paint absorbs 0.97, all but forests of nanotubes less"
-)
-"""Absorptance of a film for visible light."""
-
-AREA_RATIO = Quantity(likely=(0.5, 2.0), known="films cover a heater and not much else")
-"""Effective over nominal area of a heater; [Lu2023]_ has 1.22."""
-
-_NOT_LOGGED = 273.15  # [K]: what loggers write of an input that nothing is connected to
 
 
 def doubts_of(name: str, quantity: Quantity, value: float, hint: str = "") -> list[Doubt]:

@@ -54,6 +54,21 @@ _FORCE = Column(
 COLUMNS = (_PRESSURE, _FORCE, _PRESSURE.uncertainty(), _FORCE.uncertainty())
 """Columns of a file of forces towards the cold face, with standard uncertainties."""
 
+# ambient, hot, cold, model, diameter, TACs of the cold and hot face, how walls share them
+_NOMINAL = np.zeros((1, 8))
+MICRONEWTON = 1e-6
+ASSUMES = (
+    "assumes a thin vane in open space: neither thickness nor walls of the chamber are part of an "
+    "interval"
+)
+_HEADINGS = (
+    "pressure\n[Pa]",
+    "Kn",
+    "measured\n[µN]",
+    "predicted\n[µN]",
+    "measured over\npredicted",
+)
+
 
 @dataclass(frozen=True)
 class Vane(ShortRepr):
@@ -158,10 +173,6 @@ class Vane(ShortRepr):
         )
         top, bottom = (FilmProperties(1.0, 0.5, 0.5, 0.5, tac, tac) for tac in (cold, hot))
         return Sandwich(top, bottom, 0.5 * radius, _SMALL, 0.0, _SMALL, 0.0, 1.0)
-
-
-# ambient, hot, cold, model, diameter, TACs of the cold and hot face, how walls share them
-_NOMINAL = np.zeros((1, 8))
 
 
 def _drawn(number: Measured, draws: np.ndarray) -> np.ndarray:
@@ -351,20 +362,6 @@ def _warnings(
             f"the forces are {apart:.2g} times those predicted: check their unit, that of the "
             "pressures, and the vane"
         )
-
-
-MICRONEWTON = 1e-6
-ASSUMES = (
-    "assumes a thin vane in open space: neither thickness nor walls of the chamber are part of an "
-    "interval"
-)
-_HEADINGS = (
-    "pressure\n[Pa]",
-    "Kn",
-    "measured\n[µN]",
-    "predicted\n[µN]",
-    "measured over\npredicted",
-)
 
 
 def force_parts(found: "VaneForces") -> Parts:

@@ -61,6 +61,7 @@ ONE_SIDED_FACTOR = float(ndtri(CONFIDENCE))
 _BAND_MEAN = "over the band"
 _FAR_ABOVE = 5.0  # standard deviation of repeats over the accuracy
 _ROUNDING = 1e-9  # fraction of the band below which a gap is rounding
+_PERCENT = 100.0
 
 
 @dataclass(frozen=True)
@@ -394,6 +395,3 @@ def to_dataset(result: Ftir) -> "xr.Dataset":
     variables[name] = ("wavenumber", value, {"units": "1", "long_name": name.replace("_", " ")})
     files = [one.source for one in (*result.spectra, *result.reflectances)]
     return dataset("infrared spectra", variables, files, warnings=result.warnings)
-
-
-_PERCENT = 100.0

@@ -47,6 +47,7 @@ _LEAST_SPREAD = 1e-6  # of log-pressure, and of a curve's log-irradiance
 _TOO = ("those of the scatter", "too wide")  # of more and of less scatter than stated
 _FAR_ABOVE = 3.0  # times the stated scatter, from which the points are in doubt
 _NO_MINIMUM = 0.9  # share of the measured log-pressures within the interval of the optimum
+_HEADINGS = ("sample", "points", "W/m²", "95 % interval", "at Pa", "95 % interval")
 
 
 @dataclass(frozen=True, repr=False)
@@ -362,9 +363,6 @@ def tables(curves: Sequence[LevitationCurve]) -> dict[str, str]:
         )
         for number, one in enumerate(curves, start=1)
     }  # fmt: skip
-
-
-_HEADINGS = ("sample", "points", "W/m²", "95 % interval", "at Pa", "95 % interval")
 
 
 def curves_parts(curves: "Sequence[LevitationCurve]") -> Parts:

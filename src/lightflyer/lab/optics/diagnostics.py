@@ -25,6 +25,10 @@ _MISFIT = 2.0  # residuals over their differences from point to point
 _VISIBLE_MISFIT = 0.005  # [1]; smaller ones are those of any photometer
 _FAR_ABOVE = 10.0  # times the stated accuracy: residuals that no noise excuses
 _SHOWN = 3  # other minima
+_WRITTEN = {
+    unit: (scale_and_offset(name, unit)[0], name)
+    for unit, name in (("m", "nm"), ("J", "eV"), ("m^2", "um^2"), ("m^4", "um^4"))
+}
 
 
 def diagnose(
@@ -178,9 +182,3 @@ def amount_text(value: float, unit: str) -> str:
 def display_unit(unit: str) -> tuple[float, str]:
     """Unit that people write an SI unit's numbers of films in, with its size."""
     return _WRITTEN.get(unit, (1.0, unit))
-
-
-_WRITTEN = {
-    unit: (scale_and_offset(name, unit)[0], name)
-    for unit, name in (("m", "nm"), ("J", "eV"), ("m^2", "um^2"), ("m^4", "um^4"))
-}

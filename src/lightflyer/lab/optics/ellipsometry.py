@@ -25,6 +25,23 @@ from lightflyer.film.optics.stack import Side
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectrum_data import AXES, COLUMNS
 
+ORDINATES: tuple[Literal["N", "C", "S"], ...] = ("N", "C", "S")
+SHARED = len(ORDINATES) / 2.0
+"""Ordinates for each measured angle: of three that follow from two, each tells so much less. Where
+S is left out, both tell all."""
+
+_GRAZING = 90.0
+_ANGLE = Quantity("deg", 0.0, 90.0)
+_COLUMNS = (
+    *(column for column in COLUMNS if column.name in AXES),
+    Column("psi", _ANGLE, ("Ψ",), required=True, suggested_unit="deg"),
+    Column("delta", Quantity("deg", -360.0, 360.0), ("Δ",), required=True, suggested_unit="deg"),
+    Column("incidence", _ANGLE, ("angle", "aoi", "angle_of_incidence"), suggested_unit="deg"),
+)
+_ANGLES = ("psi", "delta", "incidence")
+_DEGREES = [replace(one, assumed_unit="deg") if one.name in _ANGLES else one for one in _COLUMNS]
+_RADIANS = 1.58  # no Ψ is above it where radians are written
+
 
 class MeasuredFile(Section):
     """What all entries of measured files have."""
@@ -57,25 +74,6 @@ class MeasuredFile(Section):
                 f"{ends[0]:.5g} to {ends[1]:.5g} nm"
             )
         return replace(found, wavenumber=found.wavenumber[inside], value=found.value[inside])
-
-
-ORDINATES: tuple[Literal["N", "C", "S"], ...] = ("N", "C", "S")
-
-SHARED = len(ORDINATES) / 2.0
-"""Ordinates for each measured angle: of three that follow from two, each tells so much less. Where
-S is left out, both tell all."""
-
-_GRAZING = 90.0
-_ANGLE = Quantity("deg", 0.0, 90.0)
-_COLUMNS = (
-    *(column for column in COLUMNS if column.name in AXES),
-    Column("psi", _ANGLE, ("Ψ",), required=True, suggested_unit="deg"),
-    Column("delta", Quantity("deg", -360.0, 360.0), ("Δ",), required=True, suggested_unit="deg"),
-    Column("incidence", _ANGLE, ("angle", "aoi", "angle_of_incidence"), suggested_unit="deg"),
-)
-_ANGLES = ("psi", "delta", "incidence")
-_DEGREES = [replace(one, assumed_unit="deg") if one.name in _ANGLES else one for one in _COLUMNS]
-_RADIANS = 1.58  # no Ψ is above it where radians are written
 
 
 class EllipsometrySection(MeasuredFile):

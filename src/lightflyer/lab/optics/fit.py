@@ -46,6 +46,10 @@ TEMPERATURE = 441.0
 _STEP = 0.5  # standard errors, of the differences that carry uncertainties on
 _WAVELENGTHS = 200
 _NEARLY_ALL = 0.005
+_PERCENT = 100.0
+_HEADINGS = ("spectrum", "scatter\n[%]", "points", "indepen-\ndent", "scale's\nerror [%]",
+             "zero's\nerror [%]")  # fmt: skip
+_DIGITS = 5
 
 
 @dataclass(frozen=True)
@@ -424,12 +428,6 @@ def to_dataset(result: OpticsFit) -> "xr.Dataset":
         [one.measured.spectrum.source for one in result.spectra], warnings=result.warnings,
         free_numbers=", ".join(result.numbers),
     )  # fmt: skip
-
-
-_PERCENT = 100.0
-_HEADINGS = ("spectrum", "scatter\n[%]", "points", "indepen-\ndent", "scale's\nerror [%]",
-             "zero's\nerror [%]")  # fmt: skip
-_DIGITS = 5
 
 
 def in_display_unit(one: Estimate) -> Estimate:

@@ -22,6 +22,10 @@ from lightflyer.lab.record import csv_text
 if TYPE_CHECKING:
     from lightflyer.lab.optics.fit import OpticsFit
 
+_DIGITS = 3  # of an uncertainty: correlated numbers round less
+_LEAST = 0.005  # correlation that is written
+_KEPT = 6  # digits of a correlation
+
 
 def tables(result: "OpticsFit") -> dict[str, str]:
     """Text of the tables of a fit."""
@@ -41,11 +45,6 @@ def tables(result: "OpticsFit") -> dict[str, str]:
              "k_low": layer.k_band[0], "k_high": layer.k_band[1]},
         )  # fmt: skip
     return found
-
-
-_DIGITS = 3  # of an uncertainty: correlated numbers round less
-_LEAST = 0.005  # correlation that is written
-_KEPT = 6  # digits of a correlation
 
 
 def update_layers(

@@ -18,6 +18,26 @@ from lightflyer.lab.readers.formats import Format, find_format, read_source
 from lightflyer.lab.readers.microscopes import Channel, choose_channel, with_different_names
 from lightflyer.lab.readers.number_matrix import NumberMatrix, read_number_matrix
 
+_GWYDDION = ("Channel", "Width", "Height", "Value units")  # the lines of its header
+_GWYDDION_LINE = re.compile(r"^#\s*([^:]+?)\s*:\s*(.+?)\s*$")
+_LEAST_PLACES = 2  # places of a list along x and along y
+_UNEVEN = 0.2  # of a step, by which the places of a list may be rounded
+NANOMETRE = 1e-9  # [m]
+MOST_MISSING = 0.25  # Share of pixels without a height above which a map is refused; our choice
+HEIGHT_MAP_FORMATS = [
+    Format(
+        "microscope",
+        lambda source: microscopes.instrument_of(source) is not None,
+        microscopes.read_channels,
+    ),
+]
+"""All formats but matrices in text files. A plug-in adds its own."""
+
+_LEAST_SIDE = 16  # pixels
+_FARTHEST = 0.1  # [m]; far more than any microscope's range
+_LEAST_HEIGHT = 1e-11  # [m]
+_WIDEST = 1.0  # [m]
+
 
 def read_mask(path: Path) -> np.ndarray:
     """Mask in a picture, where it is not black, or in a matrix of 0 and 1, (rows, columns)."""
@@ -40,12 +60,6 @@ def mask_as_png(mask: np.ndarray) -> bytes:
     content = io.BytesIO()
     Image.fromarray(np.where(mask, 255, 0).astype(np.uint8)).save(content, "PNG")
     return content.getvalue()
-
-
-_GWYDDION = ("Channel", "Width", "Height", "Value units")  # the lines of its header
-_GWYDDION_LINE = re.compile(r"^#\s*([^:]+?)\s*:\s*(.+?)\s*$")
-_LEAST_PLACES = 2  # places of a list along x and along y
-_UNEVEN = 0.2  # of a step, by which the places of a list may be rounded
 
 
 def read_matrix(
@@ -113,24 +127,6 @@ def _from_list(path: Path, matrix: NumberMatrix) -> tuple[NumberMatrix, float]:
     note = f"a list of x, y and height is read as {len(x)} x {len(y)} pixels"
     found = matrix._replace(values=heights, notes=(*matrix.notes, note))
     return found, float(steps[1].mean() / steps[0].mean())
-
-
-NANOMETRE = 1e-9  # [m]
-MOST_MISSING = 0.25  # Share of pixels without a height above which a map is refused; our choice
-
-HEIGHT_MAP_FORMATS = [
-    Format(
-        "microscope",
-        lambda source: microscopes.instrument_of(source) is not None,
-        microscopes.read_channels,
-    ),
-]
-"""All formats but matrices in text files. A plug-in adds its own."""
-
-_LEAST_SIDE = 16  # pixels
-_FARTHEST = 0.1  # [m]; far more than any microscope's range
-_LEAST_HEIGHT = 1e-11  # [m]
-_WIDEST = 1.0  # [m]
 
 
 @dataclass(frozen=True)

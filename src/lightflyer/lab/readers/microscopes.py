@@ -29,6 +29,20 @@ _NO_HEIGHT = re.compile(
     re.I,
 )
 
+_IGOR = "Igor"
+_SURF_FIELDS = (164, 212)  # places of the name of the heights and of the unit of their step
+_NUMBERED = re.compile(r"\.\d{3}")  # Nanoscope's older files: map.000, map.001
+_CURVES = {
+    ".jpk-force": "force curves",
+    ".jpk-force-map": "a map of force curves",
+    ".jpk-qi-data": "a map of force curves",
+    ".jpk-qi-image": "images of a map of force curves",
+    ".jpk-qi-series": "force curves",
+}
+_COMPRESSED = b"DSCOMPRESSED"
+_TEXT = b"?*"
+_SHOWN = 200  # characters of a parser's message
+
 
 @dataclass(frozen=True)
 class Channel(ShortRepr):
@@ -121,10 +135,6 @@ def with_different_names(channels: Sequence[Channel]) -> list[Channel]:
     return named
 
 
-_IGOR = "Igor"
-_SURF_FIELDS = (164, 212)  # places of the name of the heights and of the unit of their step
-
-
 def _wsxm_channel(content: bytes) -> tuple[str, str]:
     """Name and unit of the one channel of a WSxM file."""
     found = [
@@ -171,17 +181,6 @@ INSTRUMENTS = (
     Instrument("Gwyddion", (".gwy",), b"GWYP", ("GWY", "GWYReader")),
     Instrument(_IGOR, (".ibw",), b"", ("IBW", "IBWReader")),
 )
-_NUMBERED = re.compile(r"\.\d{3}")  # Nanoscope's older files: map.000, map.001
-_CURVES = {
-    ".jpk-force": "force curves",
-    ".jpk-force-map": "a map of force curves",
-    ".jpk-qi-data": "a map of force curves",
-    ".jpk-qi-image": "images of a map of force curves",
-    ".jpk-qi-series": "force curves",
-}
-_COMPRESSED = b"DSCOMPRESSED"
-_TEXT = b"?*"
-_SHOWN = 200  # characters of a parser's message
 
 
 def instrument_of(source: Source) -> Instrument | None:

@@ -14,6 +14,25 @@ from scipy import fft, ndimage, stats
 from lightflyer.core.errors import ConfigurationError
 
 Flatten = Literal["none", "rows"]  # What is done to the rows of a map before it is levelled
+THRESHOLD = 5.0
+"""Least relief of a particle or hole, in robust standard deviations at its own scale."""
+
+_RELIEF = 1.5  # least relief in standard deviations of the whole surface
+_FLANK = 2.0  # relief of a flank, in standard deviations at its scale
+_MARGIN = 2  # pixels by which the mask is widened
+_PASSES = 3
+MOST_MASKED = 0.9  # fraction of a map
+_ROUNDING = 1e-9  # fraction of the raw heights' range below which nothing is a particle
+_RINGS = {0: (3, 5, 8, 12), 2: (5, 8, 12, 18, 27, 40), 5: (12, 18, 27, 40)}
+"""Radii of the rings that stand for the surroundings, by width of the smoothing [pixels]."""
+
+_DIRECTIONS = 8
+_PATCHES = 400.0  # independent patches from which a distribution of heights is known
+_MAD_TO_DEVIATION = 1.482602218505602  # for normally distributed heights
+_TAILS = np.array([0.10, 0.15, 0.25])  # of the distribution, free of a few per cent of particles
+_WINSOR = 3.0
+_NEAR_TAIL = 0.01
+_EIGHT = np.ones((3, 3))
 
 
 def level(height: np.ndarray, mask: np.ndarray | None = None, order: int = 2) -> np.ndarray:
@@ -85,27 +104,6 @@ def _mode_shares(count: int, modes: int, order: int) -> np.ndarray:
     place = np.linspace(-1.0, 1.0, count)
     polynomials = np.linalg.qr(np.polynomial.legendre.legvander(place, order))[0]
     return fft.dct(polynomials, axis=0, norm="ortho")[:modes].T ** 2
-
-
-THRESHOLD = 5.0
-"""Least relief of a particle or hole, in robust standard deviations at its own scale."""
-
-_RELIEF = 1.5  # least relief in standard deviations of the whole surface
-_FLANK = 2.0  # relief of a flank, in standard deviations at its scale
-_MARGIN = 2  # pixels by which the mask is widened
-_PASSES = 3
-MOST_MASKED = 0.9  # fraction of a map
-_ROUNDING = 1e-9  # fraction of the raw heights' range below which nothing is a particle
-_RINGS = {0: (3, 5, 8, 12), 2: (5, 8, 12, 18, 27, 40), 5: (12, 18, 27, 40)}
-"""Radii of the rings that stand for the surroundings, by width of the smoothing [pixels]."""
-
-_DIRECTIONS = 8
-_PATCHES = 400.0  # independent patches from which a distribution of heights is known
-_MAD_TO_DEVIATION = 1.482602218505602  # for normally distributed heights
-_TAILS = np.array([0.10, 0.15, 0.25])  # of the distribution, free of a few per cent of particles
-_WINSOR = 3.0
-_NEAR_TAIL = 0.01
-_EIGHT = np.ones((3, 3))
 
 
 class Objects(NamedTuple):

@@ -58,6 +58,11 @@ _PERCENT = 100.0
 _UNITS = ("nm", "nm", "", "")
 _NO_BOUND = (-math.inf, math.inf)
 _EIGHT = np.ones((3, 3))
+_MICROMETRE = 1e-6
+_NAMES = {
+    "rms_height": "rms height Sq",
+    "mean_absolute_height": "mean absolute height Sa",
+}
 
 
 @dataclass(frozen=True, repr=False)
@@ -366,13 +371,6 @@ def to_dataset(results: Sequence[Roughness]) -> "xr.Dataset":
             variables[f"{name}_{number}"] = (over, value, {"units": of, "long_name": name})
     said = summary(results)["warnings"]
     return dataset("roughness", variables, [one.source.source for one in results], warnings=said)
-
-
-_MICROMETRE = 1e-6
-_NAMES = {
-    "rms_height": "rms height Sq",
-    "mean_absolute_height": "mean absolute height Sa",
-}
 
 
 def finding_parts(parameters: Mapping[str, Estimate]) -> Parts:

@@ -14,6 +14,7 @@ _PIXELS = 256
 _CORRELATION = 3.0  # correlation length of the surface [pixels]
 RMS_HEIGHT = 34.8e-9
 """Rms height of the synthetic surfaces without particles [m]; the paper's germanium film."""
+
 _PARTICLES = 9
 _PARTICLE_RADII = (160e-9, 320e-9)  # [m]
 

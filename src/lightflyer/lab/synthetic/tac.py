@@ -14,6 +14,15 @@ from lightflyer.force.kinetic.model import Kinetic
 from lightflyer.lab.synthetic.faults import TORR, faulty_table, label
 from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER
 
+_AMBIENT, _HEATER = 295.0, 323.0  # [K]
+_PRESSURES = (1e-4, 200.0)  # [Pa]
+_RESISTANCE, _PER_KELVIN, _AT = 10.0, 3.85e-3, 295.0  # of the heater [ohm], [1/K], [K]
+_RELATIVE_NOISE = 0.01  # of the power
+_GAUGE_ERROR, _POWER_ERROR = 0.03, -0.005  # relative, of all rows
+_TEMPERATURE_NOISE = 0.05  # [K]
+_WARM_UP = (-9.0, -4.0, -1.6)  # offsets of the first rows, while the heater warms up [K]
+_ZERO = 273.15
+
 
 class TacTruth(NamedTuple):
     """Parameters of a synthetic run."""
@@ -25,15 +34,6 @@ class TacTruth(NamedTuple):
 
 PLATINUM = TacTruth()  # Fit of the paper to platinum
 OTHER_FACE = TacTruth(tac=0.88, area_ratio=1.18, offset=4.6)  # of a sample with platinum on top
-
-_AMBIENT, _HEATER = 295.0, 323.0  # [K]
-_PRESSURES = (1e-4, 200.0)  # [Pa]
-_RESISTANCE, _PER_KELVIN, _AT = 10.0, 3.85e-3, 295.0  # of the heater [ohm], [1/K], [K]
-_RELATIVE_NOISE = 0.01  # of the power
-_GAUGE_ERROR, _POWER_ERROR = 0.03, -0.005  # relative, of all rows
-_TEMPERATURE_NOISE = 0.05  # [K]
-_WARM_UP = (-9.0, -4.0, -1.6)  # offsets of the first rows, while the heater warms up [K]
-_ZERO = 273.15
 
 
 def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:

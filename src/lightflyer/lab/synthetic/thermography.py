@@ -12,8 +12,10 @@ from lightflyer.lab.synthetic.faults import faulty_table, label
 
 REFLECTANCE, TRANSMITTANCE = 0.12, 0.80
 """Properties of the synthetic film in the infrared; its emissivity is 0.08."""
+
 VISIBLE_REFLECTANCE, VISIBLE_TRANSMITTANCE = 0.15, 0.10
 """Properties of the synthetic film in the visible; its absorptivity is 0.75."""
+
 BAND = (7.5e-6, 14e-6)  # Wavelengths that the synthetic camera sees [m]
 
 _HOTPLATE, _AMBIENT, _ZERO = 423.15, 295.15, 273.15  # [K]

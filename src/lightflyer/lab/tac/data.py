@@ -39,6 +39,27 @@ IN_WORDS = {  # name, factor to the unit, unit
     "plateau": ("plateau", 100.0, "%"),
     DRIFT: ("plateau's drift", 100.0, "%"),
 }
+_LEAST_DIFFERENCE = 1e-3  # between heater and gas [K]
+COLUMNS = (
+    Column("pressure", Pressure, ("p", "chamber_pressure"), outside="reject"),
+    Column("heater_power", Quantity("W", 0.0, open_below=True), ("power", "p")),
+    Column("heater_voltage", Quantity("V", 0.0, open_below=True), ("voltage", "u", "v")),
+    Column("heater_current", Quantity("A", 0.0, open_below=True), ("current", "i")),
+    Column("heater_temperature", Temperature, ("t_heater", "temperature")),
+    Column(
+        "ambient_temperature", Temperature, ("t_ambient", "t_gas", "gas_temperature", "ambient")
+    ),
+    Column("time", Quantity("s"), ("t", "elapsed_time"), assumed_unit="s"),
+)
+"""Columns of a run; voltage and current may stand in place of power."""
+
+_CALIBRATION_COLUMNS = (
+    Column(
+        "resistance", Quantity("ohm", 0.0, open_below=True), ("r", "heater_resistance"),
+        required=True,
+    ),
+    Column("temperature", Temperature, ("t", "heater_temperature"), required=True),
+)  # fmt: skip
 
 
 @reads_units
@@ -143,30 +164,6 @@ class CommonErrors:
         """The same errors of other rows; ``change`` maps effects of shape (k, m)."""
         effects = change(self.log_continuum), change(self.log_conductance)
         return CommonErrors(self.names, self.log_pressure, self.zero, *effects)
-
-
-_LEAST_DIFFERENCE = 1e-3  # between heater and gas [K]
-
-COLUMNS = (
-    Column("pressure", Pressure, ("p", "chamber_pressure"), outside="reject"),
-    Column("heater_power", Quantity("W", 0.0, open_below=True), ("power", "p")),
-    Column("heater_voltage", Quantity("V", 0.0, open_below=True), ("voltage", "u", "v")),
-    Column("heater_current", Quantity("A", 0.0, open_below=True), ("current", "i")),
-    Column("heater_temperature", Temperature, ("t_heater", "temperature")),
-    Column(
-        "ambient_temperature", Temperature, ("t_ambient", "t_gas", "gas_temperature", "ambient")
-    ),
-    Column("time", Quantity("s"), ("t", "elapsed_time"), assumed_unit="s"),
-)
-"""Columns of a run; voltage and current may stand in place of power."""
-
-_CALIBRATION_COLUMNS = (
-    Column(
-        "resistance", Quantity("ohm", 0.0, open_below=True), ("r", "heater_resistance"),
-        required=True,
-    ),
-    Column("temperature", Temperature, ("t", "heater_temperature"), required=True),
-)  # fmt: skip
 
 
 @dataclass(frozen=True)

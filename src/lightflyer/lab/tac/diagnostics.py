@@ -48,6 +48,10 @@ _ROBUST_ROWS = 4_000  # that the robust fit takes of a very long run
 _NORMAL_MAD = float(stats.norm.ppf(0.75))  # median absolute deviation of a unit normal
 _PERCENT = 100.0
 _WINDOW = 5  # rows of the running median
+_SIGNIFICANT = 4.0  # standard errors
+_LEAST = 2e-3  # relative; no bench holds a conductance better
+_FEWEST = 8  # rows of a direction
+_TIED = 0.9  # correlation of time and pressure, above which drift cannot be told from the law
 
 
 def require_possible_temperatures(run: TacRun) -> None:
@@ -260,12 +264,6 @@ def list_lines(lines: Sequence[int], source: str) -> str:
     shown = ", ".join(map(str, lines[:_MOST_LINES]))
     more = f" and {len(lines) - _MOST_LINES} more" if len(lines) > _MOST_LINES else ""
     return f"{source}:{shown}{more}"
-
-
-_SIGNIFICANT = 4.0  # standard errors
-_LEAST = 2e-3  # relative; no bench holds a conductance better
-_FEWEST = 8  # rows of a direction
-_TIED = 0.9  # correlation of time and pressure, above which drift cannot be told from the law
 
 
 def drift_warnings(residual: np.ndarray, pressure: np.ndarray, alike: float) -> list[str]:

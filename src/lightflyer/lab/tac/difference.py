@@ -44,6 +44,8 @@ ONE_RUN = (
     "contains it; runs of samples mounted several times do"
 )
 
+_FACES_TABLE = ("", "value", "95 % interval", "standard uncertainty")
+
 
 @dataclass(frozen=True, repr=False)
 class TacDifference(LabResult):
@@ -307,6 +309,3 @@ def difference_tables(found: TacDifference) -> dict[str, str]:
         numbers = one.value, *one.interval, one.uncertainty or 0.0
         lines.append(",".join([name, *(f"{number:.8g}" for number in numbers)]))
     return tables(found.fits) | {"tac-difference.csv": "\n".join(lines) + "\n"}
-
-
-_FACES_TABLE = ("", "value", "95 % interval", "standard uncertainty")

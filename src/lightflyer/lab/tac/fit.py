@@ -60,6 +60,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_PERCENT = 100.0
+_NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
+_PARAMETERS = ("", "value", "95 % interval", "of the scatter alone", "unit")
+_ERRORS = ("error by the fit", "in stated ±", "stated ±", "unit")
+_RUNS = ("run", "TAC α", "95 % interval", "area ratio δ", "offset C\n[W/(m² K)]")
+
 
 @dataclass(frozen=True, repr=False)
 class TacFit(LabResult):
@@ -338,13 +344,6 @@ def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
         undetermined=undetermined,
         warnings=tuple(texts),
     )
-
-
-_PERCENT = 100.0
-_NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
-_PARAMETERS = ("", "value", "95 % interval", "of the scatter alone", "unit")
-_ERRORS = ("error by the fit", "in stated ±", "stated ±", "unit")
-_RUNS = ("run", "TAC α", "95 % interval", "area ratio δ", "offset C\n[W/(m² K)]")
 
 
 def fit_parts(fit: "TacFit") -> Parts:

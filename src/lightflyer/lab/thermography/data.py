@@ -39,6 +39,13 @@ _LARGEST = 0.1  # standard uncertainty over the temperature
 _SCENE = Quantity("K", 200.0, 2300.0)  # colder or hotter is a wrong unit
 _ROOM = Quantity("K", 200.0, 400.0)
 _LIGHT, _NEAR_DARK = Quantity("", 0.0), Quantity()  # meters have a zero of their own
+_ALIASES = {
+    "hotplate_temperature": ("t_hotplate", "hotplate"),
+    "lower_temperature": ("t_lower", "lower"),
+    "upper_temperature": ("t_upper", "upper"),
+    "ambient_temperature": ("t_ambient", "t_inf", "ambient"),
+}
+_OF_LIGHT = ("", "W/m^2", "W", "V", "A")  # units of what light meters show
 
 
 class Method(NamedTuple):
@@ -67,13 +74,6 @@ LIGHT = Method(
     "absorptivity",
 )
 """Readings of a light meter, all in the same unit."""
-
-_ALIASES = {
-    "hotplate_temperature": ("t_hotplate", "hotplate"),
-    "lower_temperature": ("t_lower", "lower"),
-    "upper_temperature": ("t_upper", "upper"),
-    "ambient_temperature": ("t_ambient", "t_inf", "ambient"),
-}
 
 
 @dataclass(frozen=True)
@@ -108,9 +108,6 @@ class Readings(ShortRepr):
     places: tuple[str, ...] = ()  #: File and line of each row, if they come from a file
     #: What a reader of the result must know of the readings, one line each
     warnings: tuple[str, ...] = ()
-
-
-_OF_LIGHT = ("", "W/m^2", "W", "V", "A")  # units of what light meters show
 
 
 def columns_of(method: Method, unit: str | None = None) -> tuple[Column, ...]:

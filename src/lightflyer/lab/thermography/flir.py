@@ -29,6 +29,22 @@ WATER = (1.5587, 0.06939, -2.7816e-4, 6.8455e-7)
 """Logarithm of the content of water of saturated air [g/m³] as a polynomial of the temperature in
 °C; [Thermimage]_."""
 
+_COLDEST, _HOTTEST = 150.0, 1000.0  # [K]
+_FARTHEST = 1e5  # [m]
+_MOST_TRANSMITTED = 1.05  # the fit of air exceeds 1 a little where it is dry
+_MOST_EXPONENT = 50.0
+# the layout of FLIR's records is described in [ExifTool]
+_MAGIC = (b"FFF\0", b"AFF\0")
+_JPEG = b"\xff\xd8"
+_APP1, _START_OF_SCAN = 0xE1, 0xDA
+_CHUNK = b"FLIR\0"
+_VERSIONS = range(100, 200)
+_RAW, _CAMERA = 1, 32  # types of records
+_ENTRY = 32  # bytes
+_PIXELS_AT = 32  # in the record of raw data
+_CAMERA_SIZE = 784  # bytes
+_PNG = b"\x89PNG"
+
 
 @dataclass(frozen=True)
 class CameraSettings:
@@ -88,12 +104,6 @@ class CameraSettings:
         return self.share * first + (1.0 - self.share) * second
 
 
-_COLDEST, _HOTTEST = 150.0, 1000.0  # [K]
-_FARTHEST = 1e5  # [m]
-_MOST_TRANSMITTED = 1.05  # the fit of air exceeds 1 a little where it is dry
-_MOST_EXPONENT = 50.0
-
-
 def signal(kelvin: float, camera: CameraSettings) -> float:
     """Signal of a black body [counts]."""
     return camera.r1 / (camera.r2 * (math.exp(camera.b / kelvin) - camera.f)) - camera.o
@@ -112,19 +122,6 @@ def temperatures(counts: np.ndarray, camera: CameraSettings) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         kelvin = camera.b / np.log(camera.r1 / (camera.r2 * (emitted + camera.o)) + camera.f)
     return np.where((emitted + camera.o > 0.0) & (kelvin > 0.0), kelvin, np.nan)
-
-
-# the layout of FLIR's records is described in [ExifTool]
-_MAGIC = (b"FFF\0", b"AFF\0")
-_JPEG = b"\xff\xd8"
-_APP1, _START_OF_SCAN = 0xE1, 0xDA
-_CHUNK = b"FLIR\0"
-_VERSIONS = range(100, 200)
-_RAW, _CAMERA = 1, 32  # types of records
-_ENTRY = 32  # bytes
-_PIXELS_AT = 32  # in the record of raw data
-_CAMERA_SIZE = 784  # bytes
-_PNG = b"\x89PNG"
 
 
 class _WrongError(Exception):

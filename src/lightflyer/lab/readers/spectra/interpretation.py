@@ -52,6 +52,19 @@ _REFUSED = (
     (r"derivative", "a derivative; export the spectrum itself"),
 )  # fmt: skip
 
+# wider than zero to one for noise, and for detectors that are not quite linear
+SHARE = Quantity("", -0.2, 1.5)  # Transmittance and reflectance that a file may hold
+_PERCENT = 100.0
+_EMPTY = 1e-30  # of an ordinate: JASCO marks points without a value by ∓1.2e-38
+_DARK = 1.5  # per cent, nowhere exceeded if a fraction is taken for a percentage
+_KEPT = 2 / 3  # share of the points that is left without its ends, at least
+_LEAST_KEPT = 20
+_MOSTLY = 0.5  # share of the points above any fraction, from which an ordinate is in per cent
+_NO_METADATA = SpectrumMetadata("")
+_SPHERE = ("sphere", "ulbricht", "isn-", "isv-", "ilv-", "iln-", "isr-")
+_SPECULAR = ("specular", "vw", "variable angle", "absolute reflect", "arn-", "arv-", "armn-",
+             "universal reflectance", "ura")  # fmt: skip
+
 
 class Axis(NamedTuple):
     """Unit of an abscissa."""
@@ -94,21 +107,6 @@ def parse_ordinate(name: str) -> OrdinateUnit | str:
         if re.search(pattern, text):
             return f"shows {what}"
     return f'shows "{name[:40]}", which is not known as transmittance, reflectance or absorbance'
-
-
-# wider than zero to one for noise, and for detectors that are not quite linear
-SHARE = Quantity("", -0.2, 1.5)  # Transmittance and reflectance that a file may hold
-
-_PERCENT = 100.0
-_EMPTY = 1e-30  # of an ordinate: JASCO marks points without a value by ∓1.2e-38
-_DARK = 1.5  # per cent, nowhere exceeded if a fraction is taken for a percentage
-_KEPT = 2 / 3  # share of the points that is left without its ends, at least
-_LEAST_KEPT = 20
-_MOSTLY = 0.5  # share of the points above any fraction, from which an ordinate is in per cent
-_NO_METADATA = SpectrumMetadata("")
-_SPHERE = ("sphere", "ulbricht", "isn-", "isv-", "ilv-", "iln-", "isr-")
-_SPECULAR = ("specular", "vw", "variable angle", "absolute reflect", "arn-", "arv-", "armn-",
-             "universal reflectance", "ura")  # fmt: skip
 
 
 @dataclass(frozen=True)

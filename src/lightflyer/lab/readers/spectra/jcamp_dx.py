@@ -26,6 +26,15 @@ _DIFFERENCES = {letter: str(digit) for digit, letter in enumerate("%JKLMNOPQR")}
 }
 _DUPLICATES = {letter: str(digit) for digit, letter in enumerate("STUVWXYZs", 1)}
 _CHECK = 0.5  # of the last digit, by which the repeated ordinate may differ
+FORMAT = "JCAMP-DX"
+_LABEL = re.compile(r"^\s*##([^=\n]{0,60})=(.*)$")
+_START = re.compile(r"\s*(?:\$\$[^\n]*\n\s*)*##\s*(?:TITLE|JCAMP-?DX)\s*=", re.I)
+_TABLES = {"XYDATA": "a spectrum", "XYPOINTS": "a spectrum", "PEAKTABLE": "a peak table",
+           "PEAKASSIGNMENTS": "a peak table", "NTUPLES": "an NTUPLES table",
+           "DATATABLE": "an NTUPLES table", "PAGE": "an NTUPLES table"}  # fmt: skip
+_KINDS = (("PEAK", "a peak table"), ("RAMAN", "a Raman spectrum"), ("MASS", "a mass spectrum"),
+          ("NMR", "an NMR spectrum"), ("INTERFEROGRAM", "an interferogram"))  # fmt: skip
+_ROUNDED = 2e-3  # by which stated ordinates may differ from the data, of the largest
 
 
 class Fault(Exception):  # noqa: N818
@@ -121,18 +130,6 @@ def read_pairs(lines: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
             raise Fault("has an abscissa without its ordinate", row)
     pairs = np.array(found).reshape(-1, 2)
     return pairs[:, 0], pairs[:, 1]
-
-
-FORMAT = "JCAMP-DX"
-
-_LABEL = re.compile(r"^\s*##([^=\n]{0,60})=(.*)$")
-_START = re.compile(r"\s*(?:\$\$[^\n]*\n\s*)*##\s*(?:TITLE|JCAMP-?DX)\s*=", re.I)
-_TABLES = {"XYDATA": "a spectrum", "XYPOINTS": "a spectrum", "PEAKTABLE": "a peak table",
-           "PEAKASSIGNMENTS": "a peak table", "NTUPLES": "an NTUPLES table",
-           "DATATABLE": "an NTUPLES table", "PAGE": "an NTUPLES table"}  # fmt: skip
-_KINDS = (("PEAK", "a peak table"), ("RAMAN", "a Raman spectrum"), ("MASS", "a mass spectrum"),
-          ("NMR", "an NMR spectrum"), ("INTERFEROGRAM", "an interferogram"))  # fmt: skip
-_ROUNDED = 2e-3  # by which stated ordinates may differ from the data, of the largest
 
 
 class _Entry(NamedTuple):

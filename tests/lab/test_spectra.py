@@ -14,7 +14,6 @@ import lightflyer as lf
 from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
 from lightflyer.lab.readers.formats import Source, read_source
 from lightflyer.lab.readers.spectra import jcamp_dx, omnic, opus, spc
-from lightflyer.lab.readers.spectra.formats import format_of, read_raw
 from lightflyer.lab.readers.spectra.interpretation import (
     Axis,
     OrdinateUnit,
@@ -24,7 +23,7 @@ from lightflyer.lab.readers.spectra.interpretation import (
     parse_ordinate,
 )
 from lightflyer.lab.readers.spectra.jcamp_dx import last_digit, read_rows
-from lightflyer.lab.readers.spectrum_data import read_spectrum
+from lightflyer.lab.readers.spectrum_data import format_of, read_raw, read_spectrum
 
 SAMPLES = Path(__file__).parent / "spectra"
 DAMAGES = 200

@@ -24,10 +24,10 @@ from .readers.height_map import HEIGHT_MAP_FORMATS as HEIGHT_MAP_FORMATS
 from .readers.height_map import HeightMap as HeightMap
 from .readers.height_map import read_height_map as read_height_map
 from .readers.microscopes import Channel as Channel
-from .readers.spectra.formats import SPECTRUM_FORMATS as SPECTRUM_FORMATS
 from .readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
 from .readers.spectra.raw import RawSpectrum as RawSpectrum
 from .readers.spectra.raw import SpectrumMetadata as SpectrumMetadata
+from .readers.spectrum_data import SPECTRUM_FORMATS as SPECTRUM_FORMATS
 from .readers.spectrum_data import read_spectrum as read_spectrum
 from .surface.figures import roughness_figures as roughness_figures
 from .surface.reduction import Roughness as Roughness

@@ -16,8 +16,7 @@ from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
 from lightflyer.core.units import scale_and_offset
-from lightflyer.lab.readers.formats import Source
-from lightflyer.lab.readers.tiff_structure import require_sound_tiff
+from lightflyer.lab.readers.formats import Source, require_sound_tiff
 
 _PREFERRED = ("height", "zsensor", "z-axis", "topography")
 """Parts of the names of channels with heights; the first one found is read."""

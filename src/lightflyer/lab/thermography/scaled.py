@@ -12,8 +12,8 @@ from PIL import Image, UnidentifiedImageError
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.units import parse, scale_and_offset
+from lightflyer.lab.readers.formats import require_sound_tiff
 from lightflyer.lab.readers.number_matrix import read_number_matrix
-from lightflyer.lab.readers.tiff_structure import require_sound_tiff
 
 _UNIT = re.compile(r"^\s*([-+]?[\d.]+(?:e[-+]?\d+)?)?\s*(\S.*?)\s*$", re.I)
 _IN_HEADING = re.compile(

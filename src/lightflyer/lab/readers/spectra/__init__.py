@@ -1,1 +1,1 @@
-"""Files of spectra as instruments write them: one format a module, all named in ``formats``."""
+"""Files of spectra as instruments write them: one format a module; :mod:`lightflyer.lab.readers.spectrum_data` reads all."""

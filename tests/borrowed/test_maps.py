@@ -6,8 +6,7 @@ import pytest
 from lightflyer.lab.readers.height_map import HeightMap, read_height_map
 from lightflyer.lab.surface.particles import level
 from lightflyer.lab.surface.reduction import roughness
-from lightflyer.lab.thermography.scaled import parse_scale
-from lightflyer.lab.thermography.thermal_image import read_thermal_image
+from lightflyer.lab.thermography.thermal_image import parse_scale, read_thermal_image
 
 SIDE = 64
 X, Y = np.meshgrid(np.linspace(-1.0, 1.0, SIDE), np.linspace(-1.0, 1.0, SIDE))

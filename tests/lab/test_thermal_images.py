@@ -13,10 +13,10 @@ from PIL import Image, TiffImagePlugin
 import lightflyer as lf
 from lightflyer.lab.thermography import flir
 from lightflyer.lab.thermography.flir import CameraSettings, signal, temperatures
-from lightflyer.lab.thermography.scaled import parse_scale
 from lightflyer.lab.thermography.thermal_image import (
     ThermalImage,
     parse_regions,
+    parse_scale,
     read_thermal_image,
     region_temperatures,
     setting_warnings,

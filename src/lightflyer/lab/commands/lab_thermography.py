@@ -34,11 +34,11 @@ from lightflyer.lab.thermography.reduction import (
     reduce_readings,
     to_dataset,
 )
-from lightflyer.lab.thermography.scaled import parse_scale
 from lightflyer.lab.thermography.thermal_image import (
     ThermalImage,
     is_thermal_image,
     parse_regions,
+    parse_scale,
     read_thermal_image,
     region_temperatures,
     region_warnings,

@@ -1,12 +1,16 @@
-"""Regions of a thermal image, by format in :mod:`lightflyer.lab.thermography`."""
+"""Thermal images: FLIR's, matrices in text, TIFF; and the regions of an image."""
 
 import dataclasses
+import io
 import re
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
+from xml.etree import ElementTree
 
 import numpy as np
+from PIL import Image, UnidentifiedImageError
 
 from lightflyer.array.records import ShortRepr
 from lightflyer.core.arguments import reads_units
@@ -14,18 +18,32 @@ from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Temperature
 from lightflyer.core.text import read_content
-from lightflyer.core.units import Measured
-from lightflyer.lab.readers.formats import Format, Source, find_format, has_suffix, read_source
-from lightflyer.lab.thermography import flir, scaled
+from lightflyer.core.units import Measured, parse, scale_and_offset
+from lightflyer.lab.readers.formats import (
+    Format,
+    Source,
+    find_format,
+    has_suffix,
+    read_source,
+    require_sound_tiff,
+)
+from lightflyer.lab.readers.number_matrix import read_number_matrix
+from lightflyer.lab.thermography import flir
 from lightflyer.lab.thermography.data import THERMAL, ZERO_CELSIUS
-from lightflyer.lab.thermography.scaled import Scale
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_UNIT = re.compile(r"^\s*([-+]?[\d.]+(?:e[-+]?\d+)?)?\s*(\S.*?)\s*$", re.I)
+_IN_HEADING = re.compile(
+    r"°\s?[CF]|℃|℉|\bdeg ?[CF]\b|\[[KCF]\]|\([KCF]\)|\bKelvin\b|\bCelsius\b|\bFahrenheit\b", re.I
+)
+_UNITS = {"c": "°C", "f": "°F", "k": "K"}
+_EMISSIVITY = re.compile(r"\bemissivity\b\W*?(\d[.,]\d+|1)\b", re.I)
+_GDAL_METADATA, _GDAL_NO_DATA = 42112, 42113  # tags
+_EIGHT_BITS = 8
 UNIFORM = 2.0
 """Scatter of a region's pixels above which it is not called uniform [K]; an assumption."""
-
 _OTHERS = {
     ".seq": "a sequence of FLIR; export one image as .fff, JPEG or CSV",
     ".csq": "a sequence of FLIR; export one image as .fff, JPEG or CSV",
@@ -45,8 +63,116 @@ _NOT_TAKEN = {
 _AGREE = 0.5  # [K] by which reflected temperature and surroundings may differ
 _ALIKE = 0.1  # share of pixels at an end of the image's range that suggests saturation
 _NAMES = tuple(name.removesuffix("_temperature") for name in THERMAL.readings)
-
 _REGION = re.compile(r"^\s*(\w+)\s*=\s*(\d+)\s*:\s*(\d+)\s*,\s*(\d+)\s*:\s*(\d+)\s*$")
+
+
+class Scale(NamedTuple):
+    """What numbers of an image mean."""
+
+    step: float  # [K] for a number of one
+    zero: float  # Temperature of the number zero [K]
+
+
+def parse_scale(unit: str, zero: str | None = None) -> Scale:
+    """Scale from options."""
+    match = _UNIT.match(unit)
+    try:
+        if match is None:
+            raise ConfigurationError(f'"{unit}" is not a unit')
+        step, offset = scale_and_offset(match[2], "K")
+        factor = float(match[1] or 1.0)
+    except (ConfigurationError, ValueError) as error:
+        raise ConfigurationError(
+            f'--image-unit: {error}; write "K", "°C" or a step such as "0.01 K"'
+        ) from None
+    if not factor > 0.0:
+        raise ConfigurationError(f'--image-unit: "{unit}" is not positive')
+    if zero is not None:
+        try:
+            offset = parse(zero, "K").value
+        except ConfigurationError as error:
+            raise ConfigurationError(f"--image-zero: {error}") from None
+    return Scale(factor * step, offset)
+
+
+def _read_matrix(source: Source, scale: Scale | None = None) -> "ThermalImage":
+    """A matrix of temperatures, as cameras' programs export it."""
+    path = source.path
+    matrix = read_number_matrix(path, "temperatures")
+    above = "\n".join(matrix.above)
+    if scale is None:
+        found = {_spell(text) for text in _IN_HEADING.findall(above)}
+        if len(found) != 1:
+            said = f"its heading names {' and '.join(sorted(found))}" if found else "it has no unit"
+            raise ConfigurationError(f'{path}: {said}; state the unit by --image-unit "°C"')
+        scale = parse_scale(found.pop())
+    emissivity = _EMISSIVITY.search(above)
+    stated = None if emissivity is None else float(emissivity[1].replace(",", "."))
+    kelvin = matrix.values * scale.step + scale.zero
+    return ThermalImage(str(path), kelvin, stated, notes=matrix.notes)
+
+
+def _spell(text: str) -> str:
+    letters = re.sub(r"deg|[^a-z℃℉]", "", text.lower()).replace("℃", "c").replace("℉", "f")
+    return _UNITS[letters[0]]
+
+
+def _read_tiff(source: Source, scale: Scale | None = None) -> "ThermalImage":
+    """A radiometric TIFF."""
+    path, content = source
+    try:
+        require_sound_tiff(content)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            with Image.open(io.BytesIO(content), formats=["TIFF"]) as image:
+                values, mode, count = np.asarray(image), image.mode, getattr(image, "n_frames", 1)
+                tags = dict(image.tag_v2)  # type: ignore[attr-defined]
+    except UnidentifiedImageError:
+        raise ConfigurationError(f"{path}: cannot be read as TIFF: its kind is unknown") from None
+    except Exception as error:  # Pillow raises many kinds
+        said = " ".join(str(error).split())
+        raise ConfigurationError(f"{path}: cannot be read as TIFF: {said}") from None
+    if values.ndim != 2 or values.dtype.itemsize * 8 <= _EIGHT_BITS:
+        raise ConfigurationError(
+            f"{path}: is a picture ({mode}), not an image of temperatures with 16 bits or more"
+        )
+    scale = scale or _gdal_scale(path, tags)
+    if scale is None:
+        raise ConfigurationError(
+            f"{path}: does not state what its numbers mean; state it by --image-unit, such as "
+            '"°C", "0.01 K" or "0.04 K" (see the manual of the camera)'
+        )
+    kelvin = values * scale.step + scale.zero
+    if isinstance(text := tags.get(_GDAL_NO_DATA), str):
+        kelvin = np.where(values == _gdal_no_data(path, text), np.nan, kelvin)
+    notes = (f"the first of {count} images in the file is read",) if count > 1 else ()
+    return ThermalImage(str(path), kelvin, notes=notes)
+
+
+def _gdal_scale(path: Path, tags: dict[int, Any]) -> Scale | None:
+    """Scale, offset and unit by GDAL's metadata."""
+    text = tags.get(_GDAL_METADATA)
+    if not isinstance(text, str) or "<!" in text:  # no declarations of entities
+        return None
+    try:
+        items = {
+            item.get("role", ""): (item.text or "").strip()
+            for item in ElementTree.fromstring(text.strip("\0 ")).iter("Item")
+        }
+        if "unittype" not in items:
+            return None
+        step, zero = scale_and_offset(items["unittype"], "K")
+        factor, offset = float(items.get("scale", "1")), float(items.get("offset", "0"))
+    except (ElementTree.ParseError, ValueError, ConfigurationError) as error:
+        raise ConfigurationError(f"{path}: its tag of GDAL cannot be read: {error}") from None
+    return Scale(factor * step, offset * step + zero)
+
+
+def _gdal_no_data(path: Path, text: str) -> float:
+    try:
+        return float(text.strip("\0 "))
+    except ValueError:
+        raise ConfigurationError(f"{path}: its tag of GDAL for no data is no number") from None
 
 
 @dataclass(frozen=True)
@@ -108,7 +234,7 @@ def read_thermal_image(
         matrix of temperatures.
     scale : Scale, optional
         What the numbers of a TIFF or a text file mean, where the file does not state it; see
-        :func:`~lightflyer.lab.thermography.scaled.parse_scale`.
+        :func:`~lightflyer.lab.thermography.thermal_image.parse_scale`.
     emissivity : float, optional
         In place of the one that a FLIR camera was set to [1].
     reflected_temperature : float, optional
@@ -153,16 +279,6 @@ def is_thermal_image(path: Path) -> bool:
     """Whether a file is an image, whatever the options; a matrix in a text file may be a table."""
     source = Source(path, read_content(path) if path.is_file() else b"")  # a sheet of a workbook
     return find_format(source, THERMAL_IMAGE_FORMATS) is not None
-
-
-def _read_matrix(source: Source, scale: Scale | None = None) -> ThermalImage:
-    kelvin, stated, notes = scaled.read_matrix(source.path, scale)
-    return ThermalImage(str(source.path), kelvin, stated, notes=notes)
-
-
-def _read_tiff(source: Source, scale: Scale | None = None) -> ThermalImage:
-    kelvin, notes = scaled.read_tiff(*source, scale)
-    return ThermalImage(str(source.path), kelvin, notes=notes)
 
 
 def _read_flir(

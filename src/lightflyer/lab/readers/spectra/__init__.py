@@ -1,1 +1,1 @@
-"""Files of spectra as instruments write them: one format a module; :mod:`lightflyer.lab.readers.spectrum_data` reads all."""
+"""Files of spectra as instruments write them: one format a module."""

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
+from lightflyer.compute import store
 from lightflyer.parametric import explore
 from lightflyer.parametric.run import sweep_into
 from lightflyer.study.sections import SamplingSection
@@ -252,6 +253,13 @@ def test_stores_of_the_last_version_are_read_and_their_chunks_compared(sweeps, t
     (folder / STUDY).write_text(json.dumps(kept), encoding="utf-8")
     whole = lf.parametric.open_sweep(sweeps / "one").load()
     xr.testing.assert_identical(lf.parametric.open_sweep(folder).load(), whole)
+    for block in ([25], [0, 25], ["4", 25], [4, 25, 1]):
+        (folder / STUDY).write_text(json.dumps(kept | {"block": block}), encoding="utf-8")
+        with pytest.raises(lf.ConfigurationError, match=r"study\.json is "):
+            lf.parametric.open_sweep(folder)
+    (folder / STUDY).write_text(json.dumps(kept), encoding="utf-8")
+    with (folder / JOURNAL).open("ab") as journal:
+        journal.write(store._journal_line({"chunk": "0"}))  # nothing that was ever written
     (folder / CHUNK).unlink()
     with pytest.raises(lf.ConfigurationError, match=f"{CHUNK} is missing"):
         lf.parametric.open_sweep(folder)

@@ -68,6 +68,13 @@ def damaged(folder: Path, what: str) -> ConfigurationError:
     return ConfigurationError(f"{folder}: {what}; the same sweep mends it")
 
 
+def _without_study(folder: Path) -> ConfigurationError:
+    return ConfigurationError(
+        f"{folder}: {RECORDS}/{STUDY} is damaged or missing; copy it again or run the sweep into "
+        "another folder"
+    )
+
+
 def _record_of(folder: Path) -> dict[str, Any]:
     """What a store says of itself."""
     if not (folder / RECORDS).is_dir():
@@ -88,10 +95,7 @@ def _record_of(folder: Path) -> dict[str, Any]:
     try:
         return stored_study(folder)
     except (OSError, ValueError):
-        raise ConfigurationError(
-            f"{folder}: {RECORDS}/{STUDY} is damaged or missing; copy it again or run the sweep "
-            "into another folder"
-        ) from None
+        raise _without_study(folder) from None
 
 
 def read_store(folder: Path) -> xr.Dataset:
@@ -116,6 +120,8 @@ def read_store(folder: Path) -> xr.Dataset:
     done = {entry["chunk"]: entry for entry in journal_entries(folder)}
     sums = {chunk: entry["crc32c"] for chunk, entry in done.items()}
     names = [name for name in recorded if name and name not in coordinates] or list(shapes)
+    if not names or len(shapes[names[0]]) != len(stored["block"]):
+        raise _without_study(folder)
     chunks = Chunks(shapes[names[0]], tuple(stored["block"]))
     if attributes.get("complete") and len(done) < len(chunks):
         raise damaged(folder, f"{RECORDS}/{JOURNAL} has {len(done)} of {len(chunks)} chunks")

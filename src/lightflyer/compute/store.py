@@ -183,7 +183,12 @@ def journal_entries(folder: Path) -> Iterator[dict[str, Any]]:
             entry = json.loads(line[9:])
         except ValueError:
             continue
-        if isinstance(entry, dict) and _journal_line(entry) == line:
+        kinds = {"chunk": int, "crc32c": dict, "failures": int}
+        if (
+            isinstance(entry, dict)
+            and _journal_line(entry) == line
+            and all(isinstance(entry.get(name), kind) for name, kind in kinds.items())
+        ):
             yield entry
 
 
@@ -194,6 +199,7 @@ def stored_study(folder: Path) -> dict[str, Any]:
     if (
         not isinstance(content, dict)
         or not all(isinstance(content.get(name), kind) for name, kind in kinds.items())
+        or not all(isinstance(part, int) and part > 0 for part in content["block"])
         # version 0.2 recorded none
         or content.pop("crc32c", _checksum(content)) != _checksum(content)
     ):
@@ -259,6 +265,8 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
             except ValueError:
                 raise _damaged_record(folder, records / STUDY) from None
             require_same(folder, stored["description"], description)
+            if len(stored["block"]) != len(study.shape):
+                raise _damaged_record(folder, records / STUDY)
             chunks = Chunks(study.shape, tuple(stored["block"]))
             if not _group_is_intact(folder, study, chunks, stored):
                 _repair_group(folder, study, chunks, stored)

@@ -390,3 +390,15 @@ def test_a_mistake_in_python_names_the_argument(make, named):
 
 def test_the_number_of_mistakes_looked_at():
     assert len(FLYERS) + len(STUDIES) + len(COMMANDS) + len(POINTS) + len(OBJECTS) >= 150
+
+
+def test_advice_for_scripts_is_not_given_to_commands(run, monkeypatch, tmp_path):
+    from lightflyer.config import reader
+    from lightflyer.statics.balance import require_converged
+
+    monkeypatch.setattr(reader, "read_flyer_file", lambda *_: require_converged("x", [1], [1.0]))
+    (tmp_path / "flyer.toml").write_text("x = 1", encoding="utf-8")
+    code, _, errors = run("predict", tmp_path / "flyer.toml")
+    assert code == 2
+    assert "1 of 1 not converged" in errors
+    assert "throw" not in errors

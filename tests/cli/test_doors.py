@@ -9,6 +9,7 @@ import signal
 import stat
 import subprocess
 import sys
+import tempfile
 import time
 import webbrowser
 import zipfile
@@ -61,6 +62,16 @@ def test_the_token_of_the_explorer_stands_in_no_command_line(run, monkeypatch):
     assert 'content="0; url=http://127.0.0.1:8470/SECRET/"' in page
     assert (mode, above) == (0o600, 0o700)
     assert not Path(shown[0].removeprefix("file://")).parent.exists()
+
+
+def test_without_room_for_a_file_the_address_is_printed(run, monkeypatch):
+    shown = []
+    monkeypatch.setattr(webbrowser, "open", shown.append)
+    monkeypatch.setattr(tempfile, "mkdtemp", full)
+    monkeypatch.setattr(server, "serve", lambda _, port, opened: opened(f"http://h:{port}/S/"))
+    code, text, _ = run("explore")
+    assert (code, shown) == (0, [])
+    assert "explore at http://h:8470/S/" in text
 
 
 @POSIX

@@ -33,6 +33,8 @@ _READS = {
 }  # fmt: skip
 """Commands whose first word is a file, beside those of the lab bench."""
 
+_FOR_SCRIPTS = "; or pass throw=False"  # advice that no command can follow
+
 _NO_ROOM = ("failed to map segment", "annot allocate memory")  # as loaders of libraries say
 
 _NEGATIVE, _OPTION = re.compile(r"-[\d.,]"), re.compile(r"--[a-z-]+")
@@ -203,7 +205,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         help_of = f"lightflyer {_help_of(given)} --help".replace("  ", " ")
         _fail(f"{_one_line(error, given)}; see {help_of}")
     except LightflyerError as error:
-        _fail(str(error))
+        _fail(str(error).partition(_FOR_SCRIPTS)[0])
     except MemoryError:
         _fail("this needs more memory than there is; ask for fewer samples or points")
     except ImportError as error:

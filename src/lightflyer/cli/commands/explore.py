@@ -63,7 +63,10 @@ def explore_command(
             if browser:
                 import webbrowser
 
-                page = until_closed.enter_context(_page_to(address)).as_uri()
+                try:
+                    page = until_closed.enter_context(_page_to(address)).as_uri()
+                except OSError:  # where temporary files have no room, the address is left
+                    return
                 # a browser of the terminal's returns only when it is closed
                 threading.Thread(target=webbrowser.open, args=(page,), daemon=True).start()
 

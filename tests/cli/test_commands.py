@@ -411,3 +411,12 @@ def test_runs_as_a_module_with_a_closed_pipe(flyer_file):
     )
     assert "Traceback" not in result.stderr
     assert "disk of 2 cm" in result.stdout
+
+
+def test_what_to_do_next_stands_last(run, flyer_file):
+    path = flyer_file()
+    for words in (["predict", path], ["drift", path, "--altitudes", "70 km to 71 km"], ["doctor"]):
+        code, out, _ = run(*words)
+        assert code == 0
+        assert out.splitlines()[-1].startswith("next: "), words
+    assert "next: " not in run("predict", path, "--json")[1]

@@ -198,9 +198,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 _add_plugins(asked)
             _require_files(given)
             with write_report(given):
-                app(given, exit_on_error=False, print_error=False)
+                app(given, exit_on_error=False, print_error=False, result_action="return_value")
             _tell_next(given)
             sys.stdout.flush()  # a full device says so here, not while Python ends
+        sys.exit(0)
     except cyclopts.CycloptsError as error:
         help_of = f"lightflyer {_help_of(given)} --help".replace("  ", " ")
         _fail(f"{_one_line(error, given)}; see {help_of}")
@@ -238,16 +239,19 @@ _NEXT = {
     "spread": "lightflyer fly {}, to follow one of them",
     "stability": _MISSION,
     "swarm": _MISSION,
-    "lab": "lightflyer lab summary FOLDER, for the numbers of all records; --update FLYER_FILE",
+    "lab": "lightflyer lab summary FOLDER, for the numbers of all records",
 }
 """What to do after a command that does not say so itself; braces are the file that it was given."""
 
 
 def _tell_next(given: Sequence[str]) -> None:
     """End with what to do next, where a person reads."""
-    if {*given} & {"--json", "--help", "-h", "--version"} or given[1:2] in (["example"], []):
+    if {*given} & {"--json", "--report", "--help", "-h", "--version"} or [*given[:2]] in (
+        ["lab"],
+        ["lab", "example"],
+    ):
         return
-    following = _NEXT.get(given[0])
+    following = _NEXT.get("".join(given[:1]))
     if following is not None:
         file = next((word for word in given[1:] if not word.startswith("-")), "FILE")
         say(printer(), f"next: {following.format(file)}")

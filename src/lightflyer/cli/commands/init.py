@@ -39,12 +39,14 @@ _PREDICT = "predict {} --out prediction"
 _OTHERS = {
     "mission": Template("mission.toml", "mission.toml", ("fly {} --out mission",)),
     "sweep": Template("study-sweep.toml", "study.toml", ("sweep {} --out results.zarr",)),
-    "optimise": Template("study-optimise.toml", "study.toml", ("optimise {} --write best.toml",)),
+    "optimise": Template(
+        "study-optimise.toml", "study.toml", ("optimise {} --write best-flyer.toml",)
+    ),
     "optimise-film": Template(
-        "study-optimise-film.toml", "study.toml", ("optimise {} --write best.toml",)
+        "study-optimise-film.toml", "study.toml", ("optimise {} --write best-flyer.toml",)
     ),
     "optimise-structure": Template(
-        "study-optimise-structure.toml", "study.toml", ("optimise {} --write best.toml",)
+        "study-optimise-structure.toml", "study.toml", ("optimise {} --write best-flyer.toml",)
     ),
     "sensitivity": Template(
         "study-sensitivity.toml", "study.toml", ("sensitivity {} --out sensitivity",)

@@ -2,12 +2,16 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 
+import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer import cli
 from lightflyer.cli.commands.init import templates
 from lightflyer.force.free_molecular import FreeMolecular
+from lightflyer.statics.balance import require_converged
 
 TEXTS = {kind: template.read() for kind, template in templates().items()}
 OF_PYTHON = re.compile(
@@ -392,13 +396,12 @@ def test_the_number_of_mistakes_looked_at():
     assert len(FLYERS) + len(STUDIES) + len(COMMANDS) + len(POINTS) + len(OBJECTS) >= 150
 
 
-def test_advice_for_scripts_is_not_given_to_commands(run, monkeypatch, tmp_path):
-    from lightflyer.config import reader
-    from lightflyer.statics.balance import require_converged
-
-    monkeypatch.setattr(reader, "read_flyer_file", lambda *_: require_converged("x", [1], [1.0]))
-    (tmp_path / "flyer.toml").write_text("x = 1", encoding="utf-8")
-    code, _, errors = run("predict", tmp_path / "flyer.toml")
+def test_advice_for_scripts_is_not_given_to_commands(run, monkeypatch):
+    fails = partial(require_converged, "x", np.array([1]), np.array([1.0]))
+    with pytest.raises(lf.ConvergenceError, match="or pass throw=False"):
+        fails()
+    monkeypatch.setattr(cli, "_require_files", lambda _: fails())
+    code, _, errors = run("predict", "flyer.toml")
     assert code == 2
-    assert "1 of 1 not converged" in errors
+    assert "x: 1 of 1 not converged" in errors
     assert "throw" not in errors

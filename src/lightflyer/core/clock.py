@@ -65,6 +65,7 @@ def _seconds_of_date(instant: str | datetime.date) -> float:
         except ValueError:
             raise ParameterError(f'time = "{instant}" {_NO_DATE}') from None
     _require_known(instant, instant != instant)  # as NaT alone is
+    assert isinstance(instant, datetime.datetime)  # a day without an hour was refused
     if instant.tzinfo is None:
         instant = instant.replace(tzinfo=datetime.UTC)
     return float((instant - EPOCH).total_seconds())

@@ -77,7 +77,7 @@ class Place(_Place):
         return super().__new__(cls, latitude, longitude, time)
 
     @classmethod
-    def _make(cls, parts: Iterable[Any]) -> "Place":
+    def _make(cls, parts: Iterable[Any]) -> "Place":  # type: ignore[override]
         return cls(*parts)  # checked, as ``_replace`` comes here
 
     @classmethod

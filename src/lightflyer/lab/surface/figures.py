@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Patch
@@ -63,11 +63,12 @@ def draw_height_map(
                       interpolation="nearest")  # fmt: skip
     if masked:
         rms = result.parameters["rms_height"].value
+        painted = np.zeros((*height.shape, 4), np.uint8)
         for _, mask, colour in _masks(result):
             # every so many pixels, in which none that is masked gets lost
             thin = ndimage.maximum_filter(mask, step, origin=-((step - 1) // 2))[::step, ::step]
-            ax.imshow(np.ma.masked_equal(thin, 0), extent=extent, cmap=ListedColormap([colour]),
-                      interpolation="nearest")  # fmt: skip
+            painted[thin > 0] = np.multiply(255, to_rgba(colour))
+        ax.imshow(painted, extent=extent, interpolation="nearest")
         shares = ", ".join(
             f"{name} {_PERCENT * mask.mean():.2g} %"
             for name, mask, _ in _masks(result)

@@ -18,3 +18,8 @@ def test_old_names_warn_and_serve(old, new):
 def test_other_names_are_none():
     with pytest.raises(AttributeError, match="flihgt"):
         _ = lf.flihgt
+
+
+def test_predict_moved_and_serves_where_it_was():
+    with pytest.warns(FutureWarning, match=r"is now lightflyer\.predict"):
+        assert lf.prediction.predict is lf.predict

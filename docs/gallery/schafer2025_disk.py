@@ -13,21 +13,24 @@ Within the same bounds the two agree, which :doc:`/sandwich` shows.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from lightflyer.force.kinetic.sandwich_table import sandwich_table
+from lightflyer.files.table import shipped_table
 from lightflyer.force.membranes.schafer2025_table import FREE_FORCE
 
 path = "../../tests/validation/schafer2025.csv"  # in the repository, not in the package
 published = np.genfromtxt(path, names=True, delimiter=",", skip_header=2)
-solved = sandwich_table("monatomic")
+solved = shipped_table("kinetic_sandwich.csv")
+monatomic = np.array(solved.texts["gas"]) == "monatomic"
+solved = {name: column[monatomic] for name, column in solved.numbers.items()}
 
 fig, ax = plt.subplots()
 for number, open_fraction in enumerate((0.0, 0.4, 0.7, 0.9)):
     row = published[published["beta"] == open_fraction]
     ratio = row["force"] / ((1.0 - open_fraction) * FREE_FORCE)
     ax.plot(row["delta"], ratio, "osD^"[number], color=f"C{number}")
-    ours = (solved.open_fraction == open_fraction) & (solved.tac == 1.0)
+    ours = (solved["open_fraction"] == open_fraction) & (solved["tac"] == 1.0)
     label = f"{open_fraction:.0%} holes"
-    ax.plot(solved.rarefaction[ours], solved.force_ratio[ours], color=f"C{number}", label=label)
+    force = solved["force_ratio"][ours]
+    ax.plot(solved["rarefaction"][ours], force, color=f"C{number}", label=label)
 ax.set(xlabel="rarefaction δ", ylabel="force over that of free molecules")
 ax.set(xscale="log", yscale="log", xlim=(0.08, 120.0), ylim=(2e-3, 1.3))
 ax.legend()

@@ -24,8 +24,8 @@ from lightflyer.force.kinetic.collisions import (
     collision_fit,
     with_collisions,
 )
+from lightflyer.force.kinetic.ratios import kinetic_fit
 from lightflyer.force.kinetic.scattering import Accommodations
-from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.kinetic.walls import scattering_fit, wall_fit
 from lightflyer.force.laws.faces import accommodated_force
 from lightflyer.kinetic_theory.disk.cases import MEDIUM, Case, Resolution, solve_case

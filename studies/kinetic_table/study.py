@@ -6,17 +6,17 @@ Run as ``python studies/kinetic_table/study.py [--only PART]``. Each solved poin
 
 import argparse
 import json
+import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from itertools import groupby, product
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 
 from lightflyer.array.namespace import float64
 from lightflyer.force.kinetic.ratios import KineticFit
-from lightflyer.force.kinetic.table import Table, WallTable, wall_table
-from lightflyer.force.kinetic.table_fit import fit
 from lightflyer.kinetic_theory.disk.cases import COARSE, FINE, MEDIUM, Case, solve_case
 from lightflyer.kinetic_theory.disk.linear import FaceResult, LinearSystem, Walls, face_result
 from lightflyer.kinetic_theory.disk.operators import assemble
@@ -24,6 +24,11 @@ from lightflyer.kinetic_theory.model_gases import GasModel, gas_model
 from lightflyer.kinetic_theory.solver import furthest_boundary
 
 FOLDER = Path(__file__).parent
+sys.path.append(str(FOLDER.parent))
+
+from kinetic_fits.common import some, table_of  # noqa: E402
+from kinetic_fits.disk import fit  # noqa: E402
+
 POINTS = FOLDER / "points.jsonl"
 DATA = FOLDER.parents[1] / "src" / "lightflyer" / "data"
 MESHES = {"fine": FINE, "medium": MEDIUM, "coarse": COARSE}
@@ -379,7 +384,7 @@ def errors_of_growth(found: Kept) -> dict[str, np.ndarray]:
     return {name: np.transpose(sorted(errors.items())) for name, errors in seen.items()}
 
 
-def as_table(rows: list[tuple[Point, Result]]) -> Table:
+def as_table(rows: list[tuple[Point, Result]]) -> SimpleNamespace:
     """Rows of one gas as the package's table."""
     places = [
         (p.knudsen, p.ratio, p.tac, p.difference, p.model.viscosity_exponent) for p, _ in rows
@@ -389,10 +394,12 @@ def as_table(rows: list[tuple[Point, Result]]) -> Table:
     ]
     columns = np.hstack([places, results]).T
     columns[-2:] *= columns[-4:-2]  # absolute
-    return Table(*columns)
+    return SimpleNamespace(**dict(zip(TABLE_COLUMNS.split(",")[1:], columns, strict=True)))
 
 
-def unseen(table: Table, walls: WallTable, gas: str) -> tuple[np.ndarray, np.ndarray]:
+def unseen(
+    table: SimpleNamespace, walls: SimpleNamespace, gas: str
+) -> tuple[np.ndarray, np.ndarray]:
     """Relative misfits of force and heat by fits that were not shown a row's Knudsen number.
 
     A row at the end of its series, of the same temperature ratio, TACs and exponent, is shown: a
@@ -409,17 +416,12 @@ def unseen(table: Table, walls: WallTable, gas: str) -> tuple[np.ndarray, np.nda
     misfits = misfit(fit(gas, table, walls), table)
     for knudsen in np.unique(table.knudsen[~ends]):
         hidden = ~ends & (table.knudsen == knudsen)
-        found = fit(gas, chosen(table, ~hidden), walls)
+        found = fit(gas, some(table, ~hidden), walls)
         misfits[:, hidden] = misfit(found, table)[:, hidden]
     return misfits[0], misfits[1]
 
 
-def chosen(table: Table, rows: np.ndarray) -> Table:
-    """Some rows of a table."""
-    return Table(*(column[rows] for column in vars(table).values()))
-
-
-def misfit(found: KineticFit, table: Table) -> np.ndarray:
+def misfit(found: KineticFit, table: SimpleNamespace) -> np.ndarray:
     """Relative deviations of a fit's force and heat from a table, shape (2, n)."""
     where = (
         table.knudsen,
@@ -439,7 +441,7 @@ def write_table(found: Kept) -> None:
     for gas in GASES:
         rows = [row for row in table_rows(found) if row[0].gas == gas]
         table = as_table(rows)
-        fit_errors = unseen(table, wall_table(gas), gas)
+        fit_errors = unseen(table, table_of("kinetic_boundary", gas), gas)
         lines += [
             table_row(point, result, errors)
             for (point, result), errors in zip(rows, np.transpose(fit_errors), strict=True)

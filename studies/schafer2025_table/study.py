@@ -6,6 +6,7 @@ Writes perforated-disk.png and results.json.
 """
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,13 +15,12 @@ import lightflyer as lf
 from lightflyer.files import drawing as plot
 from lightflyer.files import palette
 from lightflyer.force.membranes.schafer2025 import rarefaction
-from lightflyer.force.membranes.schafer2025_table import (
-    fit,
-    perforated_disk_fit,
-    perforated_disk_table,
-)
+from lightflyer.force.membranes.schafer2025_table import perforated_disk_fit
 
 HERE = Path(__file__).parent
+sys.path.append(str(HERE.parent))
+
+from kinetic_fits.perforated import fit, perforated_disk_table  # noqa: E402
 
 INNER = slice(1, 6)  # open fractions 0.2 to 0.9; the outermost rows cannot be left out
 SMALL_EXCESS = 0.01  # relative, of one face, at which open space is compared

@@ -6,11 +6,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from kinetic_fits.perforated import perforated_disk_table
 from scipy.optimize import brentq, fsolve
 
 import lightflyer as lf
 from lightflyer.array import tree
-from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.force.kinetic.ratios import kinetic_fit
 from lightflyer.force.laws.channels import (
     SLOT,
     channel_coefficients,
@@ -18,7 +19,7 @@ from lightflyer.force.laws.channels import (
     gas_at_faces,
 )
 from lightflyer.force.laws.disk_gas import disk_surroundings, recoil_ratio
-from lightflyer.force.membranes.schafer2025_table import perforated_disk_fit, perforated_disk_table
+from lightflyer.force.membranes.schafer2025_table import perforated_disk_fit
 from lightflyer.force.pumps.channel_pump import outer_resistance, through_flow
 from lightflyer.statics.equations import FlightEquations
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kinetic_fits.surfaces import fit_chamber
 
 import lightflyer as lf
 from lightflyer.array.namespace import float64
@@ -16,7 +17,6 @@ from lightflyer.force.kinetic.chamber import (
     PUSH_ERROR,
     Chamber,
     chamber_fit,
-    fit_columns,
 )
 
 RADIUS = 0.01
@@ -64,7 +64,7 @@ def test_fit_follows_the_table(table):
 def test_fit_predicts_chambers_that_it_was_not_shown(table):
     hidden = (table["floor"] == 3.0) & (table["wall"] == 6.0)
     assert hidden.any()
-    fit = fit_columns({name: column[~hidden] for name, column in table.items()})
+    fit = fit_chamber({name: column[~hidden] for name, column in table.items()})
     found = misfits(fit, {name: column[hidden] for name, column in table.items()})
     for name, bound in (("force", 0.05), ("heat", 0.01), ("lift", 0.06)):
         assert np.abs(found[name]).max() < bound, name

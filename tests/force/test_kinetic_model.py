@@ -10,14 +10,15 @@ from typing import ClassVar
 import jax
 import numpy as np
 import pytest
+from kinetic_fits import disk as fits
+from kinetic_fits.common import some, table_of
 from scipy.integrate import quad
 from scipy.optimize import approx_fprime
 
 import lightflyer as lf
 from lightflyer.environment import EnvironmentState, Radiation
+from lightflyer.force.fitted import GASES
 from lightflyer.force.kinetic import disk as kinetic_disk
-from lightflyer.force.kinetic import table as kinetic_table
-from lightflyer.force.kinetic import table_fit as kinetic_table_fit
 from lightflyer.force.kinetic.collisions import (
     FORCE_ERROR,
     FORCE_HEATED,
@@ -26,9 +27,8 @@ from lightflyer.force.kinetic.collisions import (
     HEATED_ERROR,
     with_collisions,
 )
-from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.force.kinetic.ratios import kinetic_fit
 
-GASES = kinetic_table.GASES
 COLD = 205.0
 
 
@@ -72,7 +72,7 @@ def misfits(fit, table):
 @pytest.mark.parametrize("gas", GASES)
 def test_fit_follows_the_table(gas):
     """At every temperature ratio, TAC, difference of TACs and viscosity exponent."""
-    table = kinetic_table.kinetic_table(gas)
+    table = table_of("kinetic", gas)
     (force, _), (heat, _) = misfits(kinetic_fit(gas), table)
     dense = table.knudsen < 0.1
     assert np.all(force < np.where(dense, 1e-2, 5e-3))
@@ -82,10 +82,9 @@ def test_fit_follows_the_table(gas):
 @pytest.mark.parametrize("hidden", [0.04, 0.125, 1.5])
 def test_fit_predicts_what_it_was_not_shown(hidden):
     """Between the table's Knudsen numbers the fit is as good as its stated error."""
-    table = kinetic_table.kinetic_table("diatomic")
+    table = table_of("kinetic", "diatomic")
     rows = table.knudsen == hidden
-    shown = kinetic_table.Table(*(column[~rows] for column in vars(table).values()))
-    fit = kinetic_table_fit.fit("diatomic", shown, kinetic_table.wall_table("diatomic"))
+    fit = fits.fit("diatomic", some(table, ~rows), table_of("kinetic_boundary", "diatomic"))
     stated = float_of(lambda: jax.numpy.stack(kinetic_fit().table_errors(hidden)))
     unlike = table.tac_difference > 0.1  # of which there are fewer rows
     pairs = zip(misfits(fit, table), stated, (0.01, 0.005), strict=True)
@@ -136,7 +135,7 @@ def test_the_table_ends_in_conduction(gas, heat_capacity, conductivity):
     The solver's last Knudsen numbers are within 2 % of it at large TACs, where the jump of
     temperature at the faces is small. The fit goes on to it.
     """
-    table = kinetic_table.kinetic_table(gas)
+    table = table_of("kinetic", gas)
     rows = (table.knudsen <= 0.013) & (table.tac >= 0.8) & (table.temperature_ratio == 1.0)
     # in units of pr²ΔT √(RT)/T; μ = λp √(2/πRT), λ = 2r Kn, c̄ = √(8RT/π)
     free = 2.0 * np.pi * np.sqrt(8.0 / np.pi) * (heat_capacity + 0.5) / 4.0
@@ -245,7 +244,7 @@ def test_walls_far_away_do_nothing_and_near_ones_raise_the_force(disk):
     assert force[1] == pytest.approx(force[0], rel=1e-3)
     assert heat[1] == pytest.approx(heat[0], rel=1e-3)
     # the solver's own table at three radii and this Knudsen number
-    walls = kinetic_table.wall_table("diatomic")
+    walls = table_of("kinetic_boundary", "diatomic")
     row = np.argmin(abs(walls.knudsen - 0.3) + abs(walls.boundary - 3.0))
     assert walls.boundary[row] == pytest.approx(3.0, rel=0.1)
     assert force[2] / force[0] == pytest.approx(walls.force_factor[row], rel=0.05)

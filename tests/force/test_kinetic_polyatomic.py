@@ -5,7 +5,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.force.kinetic.disk import scaled_heat_ratio
-from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.force.kinetic.ratios import kinetic_fit
 
 SCALED = lf.Kinetic(polyatomic="scaled")
 CO2 = lf.gas.CARBON_DIOXIDE

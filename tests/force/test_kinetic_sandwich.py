@@ -4,11 +4,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from kinetic_fits import sandwich
+from kinetic_fits.common import some, table_of
 
 import lightflyer as lf
 from lightflyer.array import tree
 from lightflyer.force.kinetic import sandwich_table as tables
-from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.force.kinetic.ratios import kinetic_fit
 from lightflyer.force.membranes.sandwich import rarefaction
 from lightflyer.kinetic_theory.disk.cases import COARSE, Case, solve_case
 from lightflyer.kinetic_theory.model_gases import DIATOMIC
@@ -148,7 +150,7 @@ def test_outer_faces_count():
 
 @pytest.mark.parametrize("gas", ["diatomic", "monatomic"])
 def test_fit_follows_the_table(gas):
-    table = tables.sandwich_table(gas)
+    table = table_of("kinetic_sandwich", gas)
     kept = (table.rarefaction <= 35.0) & (table.open_fraction <= 0.95)
     share = (1.0 - table.open_fraction) * table.tac
     with lf.float64():
@@ -164,14 +166,15 @@ def test_fit_follows_the_table(gas):
 
 def test_fit_predicts_rows_it_was_not_shown():
     """At an open fraction within the table, from all others."""
-    table = tables.sandwich_table("diatomic")
-    rest = (tables.sandwich_hot_table(), tables.sandwich_wall_table(), kinetic_fit("diatomic"))
+    table = table_of("kinetic_sandwich", "diatomic")
+    rest = table_of("kinetic_sandwich_hot"), table_of("kinetic_sandwich_boundary")
     rows = table.open_fraction != 0.4
-    shown = tables.SandwichTable(*(column[rows] for column in vars(table).values()))
     kept = ~rows & (table.rarefaction <= 20.0)
     delta, tac = table.rarefaction[kept], table.tac[kept]
     with lf.float64():
-        found = jax.jit(tables.fit(shown, *rest).ratios)(delta, 0.4, tac, 0.6 * tac, 1.0)
+        found = jax.jit(sandwich.fit(kinetic_fit("diatomic"), some(table, rows), *rest).ratios)(
+            delta, 0.4, tac, 0.6 * tac, 1.0
+        )
     assert np.asarray(found.force) == pytest.approx(table.force_ratio[kept], rel=5e-3)
     assert np.asarray(found.tac_force) == pytest.approx(table.tac_force_ratio[kept], rel=1.5e-2)
     assert np.asarray(found.heat) == pytest.approx(table.heat_ratio[kept], rel=5e-3)
@@ -182,7 +185,7 @@ def test_holes_only_lessen_the_accommodated_share_where_both_faces_are_as_warm()
 
     The table's faces differ by 0.1 in TAC, of which the heat feels the square.
     """
-    table = tables.sandwich_table("diatomic")
+    table = table_of("kinetic_sandwich", "diatomic")
     at = (table.rarefaction == 4.0).nonzero()[0]
     by_share = {}
     for row in at:

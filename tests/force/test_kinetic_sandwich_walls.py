@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from kinetic_fits import sandwich
 
 import lightflyer as lf
 from lightflyer.files.table import shipped_table
@@ -80,7 +81,9 @@ def test_fit_predicts_walls_it_has_not_seen(gas):
     columns = {name: column[rows] for name, column in table.numbers.items()}
     unseen = (columns["normal"] == 0.4) & (columns["tangential"] == 0.9)
     with lf.float64():
-        fit = walls.fit_columns({name: c[~unseen] for name, c in columns.items()}, gas)
+        fit = sandwich.fit_walls(
+            {name: c[~unseen] for name, c in columns.items()}, gas, sandwich_fit(gas)
+        )
         here = {name: c[unseen] for name, c in columns.items()}
         faces = Accommodations(*(here[kind] for kind in ("normal", "tangential", "rotational")))
         kinds = 3 if gas == "diatomic" else 2

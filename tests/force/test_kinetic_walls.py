@@ -9,12 +9,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from kinetic_fits import surfaces
 
 import lightflyer as lf
 from lightflyer.design.setup import Setup
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic import scattering
 from lightflyer.force.kinetic import walls as kinetic_walls
+from lightflyer.force.kinetic.ratios import kinetic_fit
 from lightflyer.force.kinetic.walls import sharing_factor, wall_fit
 from lightflyer.kinetic_theory.walls import normal_accommodation
 from lightflyer.prediction.prediction import Prediction
@@ -200,7 +202,7 @@ def test_fit_follows_the_table_and_predicts_what_it_was_not_shown(gas):
 def hiding(table, rows):
     """Misfits at rows that are not fitted."""
     shown, kept = ({k: v[mask] for k, v in table.items()} for mask in (~rows, rows))
-    return misfits(kinetic_walls.fit_columns(shown), kept)
+    return misfits(surfaces.fit_walls(shown), kept)
 
 
 def test_a_better_mesh_gives_the_same_ratio_of_walls(study):
@@ -272,11 +274,13 @@ def test_weights_of_accommodation_follow_the_table(gas):
     """Relative to the force of normal motion, also at a Knudsen number that is not fitted."""
     table = scattering_table(gas)
     with lf.float64():
-        accommodated = kinetic_walls.force_at_walls_of_one_temperature(table, gas)
+        accommodated = surfaces.force_at_walls_of_one_temperature(
+            table, gas, kinetic_fit(gas), wall_fit(gas)
+        )
         fits = [kinetic_walls.scattering_fit(gas)]
         hidden = table["knudsen"] == 0.1
         shown = {name: column[~hidden] for name, column in table.items()}
-        fits.append(scattering.fit_columns(shown, accommodated[~hidden]))
+        fits.append(surfaces.fit_scattering(shown, accommodated[~hidden]))
         for fit, rows in zip(fits, (~hidden, hidden), strict=True):
             means = scattering.Accommodations(*(table[name][rows] for name in KINDS))
             weights = fit.weights(table["knudsen"][rows], means)

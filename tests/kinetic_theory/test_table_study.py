@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from lightflyer.array.namespace import float64
-from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.force.kinetic.ratios import kinetic_fit
 
 STUDY = Path(__file__).parents[2] / "studies" / "kinetic_table" / "study.py"
 

@@ -8,8 +8,9 @@ same: the gas between disk and floor is warmer than that above. For small temper
     \frac{F}{pA} = f\,\frac{F_o}{pA} + g\,\theta, \qquad Q = h\,Q_o
 
 with :math:`F_o, Q_o` in open space and :math:`\theta = T_h/T_c - 1`. The solver's table of the
-factors is made by ``studies/kinetic_chamber``; here it is fitted by polynomials in the inverse
-distances. For a hot disk :class:`Surroundings` keeps what the factors say of the gas's resistance.
+factors is made by ``studies/kinetic_chamber``; ``studies/kinetic_fits`` fits polynomials in the
+inverse distances to it. For a hot disk :class:`Surroundings` keeps what the factors say of the
+gas's resistance.
 """
 
 from dataclasses import dataclass
@@ -21,21 +22,20 @@ import numpy as np
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
-from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
+from lightflyer.force.fitted import fitted
 from lightflyer.force.kinetic.collisions import HEATED_RANGE
 from lightflyer.force.kinetic.ratios import denseness, heating_of, thinness
 from lightflyer.numerics.horner import polynomial
-from lightflyer.numerics.polynomials import hold_within, place_between
+from lightflyer.numerics.polynomials import hold_within
 
 # powers of floor, lid and side wall: floor and lid may be exchanged, with the same or the
 # opposite result
-_EVEN = (
+EVEN = (
     (1, 0, 0), (2, 0, 0), (3, 0, 0), (1, 1, 0), (2, 1, 0), (0, 0, 1), (0, 0, 2), (0, 0, 3),
     (1, 0, 1), (2, 0, 1), (1, 0, 2), (1, 1, 1),
 )  # fmt: skip
-_ODD = ((1, 0, 0), (2, 0, 0), (3, 0, 0), (2, 1, 0), (1, 0, 1), (2, 0, 1), (1, 0, 2), (1, 0, 3))
-_FEW, _MANY = 4, 5  # powers of the Knudsen number
+ODD = ((1, 0, 0), (2, 0, 0), (3, 0, 0), (2, 1, 0), (1, 0, 1), (2, 0, 1), (1, 0, 2), (1, 0, 3))
 
 _HELD = "the table of chambers ends there, and their effect is held"
 _DENSE = (
@@ -180,11 +180,11 @@ class ChamberFit:
             parts = zip(coefficients, terms, strict=True)
             return sum((polynomial(own, place) * term for own, term in parts), xp.zeros(()))
 
-        heat_kept = xp.exp(value(self.kept, _terms(near, _EVEN, 1.0)))
-        beside = xp.exp(value(self.force, _terms(near, _EVEN, 1.0)) * dense)
+        heat_kept = xp.exp(value(self.kept, terms(near, EVEN, 1.0)))
+        beside = xp.exp(value(self.force, terms(near, EVEN, 1.0)) * dense)
         force, heat = opened
         factor = beside * resistance_ratio(heat, heat_kept) / heat
-        lift = value(self.lift, _terms(near, _ODD, -1.0))
+        lift = value(self.lift, terms(near, ODD, -1.0))
         lift = lift * (beyond * dense * tac / REFERENCE_TAC)
         heat_kept = _keep_hot(heat_kept, _HEATED_HEAT_POWER, knudsen, ratio)
         return Surroundings(_keep(factor, force), heat_kept, lift, FORCE_ERROR, HEAT_ERROR)
@@ -206,7 +206,7 @@ def nearness(chamber: Chamber, nearest: Chamber | None = None) -> tuple[Any, ...
     return tuple(1.0 / (1.0 + xp.maximum(distance, least)) for distance, least in held)
 
 
-def _terms(near: tuple[Any, ...], powers: Any, exchanged: float) -> list[Any]:
+def terms(near: tuple[Any, ...], powers: Any, exchanged: float) -> list[Any]:
     """Products of powers, with those where floor and lid are exchanged."""
     floor, lid, wall = near
     found = []
@@ -220,32 +220,5 @@ def _terms(near: tuple[Any, ...], powers: Any, exchanged: float) -> list[Any]:
 
 @lru_cache
 def chamber_fit() -> ChamberFit:
-    """Effects of a chamber on a disk, fitted to the table, which is for a diatomic gas."""
-    return fit_columns(dict(shipped_table("kinetic_chamber.csv").numbers))
-
-
-def fit_columns(table: dict[str, np.ndarray]) -> ChamberFit:
-    """Smooth functions through a table's columns; ``table`` (n,)."""
-    knudsen, opened = table["knudsen"], table["open_heat_ratio"]
-    ends = float(knudsen.min()), float(knudsen.max())
-    place, dense = place_between(np.log(knudsen), *np.log(ends)), denseness(knudsen)
-    near = nearness(Chamber(table["floor"], table["lid"], table["wall"]))
-    heat = table["heat_factor"]
-    kept = (1.0 / heat - opened) / (1.0 - opened)
-
-    def fit(values: Any, terms: Any, weights: Any, number: int) -> Any:
-        powers = place[:, None] ** np.arange(number)
-        basis = np.concatenate([np.asarray(term)[:, None] * powers for term in terms], axis=1)
-        found = np.linalg.lstsq(basis * weights[:, None], values * weights, rcond=None)[0]
-        return tuple(map(tuple, found.reshape(len(terms), number).tolist()))
-
-    even, odd = _terms(near, _EVEN, 1.0), _terms(near, _ODD, -1.0)
-    force = np.log(table["force_factor"] / heat) / dense
-    nearest = float(min(table["floor"].min(), table["lid"].min()))
-    return ChamberFit(
-        ends,
-        Chamber(nearest, nearest, float(table["wall"].min())),
-        fit(force, even, dense, _MANY),
-        fit(np.log(kept), even, 1.0 - opened, _MANY),
-        fit(table["lift"] / dense, odd, dense / table["force"], _FEW),
-    )
+    """Effects of a chamber on a disk; the table is for a diatomic gas."""
+    return fitted(ChamberFit, "chamber", "diatomic")

@@ -20,16 +20,15 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, xp
-from lightflyer.files.table import shipped_table
+from lightflyer.force.fitted import fitted
 from lightflyer.force.kinetic.ratios import heating_of
 from lightflyer.gas.base import AbstractGas
 from lightflyer.numerics.horner import polynomial
-from lightflyer.numerics.polynomials import hold_within, least_squares, place_between
+from lightflyer.numerics.polynomials import hold_within, place_between
 from lightflyer.numerics.special import root_sum_square
 
-_REFERENCE_TAC = 0.9
-_TACS = (0.3, 1.0)  # little beyond those of the table, 0.4 and 0.9
-_REFERENCE_EXPONENT = 0.74
+REFERENCE_TAC = 0.9
+REFERENCE_EXPONENT = 0.74
 
 _SIMULATED_CONDUCTION = (4.717, -0.646)
 """Conductivity over viscosity and gas constant of the table's diatomic molecules [1]: at an
@@ -81,21 +80,6 @@ HEATED_ERROR = 0.6
 """Standard error of what heating does to the factor of force, relative to itself: it was fitted
 where one face hardly accommodates; where TACs are 0.4 to 1, most of it is missing."""
 
-# powers of viscosity exponent, TAC and Knudsen number
-_POWERS = {
-    "monatomic": [
-        *((0, 0, knudsen) for knudsen in range(6)),
-        *((1, 0, knudsen) for knudsen in range(5)),
-        *((2, 0, knudsen) for knudsen in range(3)),
-        *((exponent, 1, knudsen) for exponent in range(2) for knudsen in range(3)),
-    ],
-    "diatomic": [
-        *((0, 0, knudsen) for knudsen in range(6)),
-        *((1, 0, knudsen) for knudsen in range(5)),
-        *((exponent, 1, knudsen) for exponent in range(2) for knudsen in range(3)),
-    ],
-}
-
 
 @dataclass(frozen=True)
 class CollisionFit:
@@ -114,8 +98,8 @@ class CollisionFit:
         """:math:`r_F` and :math:`r_Q` of small temperature differences [1]."""
         low, high = np.log(self.knudsen_range)
         place = place_between(xp.clip(xp.log(knudsen), low, high), low, high)
-        stiff = hold_within(exponent, *self.exponent_range) - _REFERENCE_EXPONENT
-        rough = xp.clip(tac, *self.tac_range) - _REFERENCE_TAC
+        stiff = hold_within(exponent, *self.exponent_range) - REFERENCE_EXPONENT
+        rough = xp.clip(tac, *self.tac_range) - REFERENCE_TAC
         return (
             xp.exp(polynomial(self.force, stiff, rough, place)),
             xp.exp(polynomial(self.heat, stiff, rough, place)),
@@ -137,7 +121,7 @@ class HeatedGas:
         """Conductivity of the simulated molecules over viscosity and gas constant [1]."""
         low, high = collision_fit(self.kind).exponent_range
         value, slope = _SIMULATED_CONDUCTION
-        return value + slope * (hold_within(self.exponent, low, high) - _REFERENCE_EXPONENT)
+        return value + slope * (hold_within(self.exponent, low, high) - REFERENCE_EXPONENT)
 
     @property
     def _conduction(self) -> Numeric:
@@ -181,25 +165,5 @@ def with_collisions(ratio: Numeric, factor: Numeric) -> Array:
 
 @lru_cache
 def collision_fit(gas: str = "diatomic") -> CollisionFit:
-    """Factors of a kind of gas, fitted to the table."""
-    table = shipped_table("kinetic_collisions.csv")
-    kept = np.array(table.texts["gas"]) == gas
-    return fit_columns({name: column[kept] for name, column in table.numbers.items()}, _POWERS[gas])
-
-
-def fit_columns(table: dict[str, np.ndarray], powers: list[tuple[int, int, int]]) -> CollisionFit:
-    """Smooth functions through a table's columns; ``table`` (n,)."""
-    knudsen, exponent = table["knudsen"], table["viscosity_exponent"]
-    low, high = float(knudsen.min()), float(knudsen.max())
-    variables = (
-        exponent - _REFERENCE_EXPONENT,
-        table["tac"] - _REFERENCE_TAC,
-        np.asarray(place_between(np.log(knudsen), np.log(low), np.log(high))),
-    )
-    force, heat = (
-        least_squares(np.log(table[f"{name}_factor"]), variables, powers)
-        for name in ("force", "heat")
-    )
-    return CollisionFit(
-        (low, high), (float(exponent.min()), float(exponent.max())), _TACS, force, heat
-    )
+    """Factors of a kind of gas."""
+    return fitted(CollisionFit, "collisions", gas)

@@ -13,6 +13,7 @@ from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
+from lightflyer.force.fitted import GASES
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic import walls as kinetic_walls
 from lightflyer.force.kinetic.chamber import (
@@ -38,9 +39,7 @@ from lightflyer.force.kinetic.local_balance import (
     RemainingShares,
     local_balance_fit,
 )
-from lightflyer.force.kinetic.ratios import KineticFit, heating_of
-from lightflyer.force.kinetic.table import GASES
-from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.force.kinetic.ratios import KineticFit, heating_of, kinetic_fit
 from lightflyer.force.kinetic.walls import AbstractWalled
 from lightflyer.force.kinetic.warm_floor import push_of_floor
 from lightflyer.force.membranes.schafer2025_table import internal_factors

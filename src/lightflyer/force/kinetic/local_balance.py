@@ -23,22 +23,19 @@ import numpy as np
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
-from lightflyer.files.table import shipped_table
 from lightflyer.flyer.disk import Disk
+from lightflyer.force.fitted import fitted
 from lightflyer.force.free_molecular import disk_conductance
 from lightflyer.force.kinetic.ratios import heating_of, thinness
 from lightflyer.numerics.horner import polynomial
-from lightflyer.numerics.polynomials import least_squares, place_between
 
 FilmBalance = Literal["isothermal", "local"]
 """One temperature of the whole film, or one that follows from each spot's balance of heat."""
 
 _HEATING_EXPONENT = 1.57
 _KNUDSEN_0 = 0.062
-_POWERS = [(0,), (1,), (2,), (3,)]
 FILM_OF_DIATOMIC = "what a film's local balance of heat does is taken from a diatomic gas"
 _HELD = "the table of films that balance their heat locally ends there, and what it says is held"
-_LEAST = 1e-5  # shares that meshes resolve [1]
 
 
 class RemainingShares(NamedTuple):
@@ -90,15 +87,5 @@ def gas_share(disk: Disk, state: EnvironmentState, excess: Numeric, heat_ratio: 
 
 @lru_cache
 def local_balance_fit() -> LocalBalanceFit:
-    """Shares that a film loses, fitted to the table, which is for a diatomic gas."""
-    columns = shipped_table("kinetic_local_balance.csv").numbers
-    kept = 1.0 - columns["heat_factor"] > _LEAST
-    knudsen = columns["knudsen"][kept]
-    ends = float(knudsen.min()), float(knudsen.max())
-    place = place_between(np.log(knudsen), *np.log(ends))
-    lost = [1.0 - columns[f"{name}_factor"][kept] for name in ("force", "heat")]
-    force, heat = (
-        least_squares(np.log(share), (place,), _POWERS, share**-0.5)  # small shares hardly matter
-        for share in lost
-    )
-    return LocalBalanceFit(ends, force, heat)
+    """Shares that a film loses; the table is for a diatomic gas."""
+    return fitted(LocalBalanceFit, "local balance", "diatomic")

@@ -17,11 +17,11 @@ from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.force.fitted import GASES
 from lightflyer.force.kinetic.collisions import Collisions
 from lightflyer.force.kinetic.disk import KineticDisk, Polyatomic
 from lightflyer.force.kinetic.local_balance import FilmBalance
 from lightflyer.force.kinetic.sandwich import KineticSandwich
-from lightflyer.force.kinetic.table import GASES
 from lightflyer.force.kinetic.walls import Wall
 from lightflyer.force.laws.membrane_transmission import Transmission
 from lightflyer.force.section import ForceSection

@@ -11,16 +11,18 @@ the Knudsen number,
 
 because these vary slowly and tend to constants in thin gas. In dense gas the heat's tends to that
 of conduction. The force's tends to a power law, since only the edge of a disk contributes. So they
-can be continued beyond the table that :mod:`~lightflyer.force.kinetic.table_fit` fits them to.
+can be continued beyond the table that ``studies/kinetic_fits`` fits them to.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from lightflyer.array.memory import kept
 from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.force.fitted import fitted
 from lightflyer.numerics.horner import polynomial
 from lightflyer.numerics.polynomials import hold_within, place_between
 
@@ -210,6 +212,12 @@ class KineticFit:
 
     def _exponent_difference(self, viscosity_exponent: Numeric | None) -> Numeric | None:
         return None if viscosity_exponent is None else viscosity_exponent - self.viscosity_exponent
+
+
+@lru_cache
+def kinetic_fit(gas: str = "diatomic") -> KineticFit:
+    """Smooth functions through the table for a gas."""
+    return fitted(KineticFit, "disk", gas)
 
 
 @kept

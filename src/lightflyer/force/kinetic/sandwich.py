@@ -12,6 +12,7 @@ from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.sandwich import Sandwich
+from lightflyer.force.fitted import GASES
 from lightflyer.force.kinetic.collisions import (
     Collisions,
     HeatedGas,
@@ -26,7 +27,6 @@ from lightflyer.force.kinetic.sandwich_table import (
 )
 from lightflyer.force.kinetic.sandwich_walls import force_factors, near_walls
 from lightflyer.force.kinetic.scattering import ranges as scattering_ranges
-from lightflyer.force.kinetic.table import GASES
 from lightflyer.force.kinetic.walls import AbstractWalled
 from lightflyer.force.laws.faces import free_molecular_conductance
 from lightflyer.force.laws.membrane_transmission import (

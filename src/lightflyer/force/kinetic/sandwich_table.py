@@ -22,7 +22,7 @@ is the resistance that the gas adds, and for the last what it brings back,
 
 What heat does to the resistances :math:`1/\hat F - 1` comes from a second, coarser table. For
 :math:`\hat F_\alpha` and :math:`\hat Q` without holes it is that of
-:mod:`~lightflyer.force.kinetic.table`, which both meet at :math:`\beta = 0`.
+:mod:`~lightflyer.force.kinetic.ratios`, which both meet at :math:`\beta = 0`.
 """
 
 from dataclasses import dataclass
@@ -32,104 +32,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, xp
-from lightflyer.core.errors import ParameterError
-from lightflyer.files.table import shipped_table
+from lightflyer.force.fitted import fitted
 from lightflyer.force.kinetic.collisions import MODEL_FORCE_ERROR, MODEL_HEAT_ERROR
-from lightflyer.force.kinetic.ratios import KineticFit
-from lightflyer.force.kinetic.table import GASES
-from lightflyer.force.kinetic.table_fit import kinetic_fit
-from lightflyer.numerics.horner import as_tuples, polynomial
-from lightflyer.numerics.polynomials import error_fit, least_squares, place_between
+from lightflyer.force.kinetic.ratios import KineticFit, kinetic_fit
+from lightflyer.numerics.horner import polynomial
+from lightflyer.numerics.polynomials import place_between
 from lightflyer.numerics.special import root_sum_square
 
 HIGHEST_OPEN_FRACTION = 0.99  # Where the table ends [1]
 RAREFACTION_OF_KNUDSEN = np.sqrt(np.pi) / 4.0  # δ Kn, with the Knudsen number of the diameter
 
-_MOST = 8  # power of the rarefaction
-_POWERS = [
-    (hole, tac, place)
-    for hole in range(5)
-    for tac in range(3)
-    for place in range(_MOST + 1)
-    if hole == 0 or hole + tac + place <= _MOST + 1
-]
-_HEAT_POWERS = [(share, place) for share in range(4) for place in range(_MOST + 1)]
-_WALL_POWERS = [(near, hole, place) for near in range(4) for hole in range(5) for place in range(5)]
-_HOT_POWERS = [  # through every point of the table
-    (heat, hole, place) for heat in range(2) for hole in range(3) for place in range(3)
-]
 _FIT_ERROR = (0.003, 0.002)
 """Relative standard error of force and heat by the fit: half the largest misfit up to δ = 60."""
 
 _RELATIVE = (False, True, True, False)  # whose value without holes is the disk's
-_LEAST_WEIGHT = 1e-4  # of a row in thin gas, where the resistance hardly matters
 _COLDEST = -0.3  # (T_h − T_c)/T_h down to which the fit's curve in temperature is continued
 _SLOPES = (-1.0, 1.0)  # of the logarithm of a resistance that are believed beyond the table
-
-
-@dataclass(frozen=True)
-class SandwichTable:
-    r"""The solver's results for one gas, a row each."""
-
-    rarefaction: np.ndarray  # shape (n,); :math:`\delta`, :math:`\beta` and mean TAC [1]
-    open_fraction: np.ndarray
-    tac: np.ndarray
-    force_ratio: np.ndarray  # Over the free-molecular values, shape (n,) [1]
-    tac_force_ratio: np.ndarray
-    heat_ratio: np.ndarray
-    heat_difference_ratio: np.ndarray
-    heat_cross_ratio: np.ndarray
-    force_ratio_error: np.ndarray  # shape (n,); absolute 95 % bounds of the solver's error [1]
-    tac_force_ratio_error: np.ndarray
-    heat_ratio_error: np.ndarray
-
-
-@dataclass(frozen=True)
-class SandwichWallTable:
-    """Effect of a chamber's walls, a row each: factors over open space."""
-
-    rarefaction: np.ndarray  # shape (n,); distance of the wall in radii of the disk [1]
-    boundary: np.ndarray
-    open_fraction: np.ndarray
-    force_factor: np.ndarray  # shape (n,)
-    tac_force_factor: np.ndarray  # shape (n,)
-    heat_factor: np.ndarray  # shape (n,)
-    heat_difference_factor: np.ndarray  # shape (n,)
-
-
-@dataclass(frozen=True)
-class SandwichHotTable:
-    """What heat does to the resistances, a row each: factors over the linear problem."""
-
-    rarefaction: np.ndarray  # shape (n,); mean T/T_c of the faces [1]
-    open_fraction: np.ndarray  # shape (n,); mean T/T_c of the faces [1]
-    temperature_ratio: np.ndarray  # shape (n,); mean T/T_c of the faces [1]
-    force_growth: np.ndarray  # shape (n,)
-    tac_force_growth: np.ndarray  # shape (n,)
-    heat_growth: np.ndarray  # shape (n,)
-    heat_difference_growth: np.ndarray  # shape (n,)
-
-
-@lru_cache
-def sandwich_table(gas: str = "diatomic") -> SandwichTable:
-    """The solver's table for a gas."""
-    if gas not in GASES:
-        raise ParameterError(f"gas = {gas!r} is not one of {', '.join(GASES)}")
-    table = shipped_table("kinetic_sandwich.csv")
-    kept = np.array(table.texts["gas"]) == gas
-    return SandwichTable(**{name: values[kept] for name, values in table.numbers.items()})
-
-
-@lru_cache
-def sandwich_wall_table() -> SandwichWallTable:
-    """The solver's table of the effect of walls."""
-    return SandwichWallTable(**shipped_table("kinetic_sandwich_boundary.csv").numbers)
-
-
-@lru_cache
-def sandwich_hot_table() -> SandwichHotTable:
-    """The solver's table of what heat does to the resistances."""
-    return SandwichHotTable(**shipped_table("kinetic_sandwich_hot.csv").numbers)
 
 
 class Ratios(NamedTuple):
@@ -210,7 +128,7 @@ class SandwichFit:
         back = polynomial(self.heat_difference, open_fraction, mean, place)
         cold = 1.0 - back * solid * tac / (1.0 + rarefaction)
         return Ratios(
-            ratio(self.force, by_force * solid, _flow(open_fraction), mean),
+            ratio(self.force, by_force * solid, flow(open_fraction), mean),
             ratio(self.tac_force, disk[0] * by_tac * solid, open_fraction, mean),
             ratio(self.heat, disk[1] * by_heat * share * rarefaction, share),
             cold / (cold + by_difference * (1.0 - cold)),
@@ -291,84 +209,12 @@ def place_of(rarefaction: Numeric, ends: tuple[float, float]) -> tuple[Array, Ar
     )
 
 
-def _flow(open_fraction: Any) -> Any:
+def flow(open_fraction: Any) -> Any:
     """What the flow through the holes of a dense gas goes with."""
     return open_fraction / (1.0 + open_fraction)
-
-
-def ends_and_places(rarefaction: np.ndarray) -> tuple[tuple[float, float], np.ndarray]:
-    """Ends of a table's rarefactions, and where in it each is."""
-    ends = float(rarefaction.min()), float(rarefaction.max())
-    return ends, np.asarray(place_between(np.log(rarefaction), *np.log(ends)))
 
 
 @lru_cache
 def sandwich_fit(gas: str = "diatomic") -> SandwichFit:
     """Smooth functions through the table for a gas."""
-    return fit(sandwich_table(gas), sandwich_hot_table(), sandwich_wall_table(), kinetic_fit(gas))
-
-
-def fit(
-    table: SandwichTable, hot: SandwichHotTable, walls: SandwichWallTable, disk: KineticFit
-) -> SandwichFit:
-    """Smooth functions through tables."""
-    ends, place = ends_and_places(table.rarefaction)
-    low, high = np.log(ends)
-    delta, solid = table.rarefaction, 1.0 - table.open_fraction
-    both, share = (table.open_fraction, table.tac), solid * table.tac
-
-    def resistance(ratio: np.ndarray, scale: np.ndarray, variables: Any, powers: Any) -> Resistance:
-        values = np.log((1.0 / ratio - 1.0) / (scale * delta))
-        errors = 1.0 / (1.0 - ratio + _LEAST_WEIGHT)
-        inside = least_squares(values, (*variables, place), powers, errors)
-        slope = np.asarray(inside) @ np.arange(_MOST + 1) * 2.0 / (high - low)  # at +1
-        return Resistance(inside, as_tuples(slope))
-
-    def returned(ratio: np.ndarray) -> Any:
-        scale = share * delta / (1.0 + delta)
-        errors = ratio / (scale + _LEAST_WEIGHT)
-        return least_squares((1.0 - ratio) / scale, (*both, place), _POWERS, errors)
-
-    wall_ends, wall_place = ends_and_places(walls.rarefaction)
-    by_distance = (1.0 / walls.boundary, walls.open_fraction, wall_place)
-    factors = (
-        walls.force_factor,
-        walls.tac_force_factor,
-        walls.heat_factor,
-        walls.heat_difference_factor,
-    )
-    hot_ends, hot_place = ends_and_places(hot.rarefaction)
-    heating = 1.0 - 1.0 / hot.temperature_ratio
-    growths = (
-        hot.force_growth,
-        hot.tac_force_growth,
-        hot.heat_growth,
-        hot.heat_difference_growth,
-    )
-    return SandwichFit(
-        rarefaction_range=ends,
-        tac_range=(float(table.tac.min()), float(table.tac.max())),
-        force=resistance(
-            table.force_ratio, solid, (_flow(table.open_fraction), table.tac), _POWERS
-        ),
-        tac_force=resistance(table.tac_force_ratio, solid, both, _POWERS),
-        heat=resistance(table.heat_ratio, share, (share,), _HEAT_POWERS),
-        heat_difference=returned(table.heat_difference_ratio),
-        disk=disk,
-        hot=tuple(
-            least_squares(
-                np.log(growth) / heating, (heating, hot.open_fraction, hot_place), _HOT_POWERS
-            )
-            for growth in growths
-        ),
-        heating_limit=float(heating.max()),
-        hot_range=hot_ends,
-        walls=tuple(
-            least_squares(np.log(factor) * walls.boundary, by_distance, _WALL_POWERS)
-            for factor in factors
-        ),
-        wall_range=wall_ends,
-        nearest_wall=float(walls.boundary.min()),
-        force_error=error_fit(table.force_ratio_error / table.force_ratio, place),
-        heat_error=error_fit(table.heat_ratio_error / table.heat_ratio, place),
-    )
+    return fitted(SandwichFit, "sandwich", gas, disk=kinetic_fit(gas))

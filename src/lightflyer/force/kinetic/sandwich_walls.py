@@ -23,18 +23,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
-
-from lightflyer.array.namespace import Array, Numeric, by_numpy, xp
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
-from lightflyer.files.table import shipped_table
-from lightflyer.force.kinetic.sandwich_table import (
-    RAREFACTION_OF_KNUDSEN,
-    ends_and_places,
-    place_of,
-    sandwich_fit,
-)
-from lightflyer.force.kinetic.scattering import Accommodations, mean_tac
+from lightflyer.force.fitted import fitted
+from lightflyer.force.kinetic.sandwich_table import RAREFACTION_OF_KNUDSEN, place_of
+from lightflyer.force.kinetic.scattering import Accommodations
 from lightflyer.force.kinetic.walls import (
     BOUNCED,
     Walls,
@@ -46,12 +39,9 @@ from lightflyer.force.kinetic.walls import (
     wall_fit,
 )
 from lightflyer.numerics.horner import polynomial
-from lightflyer.numerics.polynomials import least_squares
 
 _DENSITY = 1.8  # δ at which thin gas gives way to dense, for what is fitted only
-_DEGREE, _PLACE_DEGREE = 3, 4
-_SHARED_POWERS = [(place, hole, tac) for place in range(5) for hole in range(3) for tac in range(4)]
-_UNKNOWN_TACS = (0.6, 1.0)  # between which unknown walls change with the TAC
+UNKNOWN_TACS = (0.6, 1.0)  # between which unknown walls change with the TAC
 
 
 @dataclass(frozen=True)
@@ -68,69 +58,24 @@ class SandwichWallsFit:
         inside = [xp.clip(v, *range_) for v, range_ in zip(values, self.ranges, strict=True)]
         place, _ = place_of(rarefaction, self.rarefaction_range)
         found = polynomial(self.coefficients, place, *inside)
-        return xp.asarray(_denseness(rarefaction) * found)
+        return xp.asarray(denseness(rarefaction) * found)
 
 
-def _denseness(rarefaction: Any) -> Any:
+def denseness(rarefaction: Any) -> Any:
+    """Grows from 0 in thin gas to 1 in dense gas."""
     return rarefaction / (rarefaction + _DENSITY)
 
 
 @lru_cache
 def sandwich_walls_fit(gas: str) -> SandwichWallsFit:
     """Smooth function through the table for a gas."""
-    table = shipped_table("kinetic_sandwich_scattering.csv")
-    kept = np.array(table.texts["gas"]) == gas
-    return fit_columns({name: column[kept] for name, column in table.numbers.items()}, gas)
-
-
-def fit_columns(table: dict[str, np.ndarray], gas: str) -> SandwichWallsFit:
-    """Smooth function through a table's columns, (n,)."""
-    names = ("open_fraction", *Accommodations._fields[: kinds_of(gas)])
-    rarefaction, variables = table["rarefaction"], tuple(table[name] for name in names)
-    ends, place = ends_and_places(rarefaction)
-    tac = mean_tac(table, rotates=gas == "diatomic")
-
-    def ratio(rarefaction: Array, open_fraction: Array, tac: Array) -> Array:
-        share = (1.0 - open_fraction) * tac
-        fit = sandwich_fit(gas)
-        return fit.ratios(rarefaction, open_fraction, tac, share, 1.0).force
-
-    with by_numpy():
-        maxwell = ratio(rarefaction, table["open_fraction"], tac)
-    dense = _denseness(rarefaction)
-    powers = [
-        (place, *others)
-        for place in range(_PLACE_DEGREE + 1)
-        for others in np.ndindex(*(_DEGREE + 1,) * len(names))
-        if sum(others) <= _DEGREE
-    ]
-    excess = (table["force"] / maxwell - table["normal"]) / dense
-    coefficients = least_squares(excess, (place, *variables), powers, 1.0 / dense)
-    ranges = tuple((float(column.min()), float(column.max())) for column in variables)
-    return SandwichWallsFit(ends, ranges, coefficients)
+    return fitted(SandwichWallsFit, "sandwich walls", gas)
 
 
 @lru_cache
-def _ends_fit(gas: str) -> tuple[Any, ...]:
+def ends_fit(gas: str) -> tuple[Any, ...]:
     """Coefficients of what collisions add to the pushes at both :func:`ends`."""
-    # over place, open fraction and TAC: more than three numbers would slow each prediction
-    fit = sandwich_walls_fit(gas)
-    ranges = (-1.0, 1.0), fit.ranges[0], _UNKNOWN_TACS
-    axes = np.meshgrid(*(np.linspace(*range_, 13) for range_ in ranges))
-    place, hole, tac = variables = tuple(axis.ravel() for axis in axes)
-    low, high = np.log(fit.rarefaction_range)
-    rarefaction = np.exp(0.5 * (low + high + place * (high - low)))
-
-    def added(rarefaction: Array, hole: Array, tac: Array) -> Array:
-        found = [fit.added(rarefaction, hole, end) for end in ends(tac, gas)]
-        return xp.stack(found) / _denseness(rarefaction)
-
-    with by_numpy():
-        found = added(rarefaction, hole, tac)
-    return tuple(
-        least_squares(one, variables, _SHARED_POWERS, 1.0 / _denseness(rarefaction))
-        for one in found
-    )
+    return fitted(tuple, "sandwich sharing", gas)
 
 
 def ends(tac: Any, gas: str) -> tuple[Accommodations, Accommodations]:
@@ -213,10 +158,10 @@ def _factors_at_ends(
     """Force over that at Maxwell walls at both :func:`ends` [1]."""
     rarefaction, open_fraction, tac = place
     fit = sandwich_walls_fit(gas)
-    held, hole = xp.clip(tac, *_UNKNOWN_TACS), xp.clip(open_fraction, *fit.ranges[0])
+    held, hole = xp.clip(tac, *UNKNOWN_TACS), xp.clip(open_fraction, *fit.ranges[0])
     at = place_of(rarefaction, fit.rarefaction_range)[0], hole, held
-    dense = kept * _denseness(rarefaction)
+    dense = kept * denseness(rarefaction)
     return [
         (_push_of_free(end.normal, excess) + dense * polynomial(coefficients, *at)) / held
-        for end, coefficients in zip(ends(held, gas), _ends_fit(gas), strict=True)
+        for end, coefficients in zip(ends(held, gas), ends_fit(gas), strict=True)
     ]

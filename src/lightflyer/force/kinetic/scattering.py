@@ -20,11 +20,9 @@ from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.kinetic_theory.walls import normal_accommodation
 from lightflyer.numerics.horner import polynomial
-from lightflyer.numerics.polynomials import least_squares, place_between
+from lightflyer.numerics.polynomials import place_between
 
-_KINDS = ("normal", "tangential", "rotational")
 _KNUDSEN_0 = 0.25  # where thin gas gives way to dense, for what is fitted only
-_DEGREE, _KNUDSEN_DEGREE = 3, 4
 _NO_WALL = (
     "no wall has TAC, tangential_accommodation and rotational_accommodation as given; it is held "
     "within 0 and 1"
@@ -92,41 +90,8 @@ class ScatteringFit:
         return xp.asarray(top), xp.asarray(bottom)
 
 
-def fit_columns(table: dict[str, np.ndarray], accommodated: np.ndarray) -> ScatteringFit:
-    """Smooth weights through a table's columns and the force of accommodated walls, (n,)."""
-    knudsen = table["knudsen"]
-    low, high = float(knudsen.min()), float(knudsen.max())
-    position = np.asarray(place_between(np.log(knudsen), np.log(low), np.log(high)))
-    variables = position, *(table[kind] for kind in _KINDS)
-    highest = [int(np.ptp(column) > 0.0) * _DEGREE for column in variables[1:]]
-    powers = [
-        (first, *others)
-        for first in range(_KNUDSEN_DEGREE + 1)
-        for others in np.ndindex(*(degree + 1 for degree in highest))
-        if sum(others) <= _DEGREE
-    ]
-    dense = _denseness(knudsen)
-    coefficients = tuple(
-        least_squares(
-            (table[f"force_{kind}"] / accommodated - (kind == "normal")) / dense,
-            variables,
-            powers,
-            1.0 / dense,
-        )
-        for kind in _KINDS
-    )
-    ranges = tuple((float(table[kind].min()), float(table[kind].max())) for kind in _KINDS)
-    return ScatteringFit((low, high), ranges, coefficients)
-
-
 def _denseness(knudsen: Any) -> Any:
     return 1.0 / (1.0 + knudsen / _KNUDSEN_0)
-
-
-def mean_tac(accommodations: dict[str, np.ndarray], rotates: bool) -> np.ndarray:
-    """TAC of coefficients in a table, of which each carries as much energy."""
-    kinds = _KINDS if rotates else _KINDS[:2]
-    return np.mean([accommodations[kind] for kind in kinds], axis=0)
 
 
 def ranges(stated: Stated, tacs: tuple[Numeric, Numeric]) -> Looks:

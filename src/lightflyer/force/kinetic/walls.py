@@ -33,7 +33,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from lightflyer.array.memory import kept
-from lightflyer.array.namespace import Array, Numeric, by_numpy, xp
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import field
 from lightflyer.core.checks import is_concrete
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
@@ -41,23 +41,16 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Fraction, StandardErrors
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
-from lightflyer.files.table import shipped_table
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.force.fitted import fitted
 from lightflyer.force.kinetic.ratios import heating_of
-from lightflyer.force.kinetic.scattering import (
-    Accommodations,
-    ScatteringFit,
-    Stated,
-    mean_tac,
-)
-from lightflyer.force.kinetic.scattering import fit_columns as fit_scattering
+from lightflyer.force.kinetic.scattering import ScatteringFit, Stated
 from lightflyer.force.kinetic.scattering import ranges as scattering_ranges
-from lightflyer.force.kinetic.table_fit import kinetic_fit
 from lightflyer.force.laws.faces import accommodated_force, maxwell_force
 from lightflyer.numerics.horner import polynomial
-from lightflyer.numerics.polynomials import hold_within, least_squares, place_between
+from lightflyer.numerics.polynomials import hold_within, place_between
 
 Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
 """What becomes of molecules at a face; unknown is the middle of the next two."""
@@ -76,20 +69,6 @@ IN_WORDS = {
 BOUNCED = 0.5
 """Share of their normal energy that molecules accommodate which a face does not trap, at most."""
 
-# powers of heating, TAC and Knudsen number
-_HEATED_POWERS = [(1, tac, knudsen) for tac in range(3) for knudsen in range(4)]
-_FORCE_POWERS = [
-    *((0, tac, knudsen) for tac in range(4) for knudsen in range(6)),
-    *_HEATED_POWERS,
-    *((2, 0, knudsen) for knudsen in range(3)),
-    (3, 0, 0),
-]
-_HEAT_POWERS = [
-    *((0, tac, knudsen) for tac in range(3) for knudsen in range(6)),
-    *_HEATED_POWERS,
-    *((2, 0, knudsen) for knudsen in range(2)),
-]
-_SHARED_POWERS = [(knudsen, tac) for tac in range(4) for knudsen in range(5)]
 _KNUDSEN_0 = 0.25  # where thin gas gives way to dense, for what is fitted only
 _SHARED_HEATED = 0.1
 """By how much weights of small differences make the force of hot faces too large that share their
@@ -190,7 +169,7 @@ class WallFit:
         heating = hold_within(heating_of(ratio), *self.heating_range)
         cold, hot = coefficients[0], coefficients[1:]
         found = polynomial(cold, tac, position) + heating * polynomial(hot, heating, tac, heated)
-        return xp.asarray(found * _denseness(knudsen))
+        return xp.asarray(found * denseness(knudsen))
 
     def force_factor(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Array:
         r""":math:`\hat F_a/\hat F` [1]."""
@@ -215,82 +194,27 @@ def _held(tac: Numeric, ends: tuple[float, float]) -> Array:
 
 
 @kept
-def _denseness(knudsen: Any) -> Any:
+def denseness(knudsen: Any) -> Any:
+    """Falls from 1 in dense gas to 0 in thin gas."""
     return 1.0 / (1.0 + knudsen / _KNUDSEN_0)
 
 
 @lru_cache
 def wall_fit(gas: str = "diatomic") -> WallFit:
     """Smooth functions through the table for a gas."""
-    table = shipped_table("kinetic_walls.csv")
-    kept = np.array(table.texts["gas"]) == gas
-    return fit_columns({name: column[kept] for name, column in table.numbers.items()})
-
-
-def fit_columns(table: dict[str, np.ndarray]) -> WallFit:
-    """Smooth functions through a table's columns; ``table`` (n,)."""
-    knudsen, tac = table["knudsen"], table["tac"]
-    heating = np.log(table["temperature_ratio"])
-    low, high = float(knudsen.min()), float(knudsen.max())
-    position = np.asarray(place_between(np.log(knudsen), np.log(low), np.log(high)))
-
-    def factor(name: str, share: np.ndarray, powers: list[tuple[int, int, int]]) -> Any:
-        kept = share > 0.0
-        other, maxwell = (
-            table[f"{name}_ratio_{wall}"][kept] for wall in ("accommodated", "maxwell")
-        )
-        variables = tuple(column[kept] for column in (heating, tac, position))
-        # weighted so that what is fitted is the logarithm of the factor itself
-        return least_squares(
-            np.log(other / maxwell) / share[kept], variables, powers, 1.0 / share[kept]
-        )
-
-    dense, heated = _denseness(knudsen), knudsen[heating != 0.0]
-    return WallFit(
-        knudsen_range=(low, high),
-        heated_range=(float(heated.min()), float(heated.max())),
-        tac_range=(float(tac.min()), float(tac.max())),
-        heating_range=(float(heating.min()), float(heating.max())),
-        force=factor("force", dense, _FORCE_POWERS),
-        heat=factor("heat", dense * (1.0 - tac), _HEAT_POWERS),
-    )
+    return fitted(WallFit, "walls", gas)
 
 
 @lru_cache
 def scattering_fit(gas: str = "diatomic") -> ScatteringFit:
     """Weights of the three kinds of accommodation, for a gas."""
-    table = shipped_table("kinetic_scattering.csv")
-    kept = np.array(table.texts["gas"]) == gas
-    columns = {name: column[kept] for name, column in table.numbers.items()}
-    return fit_scattering(columns, force_at_walls_of_one_temperature(columns, gas))
+    return fitted(ScatteringFit, "scattering", gas)
 
 
 @lru_cache
-def _sharing_fit(gas: str) -> tuple[Any, Any]:
+def sharing_fit(gas: str) -> tuple[Any, Any]:
     """Coefficients of what :func:`sharing_factor` takes of the Knudsen number and the TAC."""
-    # of the force where normal motion alone differs, and of what a share moves it at the mean TAC
-    fit, kinds = scattering_fit(gas), kinds_of(gas)
-    positions, places = (axis.ravel() for axis in np.meshgrid(*[np.linspace(-1.0, 1.0, 25)] * 2))
-    low, high = np.log(fit.knudsen_range)
-    knudsen = np.exp(0.5 * (low + high + positions * (high - low)))
-    lowest, highest = _shared_tacs(kinds)
-    tac = 0.5 * (lowest + highest + places * (highest - lowest))
-
-    def weights(normal: Array, other: Array) -> Array:
-        return xp.stack(fit.weights(knudsen, Accommodations(normal, other, other))[:kinds])
-
-    left = np.maximum(kinds * tac - (kinds - 1), 0.0)
-    means = (tac, tac), (left, np.ones_like(tac))
-    with by_numpy():
-        even, alone = (weights(*mean) for mean in means)
-    upper = kinds * alone[0] / even.sum(axis=0)
-    gain = (kinds * even[0] - even.sum(axis=0)) / even.sum(axis=0)
-    dense, variables = _denseness(knudsen), (positions, places)
-    upper, gain = (
-        least_squares((found - thin) / dense, variables, _SHARED_POWERS)
-        for found, thin in ((upper, kinds), (gain, kinds - 1))
-    )
-    return upper, gain
+    return fitted(tuple, "sharing", gas)
 
 
 def left_to_normal(tac: Any, kinds: int) -> Any:
@@ -298,7 +222,7 @@ def left_to_normal(tac: Any, kinds: int) -> Any:
     return xp.maximum(kinds * xp.asarray(tac) - (kinds - 1), 0.0)
 
 
-def _shared_tacs(kinds: int) -> tuple[float, float]:
+def shared_tacs(kinds: int) -> tuple[float, float]:
     """Mean TACs between which normal motion alone is in the table of scattering [1]."""
     return 1.0 - 0.9 / kinds, 0.98
 
@@ -316,11 +240,11 @@ def sharing_factor(
     kinds = kinds_of(gas)
     low, high = np.log(scattering_fit(gas).knudsen_range)
     position = place_between(xp.clip(xp.log(knudsen), low, high), low, high)
-    tacs = _shared_tacs(kinds)
+    tacs = shared_tacs(kinds)
     place = place_between(xp.clip(tac, *tacs), *tacs)
     upper, gain = (
-        thin + _denseness(knudsen) * polynomial(coefficients, position, place)
-        for thin, coefficients in zip((kinds, kinds - 1), _sharing_fit(gas), strict=True)
+        thin + denseness(knudsen) * polynomial(coefficients, position, place)
+        for thin, coefficients in zip((kinds, kinds - 1), sharing_fit(gas), strict=True)
     )
     heated = xp.sqrt((1.0 + tac * excess) / (1.0 + left_to_normal(tac, kinds) * excess))
     way = xp.clip(xp.asarray(error) / NORMAL_HALF_WIDTH_95, -1.0, 1.0)
@@ -328,17 +252,6 @@ def sharing_factor(
     return xp.asarray(
         1.0 + (heated * upper - 1.0) * xp.maximum(way, 0.0) + trapped * xp.minimum(way, 0.0)
     )
-
-
-def force_at_walls_of_one_temperature(table: dict[str, np.ndarray], gas: str) -> np.ndarray:
-    """Linear force of accommodated walls with the TACs of a table, over free molecules', (n,)."""
-
-    def force(knudsen: Array, tac: Array) -> Array:
-        place = knudsen, 1.0, tac
-        return kinetic_fit(gas).force_ratio(*place) * wall_fit(gas).force_factor(*place)
-
-    with by_numpy():
-        return force(table["knudsen"], mean_tac(table, rotates=gas == "diatomic"))
 
 
 def force(
@@ -372,7 +285,7 @@ def force(
         return found * sharing_factor(kind, knudsen, film.tac_mean, excess, walls.sharing)
     bound = same - other * free
     if walls.is_stated:
-        heated = _SHARED_HEATED * _denseness(knudsen) * heating_of(1.0 + excess)
+        heated = _SHARED_HEATED * denseness(knudsen) * heating_of(1.0 + excess)
         bound = _larger(bound, -heated * other * free)
     return uncertain(other * free, bound, walls.error)
 

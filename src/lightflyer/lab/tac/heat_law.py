@@ -12,7 +12,7 @@ from lightflyer.core.entry_point import elementwise_entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.force.kinetic.collisions import HeatedGas, with_collisions
 from lightflyer.force.kinetic.disk import viscosity_exponent
-from lightflyer.force.kinetic.table_fit import kinetic_fit
+from lightflyer.force.kinetic.ratios import kinetic_fit
 from lightflyer.force.laws.faces import free_molecular_conductance
 from lightflyer.force.lu2023 import READINGS, Reading, heat_conductances
 from lightflyer.gas.base import AbstractGas, knudsen_number

@@ -1,9 +1,15 @@
-"""The fit of kinetic force and heat to the solver's tables."""
+"""Fits of the force and heat loss of a disk, to the tables of studies/kinetic_table."""
 
-from functools import lru_cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from kinetic_fits.common import (
+    ERROR_POWERS,
+    ends_of,
+    least_squares,
+    place_in,
+)
 
 from lightflyer.force.kinetic.ratios import (
     BOUNDARY_TAC,
@@ -14,10 +20,8 @@ from lightflyer.force.kinetic.ratios import (
     denseness,
     width,
 )
-from lightflyer.force.kinetic.table import Table, WallTable, kinetic_table, wall_table
 from lightflyer.kinetic_theory.model_gases import GasModel, gas_model
 from lightflyer.numerics.horner import as_tuples, polynomial, trim_zeros
-from lightflyer.numerics.polynomials import least_squares, place_between
 
 SMALL = 0.1  # Differences of TACs up to this stand for the limit of small ones
 
@@ -42,21 +46,14 @@ _UNLIKE_POWERS = [(place, tac) for tac in range(3) for place in range(6 if tac <
 _HOT_UNLIKE_POWERS = ([(0, 0), (1, 0), (2, 0), (0, 1)], [(0, 0), (1, 0)])
 _WALL_POWERS = [(nearness, knudsen) for nearness in range(4) for knudsen in range(6)]
 _LEAST_WEIGHT = 2e-3  # of rows in thin gas, where the resistance hardly matters
-_ERROR_POWERS = [(0,), (1,), (2,)]
 _ITERATIONS = 100  # of a contraction by a half at least
 
 
-@lru_cache
-def kinetic_fit(gas: str = "diatomic") -> KineticFit:
-    """Smooth functions through the table for a gas."""
-    return fit(gas, kinetic_table(gas), wall_table(gas))
-
-
-def fit(gas: str, table: Table, walls: WallTable) -> KineticFit:
-    """Smooth functions through tables."""
-    model, ends = gas_model(gas), _ends(table.knudsen)
-    hot_ends = _ends(table.knudsen[table.temperature_ratio != 1.0])
-    where = _place(table.knudsen, ends)
+def fit(gas: str, table: SimpleNamespace, walls: SimpleNamespace) -> KineticFit:
+    """Smooth functions through the tables of a disk, and of a reservoir around it."""
+    model, ends = gas_model(gas), ends_of(table.knudsen)
+    hot_ends = ends_of(table.knudsen[table.temperature_ratio != 1.0])
+    where = place_in(ends, table.knudsen)
     unlikeness = _fit_unlikeness(table, where, ends)
     force, heat = _like_faces_ratios(table, unlikeness, where)
     variables = (
@@ -64,7 +61,7 @@ def fit(gas: str, table: Table, walls: WallTable) -> KineticFit:
         table.viscosity_exponent - model.viscosity_exponent,
         np.log(table.tac + TAC_OFFSET),
         where,
-        _place(table.knudsen, hot_ends),
+        place_in(hot_ends, table.knudsen),
     )
 
     of_force = _fit_resistance(table, force, 1.0, variables)
@@ -77,8 +74,8 @@ def fit(gas: str, table: Table, walls: WallTable) -> KineticFit:
     return KineticFit(
         knudsen_range=ends,
         hot_knudsen_range=hot_ends,
-        ratio_range=_ends(table.temperature_ratio),
-        tac_range=_ends(table.tac),
+        ratio_range=ends_of(table.temperature_ratio),
+        tac_range=ends_of(table.tac),
         viscosity_exponent=model.viscosity_exponent,
         conduction=_conduction(model),
         force=of_force,
@@ -91,7 +88,7 @@ def fit(gas: str, table: Table, walls: WallTable) -> KineticFit:
 
 
 def _fit_resistance(
-    table: Table,
+    table: SimpleNamespace,
     ratio: np.ndarray,
     scale: np.ndarray | float,
     variables: tuple[np.ndarray, ...],
@@ -114,14 +111,6 @@ def _resistance_at(fitted: Resistance, variables: tuple[np.ndarray, ...]) -> np.
     return np.asarray(np.exp(polynomial(fitted.limit, tac, where) + heating * heated))
 
 
-def _ends(values: np.ndarray) -> tuple[float, float]:
-    return float(values.min()), float(values.max())
-
-
-def _place(knudsen: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
-    return np.asarray(place_between(np.log(knudsen), *np.log(ends)))
-
-
 def _conduction(gas: GasModel) -> float:
     r"""Logarithm of the resistance to heat by conduction, times the Knudsen number over the TAC."""
     # That of :math:`8r\kappa\,\Delta T`, the heat of an isothermal disk, is
@@ -134,7 +123,9 @@ def _conduction(gas: GasModel) -> float:
     return float(np.log(np.pi * modes / (32.0 * conductivity)))
 
 
-def _fit_unlikeness(table: Table, where: np.ndarray, ends: tuple[float, float]) -> Unlikeness:
+def _fit_unlikeness(
+    table: SimpleNamespace, where: np.ndarray, ends: tuple[float, float]
+) -> Unlikeness:
     """From pairs of linear rows that differ in the difference of the faces' TACs alone."""
     linear = table.temperature_ratio == 1.0
     like = {
@@ -174,7 +165,7 @@ def _fit_unlikeness(table: Table, where: np.ndarray, ends: tuple[float, float]) 
 
 
 def _fit_hot_unlikeness(
-    table: Table,
+    table: SimpleNamespace,
     linear: Unlikeness,
     where: np.ndarray,
     resistances: tuple[np.ndarray, np.ndarray],
@@ -198,8 +189,8 @@ def _fit_hot_unlikeness(
         - polynomial(linear.resistance, where[rows], variable),
         np.log(of_force) - polynomial(linear.force, where[rows], variable),
     )
-    ends = _ends(knudsen)
-    place = _place(knudsen, ends)
+    ends = ends_of(knudsen)
+    place = place_in(ends, knudsen)
     effects = share, of_force * share * (1.0 - table.force_ratio[rows])
     of_resistance, of_k = (
         least_squares(values / heating, (place, variable), powers, 1.0 / (heating * effect))
@@ -209,7 +200,7 @@ def _fit_hot_unlikeness(
 
 
 def _like_faces_ratios(
-    table: Table, unlikeness: Unlikeness, where: np.ndarray
+    table: SimpleNamespace, unlikeness: Unlikeness, where: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Force and heat ratios without what the difference of the TACs adds."""
     resistance = polynomial(unlikeness.resistance, where, np.log(table.tac + TAC_OFFSET))
@@ -221,19 +212,21 @@ def _like_faces_ratios(
     return 1.0 / (1.0 + resisted), 1.0 / heat
 
 
-def _fit_error(table: Table, errors: np.ndarray, ends: tuple[float, float]) -> Any:
+def _fit_error(table: SimpleNamespace, errors: np.ndarray, ends: tuple[float, float]) -> Any:
     """Logarithm of the relative standard error: rows' root mean square at each Knudsen number."""
     # Where there are hot rows it is theirs: their errors are larger.
     hot = table.temperature_ratio != 1.0
     counted = hot | (table.knudsen < table.knudsen[hot].min())
     knudsen = np.unique(table.knudsen[counted])
     squares = [np.mean(errors[counted & (table.knudsen == place)] ** 2) for place in knudsen]
-    return least_squares(0.5 * np.log(squares), (_place(knudsen, ends),), _ERROR_POWERS)
+    return least_squares(0.5 * np.log(squares), (place_in(ends, knudsen),), ERROR_POWERS)
 
 
-def _fit_walls(walls: WallTable, heat: Resistance, ends: tuple[float, float]) -> dict[str, Any]:
+def _fit_walls(
+    walls: SimpleNamespace, heat: Resistance, ends: tuple[float, float]
+) -> dict[str, Any]:
     """What walls leave of the resistance to heat, and what they add to the force over the heat."""
-    place = _place(walls.knudsen, ends)
+    place = place_in(ends, walls.knudsen)
     opened = (
         BOUNDARY_TAC
         * np.exp(polynomial(heat.limit, np.log(BOUNDARY_TAC + TAC_OFFSET), place))
@@ -241,8 +234,8 @@ def _fit_walls(walls: WallTable, heat: Resistance, ends: tuple[float, float]) ->
     )
     kept = ((1.0 + opened) / walls.heat_factor - 1.0) / opened
     beside = np.log(walls.force_factor / walls.heat_factor) / denseness(walls.knudsen)
-    wall_ends = _ends(walls.knudsen)
-    variables = (1.0 / walls.boundary, _place(walls.knudsen, wall_ends))
+    wall_ends = ends_of(walls.knudsen)
+    variables = (1.0 / walls.boundary, place_in(wall_ends, walls.knudsen))
 
     def fitted(values: np.ndarray, errors: np.ndarray) -> Any:
         return least_squares(values * walls.boundary, variables, _WALL_POWERS, errors)

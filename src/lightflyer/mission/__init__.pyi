@@ -2,11 +2,6 @@ from .areas import AbstractArea as AbstractArea
 from .areas import Circle as Circle
 from .areas import Polygon as Polygon
 from .fleet import Ensemble as Ensemble
-from .measured.comparison import compare_track as compare_track
-from .measured.summary import describe_comparison as describe_comparison
-from .measured.summary import summarise_comparison as summarise_comparison
-from .measured.track import MeasuredTrack as MeasuredTrack
-from .measured.track import read_track as read_track
 from .mission import fly as fly
 from .mission import trajectory as trajectory
 from .mission_file import read_mission_file as read_mission_file

@@ -53,12 +53,6 @@ class MissionFile:
         """Arguments of :func:`lightflyer.fly` beside the design."""
         return self.mission.arguments()
 
-    def flight_arguments(self) -> dict[str, Any]:
-        """Those of the one flight, such as :func:`compare_track` takes."""
-        names = ("release", "duration", "attitude", "lowest", "highest")
-        given = self.arguments()
-        return {name: given[name] for name in names}
-
     def swarm_arguments(self, members: int | None = None) -> dict[str, Any]:
         """Those of :func:`disperse_ensemble`, near the station; ``members``: in place of its."""
         given = self.arguments()

@@ -1,1 +1,0 @@
-"""Flights beside tracks that were measured."""

@@ -3,6 +3,7 @@ import copy
 import io
 import json
 import threading
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -110,17 +111,31 @@ def test_warnings_about_parameters_are_in_the_result(workplace, document):
     assert any("tac_top = 1.05 exceeds 1" in text for text in found["warnings"])
 
 
-def test_bands_are_those_of_first_order(workplace, uncertain):
+def test_bands_of_curves_are_to_first_order_and_of_results_those_of_the_command(
+    workplace, uncertain
+):
     found = job("bands", workplace, uncertain)
     design = workplace.design(uncertain)
-    expected = lf.propagate(design, samples=0)
+    expected = lf.propagate(design)
     band = found["figures"]["temperature"]["sources"]["band"]
     np.testing.assert_allclose(band["low"], expected.low["temperature"], rtol=1e-12)
     np.testing.assert_allclose(band["x"], expected.coordinate / 1e3, rtol=1e-12)
     reading = next(one for one in found["readings"] if one["name"] == "best.temperature_k")
-    ends = expected.summary()["results"]["best.temperature_k"]["first_order"]
+    ends = expected.summary()["results"]["best.temperature_k"]["monte_carlo"]
     assert reading["spread"] == f"95 %: {ends['low']:.3g} to {ends['high']:.3g} K"
     assert "first order" in found["note"]
+    assert "500 samples" in found["note"]
+
+
+def test_verdict_is_that_of_the_command(workplace, tmp_path, run):
+    """A flyer whose film survives in a third of the samples is no flyer that survives."""
+    run("init", tmp_path / "laden.toml", "--kind", "laden")
+    code, printed, _ = run("predict", tmp_path / "laden.toml")
+    assert code == 0
+    document = tomllib.loads((tmp_path / "laden.toml").read_text(encoding="utf-8"))
+    found = job("bands", workplace, document)["verdict"]
+    assert found["state"] == "unsure"
+    assert " ".join(found["lines"]) in " ".join(printed.split())
 
 
 def test_moving_curves_clear_bands_of_another_design(workplace, document):

@@ -14,7 +14,7 @@ from lightflyer.array.namespace import float64
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.designs import as_design
 from lightflyer.design.tables import evaluate
-from lightflyer.prediction.text import verdict_lines
+from lightflyer.prediction.text import _with_band, verdict_lines
 
 
 def setup_of(kind, folder):
@@ -315,3 +315,11 @@ def test_the_verdict_says_what_the_force_model_covers():
     known = lf.predict(disk, earth, lf.Lu2023(c_fm=0.41))  # of those who fitted them
     assert known.verdict.covered == known.bands
     assert known.verdict.best_covered is None
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [(0.04408, "0.04 mg"), (0.62, "0.6 mg"), (0.0, "0.0 mg"), (-0.021, "-0.02 mg")],
+)
+def test_a_small_value_in_a_wide_band_keeps_its_first_digit(value, told):
+    assert _with_band(value, (-0.4, 0.5), ".3g", "mg") == f"{told} (-0.4 to 0.5)"

@@ -28,6 +28,7 @@ KEPT = 48  # Predictions that are kept: those of the designs that somebody looks
 
 _DIGITS = 4
 _INTERVAL_DIGITS = 3
+_SURE = 0.95  # share of the samples below which a verdict is unsure
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -50,9 +51,7 @@ class Reading:
     text: str  # Value and unit
     # In the JSON's unit; None where there is none, and for a band, which has two
     value: float | None
-    # 95 % interval to first order; empty where no ± is stated. Edges of the band have none to
-    # first order: for them it is the standard uncertainty
-    spread: str = ""
+    spread: str = ""  # 95 % interval; empty where no ± is stated
 
 
 def _once(function: Callable[P, R]) -> Callable[P, R]:
@@ -89,8 +88,8 @@ def prediction_of(design: FileDesign) -> Prediction:
 
 @_once
 def uncertainty_of(design: FileDesign) -> PredictionUncertainty | None:
-    """The uncertainty of a design's prediction, to first order; none where no ± is stated."""
-    return propagate(design, prediction=prediction_of(design), samples=0)
+    """The uncertainty of a design's prediction, as the command samples it; None without a ±."""
+    return propagate(design, prediction=prediction_of(design))
 
 
 def warm(design: FileDesign) -> None:
@@ -151,12 +150,16 @@ def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) 
 
 
 def verdict_of(prediction: Prediction, uncertainty: PredictionUncertainty | None) -> dict[str, Any]:
-    """The verdict in sentences, and whether the flyer ``flies``, is too ``hot`` or does ``not``."""
+    """The verdict in sentences, and its state: ``flies``, ``unsure``, too ``hot`` or ``not``."""
     told = () if uncertainty is None else (uncertainty.bands, uncertainty.shares)
     lines = list(verdict_lines(prediction, *told))
     found = prediction.verdict
     melts = found.survives is False or found.limit == "film"
     state = "not" if not prediction.bands else "hot" if melts else "flies"
+    if state == "flies" and uncertainty is not None:
+        shares = uncertainty.share_that_levitates, uncertainty.share_that_survives
+        if any(share is not None and share < _SURE for share in shares):
+            state = "unsure"
     return {"state": state, "lines": lines[1:]}
 
 
@@ -178,11 +181,11 @@ def _band(prediction: Prediction, spreads: Mapping[str, Any]) -> Reading:
     low, high = (edge * factor for edge in prediction.bands[prediction.widest])
     more = len(prediction.bands) - 1
     label = "levitates" if not more else f"levitates (and in {more} more bands)"
+    ends = [_interval(spreads.get(f"{name}.{end}")) for end in ("lower", "upper")]
     spread = ""
-    if f"{name}.lower" in spreads:
-        edges = (spreads[f"{name}.{end}"]["first_order"] for end in ("lower", "upper"))
-        shown = " and ".join(f"{edge['standard_uncertainty']:.2g}" for edge in edges)
-        spread = f"edges ± {shown} {where.shown_unit}"
+    if all(ends):
+        each = (" to ".join(f"{end:.{_INTERVAL_DIGITS}g}" for end in pair) for pair in ends)
+        spread = f"95 %: {' and '.join(each)} {where.shown_unit}"
     text = f"{low:.{_DIGITS}g} to {high:.{_DIGITS}g} {where.shown_unit}"
     return Reading(name, label, text, None, spread)
 
@@ -224,13 +227,19 @@ def _reading(
     spreads: Mapping[str, Any],
     scale: float = 1.0,
 ) -> Reading:
-    band: dict[str, Any] = spreads[name]["first_order"] if name in spreads else {}
-    shown = ""
-    if band.get("low") is not None:
-        ends = (f"{band[end] * scale:.{_INTERVAL_DIGITS}g}" for end in ("low", "high"))
+    band, shown = _interval(spreads.get(name)), ""
+    if band:
+        ends = (f"{end * scale:.{_INTERVAL_DIGITS}g}" for end in band)
         shown = f"95 %: {' to '.join(ends)} {unit}".rstrip()
     finite = float(value) if math.isfinite(value) else None
     return Reading(name, label, _number(value * scale, unit), finite, shown)
+
+
+def _interval(spread: Mapping[str, Any] | None) -> tuple[float, ...]:
+    """Ends of a result's 95 % interval, of the samples where there are; empty without one."""
+    found = {} if spread is None else spread.get("monte_carlo", spread["first_order"])
+    ends = (found.get("low"), found.get("high"))
+    return () if None in ends else ends
 
 
 def _number(value: float, unit: str) -> str:

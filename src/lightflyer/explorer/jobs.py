@@ -87,7 +87,7 @@ def listening() -> Iterator[None]:
 
 
 def bands(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
-    """95 % bands of the curves and of the results, to first order, from derivatives."""
+    """95 % bands of the curves, to first order, and of the results, by samples."""
     del choices
     design = workplace.design(document)
     report("propagating the ±")
@@ -96,8 +96,8 @@ def bands(workplace: Workplace, document: Document, choices: Choices) -> dict[st
     if uncertainty is not None:
         names = ", ".join(uncertainty.inputs.names)
         note = (
-            f"Shaded: 95 % bands to first order, by derivatives, from the ± of {names}. "
-            "lightflyer predict samples them."
+            f"Shaded: 95 % bands to first order, by derivatives, from the ± of {names}. Results "
+            f"have the bands of {uncertainty.samples} samples, as lightflyer predict has them."
         )
     found = readings(prediction_of(design), uncertainty)
     return {

@@ -198,7 +198,10 @@ def _with_band(value: float, band: tuple[float, float] | None, form: str, unit: 
     power = math.floor(math.log10(half))
     digits = max(0, -power + (half < _TWO_DIGITS * 10.0**power))
     low, high = (f"{end:.{digits}f}" for end in band)
-    return f"{value:.{digits}f}{unit} ({low} to {high})"
+    told = f"{value:.{digits}f}"
+    if value and not float(told):  # a small value in a wide band keeps its first digit
+        told = f"{value:.1g}"
+    return f"{told}{unit} ({low} to {high})"
 
 
 def _place_text(

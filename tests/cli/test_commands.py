@@ -377,13 +377,16 @@ def printed_without_importing(heavy, code):
     return result.stdout
 
 
-def test_help_and_version_import_nothing_heavy():
+@pytest.mark.parametrize(
+    ("asked", "told"), [("--help", "predict"), ("lab tac --help", "--gauge-factor")]
+)
+def test_help_imports_nothing_heavy(asked, told):
     heavy = {"jax", "numpy", "xarray", "matplotlib", "pint", "pydantic"}
     code = (
         "from lightflyer.cli import app\n"
-        "app('--help', exit_on_error=False, result_action='return_value')"
+        f"app({asked!r}, exit_on_error=False, result_action='return_value')"
     )
-    assert "predict" in printed_without_importing(heavy, code)
+    assert told in printed_without_importing(heavy, code)
 
 
 def test_reading_a_flyer_file_imports_nothing_to_draw_with():

@@ -18,7 +18,6 @@ import numpy as np
 from lightflyer.calibration.gauge import Gauge, read_gauge
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.files.quantities import exact
 from lightflyer.force.laws.channels import ROUND, thermomolecular_exponent
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas, mean_free_path
@@ -96,43 +95,6 @@ def gauge_of(
         plain.factor, plain.shown, plain.pressure, plain.source, temperature, tube, gas,
         ROOM if ambient is None else ambient,
     )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class GaugeOptions:
-    """The pressure gauge of a measurement.
-
-    Parameters
-    ----------
-    gauge
-        Calibration of the pressure gauge: a table with the columns shown and pressure.
-    gauge_factor
-        Pressure over what the gauge shows of it, because of the gas, such as 1.7 for a Pirani gauge
-        in argon.
-    gauge_temperature
-        Temperature at which the gauge is held, such as "45 °C", where it is not that of the
-        chamber; with --gauge-tube.
-    gauge_tube
-        Inner diameter of the tube to that gauge, such as "5 mm".
-    """
-
-    gauge: Path | None = None
-    gauge_factor: float = 1.0
-    gauge_temperature: str | None = None
-    gauge_tube: str | None = None
-
-    def build(self, gas: AbstractGas, ambient: float | None) -> Gauge:
-        """The gauge in a gas at a temperature [K], by default that of a room."""
-        warm, tube = self.gauge_temperature, self.gauge_tube
-        return gauge_of(
-            self.gauge, self.gauge_factor,
-            None if warm is None else exact("--gauge-temperature", warm, "K"),
-            None if tube is None else exact("--gauge-tube", tube, "m"),
-            gas=gas, ambient=ambient,
-        )  # fmt: skip
-
-
-AS_SHOWN = GaugeOptions()  # A gauge that shows the pressure
 
 
 def pirani_doubts(gas: str, gauge: Gauge, *, accuracy_stated: bool) -> list[Doubt]:

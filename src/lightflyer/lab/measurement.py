@@ -7,12 +7,10 @@ from the function's annotated parameters, its docstring and the outcome
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
-from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
-from lightflyer.files.quantities import difference, exact, known, quantity, share
 from lightflyer.files.result_text import Parts
 from lightflyer.files.table import Table
 from lightflyer.files.table_rows import Rejected
@@ -22,19 +20,6 @@ from lightflyer.lab.record import dataset
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
-
-# Options whose text is a number with its unit: the function gets the number in SI units
-Metres: TypeAlias = Annotated[Any, partial(exact, unit="m")]
-Kelvins: TypeAlias = Annotated[Any, partial(exact, unit="K")]
-KelvinsApart: TypeAlias = Annotated[Any, partial(difference, unit="K")]
-Pascals: TypeAlias = Annotated[Any, partial(exact, unit="Pa")]
-WattsPerArea: TypeAlias = Annotated[Any, partial(exact, unit="W/m^2")]
-Number: TypeAlias = Annotated[Any, partial(exact, unit="")]
-Share: TypeAlias = Annotated[Any, share]
-# The same with its ±, as :class:`~lightflyer.core.units.Measured`; known ones exceed it
-MeasuredKelvins: TypeAlias = Annotated[Any, partial(quantity, unit="K")]
-KnownMetres: TypeAlias = Annotated[Any, partial(known, unit="m")]
-KnownNumber: TypeAlias = Annotated[Any, partial(known, unit="")]
 
 _SHOWN_REJECTED = 10
 
@@ -51,12 +36,13 @@ class Outcome:
     warnings: Sequence[str] = ()
     figures: "Callable[[], Mapping[str, Figure]]" = dict
     tables: Mapping[str, str | bytes] = field(default_factory=dict)  # further files, by name
-    # Numbers for a flyer file, by section and key, where they come from, and digits of their ±
-    sources: Sequence[Path] = ()
+    # Numbers for a flyer file, by section and key, and digits of their ±
     values: Mapping[tuple[str, str], Estimate] = field(default_factory=dict)
-    origin: str = ""
     digits: int = 2
-    #: In place of that: writes into a flyer file and tells what
+    # Where they come from, by default the command's name, and the files given
+    origin: str = ""
+    sources: Sequence[Path] = ()
+    # In place of that: writes into a flyer file, insisting or not, and tells what
     write: Callable[[Path, bool], Sequence[str]] | None = None
 
     @classmethod
@@ -83,16 +69,6 @@ class Listing:
 
     document: dict[str, Any]
     lines: Sequence[str]
-
-
-def measurement(**needs: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Have a measurement's command refuse options that do nothing without another, by name."""
-
-    def needing(function: Callable[..., Any]) -> Callable[..., Any]:
-        function.needs = needs  # type: ignore[attr-defined]
-        return function
-
-    return needing
 
 
 def figures_by(figures: str, *results: Any, **options: Any) -> "Callable[[], Mapping[str, Figure]]":

@@ -95,7 +95,7 @@ def test_an_image_with_its_regions(folder, lab, monkeypatch):
     (folder / "a.jpg").write_bytes(b"")
     shown = ThermalImage("a.jpg", image, 1.0, 295.15)
     monkeypatch.setattr(
-        "lightflyer.lab.commands.lab_thermography.read_thermal_image", lambda _, **_options: shown
+        "lightflyer.lab.thermography.thermal_image.read_thermal_image", lambda _, **_options: shown
     )
     regions = "hotplate=12:38,22:58; lower=52:78,22:58; upper=52:78,92:128"
     arguments = ["thermography", "a.jpg", "--ambient", "22 °C", "--band", "7.5-14 um"]

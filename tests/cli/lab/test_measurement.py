@@ -13,7 +13,8 @@ from lightflyer.core.quantity import Quantity, Temperature
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.lab.estimate import Estimate
-from lightflyer.lab.measurement import Kelvins, Outcome, Share, measurement
+from lightflyer.lab.measurement import Outcome
+from lightflyer.lab.options import Kelvins, Share, measurement
 from lightflyer.lab.record import Doubt
 
 COLUMNS = (

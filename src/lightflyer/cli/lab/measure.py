@@ -12,7 +12,7 @@ from dataclasses import is_dataclass
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
 
 from cyclopts import Parameter
 
@@ -46,7 +46,7 @@ def __getattr__(name: str) -> Callable[..., None]:
 
 def command_of(measure: Callable[..., "Outcome | Listing"]) -> Callable[..., None]:
     """The command of a measurement."""
-    name, hints = measure.__name__, get_type_hints(measure, include_extras=True)
+    name, hints = measure.__name__, measure.__annotations__
     parameters, readers = [], {}
     for one in inspect.signature(measure).parameters.values():
         if get_origin(hints[one.name]) is Annotated:  # a text, which a function reads

@@ -1,23 +1,21 @@
 """Force on a heated vane over pressure, beside the kinetic equation."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.quantities import exact
-from lightflyer.gas import GASES
-from lightflyer.lab.force.vane import ASSUMED_TAC, Vane, compare_forces, force_parts, read_forces
-from lightflyer.lab.gauges import AS_SHOWN, GaugeOptions, pirani_doubts
-from lightflyer.lab.measurement import (
+from lightflyer.lab.options import (
+    AS_SHOWN,
+    GaugeOptions,
     KnownMetres,
     KnownNumber,
     MeasuredKelvins,
-    Outcome,
     Share,
-    read_parts,
-    read_summary,
 )
-from lightflyer.lab.record import dataset
+
+if TYPE_CHECKING:
+    from lightflyer.lab.measurement import Outcome
 
 
 def _read_ends(option: str, text: str) -> tuple[float, float]:
@@ -44,7 +42,7 @@ def force(
     gauge: GaugeOptions = AS_SHOWN,
     pressure_accuracy: Share = None,
     force_accuracy: Share = "5 %",
-) -> Outcome:
+) -> "Outcome":
     """Predict the force on a heated vane over pressure, and lay measured points over it.
 
     Parameters
@@ -80,6 +78,18 @@ def force(
     force_accuracy
         The same of the balance.
     """
+    from lightflyer.gas import GASES
+    from lightflyer.lab.force.vane import (
+        ASSUMED_TAC,
+        Vane,
+        compare_forces,
+        force_parts,
+        read_forces,
+    )
+    from lightflyer.lab.gauges import pirani_doubts
+    from lightflyer.lab.measurement import Outcome, read_parts, read_summary
+    from lightflyer.lab.record import dataset
+
     if (tac_hot is None) != (tac_cold is None) or (tac is not None and tac_hot is not None):
         raise ConfigurationError("give either --tac, or both --tac-hot and --tac-cold")
     alike = tac_hot is None

@@ -5,27 +5,19 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import numpy as np
-
-from lightflyer.config.reader import read_film_file
-from lightflyer.config.update import Face, emittance_keys
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.files.quantities import quantities, quantity
-from lightflyer.film.optics.stack import Film
-from lightflyer.lab.ftir.air import parse_ranges, with_straight_lines, without_air
-from lightflyer.lab.ftir.reduction import Ftir, reduce_ftir, to_dataset
-from lightflyer.lab.measurement import (
-    Outcome,
-    Share,
-    figures_by,
-    measurement,
-    rejected_json,
-    rejected_parts,
-)
-from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
-from lightflyer.lab.readers.spectrum_data import read_spectrum
+from lightflyer.lab.options import Face, Share, measurement
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from lightflyer.film.optics.stack import Film
+    from lightflyer.lab.ftir.reduction import Ftir
+    from lightflyer.lab.measurement import Outcome
+    from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 
 _RANGE = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.]\S*)\s*$")  # a band's ends
 _WAVENUMBERS = 1000  # of a computed spectrum
@@ -70,7 +62,7 @@ def ftir(
     film: Path | None = None,
     update: Path | None = None,
     face: Face = "both",
-) -> Outcome:
+) -> "Outcome":
     """Average infrared spectra over a band and over Planck's spectrum, for the emissivity.
 
     Intervals are 95 % and include noise and the spectrometer's accuracy.
@@ -116,6 +108,12 @@ def ftir(
     face
         Face of that film.
     """
+    from lightflyer.config.update import emittance_keys
+    from lightflyer.lab.ftir.air import parse_ranges, with_straight_lines, without_air
+    from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
+    from lightflyer.lab.measurement import Outcome, figures_by, rejected_json
+    from lightflyer.lab.readers.spectrum_data import read_spectrum
+
     if update is not None and reflectance is None:
         raise ConfigurationError(
             "--update: transmittance alone gives only an upper bound of the emittance; add "
@@ -146,6 +144,8 @@ def ftir(
     computed: dict[str, Any] = {}
     warnings = list(result.warnings)
     if film is not None:
+        from lightflyer.config.reader import read_film_file
+
         try:
             computed, extrapolated = _computed(read_film_file(film).film(), result)
         except ParameterError as error:
@@ -172,7 +172,10 @@ def ftir(
     )  # fmt: skip
 
 
-def _read_parts(spectra: list[MeasuredSpectrum]) -> Iterator[str]:
+def _read_parts(spectra: "list[MeasuredSpectrum]") -> Iterator[str]:
+    from lightflyer.lab.measurement import rejected_parts
+    from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE
+
     for one in spectra:
         ends = one.wavenumber[[0, -1]] / PER_CENTIMETRE
         yield (
@@ -183,7 +186,7 @@ def _read_parts(spectra: list[MeasuredSpectrum]) -> Iterator[str]:
         yield from rejected_parts(one.rejected)
 
 
-def _facts(spectrum: MeasuredSpectrum) -> str:
+def _facts(spectrum: "MeasuredSpectrum") -> str:
     """What the file says of its spectrum, as it says it."""
     metadata = spectrum.metadata
     words = [
@@ -199,9 +202,11 @@ def _facts(spectrum: MeasuredSpectrum) -> str:
 
 
 def _computed(
-    film: Film, measured: Ftir
-) -> tuple[dict[str, tuple[np.ndarray, np.ndarray]], list[str]]:
+    film: "Film", measured: "Ftir"
+) -> "tuple[dict[str, tuple[np.ndarray, np.ndarray]], list[str]]":
     """Spectra of a film over the measured wavenumbers that its materials' data cover."""
+    import numpy as np
+
     shortest, longest = film.covered_range
     ends = [one.wavenumber[[0, -1]] for one in measured.spectra]
     low = max(min(end[0] for end in ends), 1.0 / longest)

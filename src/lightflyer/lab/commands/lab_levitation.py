@@ -1,29 +1,14 @@
 """Optimal pressure and minimum irradiance from levitation points."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from lightflyer.calibration.text import fit_parts
-from lightflyer.config.reader import read_flyer_file
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.files.table import same_text
-from lightflyer.gas import GASES
-from lightflyer.lab.gauges import AS_SHOWN, GaugeOptions, pirani_doubts
-from lightflyer.lab.levitation import curve as levitation_module
-from lightflyer.lab.levitation.curve import curves_parts
-from lightflyer.lab.levitation.data import LiftOffs, read_lift_offs
-from lightflyer.lab.levitation.model import calibrate_curves, measured_coefficients, model_curve
-from lightflyer.lab.measurement import (
-    Kelvins,
-    Outcome,
-    Share,
-    WattsPerArea,
-    figures_by,
-    measurement,
-    read_parts,
-    read_summary,
-)
-from lightflyer.lab.record import require_distinct
+from lightflyer.lab.options import AS_SHOWN, GaugeOptions, Kelvins, Share, WattsPerArea, measurement
+
+if TYPE_CHECKING:
+    from lightflyer.lab.levitation.data import LiftOffs
+    from lightflyer.lab.measurement import Outcome
 
 
 @measurement(calibrate="flyer", keep_ground_effect="calibrate", update="calibrate")
@@ -46,7 +31,7 @@ def levitation(
     keep_ground_effect: bool = False,
     pressure_unit: Literal["Pa", "Torr", "mTorr", "mbar"] = "Pa",
     update: Path | None = None,  # noqa: ARG001  (written by the command)
-) -> Outcome:
+) -> "Outcome":
     """Find the minimum irradiance of samples and its pressure; compare samples and launchpads.
 
     Parameters
@@ -90,6 +75,14 @@ def levitation(
         Flyer file to write the calibrated force coefficients into, with the ± of points and
         instruments; the file's own ± are not counted twice.
     """
+    from lightflyer.calibration.text import fit_parts
+    from lightflyer.gas import GASES
+    from lightflyer.lab.gauges import pirani_doubts
+    from lightflyer.lab.levitation import curve as levitation_module
+    from lightflyer.lab.levitation.curve import curves_parts
+    from lightflyer.lab.levitation.data import read_lift_offs
+    from lightflyer.lab.measurement import Outcome, figures_by, read_parts, read_summary
+
     shown = gauge.build(GASES[gas], ambient)
     read = [read_lift_offs(file, columns=columns, gauge=shown) for file in files]
     tables, lots = [table for _, table in read], [one for lots, _ in read for one in lots]
@@ -106,6 +99,9 @@ def levitation(
     models: dict[str, Any] = {}
     fit = None
     if flyer is not None:
+        from lightflyer.config.reader import read_flyer_file
+        from lightflyer.lab.levitation.model import calibrate_curves, model_curve
+
         file = read_flyer_file(flyer)
         setups = {"model": file.build()}
         if setups["model"].environment.coordinate.name != "pressure":
@@ -124,7 +120,11 @@ def levitation(
     document = levitation_module.summary(curves)
     doubts = pirani_doubts(gas, shown, accuracy_stated=pressure_accuracy is not None)
     warnings = [*doubts, *document["warnings"]]
+    values = {}
     if fit is not None:
+        from lightflyer.lab.levitation.model import measured_coefficients
+
+        values = {("force", name): one for name, one in measured_coefficients(fit).items()}
         document["calibration"] = fit.summary()
         warnings = list(dict.fromkeys([*warnings, *fit.warnings]))
 
@@ -142,14 +142,15 @@ def levitation(
             models=models,
         ),
         tables=levitation_module.tables(curves),
-        values={} if fit is None else {
-            ("force", name): one for name, one in measured_coefficients(fit).items()
-        },
+        values=values,
         sources=files,
     )  # fmt: skip
 
 
-def _require_distinct(lots: list[LiftOffs]) -> None:
+def _require_distinct(lots: "list[LiftOffs]") -> None:
+    from lightflyer.files.table import same_text
+    from lightflyer.lab.record import require_distinct
+
     seen: dict[str, str] = {}
     for one in lots:
         name = same_text(one.name)

@@ -2,16 +2,16 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from lightflyer.lab.measurement import Outcome, figures_by, rejected_json, rejected_parts
-from lightflyer.lab.optics.data import read_sample
-from lightflyer.lab.optics.fit import OpticsFit, fit_optics, to_dataset
-from lightflyer.lab.optics.record import require_same_layers, tables, update_layers
+if TYPE_CHECKING:
+    from lightflyer.lab.measurement import Outcome
+    from lightflyer.lab.optics.fit import OpticsFit
 
 
 def optics(
     sample_file: Path, /, *, starts: int = 16, seed: int = 0, update: Path | None = None
-) -> Outcome:
+) -> "Outcome":
     """Fit thicknesses, porosity and optical constants of a film to measured spectra.
 
     Intervals are 95 % and include errors of the instruments' scales and zeros, and residuals that
@@ -30,6 +30,11 @@ def optics(
     seed
         Seed of the starts, and of the bands of n and k.
     """
+    from lightflyer.lab.measurement import Outcome, figures_by, rejected_json
+    from lightflyer.lab.optics.data import read_sample
+    from lightflyer.lab.optics.fit import fit_optics, to_dataset
+    from lightflyer.lab.optics.record import require_same_layers, tables, update_layers
+
     sample = read_sample(sample_file)
     if update is not None:
         require_same_layers(update, sample)
@@ -54,7 +59,9 @@ def optics(
     )
 
 
-def _read_parts(result: OpticsFit) -> Iterator[str]:
+def _read_parts(result: "OpticsFit") -> Iterator[str]:
+    from lightflyer.lab.measurement import rejected_parts
+
     for one in result.spectra:
         spectrum = one.measured.spectrum
         ends = spectrum.wavelength[[-1, 0]] * 1e6

@@ -1,22 +1,13 @@
 """Roughness of surfaces from height maps, without the particles on them."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from lightflyer.core.errors import ParameterError
-from lightflyer.lab.measurement import Listing, Metres, Outcome, Share, figures_by, measurement
-from lightflyer.lab.readers.height_map import list_channels as channels_of
-from lightflyer.lab.readers.height_map import mask_as_png, read_height_map, read_mask
-from lightflyer.lab.record import require_distinct
-from lightflyer.lab.surface.particles import THRESHOLD, Flatten
-from lightflyer.lab.surface.reduction import (
-    finding_parts,
-    mean_parameters,
-    means_parts,
-    summary,
-    to_dataset,
-)
-from lightflyer.lab.surface.reduction import roughness as roughness_of
+from lightflyer.lab.options import Metres, Share, measurement
+
+if TYPE_CHECKING:
+    from lightflyer.lab.measurement import Listing, Outcome
 
 
 @measurement(flatten_order="flatten")
@@ -29,13 +20,13 @@ def roughness(
     channel: str | None = None,
     list_channels: bool = False,
     mask: str = "auto",
-    threshold: float = THRESHOLD,
+    threshold: float = 5.0,
     order: int = 2,
-    flatten: Flatten = "none",
+    flatten: Literal["none", "rows"] = "none",
     flatten_order: int = 0,
     height_accuracy: Share = None,
     seed: int = 0,
-) -> Outcome | Listing:
+) -> "Outcome | Listing":
     """Level height maps, mask particles and holes, and find the roughness of the surface.
 
     Parameters
@@ -69,6 +60,20 @@ def roughness(
     seed
         Seed of the resampling for the intervals.
     """
+    from lightflyer.lab.measurement import Outcome, figures_by
+    from lightflyer.lab.readers.height_map import list_channels as channels_of
+    from lightflyer.lab.readers.height_map import mask_as_png, read_height_map, read_mask
+    from lightflyer.lab.record import require_distinct
+    from lightflyer.lab.surface.particles import THRESHOLD
+    from lightflyer.lab.surface.reduction import (
+        finding_parts,
+        mean_parameters,
+        means_parts,
+        summary,
+        to_dataset,
+    )
+    from lightflyer.lab.surface.reduction import roughness as roughness_of
+
     if list_channels:
         return _channels({str(file): channels_of(file) for file in files})
     where: Any = mask if mask in ("auto", "none") else read_mask(Path(mask))
@@ -100,7 +105,9 @@ def roughness(
     )
 
 
-def _channels(found: dict[str, list[Any]]) -> Listing:
+def _channels(found: dict[str, list[Any]]) -> "Listing":
+    from lightflyer.lab.measurement import Listing
+
     lines = []
     for name, channels in found.items():
         lines.append(f"{name}:")

@@ -2,45 +2,26 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from lightflyer.config.reader import read_flyer_file
-from lightflyer.config.update import Face, tac_keys
-from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.gas import GASES
-from lightflyer.gas.registry import AIRS
-from lightflyer.lab.gauges import AS_SHOWN, GaugeOptions, pirani_doubts
-from lightflyer.lab.measurement import (
+from lightflyer.lab.options import (
+    AS_SHOWN,
+    Face,
+    GaugeOptions,
     Kelvins,
     KelvinsApart,
     KnownMetres,
     KnownNumber,
     Metres,
-    Outcome,
     Pascals,
     Share,
-    figures_by,
     measurement,
-    read_parts,
-    read_summary,
 )
-from lightflyer.lab.record import require_distinct
-from lightflyer.lab.tac import record
-from lightflyer.lab.tac.data import (
-    TacAccuracy,
-    read_resistance_calibration,
-    read_tac,
-    unstated_accuracies,
-)
-from lightflyer.lab.tac.diagnostics import POSSIBLE_TAC
-from lightflyer.lab.tac.difference import (
-    difference_dataset,
-    difference_tables,
-    fit_tac_difference,
-)
-from lightflyer.lab.tac.fit import TacFit, fit_tac, runs_parts
-from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC, KineticLaw
+
+if TYPE_CHECKING:
+    from lightflyer.lab.measurement import Outcome
+    from lightflyer.lab.tac.fit import TacFit
 
 
 @measurement(face="update", other_face="top")
@@ -71,7 +52,7 @@ def tac(
     plateau_drift: Share = None,
     update: Path | None = None,
     face: Face | None = None,
-) -> Outcome:
+) -> "Outcome":
     """Fit accommodation coefficient, area ratio and offset to a heater's power against pressure.
 
     Parameters
@@ -134,6 +115,28 @@ def tac(
     face
         Face of that film which has the measured surface.
     """
+    from lightflyer.config.update import tac_keys
+    from lightflyer.core.checks import require_positive, require_range
+    from lightflyer.gas import GASES
+    from lightflyer.lab.gauges import pirani_doubts
+    from lightflyer.lab.measurement import Outcome, figures_by, read_parts, read_summary
+    from lightflyer.lab.record import require_distinct
+    from lightflyer.lab.tac import record
+    from lightflyer.lab.tac.data import (
+        TacAccuracy,
+        read_resistance_calibration,
+        read_tac,
+        unstated_accuracies,
+    )
+    from lightflyer.lab.tac.diagnostics import POSSIBLE_TAC
+    from lightflyer.lab.tac.difference import (
+        difference_dataset,
+        difference_tables,
+        fit_tac_difference,
+    )
+    from lightflyer.lab.tac.fit import fit_tac, runs_parts
+    from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC, KineticLaw
+
     faces = [files] if files else [top, bottom]
     if not all(faces) or (files and (top or bottom)):
         raise ConfigurationError(
@@ -230,11 +233,16 @@ def tac(
 
 
 def _about_flyer(
-    flyer: Path | None, sides: Sequence[Sequence[TacFit]], face: Face | None = None
+    flyer: Path | None, sides: "Sequence[Sequence[TacFit]]", face: Face | None = None
 ) -> list[str]:
     """What to know of coefficients in a flyer file; raises if they are not fit for one."""
     if flyer is None:
         return []
+    from lightflyer.config.reader import read_flyer_file
+    from lightflyer.gas.registry import AIRS
+    from lightflyer.lab.tac import record
+    from lightflyer.lab.tac.heat_law import KINETIC
+
     for fits in sides:
         reason = record.why_no_property(fits)
         if reason is not None:

@@ -2,48 +2,16 @@
 
 import dataclasses
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from lightflyer.config.update import Face, emittance_keys
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.files.quantities import difference, share
-from lightflyer.lab.measurement import (
-    Kelvins,
-    KnownNumber,
-    MeasuredKelvins,
-    Number,
-    Outcome,
-    figures_by,
-    measurement,
-    read_parts,
-    read_summary,
-)
-from lightflyer.lab.thermography.camera import UNCOOLED, parse_band
-from lightflyer.lab.thermography.data import (
-    BLACK,
-    LIGHT,
-    THERMAL,
-    Readings,
-    Scene,
-    accuracy_warnings,
-    given_readings,
-    read_readings,
-    with_accuracy,
-)
-from lightflyer.lab.thermography.reduction import (
-    reduce_readings,
-    to_dataset,
-)
-from lightflyer.lab.thermography.thermal_image import (
-    ThermalImage,
-    is_thermal_image,
-    parse_regions,
-    parse_scale,
-    read_thermal_image,
-    region_temperatures,
-    region_warnings,
-    setting_warnings,
-)
+from lightflyer.lab.options import Face, Kelvins, KnownNumber, MeasuredKelvins, Number, measurement
+
+if TYPE_CHECKING:
+    from lightflyer.lab.measurement import Outcome
+    from lightflyer.lab.thermography.data import Readings, Scene
+    from lightflyer.lab.thermography.thermal_image import ThermalImage
 
 
 @measurement(
@@ -73,7 +41,7 @@ def thermography(
     seed: int = 0,
     update: Path | None = None,  # noqa: ARG001  (written by the command)
     face: Face = "both",
-) -> Outcome:
+) -> "Outcome":
     """Find reflectance, transmittance and emissivity from apparent temperatures.
 
     Parameters
@@ -133,6 +101,23 @@ def thermography(
     face
         Face of that film.
     """
+    from lightflyer.config.update import emittance_keys
+    from lightflyer.lab.measurement import Outcome, figures_by, read_parts, read_summary
+    from lightflyer.lab.thermography.data import (
+        BLACK,
+        LIGHT,
+        THERMAL,
+        given_readings,
+        read_readings,
+    )
+    from lightflyer.lab.thermography.reduction import reduce_readings, to_dataset
+    from lightflyer.lab.thermography.thermal_image import (
+        is_thermal_image,
+        parse_regions,
+        parse_scale,
+        read_thermal_image,
+    )
+
     texts = {"hotplate": hotplate, "lower": lower, "upper": upper, "ambient": ambient}
     given = {f"{name}_temperature": one for name, one in texts.items() if one is not None}
     if light_meter and (given or band or hotplate_emissivity or film_temperature or file is None):
@@ -192,7 +177,10 @@ def thermography(
     )  # fmt: skip
 
 
-def _scene(band: str | None, emissivity: Any, film: Any) -> Scene:
+def _scene(band: str | None, emissivity: Any, film: Any) -> "Scene":
+    from lightflyer.lab.thermography.camera import UNCOOLED, parse_band
+    from lightflyer.lab.thermography.data import Scene
+
     camera = UNCOOLED if band is None else parse_band(band)
     try:
         return Scene(camera, emissivity, film)
@@ -201,8 +189,20 @@ def _scene(band: str | None, emissivity: Any, film: Any) -> Scene:
 
 
 def _image_readings(
-    image: ThermalImage, areas: Any, given: dict[str, Any], accuracy: float | None, scene: Scene
-) -> Readings:
+    image: "ThermalImage", areas: Any, given: dict[str, Any], accuracy: float | None, scene: "Scene"
+) -> "Readings":
+    from lightflyer.lab.thermography.data import (
+        THERMAL,
+        accuracy_warnings,
+        given_readings,
+        with_accuracy,
+    )
+    from lightflyer.lab.thermography.thermal_image import (
+        region_temperatures,
+        region_warnings,
+        setting_warnings,
+    )
+
     kelvin = image.temperature
     found = with_accuracy(region_temperatures(kelvin, areas, image.source), accuracy) | given
     readings = given_readings(found, THERMAL, accuracy=accuracy, scene=scene)

@@ -238,8 +238,8 @@ def _reading(
 def _interval(spread: Mapping[str, Any] | None) -> tuple[float, ...]:
     """Ends of a result's 95 % interval, of the samples where there are; empty without one."""
     found = {} if spread is None else spread.get("monte_carlo", spread["first_order"])
-    ends = (found.get("low"), found.get("high"))
-    return () if None in ends else ends
+    ends = [found[end] for end in ("low", "high") if found.get(end) is not None]
+    return tuple(ends) if len(ends) == 2 else ()
 
 
 def _number(value: float, unit: str) -> str:

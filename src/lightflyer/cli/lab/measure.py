@@ -46,7 +46,8 @@ def __getattr__(name: str) -> Callable[..., None]:
 
 def command_of(measure: Callable[..., "Outcome | Listing"]) -> Callable[..., None]:
     """The command of a measurement."""
-    name, hints = measure.__name__, measure.__annotations__
+    name = measure.__name__
+    hints: dict[str, Any] = measure.__annotations__
     parameters, readers = [], {}
     for one in inspect.signature(measure).parameters.values():
         if get_origin(hints[one.name]) is Annotated:  # a text, which a function reads

@@ -222,6 +222,26 @@ def test_little_of_a_large_file_is_in_memory(tmp_path, monkeypatch):
     assert max(largest) < canonical().u.size / 40
 
 
+def test_polar_rows_of_a_large_file_that_are_no_wind_at_some_times(tmp_path, monkeypatch):
+    """Read time by time: all tables have the same rows, whatever stands at the poles."""
+    data = canonical()
+    data.u[:] = -12.0 * np.sin(np.radians(data.longitude))  # 12 m/s across the pole
+    data.v[:] = -12.0 * np.cos(np.radians(data.longitude)) * np.sin(np.radians(data.latitude))
+    data.u[:, :, [0, -1]], data.v[:, :, [0, -1]] = 12.0, 0.0
+    data.u[1], data.v[1] = 0.0, 0.0  # a calm
+    data.to_netcdf(tmp_path / "weather.nc", engine="h5netcdf")
+    whole = GriddedWind.from_file(tmp_path / "weather.nc")
+    monkeypatch.setattr(store, "KEPT", 3000)
+    wind = GriddedWind.from_file(tmp_path / "weather.nc")
+    since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
+    place = Place(np.radians([90.0, 89.0, 87.5]), np.full(3, 0.4), since + 12.0 * 3600.0)
+    found = wind.velocity(30e3, place)
+    np.testing.assert_allclose(found, whole.velocity(30e3, place), atol=1e-12)
+    north = -np.cos(0.4) * np.sin(place.latitude)
+    np.testing.assert_allclose(found.east, -12.0 * np.sin(0.4), rtol=1e-4)
+    np.testing.assert_allclose(found.north, 12.0 * north, rtol=1e-4)
+
+
 @pytest.mark.slow
 def test_several_files_are_one(tmp_path, monkeypatch):
     data = canonical()

@@ -293,16 +293,16 @@ def _directions(latitude: Any, longitude: Any, xp: Any = xp) -> tuple[Any, Any]:
 def _extend_over_pole(table: np.ndarray, latitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Table and latitudes with two rows more, beyond the pole, where it is met from behind."""
     at_pole = bool(np.isclose(latitude[0], -np.pi / 2))
-    if at_pole:
-        vectors = table[:, :, 0, :, :3]
-        size, mean = (np.linalg.norm(one, axis=-1) for one in (vectors, vectors.mean(axis=2)))
-        # eastward and northward winds that are the same at all longitudes, as ERA5 has them there,
-        # are no one wind: their mean is none at all, and the rows beside them know better
-        if np.any(mean < 0.5 * size.mean(axis=2)):
-            table, latitude, at_pole = table[:, :, 1:], latitude[1:], False
     if at_pole:  # one wind, whatever the longitude
-        table = table.copy()
-        table[:, :, 0] = table[:, :, 0].mean(axis=2, keepdims=True)
+        table, around = table.copy(), table[:, :, :3].mean(axis=3)
+        size = np.linalg.norm(table[:, :, 0, :, :3], axis=-1).mean(axis=2)
+        # Eastward and northward winds that are the same at all longitudes, as ERA5 has them there,
+        # are no one wind: they have no mean. It is that of the rows beside, by a parabola.
+        _, first, second = (latitude[:3] - latitude[0]) ** 2
+        beside = (second * around[:, :, 1] - first * around[:, :, 2]) / (second - first)
+        no_wind = np.linalg.norm(around[:, :, 0, :3], axis=-1) < 0.5 * size
+        around[:, :, 0, :3] = np.where(no_wind[..., None], beside[..., :3], around[:, :, 0, :3])
+        table[:, :, 0] = around[:, :, :1]
     count = table.shape[3]
     rows = table[:, :, int(at_pole) :][:, :, :2]
     half, other_half = count // 2, (count + 1) // 2

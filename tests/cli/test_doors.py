@@ -182,7 +182,11 @@ def test_closed_streams_change_nothing_else(flyer_file, tmp_path):
     assert (tmp_path / "o" / "prediction.nc").stat().st_size
     assert command("predict", tmp_path / "none.toml", suffix="2>&-").returncode == 2
     if Path("/dev/full").exists():
-        assert command("predict", tmp_path / "none.toml", suffix="2>/dev/full").returncode == 2
+        for prefix in ("env -u PYTHONUNBUFFERED", "PYTHONUNBUFFERED=1"):
+            lost = {"prefix": prefix, "suffix": "2>/dev/full"}
+            assert command("predict", tmp_path / "none.toml", **lost).returncode == 2
+            warned = flyer_file("tac_bottom = 0.9", "tac_bottom = 1.05")
+            assert command("predict", warned, "--samples 0", **lost).returncode == 0
     done = command("predict", tmp_path / "none.toml", suffix=">&- <&-")
     assert done.stderr.count("\n") == 1
 

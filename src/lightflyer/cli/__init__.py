@@ -4,7 +4,6 @@ A command is one module here, registered by name so that it is imported only whe
 ``lightflyer --help`` must not wait for JAX.
 """
 
-import contextlib
 import os
 import re
 import sys
@@ -18,7 +17,7 @@ import cyclopts
 
 import lightflyer
 from lightflyer.cli.output import printer, say
-from lightflyer.cli.progress import Display, show_progress
+from lightflyer.cli.progress import Display, abandon, print_error, show_progress
 from lightflyer.cli.report import note_warning, write_report
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
 from lightflyer.files.result_text import listed
@@ -220,7 +219,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.exit(0)
     except OSError as error:
         where = "the output" if error.filename is None else error.filename
-        _abandon_output()
+        abandon(sys.stdout)
         _fail(f"{where}: {error.strerror or error}")
 
 
@@ -282,9 +281,8 @@ def _with_negatives(given: Sequence[str]) -> list[str]:
 
 def _fail(text: str) -> None:
     """End with a line for each mistake."""
-    with contextlib.suppress(OSError):  # nothing can be said where this stream is full
-        for line in text.splitlines():
-            print(f"lightflyer: error: {line}", file=sys.stderr)  # noqa: T201
+    for line in text.splitlines():
+        print_error(f"lightflyer: error: {line}")
     sys.exit(EXIT_FAILURE)
 
 
@@ -332,9 +330,3 @@ def _help_of(given: Sequence[str]) -> str:
         known.append(word)
         where = where[word]
     return " ".join(known)
-
-
-def _abandon_output() -> None:
-    """Let Python end without trying to write again what could not be written."""
-    with contextlib.suppress(OSError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -9,8 +9,8 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, TextIO
 
 from lightflyer.cli.output import BEFORE_RESULTS
 from lightflyer.core.progress import Step, report_to
@@ -65,7 +65,7 @@ class Display:
             if self._bar is not None:
                 self._bar.console.print(text, soft_wrap=True)
                 return
-        print(text, file=sys.stderr)  # noqa: T201
+        print_error(text)
 
     def _move(self) -> None:
         if self._over.wait(_QUIET):
@@ -97,7 +97,7 @@ class Display:
         while not self._over.wait(pause):
             with self._lock:  # no line begins once results may be printed
                 if not self._over.is_set():
-                    print(f"lightflyer: {self._line()}", file=sys.stderr, flush=True)  # noqa: T201
+                    print_error(f"lightflyer: {self._line()}")
             pause = _EVERY
 
     def _line(self) -> str:
@@ -118,3 +118,17 @@ def show_progress(command: str) -> Iterator[Display]:
     finally:
         display.stop()
         BEFORE_RESULTS.remove(display.stop)
+
+
+def print_error(text: str) -> None:
+    """Print a line to the standard error stream; nothing where that is full."""
+    try:
+        print(text, file=sys.stderr)  # noqa: T201
+    except OSError:
+        abandon(sys.stderr)
+
+
+def abandon(stream: TextIO) -> None:
+    """Let Python end without trying to write again what could not be written."""
+    with suppress(OSError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

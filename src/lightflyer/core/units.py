@@ -1,7 +1,7 @@
 """Quantities with units, at the edge of the program only: "2 cm" becomes 0.02.
 
 Inside the package every number is SI. The units that files may use are few and stand here: to load
-Pint takes a quarter of the time of a prediction. The tests compare each unit with Pint's.
+Pint takes a tenth of the time of a prediction. The tests compare each unit with Pint's.
 """
 
 import math

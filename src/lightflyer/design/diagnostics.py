@@ -30,16 +30,13 @@ _BUCKLED = {True: "a membrane wrinkles between its holds", False: "its shell buc
 _GAP = 0.5  # share of a gap, from which the force of a flat one means little
 
 _LOOKS = 31  # places within a band that are looked at
-_AT_ONCE = 320  # places: a prediction's table and what is reported beside it
 _ROUNDING = 1e-5  # relative, within which a search meets a limit
 
 
 def diagnose_at(setup: Setup, coordinate: Numeric, temperature: Numeric) -> tuple[str, ...]:
     """Diagnostics of a flyer at some places; ``coordinate`` (n,); ``temperature`` (n,)."""
-    coordinate = np.asarray(coordinate, float)
-    repeats = (0, -coordinate.size % _AT_ONCE)  # of the last place, so that one program serves all
-    places, hottest = (np.pad(row, repeats, mode="edge") for row in (coordinate, temperature))
-    return diagnose(setup, _state(setup.environment, places), hottest)
+    state = _state(setup.environment, np.asarray(coordinate, float))
+    return diagnose(setup, state, np.asarray(temperature, float))
 
 
 @entry_point

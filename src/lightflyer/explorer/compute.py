@@ -1,7 +1,6 @@
 """Results of the design that the page shows: the package's own, and nothing else.
 
-A program is traced once for each kind of flyer, environment and force model, and serves all
-numbers. What was computed for a design is kept for a while.
+What was computed for a design is kept for a while.
 """
 
 import math
@@ -93,7 +92,7 @@ def uncertainty_of(design: FileDesign) -> PredictionUncertainty | None:
 
 
 def warm(design: FileDesign) -> None:
-    """Trace what a design needs, before somebody waits for it."""
+    """Compute what a page asks of a design, before somebody waits for it."""
     prediction_of(design)
     uncertainty_of(design)
 

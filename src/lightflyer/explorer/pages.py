@@ -337,5 +337,5 @@ ANSWERS: dict[str, Callable[[Workplace, Mapping[str, Any]], Answer]] = {
 
 
 def warm(workplace: Workplace) -> None:
-    """Trace what the first design needs, before a page asks for it."""
+    """Compute the first design, before a page asks for it."""
     warm_up(workplace.design(workplace.initial))

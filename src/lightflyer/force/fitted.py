@@ -18,7 +18,8 @@ def fitted(kind: type[Fit], name: str, gas: str, **given: Any) -> Fit:
     """A fit by its name, for a gas; ``given``: fields that have a place of their own."""
     if gas not in GASES:
         raise ParameterError(f"gas = {gas!r} is not one of {', '.join(GASES)}")
-    found: Fit = _made(kind, _shipped()[name][gas] | given if given else _shipped()[name][gas])
+    content = _shipped()[name][gas]
+    found: Fit = _made(kind, {**content, **given} if given else content)
     return found
 
 

@@ -130,8 +130,7 @@ def behaviour(
         irradiance: np.ndarray,
         incidence: np.ndarray,
     ) -> Table:
-        # a chamber with a gas temperature of its own at every point: one compiled function serves
-        # the atmosphere too
+        # a chamber with a gas temperature of its own at every point is the atmosphere too
         chamber = Chamber(
             temperature=gas_temperature,
             gas=LU2023_AIR,

@@ -361,13 +361,8 @@ def pareto_front(results: "xr.Dataset | str | Path", output: str, cost: str) -> 
 
 def front(dataset: "xr.Dataset", gain: str, cost: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Numbers of a front's designs, and their medians of output and cost, (n,) each."""
-    found, designs, gains, costs = (
-        _Results(dataset, gain),
-        np.empty(0, int),
-        np.empty(0),
-        np.empty(0),
-    )
-    price = COSTS.get(cost, 1.0)
+    found, price = _Results(dataset, gain), COSTS.get(cost, 1.0)
+    designs, gains, costs = np.empty(0, int), np.empty(0), np.empty(0)
     for place, part in found.parts(gain, cost, *_TELLING):
         values = found.medians(part, part[gain], found.worth)
         there = -found.medians(part, part[cost], -price)
@@ -397,7 +392,7 @@ def quantiles(
     Parameters
     ----------
     results : xarray.Dataset or path
-        A sweep, or the folder of one, which is read part by part, three times.
+        A sweep, or the folder of one, which is read part by part, four times.
     output : str
     shares : sequence of float
         From 0, the least value, to 1, the largest.

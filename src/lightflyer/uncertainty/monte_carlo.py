@@ -54,16 +54,11 @@ def tabulate_samples(
         return dict(zip(names, found, strict=True))
     if any(np.ndim(leaf) > 2 for leaf in tree.leaves(setup)):  # tables for each sample
         some = np.flatnonzero(asked.any(axis=1))
-        # one program serves all of several samples and several places
-        some = np.resize(some, max(some.size, 2))
         filled = np.where(asked, places, places[asked][0])[some]
-        filled = np.resize(filled.T, (max(shape[1], 2), some.size)).T
         rows = tree.map_leaves(lambda leaf: _rows_of(leaf, len(samples), some), setup)
         light = rows.environment.radiation.irradiance
         table = table_of(rows, filled, light, names, _tabulate_each)
-        found[:, some] = [
-            np.broadcast_to(table[name], filled.shape)[:, : shape[1]] for name in names
-        ]
+        found[:, some] = [np.broadcast_to(table[name], filled.shape) for name in names]
         found[:, ~asked] = np.nan
     else:
         rows = tree.map_leaves(lambda leaf: _place_in_row(leaf, asked), setup)

@@ -115,18 +115,16 @@ def _by_angle(film: Film, side: Side, grid: Grid, incidence: Numeric) -> Directi
     angles = incidence if is_traced(incidence) else np.asarray(incidence, float)
     angles = angles.reshape(-1)
     count = angles.shape[0]
-    if is_traced(angles):
-        blocks = [angles]
-    else:  # of one length, so that one compilation serves all
-        whole = np.pad(angles, (0, -count % DIRECTIONS), mode="edge")
-        blocks = list(whole.reshape(-1, DIRECTIONS))
+    blocks = [angles]
+    if not is_traced(angles):
+        blocks = np.array_split(angles, -(-count // DIRECTIONS))
     pieces = spectral_pieces(film, side, grid.wavelength, DIRECTIONS, grid.mean_weight)
     rows = [
         tree.map_leaves(lambda *parts: sum(parts), *(_directional(*one) for one in arguments))
         for arguments in ([(*piece, block) for piece in pieces] for block in blocks)
     ]
     join = xp.concatenate if is_traced(rows) else np.concatenate
-    shares = DirectionalShares(*(join(part, axis=1)[:, :count] for part in zip(*rows, strict=True)))
+    shares = DirectionalShares(*(join(part, axis=1) for part in zip(*rows, strict=True)))
     if film.open_fraction is None:
         return shares
     solid = DirectionalShares(*((1.0 - film.open_fraction) * share for share in shares))

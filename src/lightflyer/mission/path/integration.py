@@ -81,8 +81,8 @@ class Track(Module):
 
     altitude: Array  #: shape (times,); [m]; infinite after the end
     position: Array  #: shape (times, 3); unit vector in the planet's frame; infinite after the end
-    end_elapsed: Array  #: Time since the release [s] and altitude [m] at the end
-    end_altitude: Array  #: Time since the release [s] and altitude [m] at the end
+    end_elapsed: Array  #: Time since the release at the end [s]
+    end_altitude: Array  #: Altitude at the end [m]
     end_position: Array  #: shape (3,)
     termination: Array  #: A :class:`~lightflyer.mission.path.termination.TerminationReason`
     steps: Array  #: Intervals of the integration, those that were divided included

@@ -148,17 +148,22 @@ def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) 
     return found
 
 
-def verdict_of(prediction: Prediction, uncertainty: PredictionUncertainty | None) -> dict[str, Any]:
+def verdict_of(
+    prediction: Prediction,
+    uncertainty: PredictionUncertainty | None,
+    *,
+    to_be_sampled: bool = False,
+) -> dict[str, Any]:
     """The verdict in sentences, and its state: ``flies``, ``unsure``, too ``hot`` or ``not``."""
     told = () if uncertainty is None else (uncertainty.bands, uncertainty.shares)
     lines = list(verdict_lines(prediction, *told))
     found = prediction.verdict
     melts = found.survives is False or found.limit == "film"
     state = "not" if not prediction.bands else "hot" if melts else "flies"
-    if state == "flies" and uncertainty is not None:
-        shares = uncertainty.share_that_levitates, uncertainty.share_that_survives
-        if any(share is not None and share < _SURE for share in shares):
-            state = "unsure"
+    shares = [] if uncertainty is None else list(uncertainty.shares[1:])
+    unsure = to_be_sampled or any(share is not None and share < _SURE for share in shares)
+    if state == "flies" and unsure:
+        state = "unsure"
     return {"state": state, "lines": lines[1:]}
 
 
@@ -183,7 +188,7 @@ def _band(prediction: Prediction, spreads: Mapping[str, Any]) -> Reading:
     ends = [_interval(spreads.get(f"{name}.{end}")) for end in ("lower", "upper")]
     spread = ""
     if all(ends):
-        each = (" to ".join(f"{end:.{_INTERVAL_DIGITS}g}" for end in pair) for pair in ends)
+        each = (" to ".join(_number(end, "", _INTERVAL_DIGITS) for end in pair) for pair in ends)
         spread = f"95 %: {' and '.join(each)} {where.shown_unit}"
     text = f"{low:.{_DIGITS}g} to {high:.{_DIGITS}g} {where.shown_unit}"
     return Reading(name, label, text, None, spread)
@@ -228,7 +233,7 @@ def _reading(
 ) -> Reading:
     band, shown = _interval(spreads.get(name)), ""
     if band:
-        ends = (f"{end * scale:.{_INTERVAL_DIGITS}g}" for end in band)
+        ends = (_number(end * scale, "", _INTERVAL_DIGITS) for end in band)
         shown = f"95 %: {' to '.join(ends)} {unit}".rstrip()
     finite = float(value) if math.isfinite(value) else None
     return Reading(name, label, _number(value * scale, unit), finite, shown)
@@ -241,11 +246,11 @@ def _interval(spread: Mapping[str, Any] | None) -> tuple[float, ...]:
     return tuple(ends) if len(ends) == 2 else ()
 
 
-def _number(value: float, unit: str) -> str:
+def _number(value: float, unit: str, digits: int = _DIGITS) -> str:
     if not math.isfinite(value):
         return "none"
-    large = abs(value) >= 10.0**_DIGITS
-    return f"{f'{value:.0f}' if large else f'{value:.{_DIGITS}g}'} {unit}".rstrip()
+    large = abs(value) >= 10.0**digits
+    return f"{f'{value:.0f}' if large else f'{value:.{digits}g}'} {unit}".rstrip()
 
 
 def values_at(setup: Setup, place: float) -> list[Reading]:

@@ -223,10 +223,11 @@ def _predict(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     design = workplace.design(document)
     prediction = prediction_of(design)
     found = Quick(prediction.setup, prediction.coordinates, prediction.table)
+    uncertain = bool(design.file.uncertainties() or design.data_bounds())
     return {
         "summary": prediction.summary(),
         "readings": [asdict(one) for one in readings(prediction, None)],
-        "verdict": verdict_of(prediction, None),
+        "verdict": verdict_of(prediction, None, to_be_sampled=uncertain),
         "figures": view.marks(prediction),
         "place": _place(design, (prediction.verdict.best or prediction.best).coordinate),
         "rows": view.rows(found),

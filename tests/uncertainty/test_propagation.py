@@ -11,6 +11,7 @@ import scipy.stats
 import lightflyer as lf
 from lightflyer.array.transformations import compiled
 from lightflyer.config.designs import as_design
+from lightflyer.config.reader import read_design
 from lightflyer.core.quantity import Fraction
 from lightflyer.design.design import ObjectDesign
 from lightflyer.design.tables import tabulate
@@ -167,6 +168,16 @@ def test_the_seed_decides(small, both):
     assert not np.array_equal(draw(inputs, 5, 1), draw(inputs, 5, 2))
     drawn = draw(inputs, 20_000, 3)
     assert np.cov(drawn.T) == pytest.approx(inputs.covariance, rel=0.05, abs=5e-9)
+
+
+def test_numbers_of_very_different_size_keep_their_spreads(tmp_path, run):
+    """A Poisson's ratio beside moduli in pascals, which both membranes share."""
+    run("init", tmp_path / "ligaments.toml", "--kind", "ligaments")
+    inputs = uncertain_inputs(read_design(tmp_path / "ligaments.toml"))
+    assert inputs.spreads.max() > 1e15 * inputs.spreads.min()
+    drawn = draw(inputs, 5000, 0)
+    np.testing.assert_allclose(drawn.std(axis=0), inputs.spreads, rtol=0.05)
+    np.testing.assert_allclose(np.corrcoef(drawn.T), inputs.correlation, atol=0.06)
 
 
 def test_impossible_draws_are_redrawn():

@@ -91,6 +91,9 @@ def errors_of(bounds: Bounds) -> Distribution:
 class _Errors(Normal):
     """Normal errors, whatever values the number itself may have."""
 
+    def impossible(self) -> float:
+        return 0.0
+
     def quantile(self, share: np.ndarray) -> np.ndarray:
         from scipy.special import ndtri  # slow to import
 

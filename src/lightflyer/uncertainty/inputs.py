@@ -221,7 +221,7 @@ def draw_possible(inputs: Inputs, samples: int, seed: int) -> Drawn:
     # number is within its range, and that what belongs together agrees, as where a film absorbs and
     # transmits no more than all of the light.
     # In standard errors: beside a modulus in pascals the decomposition of a covariance would lose
-    # Poisson's ratio. The widest come first, as in samples of earlier versions.
+    # Poisson's ratio. The widest come first, so that most files keep the samples of 0.2.0.
     generator, order = np.random.default_rng(seed), np.argsort(-inputs.spreads, kind="stable")
     shared, nowhere = inputs.correlation[np.ix_(order, order)], np.zeros(order.size)
     drawn, refused, why = np.empty((0, inputs.values.size)), 0, ""

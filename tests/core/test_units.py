@@ -134,11 +134,20 @@ def test_megatorr_is_asked_for(unit):
         parse(f"1 {unit}", "Pa")
 
 
+@pytest.mark.parametrize(
+    ("spelled", "unit"),
+    [("m.s-1", "m/s"), ("m s**-1", "m/s"), ("W.m-2", "W/m^2"), ("m/sec", "m/s"), ("kts", "knot"),
+     ("knots", "knot"), ("mb", "hPa"), ("hpa", "hPa"), ("Hectopascals", "hPa")],
+)  # fmt: skip
+def test_units_as_weather_files_spell_them(spelled, unit):
+    assert scale_and_offset(spelled, unit) == (1.0, 0.0)
+
+
 # units without a prefix that Pint's own list has by the same name
 OF_PINT = """
 m metre meter s second minute min hour h day d rad radian degree deg inch in foot ft g gram
 angstrom percent kelvin K ampere A bit Hz hertz newton N pascal Pa bar atmosphere atm torr mmHg
-psi inHg joule J eV watt W volt V ohm
+psi inHg joule J eV watt W volt V ohm knot kt mph
 """
 
 

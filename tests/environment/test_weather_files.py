@@ -9,6 +9,7 @@ from scipy.interpolate import RegularGridInterpolator
 import lightflyer as lf
 from lightflyer.environment import GriddedWind, Place
 from lightflyer.environment.wind import store
+from lightflyer.environment.wind.dataset import EPOCH
 from lightflyer.environment.wind.heights import GAS_CONSTANT, altitude_of
 
 START = np.datetime64("2026-06-21T00:00", "ns")
@@ -109,6 +110,21 @@ HEIGHTS = np.array([21e3, 30e3, 36e3, 42e3])
 MOMENTS = np.array([1.3, 0.4, 2.6, 2.0])
 
 
+def grads(data):
+    """Of NOMADS: names as GrADS has them, units in long names, days since the year one."""
+    names = {"u": "ugrdprs", "v": "vgrdprs", "t": "tmpprs", "w": "vvelprs", "h": "hgtprs"}
+    units = {"u": "m/s", "v": "m/s", "t": "k", "w": "pa/s", "h": "gpm"}
+    data = data.assign(h=as_height(data)).drop_vars("z")
+    for name, unit in units.items():
+        data[name].attrs = {"long_name": f"** (1000 975 950.. 1) {name} [{unit}] "}
+    days = 739789.0 + np.arange(4) / 4.0
+    data = data.assign_coords(
+        time=("time", days, {"units": "days since 1-1-1 00:00:0.0"}),
+        pressure=("pressure", HPA, {"units": "millibar", "long_name": "altitude"}),
+    )
+    return data.rename(names).rename(pressure="lev", latitude="lat", longitude="lon")
+
+
 def independent(index):
     """Winds and air by SciPy, linear in pressure's logarithm, at the level of the height wanted."""
     north, east = np.degrees(PLACES[index])
@@ -124,7 +140,7 @@ def independent(index):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("layout", [era5, gfs, merra2, icon, wrf])
+@pytest.mark.parametrize("layout", [era5, gfs, merra2, icon, wrf, grads])
 def test_a_file_as_it_is_downloaded(tmp_path, layout):
     path = tmp_path / "weather.nc"
     layout(canonical()).to_netcdf(path, engine="h5netcdf")
@@ -346,6 +362,86 @@ def test_files_that_are_not_usable_get_one_line(tmp_path):
     bent["XLAT"] = bent.XLAT + 0.1 * bent.west_east
     with pytest.raises(lf.ConfigurationError, match="no grid of latitudes and longitudes"):
         GriddedWind(bent)
+
+
+WRONG_UNITS = {  # variable, what is done to it, unit that it then has, unit that is meant
+    "geopotential over g": ("z", 1 / GRAVITY, "m**2 s**-2", "m"),
+    "heights that are geopotentials": ("h", GRAVITY, "m", "m**2/s**2"),
+    "heights in kilometres": ("h", 1e-3, "m", "km"),
+    "heights in feet": ("h", 1 / 0.3048, "m", "ft"),
+    "hectopascals": ("pressure", 1.0, "Pa", "hPa"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_UNITS)
+@pytest.mark.parametrize("is_warm", [True, False])
+def test_heights_that_contradict_pressures(case, is_warm):
+    """And what the message says to write is right: pressure and wind are those of a right file."""
+    name, factor, unit, meant = WRONG_UNITS[case]
+    data = canonical().isel(latitude=slice(None, None, 12), longitude=slice(None, None, 12))
+    right = GriddedWind(data.copy(deep=True))
+    if not is_warm:
+        data = data.drop_vars(["t", "w"])
+    if name == "h":
+        data = data.assign(h=as_height(data)).drop_vars("z")
+    data = data.assign({name: (data[name] * factor).assign_attrs(units=unit)})
+    with pytest.raises(lf.ConfigurationError, match="where the standard atmosphere has") as caught:
+        GriddedWind(data)
+    advice = f'set dataset["{name}"].attrs["units"] = "{meant}"'
+    assert str(caught.value).endswith(advice)
+    exec(advice.removeprefix("set "), {"dataset": data})
+    place = Place(0.5, 0.3, (START - EPOCH) / np.timedelta64(1, "s") + 9e3)
+    np.testing.assert_allclose(
+        GriddedWind(data).velocity(3e4, place)[:2], right.velocity(3e4, place)[:2], rtol=1e-9
+    )
+
+
+def test_temperatures_that_are_in_celsius():
+    data = canonical().isel(latitude=slice(None, None, 12), longitude=slice(None, None, 12))
+    data["t"] = (data.t - 273.15).assign_attrs(units="K")
+    with pytest.raises(lf.ConfigurationError, match=r't falls to -48.* in °C, set dataset\["t"\]'):
+        GriddedWind(data)
+
+
+def with_times(path, unit, *numbers, calendar="standard"):
+    data = canonical().isel(latitude=slice(None, None, 12), longitude=slice(None, None, 12))
+    data = data.isel(time=slice(len(numbers)))
+    data = data.assign_coords(time=("time", [*numbers], {"units": unit, "calendar": calendar}))
+    data.to_netcdf(path, engine="h5netcdf")
+    return GriddedWind.from_file(path)
+
+
+@pytest.mark.parametrize("calendar", ["noleap", "360_day", "julian"])
+def test_calendars_without_true_dates(tmp_path, monkeypatch, calendar):
+    monkeypatch.chdir(tmp_path)
+    said = rf"m\.nc: .*calendar {calendar}.*: pip install cftime, then "
+    with pytest.raises(lf.ConfigurationError, match=said) as caught:
+        with_times("m.nc", "days since 2026-06-21", 0.0, 1.0, calendar=calendar)
+    pytest.importorskip("cftime")
+    exec(str(caught.value).split("then ")[1], {"xarray": xr})
+    assert "2026-06-21T00:00 UTC to 2026-06-22" in GriddedWind.from_file("dates.nc").describe()[0]
+    with pytest.raises(lf.ConfigurationError, match=f"calendar {calendar}"):
+        GriddedWind(xr.open_dataset("m.nc"))
+
+
+@pytest.mark.parametrize(
+    ("unit", "calendar", "first"),
+    [  # cftime.num2date(739789, "days since 1-1-1", calendar) is 2026-06-21, and 2 days less
+        ("days since 1-1-1 00:00:0.0", "standard", 739789.0),
+        ("hours since 1-1-1", "gregorian", 24 * 739789.0),
+        ("days since 0001-01-01", "proleptic_gregorian", 739787.0),
+    ],
+)
+def test_days_since_the_year_one(tmp_path, unit, calendar, first):
+    wind = with_times(tmp_path / "old.nc", unit, first, first + 1.0, calendar=calendar)
+    assert wind.describe()[0].startswith("wind: data, 2026-06-21T00:00 UTC to 2026-06-2")
+
+
+def test_a_time_that_no_library_reads_is_not_a_damaged_file(tmp_path):
+    with pytest.raises(
+        lf.ConfigurationError, match=r"n\.nc: its times cannot be read: .*fortnights"
+    ):
+        with_times(tmp_path / "n.nc", "fortnights since 2026-06-21", 0.0, 1.0)
 
 
 def test_another_wind_takes_over_smoothly_beyond_the_data():

@@ -47,6 +47,7 @@ _MINUS, _DOT = "\N{MINUS SIGN}", "\N{DOT OPERATOR}"
 # Words in any case; symbols are not here, in which case tells mega from milli.
 _WORDS = {
     "pascal": "Pa", "pascals": "Pa", "torr": "Torr", "millitorr": "mTorr", "millibar": "mbar",
+    "mb": "mbar", "hpa": "hPa", "hectopascal": "hPa", "hectopascals": "hPa", "m/sec": "m/s",
     "inhg": "inHg", "in hg": "inHg", "in. hg": "inHg", "inches hg": "inHg", "mm hg": "mmHg",
     "mmhg": "mmHg", "micron hg": "mTorr", "microns hg": "mTorr", "kelvin": "K", "kelvins": "K",
     "celsius": "°C", "deg c": "°C", "deg. c": "°C", "degc": "°C", "° c": "°C",
@@ -65,6 +66,7 @@ _BY_TARGET = {
     ("micron", "m"): "um", ("microns", "m"): "um",
     ("c", "K"): "°C", ("f", "K"): "°F",
 }  # fmt: skip
+_POINT = re.compile(r"(?<=[A-Za-z\d])\.(?=[A-Za-zµμ])")  # of UDUNITS, as in m.s-1
 _TORR = re.compile(r"^([mµμu]?)(?:torr|TORR)$")
 _MEGA_OR_MILLI = re.compile(r"M(?:[Tt]orr|TORR|[Bb]ar|BAR)")
 _CONVENTIONS = {"sun": "1 sun is taken as 1000 W/m^2"}
@@ -105,6 +107,8 @@ _DEFINITIONS = (  # names, and what one is: a factor, a power of ten, other unit
     ("angstrom", 1.0, -10, "m"),
     ("inch in", 2.54, -2, "m"),
     ("foot ft", 30.48, -2, "m"),
+    ("knot kt", 1852.0 / 3600.0, 0, "m s^-1"),
+    ("mph", 0.44704, 0, "m s^-1"),
     ("minute min", 60.0, 0, "s"),
     ("hour h", 3600.0, 0, "s"),
     ("day d", 86400.0, 0, "s"),
@@ -177,7 +181,7 @@ def spell_unit(unit: str, target: str) -> str:
     """A unit in the package's spelling, from that of instruments and spreadsheets."""
     # full-width, raised and squared letters as plain ones: ⁻², ℃, ㎛, Å
     text = unicodedata.normalize("NFKC", unit).replace(_MINUS, "-").replace(_DOT, "·").strip()
-    text = _TORR.sub(r"\1Torr", text)
+    text = _POINT.sub("·", _TORR.sub(r"\1Torr", text))
     word = " ".join(text.casefold().split())
     return _BY_TARGET.get((word, target)) or _WORDS.get(word, text)
 

@@ -12,11 +12,12 @@ from lightflyer.core.units import scale_and_offset
 from lightflyer.environment.wind.heights import (
     GAS_CONSTANT,
     altitude_of,
+    check_heights,
     hydrostatic_geopotential,
     new_levels,
     on_altitudes,
 )
-from lightflyer.environment.wind.layouts import in_one_layout
+from lightflyer.environment.wind.layouts import called, in_one_layout, not_of_the_sun, unit_of
 
 EPOCH = np.datetime64("2000-01-01T12:00:00", "ns")
 """Origin of :attr:`lightflyer.environment.Place.time`."""
@@ -45,6 +46,7 @@ _AIR = {"temperature": "K", "geopotential": "m**2/s**2", "height": "m"}  # besid
 _OF_AIR = "temperature", "log_pressure"
 _FEWEST_LEVELS = 2
 _FASTEST = 1e3  # no wind below 500 km is faster [m/s]
+_COLDEST = 80.0  # no air is colder [K]
 
 
 class WindGrid(NamedTuple):
@@ -95,24 +97,28 @@ def read_fields(dataset: Any, *, air_only: bool = False) -> Fields:
     order = [names.get(kind) for kind in ("time", level, "latitude", "longitude")]
     axes, sorting = [], []
     for name, reader in zip(order, readers_of(by_pressure=by_pressure), strict=True):
-        values = np.zeros(1) if name is None else reader(dataset[name], name)
+        values = np.zeros(1) if name is None else reader(dataset[name])
         sorting.append(np.argsort(values, kind="stable"))
         axes.append(values[sorting[-1]])
         if np.any(~np.isfinite(values)) or np.any(np.diff(axes[-1]) <= 0.0):
-            raise ConfigurationError(f"winds: {name} has missing or repeated entries")
+            raise ConfigurationError(
+                f"winds: {called(dataset[name])} has missing or repeated entries"
+            )
         is_place = name is not None and name != names.get("time")
         if is_place and values.size == 1 and not air_only:
-            raise ConfigurationError(f"winds: {name} needs two entries or more")
+            raise ConfigurationError(f"winds: {called(dataset[name])} needs two entries or more")
     known = _known_air(dataset, given) if by_pressure else {}
     units = dict.fromkeys(given, "m/s") | known
     found = {
         name: _field(dataset, name, unit, order, sorting, missing=by_pressure)
         for name, unit in units.items()
     }
+    if {"geopotential", "height"} & {*known}:
+        check_heights(dataset, axes[1], found)
     return Fields(axes, by_pressure, order[-1] is None, found, units.get("w") == _OMEGA)
 
 
-def readers_of(*, by_pressure: bool) -> tuple[Callable[[Any, str], np.ndarray], ...]:
+def readers_of(*, by_pressure: bool) -> tuple[Callable[[Any], np.ndarray], ...]:
     """What reads the coordinates: time, level, latitude, longitude."""
     return _seconds, _minus_log if by_pressure else _metres, _degrees, _degrees
 
@@ -144,17 +150,18 @@ def grid_of(
 def _variables(dataset: Any) -> list[str]:
     """Names of the components that a dataset has."""
     there = [str(name) for name in getattr(dataset, "data_vars", ())]
+    own = [called(dataset[name]) for name in there]
     given = [name for name in _VARIABLES if name in there]
     if given not in (["u", "v"], ["w"], list(_VARIABLES)):
         raise ConfigurationError(
             "winds: needs the variables u and v (towards east and north), w (up), or all three; "
-            f"there are: {', '.join(there) or 'none'}"
+            f"there are: {', '.join(own) or 'none'}"
         )
     size = dataset[given[0]].size
     if size > LARGEST:
         raise ConfigurationError(
-            f"winds: {given[0]} has {size:,} points, more than {LARGEST:,}; select the times and "
-            "levels that are needed, or coarsen it"
+            f"winds: {called(dataset[given[0]])} has {size:,} points, more than "
+            f"{LARGEST:,}; select the times and levels that are needed, or coarsen it"
         )
     return given
 
@@ -162,36 +169,32 @@ def _variables(dataset: Any) -> list[str]:
 def dimensions_of(dataset: Any, variable: str) -> dict[str, str]:
     """The dataset's own name of each dimension that its winds have."""
     found: dict[str, str] = {}
+    own = called(dataset[variable])
     for dimension in dataset[variable].dims:
         kinds = [kind for kind, names in _NAMES.items() if dimension in names]
         if not kinds or kinds[0] in found:
             raise ConfigurationError(
-                f"winds: {variable} has the dimension {dimension}, which is none of time, "
+                f"winds: {own} has the dimension {dimension}, which is none of time, "
                 "altitude or pressure, latitude, longitude, or is so twice; rename it or select "
                 "one entry"
             )
         found[kinds[0]] = str(dimension)
     if "latitude" not in found:
-        raise ConfigurationError(f"winds: {variable} has no dimension latitude")
+        raise ConfigurationError(f"winds: {own} has no dimension latitude")
     if ("altitude" in found) == ("pressure" in found):
-        raise ConfigurationError(f"winds: {variable} needs one dimension altitude or pressure")
+        raise ConfigurationError(f"winds: {own} needs one dimension altitude or pressure")
     for name in found.values():
         if name not in dataset.coords:
             raise ConfigurationError(f"winds: the dimension {name} has no coordinates")
     return found
 
 
-def _unit(array: Any, name: str, example: str) -> str:
-    unit = str(array.attrs.get("units", ""))
+def _scale(array: Any, target: str) -> np.ndarray:
+    unit, name = unit_of(array), called(array)
     if not unit:
         raise ConfigurationError(
-            f'winds: {name} has no units; set dataset["{name}"].attrs["units"] = "{example}"'
+            f'winds: {name} has no units; set dataset["{name}"].attrs["units"] = "{target}"'
         )
-    return unit
-
-
-def _scale(array: Any, name: str, target: str) -> np.ndarray:
-    unit = _unit(array, name, target).replace("gpm", "m")  # of geopotential metres
     try:
         scale, offset = scale_and_offset(unit, target)
     except ConfigurationError as error:
@@ -199,26 +202,33 @@ def _scale(array: Any, name: str, target: str) -> np.ndarray:
     return scale * np.asarray(array.values, float) + offset
 
 
-def _degrees(array: Any, name: str) -> np.ndarray:
-    unit = str(array.attrs.get("units", "degrees"))
+def _degrees(array: Any) -> np.ndarray:
+    unit = unit_of(array) or "degrees"
     if not unit.startswith(_DEGREES):
-        raise ConfigurationError(f'winds: units of {name}: "{unit}" is none of degrees')
+        raise ConfigurationError(f'winds: units of {called(array)}: "{unit}" is none of degrees')
     return np.asarray(array.values, float) * RADIANS_PER_DEGREE
 
 
-def _metres(array: Any, name: str) -> np.ndarray:
-    return _scale(array, name, "m")
+def _metres(array: Any) -> np.ndarray:
+    return _scale(array, "m")
 
 
-def _minus_log(array: Any, name: str) -> np.ndarray:
-    values = _scale(array, name, "Pa")
+def _minus_log(array: Any) -> np.ndarray:
+    values = _scale(array, "Pa")
     if not np.all(values > 0.0):
-        raise ConfigurationError(f"winds: {name} must be positive")
+        raise ConfigurationError(f"winds: {called(array)} must be positive")
     return -np.log(values)
 
 
-def _seconds(array: Any, name: str) -> np.ndarray:
+def _seconds(array: Any) -> np.ndarray:
     if not np.issubdtype(array.dtype, np.datetime64):
+        name = called(array)
+        if array.dtype == object:  # of cftime
+            raise ConfigurationError(not_of_the_sun(name, array.dt.calendar, "dataset"))
+        if " since " in unit_of(array):
+            raise ConfigurationError(
+                f"winds: {name} must be dates (UTC) and is numbers; take xarray.decode_cf(dataset)"
+            )
         raise ConfigurationError(
             f"winds: {name} must be dates (UTC); give it units such as "
             '"hours since 2024-06-21" and open it by xarray, which decodes them'
@@ -235,8 +245,10 @@ def _known_air(dataset: Any, given: list[str]) -> dict[str, str]:
 
 
 def _is_omega(array: Any) -> bool:
-    unit = str(array.attrs.get("units", "")).replace("**", "")
-    return unit.replace("s-1", "/s").replace(" ", "") == _OMEGA
+    try:
+        return bool(scale_and_offset(unit_of(array), _OMEGA))
+    except ConfigurationError:
+        return False
 
 
 def _field(
@@ -252,14 +264,23 @@ def _field(
     array = dataset[name]
     present = [dimension for dimension in order if dimension is not None]
     if set(array.dims) != set(present):
-        raise ConfigurationError(f"winds: {name} has other dimensions than {', '.join(present)}")
+        raise ConfigurationError(
+            f"winds: {called(array)} has other dimensions than {', '.join(present)}"
+        )
     if unit != _OMEGA and _is_omega(array):
         raise ConfigurationError(f"{_OF_OMEGA}; give the temperature too, or drop it")
-    values = _scale(array.transpose(*present), name, unit)
+    values = _scale(array.transpose(*present), unit)
+    name = called(array)
     if unit == "m/s" and np.any(np.abs(values) > _FASTEST):
         raise ConfigurationError(
             f"winds: {name} reaches {np.nanmax(np.abs(values)):.3g} m/s, and no wind {_FASTEST:g} "
             "m/s: mark missing values by _FillValue, and check the units"
+        )
+    if unit == "K" and np.any(values < _COLDEST):
+        raise ConfigurationError(
+            f"winds: {name} falls to {np.nanmin(values):.3g} K, and no air is colder than "
+            f'{_COLDEST:g} K: if it is in °C, set dataset["{name}"].attrs["units"] = "degC"; mark '
+            "missing values by _FillValue"
         )
     if not missing:
         require_finite(values, name)

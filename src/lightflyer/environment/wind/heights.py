@@ -1,17 +1,30 @@
 """Winds on pressure levels, put on altitudes by the geopotential or the temperature beside them."""
 
+import math
 from typing import Any
 
 import numpy as np
 
 from lightflyer.core import constants
+from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.units import scale_and_offset
 from lightflyer.environment.atmosphere.us1976 import US1976
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.environment.wind.gradient import CENTRIFUGAL, normal_gravity
+from lightflyer.environment.wind.layouts import called, unit_of
 
 GAS_CONSTANT = constants.GAS_CONSTANT_US1976 / constants.MOLAR_MASS_AIR  # of dry air [J/(kg K)]
 _RADIUS = 6.356766e6  # of the Earth in the standard atmosphere [m]; [USSA1976]_
 _BETWEEN = 2  # new levels for each of the file's
+_FEWEST_LEVELS = 2
+_MIXED = -math.log(0.1)  # above a pressure of 0.1 Pa air is lighter, and hot
+_LAYER = 120.0, 400.0  # mean temperatures of layers of air [K]
+_USUAL = 240.0  # that of all [K]
+_MOST_OFF = 1.5  # by which logarithms of pressures differ from the standard atmosphere's
+_NEAR = 1.6  # factor by which the air of a right unit may be off the usual one
+_OF_HEIGHTS = {"m**2/s**2": 1.0, "m": constants.STANDARD_GRAVITY}
+_OF_HEIGHTS |= {"km": 1e3 * _OF_HEIGHTS["m"], "ft": 0.3048 * _OF_HEIGHTS["m"]}
+_OF_PRESSURES = {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3}
 _SEARCHED = np.linspace(0.0, 100e3, 20001)  # altitudes of the standard atmosphere [m]
 
 
@@ -26,6 +39,44 @@ def altitude_of(geopotential: Any, latitude: Any) -> Any:
     radius = EARTH_PLANET.equatorial_radius / linear
     flat = geopotential / normal_gravity(sine)
     return radius * flat / (radius - flat)
+
+
+def check_heights(dataset: Any, log_level: np.ndarray, fields: dict[str, np.ndarray]) -> None:
+    """Raise where heights contradict pressures, in which case one of them has a wrong unit.
+
+    ``log_level``: as above; ``fields``: geopotential [m²/s²] or height [m], shape (t, z, y, x).
+    """
+    name = "geopotential" if "geopotential" in fields else "height"
+    scale = 1.0 if name == "geopotential" else constants.STANDARD_GRAVITY
+    known = (log_level <= _MIXED) & np.isfinite(fields[name]).any(axis=(0, 2, 3))
+    if known.sum() < _FEWEST_LEVELS:
+        return
+    level, geopotential = log_level[known], scale * np.nanmean(fields[name][:, known], (0, 2, 3))
+    layers = np.diff(geopotential) / (GAS_CONSTANT * np.diff(level))  # mean temperatures [K]
+    standard = -np.log(np.asarray(US1976().pressure(_SEARCHED)))
+    height = geopotential / constants.STANDARD_GRAVITY
+    off = float(np.median(level - np.interp(height, _SEARCHED, standard)))
+    is_air = bool(np.all((layers > _LAYER[0]) & (layers < _LAYER[1])))
+    if is_air and abs(off) < _MOST_OFF:
+        return
+    wrong, unit = dataset["pressure" if is_air else name], "m" if scale > 1.0 else "m**2/s**2"
+    units = _OF_PRESSURES if is_air else _OF_HEIGHTS
+    factor = np.exp(off) if is_air else _USUAL / np.mean(layers)
+    factor *= scale_and_offset(unit_of(wrong), "Pa" if is_air else unit)[0]
+    factor *= 1.0 if is_air else scale
+    meant = [unit for unit, one in units.items() if 1.0 / _NEAR < one / factor < _NEAR]
+    own = called(wrong)
+    advice = [
+        f'if {own} is in {unit}, set dataset["{own}"].attrs["units"] = "{unit}"' for unit in meant
+    ]
+    least, most = np.exp(-level[[-1, 0]]) / 100.0
+    low, high = height[[0, -1]] / 1e3
+    from_, to = np.interp(level[[0, -1]], standard, _SEARCHED) / 1e3
+    raise ConfigurationError(
+        f"winds: {called(dataset[name])} puts {most:.4g} to {least:.4g} hPa at {low:.3g} to "
+        f"{high:.3g} km, where the standard atmosphere has {from_:.3g} to {to:.3g} km; "
+        f"{(*advice, 'check its units and those of the pressures')[0]}"
+    )
 
 
 def hydrostatic_geopotential(log_level: np.ndarray, temperature: np.ndarray) -> np.ndarray:

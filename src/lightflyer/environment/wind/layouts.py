@@ -3,6 +3,7 @@
 import glob
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,17 @@ _COORDINATES = {
 }
 _COUNTED = re.compile(r"(isobaric|time)\d+")  # as THREDDS numbers what it has several of
 _OF_WRF = {"num_press_levels_stag": "pressure", "south_north": "latitude", "west_east": "longitude"}
+_EITHER = ("geopotential", "height", "m"), ("height", "geopotential", "m**2/s**2")
+_GRADS = "prs"  # at the end of names of fields on pressure levels
+_BY_GRADS = re.compile(r"\[([^\]]+)\]\s*$")  # a unit at the end of a long name
+_OF_GRADS = {"k": "K", "pa/s": "Pa/s"}
+_OF_YEAR_ONE = re.compile(r"(day|hour|minute|second)s? since 0*1-0*1-0*1\b(?!.*[1-9])")
+_IN_A_DAY = {"day": 1, "hour": 24, "minute": 1440, "second": 86_400}
+_YEAR_ONE = {"standard": 730_121, "gregorian": 730_121, "proleptic_gregorian": 730_119}
+"""Days from 0001-01-01 to 2000-01-01; the first two calendars begin by Julius Caesar's."""
+OWN_NAME = "lightflyer_own_name"
+"""Attribute of what has another name in the file."""
+
 _VERSION = "expver"  # of ERA5, whose latest months are of another version
 _EVEN = 1e-3  # degrees, by which meridians and parallels of a grid may bend
 
@@ -75,14 +87,14 @@ def weather_files(path: str | Path) -> list[str]:
 
 
 def _open(path: str) -> list[Any]:
-    import xarray
-
     is_grib = path.lower().endswith(_GRIB)
     if is_grib:
         extra("cfgrib", f"{path}: GRIB", "grib")
     try:
-        datasets = _open_grib(path) if is_grib else [xarray.open_dataset(path)]
+        datasets = _open_grib(path) if is_grib else [_open_netcdf(path)]
         found = [_of_interest(dataset) for dataset in datasets]
+    except ConfigurationError:
+        raise
     except (OSError, ValueError, EOFError) as error:
         damaged = Path(path).is_file() and read_content(Path(path)).startswith(_NETCDF)
         unknown = "is damaged or cut short" if damaged else "xarray knows no way to open it"
@@ -92,6 +104,28 @@ def _open(path: str) -> list[Any]:
     if not found:
         raise ConfigurationError(f"{path}: has no u and v on pressure levels")
     return found
+
+
+def _open_netcdf(path: str) -> Any:
+    """A file with its times as dates."""
+    import xarray
+
+    dataset = xarray.open_dataset(path, decode_times=False)
+    for time in map(str, dataset.coords):
+        unit = str(dataset[time].attrs.get("units", ""))
+        calendar = str(dataset[time].attrs.get("calendar", "standard")).lower()
+        if " since " in unit and calendar not in _YEAR_ONE:
+            told = not_of_the_sun(time, calendar, f'xarray.open_dataset("{path}")')
+            raise ConfigurationError(f'{path}: {told}.to_netcdf("dates.nc")')
+        if match := _OF_YEAR_ONE.match(unit):  # of GrADS, which xarray reads with cftime alone
+            later = dataset[time].values - float(_YEAR_ONE[calendar] * _IN_A_DAY[match[1]])
+            since = {"units": f"{match[1]}s since 2000-01-01"}
+            dataset = dataset.assign_coords({time: (dataset[time].dims, later, since)})
+    try:
+        return xarray.decode_cf(dataset)
+    except ValueError as error:
+        reason = str(error).partition(". ")[0]
+        raise ConfigurationError(f"{path}: its times cannot be read: {reason}") from None
 
 
 def _open_grib(path: str) -> list[Any]:
@@ -136,20 +170,54 @@ def in_one_layout(dataset: Any) -> Any:
 def _with_our_names(dataset: Any) -> Any:
     """The same, but for the versions of ERA5; reads no field."""
     found = _of_wrf(dataset)
-    found = found.rename(_known(found.data_vars, _VARIABLES, found))
+    found = _renamed(found, _known(found.data_vars, _VARIABLES, found))
+    for name, other, unit in _EITHER:  # whatever it is called, its unit tells
+        if name in found.data_vars and other not in {*found.variables, *found.dims}:
+            with suppress(ConfigurationError):
+                scale_and_offset(unit_of(found[name]), unit)
+                found = _renamed(found, {name: other})
     known = _known([*found.coords, *found.dims], _COORDINATES)
     known |= {
         name: "time" for name in map(str, found.dims) if re.fullmatch(r"time\d+", name.lower())
     }
-    found = found.rename(known)
-    return _at_valid_times(found)
+    return _at_valid_times(_renamed(found, known))
+
+
+def _renamed(dataset: Any, names: Mapping[str, str]) -> Any:
+    """With other names, each of which knows the file's own."""
+    found = dataset.rename(names)
+    for own, ours in names.items():
+        if ours in found.variables:
+            found[ours].attrs.setdefault(OWN_NAME, own)
+    return found
+
+
+def called(array: Any) -> str:
+    """The file's own name of a variable."""
+    return str(array.attrs.get(OWN_NAME, array.name))
+
+
+def not_of_the_sun(time: str, calendar: str, dataset: str) -> str:
+    """That a model's calendar tells no dates, and the code that brings them."""
+    return (
+        f"winds: {time} is in the calendar {calendar}, but the sun needs true dates: "
+        f'pip install cftime, then {dataset}.convert_calendar("standard", dim="{time}", '
+        'align_on="date")'
+    )
+
+
+def unit_of(array: Any) -> str:
+    """Unit of a variable, as :mod:`lightflyer.core.units` reads it; empty where it has none."""
+    at_end = _BY_GRADS.search(str(array.attrs.get("long_name", "")))
+    unit = str(array.attrs.get("units") or (at_end[1] if at_end else ""))
+    return _OF_GRADS.get(unit, unit).replace("gpm", "m")  # geopotential metres
 
 
 def _known(names: Any, kinds: Mapping[str, str], dataset: Any = None) -> dict[str, str]:
     """Our name of each of a dataset's, where nothing has it yet."""
     found: dict[str, str] = {}
     for given in map(str, names):
-        label = given.lower()
+        label = given.lower().removesuffix(_GRADS)
         counted = _COUNTED.fullmatch(label)
         label = counted.group(1) if counted else label
         standard = "" if dataset is None else dataset[given].attrs.get("standard_name", "")

@@ -84,7 +84,7 @@ class Store:
         kinds = ("time", "pressure" if by_pressure else "altitude", "latitude", "longitude")
         self._order = [names.get(kind) for kind in kinds]
         self._own = [  # coordinates of each file
-            [np.zeros(1) if name is None else reader(file[name], name) for file in files]
+            [np.zeros(1) if name is None else reader(file[name]) for file in files]
             for name, reader in zip(self._order, readers_of(by_pressure=by_pressure), strict=True)
         ]
         if any(not np.array_equal(own[0], one) for own in self._own[2:] for one in own):

@@ -5,6 +5,7 @@ Measured points are drawn only where the user gives them.
 
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -38,12 +39,15 @@ _COLOURS = {"ge": BLUE, "cnt": VERMILION}
 _NAMES = {"ge": "Ge", "cnt": "CNT"}
 _MILLI, _KILO, _CENTIMETRE = 1e-3, 1e3, 1e-2
 _WITH_LEGEND = 4.8  # height of a figure [inch]
+_ABOVE_LABELS = 3.5  # font sizes that a letter is above axes with ticks and a label on top
 _FLIGHT_KM = (60.0, 88.0)  # drawn range of Fig. 6
 _MEASURED_FIGURES = ("2", "S2", "S3")
 
 
 def _letter(ax: Axes, letter: str) -> None:
-    ax.set_title(f"({letter})", loc="left", fontweight="bold")
+    # at a stated place: Matplotlib measures all ticks again and again to find it by itself
+    above = _ABOVE_LABELS * mpl.rcParams["font.size"] if ax.child_axes else None
+    ax.set_title(f"({letter})", loc="left", fontweight="bold", y=1.0, pad=above)
 
 
 def _torr_axis(ax: Axes) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from string import ascii_lowercase
 from typing import TYPE_CHECKING
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
@@ -26,8 +27,9 @@ if TYPE_CHECKING:
     from lightflyer.lab.surface.reduction import Roughness
 
 _WIDTH = 4.0  # of the column of one map [inch]
-_BAR, _LABELS = 0.75, 0.6  # beside the maps of a row, and beside each [inch]
-_AROUND = 1.7  # titles, labels and legend of both rows [inch]
+# Beside the maps of a row, left of each, above each, below each, and at the bottom [inch]
+_BAR, _LABELS, _TITLE, _TICKS, _LEGEND = 1.05, 0.58, 0.42, 0.24, 0.5
+_BAR_LEFT, _BAR_WIDTH, _BAR_HEIGHT = 0.2, 0.1, 0.8  # of a colour bar [inch; inch; of its map]
 _LONGEST = 3.0  # over its width, that a map is drawn in its shape
 _MOST_PIXELS = 1024  # drawn along a side
 _SHOWN = 3.5  # range of the colours, in rms heights
@@ -78,7 +80,8 @@ def draw_height_map(
     else:
         everything = result.parameters_all["rms_height"].value
         said = f"{result.source.source}\nSq = {everything:.3g} nm, all of it"
-    ax.set_title(said, fontsize="small")
+    # at a stated place: Matplotlib measures all ticks again and again to find it by itself
+    ax.set_title(said, fontsize="small", y=1.0)
     return image
 
 
@@ -102,13 +105,22 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     count = len(results)
     longest = max(one.source.length / one.source.width for one in results)
     figure = new_figure(columns=count, width=_WIDTH, rows=2)
-    side = (figure.get_figwidth() - _BAR) / count - _LABELS
-    figure.set_figheight(_AROUND + 2.0 * side * min(longest, _LONGEST))
-    figure.set_layout_engine("compressed", h_pad=0.08)  # of axes with a fixed aspect
+    # laid out here: Matplotlib's engine would draw everything three times to measure it
+    figure.set_layout_engine("none")
+    scale = mpl.rcParams["font.size"] / mpl.rcParamsDefault["font.size"]
+    bar, labels, title, ticks, legend = np.multiply(scale, (_BAR, _LABELS, _TITLE, _TICKS, _LEGEND))
+    width = figure.get_figwidth()
+    side = (width - bar) / count - labels
+    up = side * min(longest, _LONGEST)
+    height = 2.0 * (title + up + ticks) + legend
+    figure.set_figheight(height)
     axes = figure.axes
     for masked, row in enumerate((axes[:count], axes[count:])):
         colours = colour_range(results, masked=bool(masked))
+        bottom = legend + ticks + (0 if masked else up + title + ticks)
         for number, (result, ax) in enumerate(zip(results, row, strict=True), masked * count):
+            left = labels + number % count * (side + labels)
+            ax.set_position((left / width, bottom / height, side / width, up / height))
             image = draw_height_map(result, ax, masked=bool(masked), colours=colours)
             ax.set_xlabel("x [µm]" if masked else "")
             ax.set_ylabel("y [µm]" if ax is row[0] else "")
@@ -117,7 +129,10 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
                     weight="bold", path_effects=outline_effects())  # fmt: skip
         label = "height of the surface [nm]" if masked else "height [nm]"
         extend = "both" if masked else "neither"
-        figure.colorbar(image, ax=row, label=label, shrink=0.8, pad=0.02, extend=extend)
+        left, bottom = width - bar + scale * _BAR_LEFT, bottom + 0.5 * (1.0 - _BAR_HEIGHT) * up
+        size = scale * _BAR_WIDTH / width, _BAR_HEIGHT * up / height
+        cax = figure.add_axes((left / width, bottom / height, *size))
+        figure.colorbar(image, cax=cax, label=label, extend=extend)
     handles = [Patch(color=colour, label=name) for name, _, colour in _masks(results[0])]
     shared_legend(figure, handles)
     return {"roughness": figure}

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from lightflyer.core.errors import Doubt
 from lightflyer.lab.optics.data import read_sample
 from lightflyer.lab.optics.fit import fit_optics
-from lightflyer.lab.record import Doubt
 
 ELLIPSOMETRY = '[[ellipsometry]]\nfile = "psi-delta.csv"\n{more}\n'
 

@@ -6,6 +6,7 @@ from scipy.fft import dct
 from scipy.integrate import quad
 
 import lightflyer as lf
+from lightflyer.core.errors import Doubt
 from lightflyer.lab.ftir.means import planck_weights, uncovered_power
 from lightflyer.lab.ftir.reduction import (
     BAND,
@@ -14,7 +15,6 @@ from lightflyer.lab.ftir.reduction import (
     to_dataset,
 )
 from lightflyer.lab.readers.spectrum_data import MeasuredSpectrum, read_spectrum
-from lightflyer.lab.record import Doubt
 
 PER_CM = 100.0
 C2 = 0.01438776877  # second radiation constant [m K], CODATA 2018

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from skmisc.loess import loess
 
 import lightflyer as lf
+from lightflyer.core.errors import Doubt
 from lightflyer.design.setup import Setup
 from lightflyer.environment import Chamber
 from lightflyer.film.properties import FilmProperties
@@ -16,7 +17,6 @@ from lightflyer.lab.levitation.data import LiftOffs, read_lift_offs
 from lightflyer.lab.levitation.figures import residuals
 from lightflyer.lab.levitation.minimum import minimum, smoother
 from lightflyer.lab.levitation.model import calibrate_curves, model_curve
-from lightflyer.lab.record import Doubt
 from lightflyer.statics.levitation import levitate
 
 RANGE = (1.5, 40.0)

@@ -9,7 +9,7 @@ import lightflyer as lf
 from lightflyer.files.table import Table
 from lightflyer.gas import AIR, LU2023_AIR
 from lightflyer.lab.estimate import student_factor
-from lightflyer.lab.record import joint_warnings
+from lightflyer.lab.result import joint_warnings
 from lightflyer.lab.tac import fit as tac
 from lightflyer.lab.tac import intervals
 from lightflyer.lab.tac import problem as tac_problem

@@ -1,9 +1,9 @@
 """Measured numbers with their intervals."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy import optimize, stats
@@ -11,10 +11,6 @@ from scipy import optimize, stats
 from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import require_record
-from lightflyer.files.result_text import Parts, PrintedResult, table_of, warning_lines
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 CONFIDENCE = 0.95  # Confidence of every interval of the lab bench
 
@@ -70,32 +66,6 @@ class Estimate(ShortRepr):
 
     def __str__(self) -> str:
         return f"{self.value:.4g} ({self.interval_text()}) {self.unit}".rstrip()
-
-
-class LabResult(PrintedResult):
-    """A result that prints as its parts, and a line for each warning."""
-
-    warnings: Sequence[str]
-
-    def parts(self) -> Parts:
-        """Lines and tables of the result."""
-        raise NotImplementedError
-
-    def text_parts(self) -> Parts:
-        yield from self.parts()
-        yield from warning_lines(self.warnings)
-
-
-def estimate_table(
-    rows: Iterable[tuple[str, Estimate]], first: str = "", digits: int = 4
-) -> "Table":
-    """Table of named estimates with their intervals and units; ``digits``: significant ones."""
-    headings = (first, "value", "95 % interval", "unit")
-    texts = (
-        (name, f"{one.value:.{digits}g}", one.interval_text(digits), one.unit or "1")
-        for name, one in rows
-    )
-    return table_of(headings, texts, left=(0, 2, 3))
 
 
 def central_interval(draws: np.ndarray, axis: int = -1) -> np.ndarray:

@@ -17,11 +17,10 @@ import numpy as np
 
 from lightflyer.calibration.gauge import Gauge, read_gauge
 from lightflyer.core.checks import require_range
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError, Doubt
 from lightflyer.force.laws.channels import ROUND, thermomolecular_exponent
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas, mean_free_path
-from lightflyer.lab.record import Doubt
 
 ROOM = 295.0  # Temperature of a chamber that states none [K]; our assumption
 

@@ -9,13 +9,13 @@ import xarray as xr
 
 import lightflyer as lf
 from lightflyer.cli.lab.measure import command_of
+from lightflyer.core.errors import Doubt
 from lightflyer.core.quantity import Quantity, Temperature
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.lab.estimate import Estimate
-from lightflyer.lab.measurement import Outcome
 from lightflyer.lab.options import Kelvins, Share, measurement
-from lightflyer.lab.record import Doubt
+from lightflyer.lab.result import Outcome
 
 COLUMNS = (
     Column("temperature", Temperature, (), required=True),

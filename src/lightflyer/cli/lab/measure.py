@@ -19,10 +19,10 @@ from cyclopts import Parameter
 from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json, Seed, Whole, only_with
 from lightflyer.cli.output import print_json, printer, show, write_json
-from lightflyer.files.result_text import warning_lines, wrap
+from lightflyer.files.result_text import wrap
 
 if TYPE_CHECKING:
-    from lightflyer.lab.measurement import Listing, Outcome
+    from lightflyer.lab.result import Listing, Outcome
 
 Files = Annotated[list[Path], Parameter(consume_multiple=True, negative=())]  # of a command
 
@@ -116,7 +116,7 @@ def _deliver(
 ) -> None:  # fmt: skip
     """Write a measurement's record and figures, and print its text or its JSON object."""
     from lightflyer.core.atomic_files import output_directory, write_netcdf
-    from lightflyer.lab.measurement import Listing
+    from lightflyer.lab.result import Listing
 
     console = printer()
     if isinstance(found, Listing):
@@ -125,7 +125,7 @@ def _deliver(
         for line in () if json_output else found.lines:
             console.print(line, soft_wrap=True)
         return
-    document = {**found.summary, "warnings": list(found.warnings), "read": list(found.read)}
+    document = found.document()
     names: list[str] = []
     with nullcontext() if out is None else output_directory(out) as stage:
         if stage is not None:
@@ -140,7 +140,7 @@ def _deliver(
     if json_output:
         print_json(document)
         return
-    show(console, map(_narrow, [*found.parts, *warning_lines(found.warnings)]))
+    show(console, map(_narrow, found.lines()))
     written = [] if out is None else [out / file for file in names]
     figures.tell(console, written, "add --out FOLDER to write a record and a figure")
     show(console, [_narrow(f"{update}: {text}") for text in changes])

@@ -15,7 +15,7 @@ from lightflyer.lab.options import (
 )
 
 if TYPE_CHECKING:
-    from lightflyer.lab.measurement import Outcome
+    from lightflyer.lab.result import Outcome
 
 
 def _read_ends(option: str, text: str) -> tuple[float, float]:
@@ -83,12 +83,10 @@ def force(
         ASSUMED_TAC,
         Vane,
         compare_forces,
-        force_parts,
         read_forces,
     )
     from lightflyer.lab.gauges import pirani_doubts
-    from lightflyer.lab.measurement import Outcome, read_parts, read_summary
-    from lightflyer.lab.record import dataset
+    from lightflyer.lab.result import Outcome, dataset
 
     if (tac_hot is None) != (tac_cold is None) or (tac is not None and tac_hot is not None):
         raise ConfigurationError("give either --tac, or both --tac-hot and --tac-cold")
@@ -115,8 +113,8 @@ def force(
         found.to_json(),
         dataset("force on a heated vane", found.variables, [str(file)] if file else [],
                 warnings=warnings),
-        [*force_parts(found), *read_parts(tables)],
-        read=read_summary(tables),
+        found.parts(),
+        read=tables,
         warnings=warnings,
         figures=lambda: {"force": found.plot()},
     )  # fmt: skip

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from lightflyer.film.optics.stack import Film
     from lightflyer.lab.ftir.reduction import Ftir
-    from lightflyer.lab.measurement import Outcome
     from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+    from lightflyer.lab.result import Outcome
 
 _RANGE = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.]\S*)\s*$")  # a band's ends
 _WAVENUMBERS = 1000  # of a computed spectrum
@@ -111,8 +111,8 @@ def ftir(
     from lightflyer.config.update import emittance_keys
     from lightflyer.lab.ftir.air import parse_ranges, with_straight_lines, without_air
     from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
-    from lightflyer.lab.measurement import Outcome, figures_by, rejected_json
     from lightflyer.lab.readers.spectrum_data import read_spectrum
+    from lightflyer.lab.result import Outcome, figures_by, rejected_json
 
     if update is not None and reflectance is None:
         raise ConfigurationError(
@@ -173,8 +173,8 @@ def ftir(
 
 
 def _read_parts(spectra: "list[MeasuredSpectrum]") -> Iterator[str]:
-    from lightflyer.lab.measurement import rejected_parts
     from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE
+    from lightflyer.lab.result import rejected_lines
 
     for one in spectra:
         ends = one.wavenumber[[0, -1]] / PER_CENTIMETRE
@@ -183,7 +183,7 @@ def _read_parts(spectra: "list[MeasuredSpectrum]") -> Iterator[str]:
             f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹"
         )
         yield f"  {_facts(one)}"
-        yield from rejected_parts(one.rejected)
+        yield from rejected_lines(one.rejected)
 
 
 def _facts(spectrum: "MeasuredSpectrum") -> str:

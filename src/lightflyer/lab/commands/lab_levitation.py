@@ -8,7 +8,7 @@ from lightflyer.lab.options import AS_SHOWN, GaugeOptions, Kelvins, Share, Watts
 
 if TYPE_CHECKING:
     from lightflyer.lab.levitation.data import LiftOffs
-    from lightflyer.lab.measurement import Outcome
+    from lightflyer.lab.result import Outcome
 
 
 @measurement(calibrate="flyer", keep_ground_effect="calibrate", update="calibrate")
@@ -81,7 +81,7 @@ def levitation(
     from lightflyer.lab.levitation import curve as levitation_module
     from lightflyer.lab.levitation.curve import curves_parts
     from lightflyer.lab.levitation.data import read_lift_offs
-    from lightflyer.lab.measurement import Outcome, figures_by, read_parts, read_summary
+    from lightflyer.lab.result import Outcome, figures_by
 
     shown = gauge.build(GASES[gas], ambient)
     read = [read_lift_offs(file, columns=columns, gauge=shown) for file in files]
@@ -133,9 +133,9 @@ def levitation(
         levitation_module.to_dataset(curves, [table.source for table in tables]),
         [
             *curves_parts(curves), *map(str, levitation_module.compare(curves)),
-            *(() if fit is None else fit_parts(fit)), *read_parts(tables),
+            *(() if fit is None else fit_parts(fit)),
         ],
-        read=read_summary(tables),
+        read=tables,
         warnings=warnings,
         figures=figures_by(
             "levitation.figures:levitation_figures", curves, pressure_unit=pressure_unit,
@@ -149,7 +149,7 @@ def levitation(
 
 def _require_distinct(lots: "list[LiftOffs]") -> None:
     from lightflyer.files.table import same_text
-    from lightflyer.lab.record import require_distinct
+    from lightflyer.lab.result import require_distinct
 
     seen: dict[str, str] = {}
     for one in lots:

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lightflyer.lab.measurement import Outcome
     from lightflyer.lab.optics.fit import OpticsFit
+    from lightflyer.lab.result import Outcome
 
 
 def optics(
@@ -30,10 +30,10 @@ def optics(
     seed
         Seed of the starts, and of the bands of n and k.
     """
-    from lightflyer.lab.measurement import Outcome, figures_by, rejected_json
     from lightflyer.lab.optics.data import read_sample
     from lightflyer.lab.optics.fit import fit_optics, to_dataset
     from lightflyer.lab.optics.record import require_same_layers, tables, update_layers
+    from lightflyer.lab.result import Outcome, figures_by, rejected_json
 
     sample = read_sample(sample_file)
     if update is not None:
@@ -60,7 +60,7 @@ def optics(
 
 
 def _read_parts(result: "OpticsFit") -> Iterator[str]:
-    from lightflyer.lab.measurement import rejected_parts
+    from lightflyer.lab.result import rejected_lines
 
     for one in result.spectra:
         spectrum = one.measured.spectrum
@@ -69,4 +69,4 @@ def _read_parts(result: "OpticsFit") -> Iterator[str]:
             f"read {len(spectrum.value)} points of {spectrum.quantity} from {spectrum.source}, "
             f"{ends[0]:.4g} to {ends[1]:.4g} µm"
         )
-        yield from rejected_parts(spectrum.rejected)
+        yield from rejected_lines(spectrum.rejected)

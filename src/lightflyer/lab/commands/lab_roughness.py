@@ -7,7 +7,7 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.lab.options import Metres, Share, measurement
 
 if TYPE_CHECKING:
-    from lightflyer.lab.measurement import Listing, Outcome
+    from lightflyer.lab.result import Listing, Outcome
 
 
 @measurement(flatten_order="flatten")
@@ -60,18 +60,11 @@ def roughness(
     seed
         Seed of the resampling for the intervals.
     """
-    from lightflyer.lab.measurement import Outcome, figures_by
     from lightflyer.lab.readers.height_map import list_channels as channels_of
     from lightflyer.lab.readers.height_map import mask_as_png, read_height_map, read_mask
-    from lightflyer.lab.record import require_distinct
+    from lightflyer.lab.result import Outcome, estimate_table, figures_by, require_distinct
     from lightflyer.lab.surface.particles import THRESHOLD
-    from lightflyer.lab.surface.reduction import (
-        finding_parts,
-        mean_parameters,
-        means_parts,
-        summary,
-        to_dataset,
-    )
+    from lightflyer.lab.surface.reduction import NAMES, mean_parameters, summary, to_dataset
     from lightflyer.lab.surface.reduction import roughness as roughness_of
 
     if list_channels:
@@ -91,13 +84,14 @@ def roughness(
     document = summary(results)
     parts = [part for one in results for part in one.parts()]
     means = results[0].parameters if len(results) == 1 else mean_parameters(results)
+    named = {text: means[name] for name, text in NAMES.items()}
     if len(results) > 1:
-        parts += means_parts(means, len(results))
+        parts += [f"mean of {len(results)} maps", estimate_table(named)]
 
     return Outcome(
         document,
         to_dataset(results),
-        [*finding_parts(means), *parts],
+        [*(f"{name} {one}" for name, one in [*named.items()][:1]), *parts],
         read=[{"file": one.source, "channel": one.channel} for one in maps],
         warnings=document["warnings"],
         figures=figures_by("surface.figures:surface_figures", results),
@@ -106,7 +100,7 @@ def roughness(
 
 
 def _channels(found: dict[str, list[Any]]) -> "Listing":
-    from lightflyer.lab.measurement import Listing
+    from lightflyer.lab.result import Listing
 
     lines = []
     for name, channels in found.items():

@@ -20,7 +20,7 @@ from lightflyer.lab.options import (
 )
 
 if TYPE_CHECKING:
-    from lightflyer.lab.measurement import Outcome
+    from lightflyer.lab.result import Outcome
     from lightflyer.lab.tac.fit import TacFit
 
 
@@ -119,8 +119,7 @@ def tac(
     from lightflyer.core.checks import require_positive, require_range
     from lightflyer.gas import GASES
     from lightflyer.lab.gauges import pirani_doubts
-    from lightflyer.lab.measurement import Outcome, figures_by, read_parts, read_summary
-    from lightflyer.lab.record import require_distinct
+    from lightflyer.lab.result import Outcome, figures_by, require_distinct
     from lightflyer.lab.tac import record
     from lightflyer.lab.tac.data import (
         TacAccuracy,
@@ -190,11 +189,10 @@ def tac(
     doubts = pirani_doubts(gas, shown, accuracy_stated="gauge" in stated)
     unstated = unstated_accuracies(stated)
     common: dict[str, Any] = {
-        "read": read_summary([run.table for run in runs]),
+        "read": [run.table for run in runs],
         "origin": f"tac, {reading} reading, in {gas}",
         "sources": [file for side in faces for file in side or ()],
     }
-    reads = list(read_parts([run.table for run in runs]))
     if len(sides) == 1:
         fits = [fit_tac(run, **options) for run in runs]
         mean = record.mean_tac(fits)
@@ -206,7 +204,7 @@ def tac(
             record.summary(fits),
             record.to_dataset(fits, warnings),
             [
-                f"TAC α {mean}", *reads, *text,
+                f"TAC α {mean}", *text,
                 *(runs_parts(fits, mean) if len(fits) > 1 else ()),
             ],
             warnings=warnings,
@@ -222,7 +220,7 @@ def tac(
     return Outcome(
         found.summary(),
         difference_dataset(found, warnings),
-        [f"TAC α, top less bottom {found.difference}", *reads, *found.parts()],
+        [f"TAC α, top less bottom {found.difference}", *found.parts()],
         warnings=warnings,
         figures=figures_by("tac.figures:difference_figures", found),
         tables=difference_tables(found),

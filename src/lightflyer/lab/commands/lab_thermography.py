@@ -9,7 +9,7 @@ from lightflyer.files.quantities import difference, share
 from lightflyer.lab.options import Face, Kelvins, KnownNumber, MeasuredKelvins, Number, measurement
 
 if TYPE_CHECKING:
-    from lightflyer.lab.measurement import Outcome
+    from lightflyer.lab.result import Outcome
     from lightflyer.lab.thermography.data import Readings, Scene
     from lightflyer.lab.thermography.thermal_image import ThermalImage
 
@@ -102,7 +102,7 @@ def thermography(
         Face of that film.
     """
     from lightflyer.config.update import emittance_keys
-    from lightflyer.lab.measurement import Outcome, figures_by, read_parts, read_summary
+    from lightflyer.lab.result import Outcome, figures_by
     from lightflyer.lab.thermography.data import (
         BLACK,
         LIGHT,
@@ -165,10 +165,10 @@ def thermography(
         result.summary() | ({} if image is None else {"image": image.summary()}),
         to_dataset(result, [str(one) for one in files]),
         [
-            *result.finding(), *read_parts(tables),
+            *result.finding(),
             *([] if image is None else [image.description]), *result.parts(),
         ],
-        read=read_summary(tables),
+        read=tables,
         warnings=result.warnings,
         figures=figures_by("thermography.figures:thermography_figures", result, image, areas),
         values=dict.fromkeys(keys, result.emissivity),

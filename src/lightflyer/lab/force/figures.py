@@ -4,9 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from lightflyer.files.drawing import BAND, figure_for, legend_below, plain_decades
+from lightflyer.files.drawing import BAND, legend_below, plain_decades
 from lightflyer.files.palette import BLUE, GREY
 from lightflyer.lab.estimate import NORMAL_FACTOR
 
@@ -17,9 +16,8 @@ MICRONEWTON = 1e-6
 _DECADES = 2.5  # below the largest force that the axis shows, at most
 
 
-def plot_forces(found: "VaneForces", ax: Axes | None = None) -> Figure:
-    """Draw curve, band and points; ``ax``: by default that of a new figure."""
-    figure, ax = figure_for(ax, height=4.6)
+def plot_forces(found: "VaneForces", ax: Axes) -> None:
+    """Draw curve, band and points."""
     low, high = found.band / MICRONEWTON
     ax.fill_between(found.pressure, low, high, color=BLUE, alpha=0.2, lw=0, label=BAND)
     ax.plot(found.pressure, found.force / MICRONEWTON, color=BLUE, lw=1.5, label="predicted")
@@ -40,4 +38,3 @@ def plot_forces(found: "VaneForces", ax: Axes | None = None) -> Figure:
         plain_decades(axis)
     ax.grid(alpha=0.25, which="both", color=GREY)
     legend_below(ax)
-    return figure

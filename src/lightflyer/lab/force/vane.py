@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -29,10 +29,7 @@ from lightflyer.force.kinetic.walls import IN_WORDS
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.gas.pure import ARGON
 from lightflyer.lab.estimate import Estimate, central_interval
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from lightflyer.lab.result import LabResult, Series, Shown, plain, variables
 
 ASSUMED_TAC, ROOM = Measured(0.9, 0.05), Measured(295.0)
 SAMPLES = 1000  # of the uncertain numbers of a vane
@@ -179,18 +176,22 @@ def _drawn(number: Measured, draws: np.ndarray) -> np.ndarray:
     return np.asarray(number.value + (number.uncertainty or 0.0) * draws)
 
 
-@dataclass(frozen=True)
-class VaneForces(ShortRepr):
+@dataclass(frozen=True, repr=False)
+class VaneForces(LabResult):
     """Forces on a vane beside those predicted."""
 
     vane: Vane
-    pressure: np.ndarray  #: shape (m,); of the predicted curve [Pa]
-    force: np.ndarray  #: shape (m,); [N]
-    band: np.ndarray  #: shape (2, m); ends of its 95 % interval [N]
+    #: shape (m,); of the predicted curve [Pa]
+    pressure: Annotated[np.ndarray, Shown(key="curve.pressure_pa")]
+    force: Annotated[np.ndarray, Shown(key="curve.force_n")]  #: shape (m,); [N]
+    #: shape (2, m); ends of its 95 % interval [N]
+    band: Annotated[np.ndarray, Shown(key="curve.force_n_interval_95")]
     points: Table | None  #: Measured points; None where there are none
     predicted: np.ndarray  #: shape (n,); at the points [N]
     ratio: Estimate | None  #: Measured over predicted force, mean over the points
     warnings: tuple[str, ...]
+
+    _drawing = "force.figures:plot_forces"
 
     @property
     def largest(self) -> tuple[float, float]:
@@ -198,45 +199,63 @@ class VaneForces(ShortRepr):
         place = int(np.argmax(self.force))
         return float(self.pressure[place]), float(self.force[place])
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw predicted and measured force over pressure."""
-        from lightflyer.lab.force.figures import plot_forces
-
-        return plot_forces(self, ax)
+    def parts(self) -> Parts:
+        """Largest force, points beside the curve, and their ratio."""
+        if self.points is not None:
+            count = len(self.points.numbers["force"])
+            yield f"measured over predicted, {count} points: {self.ratio} (95 %)"
+        at, most = self.largest
+        (place,) = (self.pressure == at).nonzero()
+        low, high = self.band[:, place[0]] / MICRONEWTON
+        (knudsen,) = self.vane.knudsen(self.pressure[place])
+        yield (
+            f"largest force predicted: {most / MICRONEWTON:.3g} µN ({low:.3g} to {high:.3g}) at "
+            f"{at:.3g} Pa, Kn {knudsen:.2g}"
+        )
+        if self.points is not None:
+            pressure, measured = (self.points.numbers[name] for name in ("pressure", "force"))
+            rows = zip(
+                pressure, self.vane.knudsen(pressure), measured / MICRONEWTON,
+                self.predicted / MICRONEWTON, measured / self.predicted, strict=True,
+            )  # fmt: skip
+            yield table_of(_HEADINGS, ([f"{number:.3g}" for number in row] for row in rows))
+        yield IN_WORDS[self.vane.wall]
+        yield ASSUMES
 
     @property
     def variables(self) -> dict[str, Any]:
         """Curve and points as variables of a dataset, in SI units."""
-        found: dict[str, Any] = {
-            "pressure": ("place", self.pressure, {"units": "Pa"}),
-            "force": ("place", self.force, {"units": "N"}),
-            "force_interval": (("end", "place"), self.band, {"units": "N"}),
-        }
+        found = variables("place", [
+            Series("pressure", self.pressure, "Pa", "gas pressure"),
+            Series("force", self.force, "N", "force predicted"),
+        ]) | variables(("end", "place"), [
+            Series("force_interval", self.band, "N", "its 95 % interval")
+        ])  # fmt: skip
         if self.points is not None:
             numbers = self.points.numbers
-            found["measured_pressure"] = ("point", numbers["pressure"], {"units": "Pa"})
-            found["measured_force"] = ("point", numbers["force"], {"units": "N"})
-            found["predicted_force"] = ("point", self.predicted, {"units": "N"})
+            found |= variables("point", [
+                Series("measured_pressure", numbers["pressure"], "Pa", "gas pressure"),
+                Series("measured_force", numbers["force"], "N", "force measured"),
+                Series("predicted_force", self.predicted, "N", "force predicted"),
+            ])  # fmt: skip
         return found
 
     def to_json(self) -> dict[str, Any]:
         """Curve, points and ratio as a JSON object, in SI units."""
         at, most = self.largest
+        (knudsen,) = self.vane.knudsen(np.array([at]))
         found: dict[str, Any] = {
-            "largest": {"pressure_pa": at, "force_n": most,
-                        "knudsen": float(self.vane.knudsen(np.array([at]))[0])},
-            "curve": {"pressure_pa": self.pressure.tolist(), "force_n": self.force.tolist(),
-                      "force_n_interval_95": self.band.tolist()},
-            "warnings": list(self.warnings),
-        }  # fmt: skip
-        if self.points is not None and self.ratio is not None:
-            found["points"] = {
-                "pressure_pa": self.points.numbers["pressure"].tolist(),
-                "measured_n": self.points.numbers["force"].tolist(),
-                "predicted_n": self.predicted.tolist(),
-            }
-            found["measured_over_predicted"] = self.ratio.to_json()
-        return found
+            "largest": {"pressure_pa": at, "force_n": most, "knudsen": float(knudsen)}
+        }
+        if self.points is not None:
+            numbers = self.points.numbers
+            found |= {
+                "points": {"pressure_pa": numbers["pressure"], "measured_n": numbers["force"],
+                           "predicted_n": self.predicted},
+                "measured_over_predicted": self.ratio,
+            }  # fmt: skip
+        document: dict[str, Any] = plain(found)
+        return document | self.summary()
 
 
 @reads_units
@@ -362,27 +381,3 @@ def _warnings(
             f"the forces are {apart:.2g} times those predicted: check their unit, that of the "
             "pressures, and the vane"
         )
-
-
-def force_parts(found: "VaneForces") -> Parts:
-    """Largest force, points beside the curve, and their ratio."""
-    if found.points is not None:
-        count = len(found.points.numbers["force"])
-        yield f"measured over predicted, {count} points: {found.ratio} (95 %)"
-    at, most = found.largest
-    (place,) = (found.pressure == at).nonzero()
-    low, high = found.band[:, place[0]] / MICRONEWTON
-    (knudsen,) = found.vane.knudsen(found.pressure[place])
-    yield (
-        f"largest force predicted: {most / MICRONEWTON:.3g} µN ({low:.3g} to {high:.3g}) at "
-        f"{at:.3g} Pa, Kn {knudsen:.2g}"
-    )
-    if found.points is not None:
-        pressure, measured = (found.points.numbers[name] for name in ("pressure", "force"))
-        rows = zip(
-            pressure, found.vane.knudsen(pressure), measured / MICRONEWTON,
-            found.predicted / MICRONEWTON, measured / found.predicted, strict=True,
-        )  # fmt: skip
-        yield table_of(_HEADINGS, ([f"{number:.3g}" for number in row] for row in rows))
-    yield IN_WORDS[found.vane.wall]
-    yield ASSUMES

@@ -5,10 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from lightflyer.calibration.inputs import assumed_accuracies
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.errors import Doubt, ParameterError
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
-from lightflyer.lab.record import Doubt
 from lightflyer.lab.spectrum_noise import LEAST_POINTS, point_noise
 
 _TOLERANCE = 3.0  # standard deviations of accuracy and noise by which points may be beyond 0 and 1

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.files.drawing import figure_for, legend_below, new_figure
+from lightflyer.files.drawing import legend_below, new_figure
 from lightflyer.files.palette import GREY, ORANGE, PALETTE
 from lightflyer.film.optics.spectra import planck
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE
@@ -84,10 +84,3 @@ def ftir_figures(
     figure = new_figure(height=_HEIGHT)
     spectra(result, figure.axes[0], computed)
     return {"ftir": figure}
-
-
-def plot_spectra(result: "Ftir", ax: Axes | None = None) -> Figure:
-    """Draw spectra; ``ax``: by default that of a new figure."""
-    figure, ax = figure_for(ax, height=_HEIGHT)
-    spectra(result, ax)
-    return figure

@@ -19,10 +19,10 @@ from scipy.special import ndtri
 from lightflyer.array.records import ShortRepr
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.errors import Doubt, ParameterError
 from lightflyer.core.quantity import Temperature
 from lightflyer.files.result_text import Parts, table_of
-from lightflyer.lab.estimate import CONFIDENCE, Estimate, LabResult
+from lightflyer.lab.estimate import CONFIDENCE, Estimate
 from lightflyer.lab.ftir.diagnostics import (
     Bounds,
     accuracy_warnings,
@@ -38,13 +38,19 @@ from lightflyer.lab.ftir.means import (
     uncovered_power,
 )
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
-from lightflyer.lab.record import EMISSIVITY, Doubt, csv_text, dataset, doubts_of, require_distinct
+from lightflyer.lab.result import (
+    EMISSIVITY,
+    LabResult,
+    Series,
+    csv_text,
+    dataset,
+    doubts_of,
+    require_distinct,
+)
 from lightflyer.lab.spectrum_noise import noise_density
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 BAND = (500.0 * PER_CENTIMETRE, 1300.0 * PER_CENTIMETRE)  # Band of the paper, 900 ± 400 cm⁻¹ [1/m]
 TEMPERATURES = (300.0, 400.0, 441.0, 500.0)  # Default temperatures of Planck-weighted means [K]
@@ -95,6 +101,8 @@ class Ftir(LabResult):
     accuracy: float
     warnings: tuple[str, ...] = ()  #: What a reader must know of these numbers
 
+    _drawing = "ftir.figures:spectra"
+
     @property
     def covered(self) -> tuple[float, float]:
         """Part of the band that all spectra cover, over which its means are [1/m]."""
@@ -133,11 +141,11 @@ class Ftir(LabResult):
         at, value = self.emissivity_spectrum()
         name = "emissivity" if self.reflectances else "emissivity at most"
         spread = self.accuracy * np.sqrt(1.0 + bool(self.reflectances))
-        columns = {
-            "wavenumber [cm^-1]": at / PER_CENTIMETRE, "wavelength [um]": 1e6 / at, name: value,
-            "standard uncertainty of the scale": np.full(at.shape, spread),
-        }  # fmt: skip
-        return csv_text([], columns)
+        return csv_text([], [
+            Series("wavenumber", at / PER_CENTIMETRE, "cm^-1"),
+            Series("wavelength", 1e6 / at, "um"), Series(name, value),
+            Series("standard uncertainty of the scale", np.full(at.shape, spread)),
+        ])  # fmt: skip
 
     def finding(self) -> Parts:
         """The emissivity over the band, or its bound, in a sentence."""
@@ -181,12 +189,6 @@ class Ftir(LabResult):
                 f"{least:.3f} to {most:.3f}" if measured else f"{most:.3f}",
             ))  # fmt: skip
         yield table_of(headings, rows, left=())
-
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the spectra with the band and the spectrum of a black body."""
-        from lightflyer.lab.ftir.figures import plot_spectra
-
-        return plot_spectra(self, ax)
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""

@@ -17,24 +17,29 @@ from lightflyer.calibration.points import doubts, log_uncertainty
 from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError, Doubt
 from lightflyer.files.result_text import (
     Parts,
     PrintedResult,
     open_interval_text,
     table_of,
 )
-from lightflyer.lab.estimate import CONFIDENCE, Estimate, LabResult, central_interval
+from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
 from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother
-from lightflyer.lab.record import Doubt, csv_text, dataset, joint_warnings
+from lightflyer.lab.result import (
+    LabResult,
+    Reported,
+    Series,
+    csv_text,
+    dataset,
+    joint_warnings,
+    plain,
+    variables,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from lightflyer.lab.estimate import Estimate
 
 SPAN = 0.75  # Fraction of a sample's points in each local fit; the default of LOESS
 DRAWS = 2000  # Number of simulated measurements
@@ -56,13 +61,13 @@ class LevitationCurve(LabResult):
 
     points: LiftOffs
     #: Pressure of the minimum [Pa]; its interval contains the gauge's calibration
-    optimal_pressure: Estimate
+    optimal_pressure: Reported[Estimate]
     #: Least irradiance at which the sample levitates [W/m²]; its interval contains the light
     #: meter's calibration
-    minimum_irradiance: Estimate
+    minimum_irradiance: Reported[Estimate]
     #: Whether the minimum is at the end of the measured pressures, so that the optimum may lie
     #: beyond: then its interval is open there, and that of the irradiance below
-    at_edge: bool
+    at_edge: Reported[bool]
     pressure: np.ndarray  #: shape (m,); pressures of the curve [Pa]
     irradiance: np.ndarray  #: shape (m,); the curve [W/m²]
     #: shape (m,); its 95 % band, which contains the instruments' calibration [W/m²]
@@ -71,17 +76,23 @@ class LevitationCurve(LabResult):
     #: shape (b, 2); draws of the logarithms of pressure and irradiance at the true minimum, without
     #: the instruments' calibration
     draws: np.ndarray
-    step: float = 0.0  #: Step in which the light was raised [W/m²], 0 for none
+    step: Reported[float] = 0.0  #: Step in which the light was raised [W/m²], 0 for none
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
+
+    _drawing = "levitation.figures:plot_curve"
+    _height = 5.2
+
+    def series(self) -> list[Series]:
+        """The curve and its band over pressure."""
+        return [
+            Series("pressure", self.pressure, "Pa", "gas pressure"),
+            Series("irradiance", self.irradiance, "W/m^2", "curve of the irradiance"),
+            Series("lower", self.lower, "W/m^2", "lower end of the 95 % band"),
+            Series("upper", self.upper, "W/m^2", "upper end of the 95 % band"),
+        ]
 
     def parts(self) -> Parts:
         yield from curves_parts([self])
-
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw points, curve with its 95 % band, and minimum."""
-        from lightflyer.lab.levitation.figures import plot_curve
-
-        return plot_curve(self, ax)
 
 
 @dataclass(frozen=True, repr=False)
@@ -296,58 +307,41 @@ def summary(curves: Sequence[LevitationCurve]) -> dict[str, Any]:
     """Samples and their comparisons as a JSON object."""
     return {
         "samples": {
-            curve.points.name: {
-                "optimal_pressure": curve.optimal_pressure.to_json(),
-                "minimum_irradiance": curve.minimum_irradiance.to_json(),
-                "points": len(curve.points.pressure),
-                "at_edge": curve.at_edge,
-                "in_ground_effect": curve.points.in_ground_effect,
-                "step": curve.step,
-            }
+            curve.points.name: curve.reported()
+            | {"points": len(curve.points.pressure)}
+            | {"in_ground_effect": curve.points.in_ground_effect}
             for curve in curves
         },
-        "warnings": warnings_of(curves),
+        "warnings": joint_warnings([("", curve.warnings) for curve in curves]),
         "comparisons": [
-            {"a": one.first, "b": one.second, "reduction": one.reduction.to_json()}
+            {"a": one.first, "b": one.second, "reduction": plain(one.reduction)}
             for one in compare(curves)
         ],
     }
 
 
-def warnings_of(curves: Sequence[LevitationCurve]) -> list[str]:
-    """Warnings of all samples, each once."""
-    return joint_warnings([("", curve.warnings) for curve in curves])
-
-
 def to_dataset(curves: Sequence[LevitationCurve], files: Sequence[str]) -> "xr.Dataset":
     """Points of all samples over ``point``, curves over ``sample`` and ``node``."""
-    names = [curve.points.name for curve in curves]
-
-    def points(field: str) -> np.ndarray:
-        return np.concatenate([getattr(curve.points, field) for curve in curves])
-
-    def at_points(values: np.ndarray, units: str, long_name: str) -> Any:
-        return "point", values, {"units": units, "long_name": long_name}
-
-    def nodes(field: str, units: str, long_name: str) -> Any:
-        values = np.stack([getattr(curve, field) for curve in curves])
-        return ("sample", "node"), values, {"units": units, "long_name": long_name}
-
-    owner = np.repeat(np.arange(len(curves)), [len(curve.points.pressure) for curve in curves])
+    lots = [curve.points for curve in curves]
+    owner = np.repeat(np.arange(len(lots)), [len(one.pressure) for one in lots])
+    pressure, irradiance = (
+        np.concatenate([getattr(one, name) for one in lots]) for name in ("pressure", "irradiance")
+    )
+    points = [
+        Series("point_sample", owner, "", "position of the sample, from 0"),
+        Series("point_pressure", pressure, "Pa", "gas pressure"),
+        Series("point_irradiance", irradiance, "W/m^2", "irradiance at lift-off"),
+    ]
+    lines = [
+        of_samples[0]._replace(values=np.stack([one.values for one in of_samples]))
+        for of_samples in zip(*(curve.series() for curve in curves), strict=True)
+    ]
     return dataset(
         "levitation",
-        {
-            "point_sample": at_points(owner, "1", "position of the sample, from 0"),
-            "point_pressure": at_points(points("pressure"), "Pa", "gas pressure"),
-            "point_irradiance": at_points(points("irradiance"), "W m-2", "irradiance at lift-off"),
-            "pressure": nodes("pressure", "Pa", "gas pressure"),
-            "irradiance": nodes("irradiance", "W m-2", "curve of the irradiance"),
-            "lower": nodes("lower", "W m-2", "lower end of the 95 % band"),
-            "upper": nodes("upper", "W m-2", "upper end of the 95 % band"),
-        },
+        variables("point", points) | variables(("sample", "node"), lines),
         files,
-        warnings=warnings_of(curves),
-        samples=", ".join(names),
+        warnings=joint_warnings([("", curve.warnings) for curve in curves]),
+        samples=", ".join(one.name for one in lots),
     )
 
 
@@ -355,17 +349,13 @@ def tables(curves: Sequence[LevitationCurve]) -> dict[str, str]:
     """Curve of each sample with its 95 % band as CSV, by file name."""
     return {
         f"levitation-curve-{number}.csv": csv_text(
-            [f"# {one.points.name}; 95 % band"],
-            {
-                "pressure [Pa]": one.pressure, "irradiance [W/m^2]": one.irradiance,
-                "lower [W/m^2]": one.lower, "upper [W/m^2]": one.upper,
-            },
+            [f"# {one.points.name}; 95 % band"], one.series()
         )
         for number, one in enumerate(curves, start=1)
-    }  # fmt: skip
+    }
 
 
-def curves_parts(curves: "Sequence[LevitationCurve]") -> Parts:
+def curves_parts(curves: Sequence[LevitationCurve]) -> Parts:
     """What the sample needs that needs least light, and all of them."""
     least = min(curves, key=lambda curve: curve.minimum_irradiance.value)
     words = "needs" if len(curves) == 1 else f"needs the least light of {len(curves)} samples,"
@@ -384,5 +374,5 @@ def curves_parts(curves: "Sequence[LevitationCurve]") -> Parts:
     yield table_of(_HEADINGS, rows, title="minimum irradiance and its pressure")
 
 
-def _number(found: "Estimate") -> tuple[str, str]:
+def _number(found: Estimate) -> tuple[str, str]:
     return f"{found.value:.4g}", open_interval_text(*found.interval)

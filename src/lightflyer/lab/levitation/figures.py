@@ -11,7 +11,6 @@ from lightflyer.core.units import scale_and_offset
 from lightflyer.files.drawing import (
     INTERVAL,
     MARKERS,
-    figure_for,
     legend_below,
     new_figure,
     plain_decades,
@@ -135,8 +134,6 @@ def levitation_figures(
     return {"levitation": figure}
 
 
-def plot_curve(curve: "LevitationCurve", ax: Axes | None = None) -> Figure:
-    """Draw one sample's points and curve; ``ax``: by default that of a new figure."""
-    figure, ax = figure_for(ax, height=_HEIGHT)
+def plot_curve(curve: "LevitationCurve", ax: Axes) -> None:
+    """Draw one sample's points and curve."""
     levitation_curves([curve], ax)
-    return figure

@@ -25,7 +25,7 @@ from lightflyer.lab.optics.ellipsometry import ORDINATES, EllipsometrySection, M
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectra.raw import Ordinate
 from lightflyer.lab.readers.spectrum_data import read_spectrum
-from lightflyer.lab.record import require_distinct
+from lightflyer.lab.result import require_distinct
 
 Polarisation = Literal["s", "p", "none"]
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from lightflyer.core.errors import Doubt
 from lightflyer.core.units import scale_and_offset
 from lightflyer.film.optics.stack import Film
 from lightflyer.lab.estimate import Estimate
@@ -14,7 +15,6 @@ from lightflyer.lab.optics.data import (
     OpticsSample,
 )
 from lightflyer.lab.optics.search import Fit
-from lightflyer.lab.record import Doubt
 from lightflyer.lab.spectrum_noise import point_noise
 
 TIED = 0.95  # Correlation above which two numbers are said not to be told apart

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from lightflyer.files.drawing import BAND, LINES, figure_for, legend_below, new_figure
+from lightflyer.files.drawing import BAND, LINES, legend_below, new_figure
 from lightflyer.files.palette import GREY, PALETTE
 from lightflyer.film.media.medium import MICROMETRE
 from lightflyer.lab.optics.ellipsometry import ORDINATES
@@ -103,10 +103,3 @@ def optics_figures(result: "OpticsFit") -> dict[str, Figure]:
     index = new_figure(columns=2, height=_HEIGHT)
     constants(result, *index.axes)
     return {"optics": fits, "optics-constants": index}
-
-
-def plot_spectra(result: "OpticsFit", ax: Axes | None = None) -> Figure:
-    """Draw spectra with their fits; ``ax``: by default that of a new figure."""
-    figure, ax = figure_for(ax, height=_HEIGHT)
-    spectra(result, ax)
-    return figure

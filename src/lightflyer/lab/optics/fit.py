@@ -20,23 +20,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.core.arguments import reads_units
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.errors import Doubt, ParameterError
 from lightflyer.core.text import correlation_text
 from lightflyer.files.result_text import Parts, listed, table_of
 from lightflyer.film.optics.averages import absorptance, emittance
 from lightflyer.film.optics.stack import Film
-from lightflyer.lab.estimate import Estimate, LabResult, estimate_table
+from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
 from lightflyer.lab.optics.diagnostics import diagnose, display_unit, is_off
 from lightflyer.lab.optics.model import OpticalModel, Problem, select_covered
 from lightflyer.lab.optics.search import STARTS, Fit, Scatter, intervals, search
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE
-from lightflyer.lab.record import Doubt, dataset
+from lightflyer.lab.result import LabResult, dataset, estimate_table
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 DRAWS = 200  # Number of films drawn for the bands of n and k
 
@@ -110,6 +108,8 @@ class OpticsFit(LabResult):
     freedom: float  #: Degrees of freedom, from independent points
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
+    _drawing = "optics.figures:spectra"
+
     def finding(self) -> Parts:
         """Fitted numbers in a sentence."""
         yield listed(f"{name} {in_display_unit(one)}" for name, one in self.numbers.items())
@@ -133,12 +133,6 @@ class OpticsFit(LabResult):
         )  # fmt: skip
 
         yield correlation_text(list(self.numbers), self.correlation)
-
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the spectra with their fits; ``ax``: by default that of a new figure."""
-        from lightflyer.lab.optics.figures import plot_spectra
-
-        return plot_spectra(self, ax)
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""

@@ -17,7 +17,7 @@ from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.optics.data import OpticsSample, names_of_layers
 from lightflyer.lab.optics.diagnostics import display_unit
 from lightflyer.lab.optics.fit import OpticsFit
-from lightflyer.lab.record import csv_text
+from lightflyer.lab.result import Series, csv_text
 
 if TYPE_CHECKING:
     from lightflyer.lab.optics.fit import OpticsFit
@@ -34,15 +34,17 @@ def tables(result: "OpticsFit") -> dict[str, str]:
         spectrum = one.measured.spectrum
         found[f"optics-spectrum-{number}.csv"] = csv_text(
             [f"# {one.measured.label}"],
-            {"wavelength [nm]": 1e9 * spectrum.wavelength, "measured": spectrum.value,
-             "fitted reading": one.reading, "film": one.share},
+            [Series("wavelength", 1e9 * spectrum.wavelength, "nm"),
+             Series("measured", spectrum.value), Series("fitted reading", one.reading),
+             Series("film", one.share)],
         )  # fmt: skip
     for number, layer in enumerate(result.indices, start=1):
         found[f"optics-constants-{number}.csv"] = csv_text(
             [f"# {layer.name}, fitted; 95 % bands"],
-            {"wavelength [um]": 1e6 * layer.wavelength, "n": layer.n, "k": layer.k,
-             "n_low": layer.n_band[0], "n_high": layer.n_band[1],
-             "k_low": layer.k_band[0], "k_high": layer.k_band[1]},
+            [Series("wavelength", 1e6 * layer.wavelength, "um"),
+             Series("n", layer.n), Series("k", layer.k),
+             *map(Series, ("n_low", "n_high"), layer.n_band),
+             *map(Series, ("k_low", "k_high"), layer.k_band)],
         )  # fmt: skip
     return found
 

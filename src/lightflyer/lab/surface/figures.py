@@ -14,7 +14,6 @@ from matplotlib.patches import Patch
 from scipy import ndimage
 
 from lightflyer.files.drawing import (
-    figure_for,
     new_figure,
     outline_effects,
     series_style,
@@ -167,12 +166,10 @@ def surface_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     return roughness_figures(results) | texture_figures(results)
 
 
-def plot_roughness(result: "Roughness", ax: Axes | None = None) -> Figure:
-    """Draw one map."""
-    if ax is None:
-        return roughness_figures([result])["roughness"]
-    figure, ax = figure_for(ax)
+def plot_roughness(result: "Roughness", ax: Axes) -> None:
+    """Draw one masked map with its colour bar."""
     image = draw_height_map(result, ax, masked=True)
     ax.set(xlabel="x [µm]", ylabel="y [µm]")
+    figure = ax.get_figure(root=True)
+    assert figure is not None  # axes that can be drawn on have one
     figure.colorbar(image, ax=ax, label="height of the surface [nm]", extend="both")
-    return figure

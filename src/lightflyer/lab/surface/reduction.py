@@ -8,9 +8,9 @@ above the mean,
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import numpy as np
 
@@ -20,17 +20,19 @@ from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Fraction
 from lightflyer.files.result_text import Parts
-from lightflyer.lab.estimate import (
-    NORMAL_FACTOR,
-    Estimate,
-    LabResult,
-    estimate_table,
-    student_factor,
-)
+from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.readers.height_map import NANOMETRE, HeightMap
-from lightflyer.lab.record import dataset, joint_warnings
-from lightflyer.lab.surface.diagnostics import warnings_of
-from lightflyer.lab.surface.intervals import DRAWS, SPECTRUM, spread
+from lightflyer.lab.result import (
+    LabResult,
+    Reported,
+    Series,
+    Shown,
+    dataset,
+    estimate_table,
+    joint_warnings,
+    plain,
+    variables,
+)
 from lightflyer.lab.surface.particles import (
     MOST_MASKED,
     THRESHOLD,
@@ -43,12 +45,10 @@ from lightflyer.lab.surface.particles import (
     kept_power,
     level,
 )
-from lightflyer.lab.surface.texture import Texture, texture_of
+from lightflyer.lab.surface.statistics import DRAWS, SPECTRUM, Texture, spread, texture_of
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 HEIGHT_ACCURACY = 0.02  # Relative standard uncertainty of the microscope's heights; our assumption
 PARAMETERS = ("rms_height", "mean_absolute_height", "skewness", "kurtosis")  # Sq, Sa, Ssk and Sku
@@ -57,12 +57,16 @@ Mask = Literal["auto", "none"] | np.ndarray  # Whether particles and holes are m
 _PERCENT = 100.0
 _UNITS = ("nm", "nm", "", "")
 _NO_BOUND = (-math.inf, math.inf)
-_EIGHT = np.ones((3, 3))
 _MICROMETRE = 1e-6
-_NAMES = {
-    "rms_height": "rms height Sq",
-    "mean_absolute_height": "mean absolute height Sa",
-}
+_MOST_MASKED = 0.05  # of a map, without a warning
+_MOST_LOST = 0.1  # power lost in levelling, over that left
+_SKEWED = 1.0
+_MOST_CLIPPED = 0.01  # of the pixels at the very highest or lowest value
+_SHIFTED = 3.0  # scatter of the steps between rows, over that between columns
+_OBLONG = 1.5  # longer side of a pixel over the shorter one
+_STEEPEST = 10.0  # slope from pixel to pixel
+_ATOMS = 5e-10  # between the lowest and the highest [m]
+NAMES = {"rms_height": "rms height Sq", "mean_absolute_height": "mean absolute height Sa"}
 
 
 @dataclass(frozen=True, repr=False)
@@ -82,13 +86,17 @@ class Roughness(LabResult):
     parameters: dict[str, Estimate]
     parameters_all: dict[str, Estimate]  #: The same for the whole map
     #: Relative standard uncertainty of the heights, contained in the intervals
-    height_accuracy: float
-    patches: float  #: Effective number of independent heights in Sq²
+    height_accuracy: Reported[float]
+    #: Effective number of independent heights in Sq²
+    patches: Annotated[float, Shown(key="independent_patches")]
     #: Estimate of the power of the surface that levelling took, over the power left. The intervals
     #: contain it
-    lost: float
+    lost: Annotated[float, Shown(key="lost_in_levelling")]
     texture: Texture  #: Autocorrelation, power spectrum and slopes outside the mask
     warnings: tuple[str, ...] = ()
+
+    _figures = "surface.figures:roughness_figures"
+    _drawing = "surface.figures:plot_roughness"
 
     @property
     def mask(self) -> np.ndarray:
@@ -96,7 +104,7 @@ class Roughness(LabResult):
         return self.particles | self.holes
 
     @property
-    def masked_fraction(self) -> float:
+    def masked_fraction(self) -> Reported[float]:
         """Share of the map on particles and in holes."""
         return float(self.mask.mean())
 
@@ -113,7 +121,7 @@ class Roughness(LabResult):
         yield (
             f"read {source.source}{channel}: {columns} x {rows} pixels, {sides} µm; {masked} masked"
         )
-        named = [(name, self.parameters[key]) for key, name in _NAMES.items()]
+        named = [(name, self.parameters[key]) for key, name in NAMES.items()]
         yield estimate_table([*named, ("Sq without a mask", self.parameters_all["rms_height"])])
         skewness, kurtosis = (self.parameters[key].value for key in ("skewness", "kurtosis"))
         found = self.texture
@@ -126,32 +134,21 @@ class Roughness(LabResult):
             f"lowest Sv {found.deepest / NANOMETRE:.3g} nm"
         )
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the levelled map, as it is and with its mask."""
-        from lightflyer.lab.surface.figures import plot_roughness
-
-        return plot_roughness(self, ax)
-
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""
-        return {
-            **{name: one.to_json() for name, one in self.parameters.items()},
-            **{f"{name}_all": one.to_json() for name, one in self.parameters_all.items()},
-            "masked_fraction": self.masked_fraction,
+        of_all = {f"{name}_all": one for name, one in self.parameters_all.items()}
+        counts = {
             "particles": count_objects(self.particles),
             "particle_fraction": float(self.particles.mean()),
             "holes": count_objects(self.holes),
             "hole_fraction": float(self.holes.mean()),
             "missing_fraction": float(self.source.missing.mean()),
-            "independent_patches": self.patches,
-            "lost_in_levelling": self.lost,
-            "height_accuracy": self.height_accuracy,
             **self.texture.summary(),
             "pixels": list(self.height.shape),
             "size_um": [self.source.width * 1e6, self.source.length * 1e6],
             "channel": self.source.channel,
-            "warnings": list(self.warnings),
         }
+        return plain({**self.parameters, **of_all, **counts}) | super().summary()
 
 
 def surface_parameters(height: np.ndarray) -> np.ndarray:
@@ -267,18 +264,77 @@ def roughness(
     common = (kept, accuracy, seed, source.pixel_aspect)
     inside, lost, patches = _estimates(found.height, masked, *common)
     everything = _estimates(whole, missing, *common)[0]
-    said = warnings_of(source, raw, masked, inside["skewness"].value, lost, patches,
-                       flattened=rows is not None)  # fmt: skip
+    said = _warnings(source, masked, inside["skewness"].value, lost, patches)
+    said += [] if rows is not None else _shifted_lines(raw)
     if not isinstance(mask, str) and not mask.any():
-        said += ("the mask given is empty: Sq is that of the whole map",)
+        said.append("the mask given is empty: Sq is that of the whole map")
     if height_accuracy is None:
         said += assumed_accuracies({"heights": f"± {_PERCENT * HEIGHT_ACCURACY:g} %"})
     rows_columns = zip((source.length, source.width), raw.shape, strict=True)
     down, right = (side / count for side, count in rows_columns)
     return Roughness(
         source, found.height, found.particles, found.holes, inside, everything, accuracy, patches,
-        lost, texture_of(found.height, masked, (down, right)), said,
+        lost, texture_of(found.height, masked, (down, right)), tuple(said),
     )  # fmt: skip
+
+
+def _warnings(
+    source: HeightMap, masked: np.ndarray, skewness: float, lost: float, patches: float
+) -> list[str]:
+    said = list(source.notes)
+    if missing := int(source.missing.sum()):
+        said.append(
+            f"{missing} pixels ({_PERCENT * missing / source.height.size:.2g} %) have no height; "
+            "they are left out like holes"
+        )
+    if max(source.pixel_aspect, 1.0 / source.pixel_aspect) > _OBLONG:
+        said.append(
+            f"pixels are {source.pixel_aspect:.3g} times as wide as long: particles are searched "
+            "for in circles of pixels, which are ellipses on the surface"
+        )
+    steps = np.diff(source.height, axis=1) * source.height.shape[1] / source.width
+    slope = float(np.sqrt(np.nanmean(steps**2)))
+    spread = float(np.nanmax(source.height) - np.nanmin(source.height))
+    if slope > _STEEPEST or spread < _ATOMS:
+        said.append(
+            f"its heights lie within {1e9 * spread:.3g} nm, with a slope of {slope:.2g} from pixel "
+            "to pixel, which no film has; check --size and --unit"
+        )
+    share = float(masked.mean())
+    known = source.height[np.isfinite(source.height)]
+    clipped = float(max((known == known.max()).mean(), (known == known.min()).mean()))
+    if clipped > _MOST_CLIPPED:
+        said.append(
+            f"{_PERCENT * clipped:.1f} % of the heights are exactly the highest or the lowest: "
+            "the range of the scanner or of the file may cut the surface off; measure with a "
+            "larger range"
+        )
+    if share > _MOST_MASKED:
+        said.append(
+            f"{_PERCENT * share:.1f} % of the map is masked; look at the figure, raise the "
+            "threshold, use --mask none, or measure a cleaner place"
+        )
+    if abs(skewness) > _SKEWED:
+        said.append(
+            f"the surface is skewed (Ssk = {skewness:.2g}): particles no higher than its own peaks "
+            "count as surface; look at the figure"
+        )
+    if lost > _MOST_LOST:
+        said.append(
+            f"levelling took about {_PERCENT * lost / (1.0 + lost):.0f} % of the surface's power, "
+            f"and the map has only about {patches:.0f} independent patches: Sq is that of the "
+            "levelled map, the interval that of the surface; a wider map narrows it"
+        )
+    return said
+
+
+def _shifted_lines(raw: np.ndarray) -> list[str]:
+    # neighbouring rows differ by a common step far more than neighbouring columns
+    across, along = (
+        float(np.std(np.diff(np.median(np.diff(raw, axis=axis), axis=1 - axis)))) for axis in (0, 1)
+    )
+    text = "scan lines are shifted against each other; compare with --flatten rows"
+    return [text] if across > _SHIFTED * along > 0.0 else []
 
 
 def _estimates(
@@ -306,10 +362,9 @@ def summary(results: Sequence[Roughness]) -> dict[str, Any]:
     """One map, or the mean of several with each of them, as a JSON object."""
     if len(results) == 1:
         return results[0].summary()
-    everything = mean_parameters(results, masked=False)
-    return {
-        **{name: one.to_json() for name, one in mean_parameters(results).items()},
-        **{f"{name}_all": one.to_json() for name, one in everything.items()},
+    of_all = mean_parameters(results, masked=False)
+    return plain(mean_parameters(results)) | {
+        **{f"{name}_all": plain(one) for name, one in of_all.items()},
         "masked_fraction": float(np.mean([one.masked_fraction for one in results])),
         "height_accuracy": max(one.height_accuracy for one in results),
         "maps": {one.source.source: one.summary() for one in results},
@@ -346,39 +401,35 @@ def _mean_of_maps(estimates: Sequence[Estimate], accuracy: float) -> Estimate:
 
 def to_dataset(results: Sequence[Roughness]) -> "xr.Dataset":
     """The levelled maps with their masks: 0 on the surface, 1 on particles and 2 in holes."""
-    variables: dict[str, Any] = {}
+    found: dict[str, Any] = {}
     for number, one in enumerate(results):
-        dimensions = (f"y_{number}", f"x_{number}")
-        sides = (one.source.length, one.source.width)
-        for dimension, side, count in zip(dimensions, sides, one.height.shape, strict=True):
-            middle = (np.arange(count) + 0.5) * side / count
-            variables[dimension] = (dimension, middle, {"units": "m", "long_name": dimension[0]})
-        variables[f"height_{number}"] = (
-            dimensions, np.where(one.source.missing, np.nan, one.height),
-            {"units": "m", "long_name": "levelled height", "file": one.source.source},
-        )  # fmt: skip
-        variables[f"mask_{number}"] = (
-            dimensions, one.particles.astype("i1") + 2 * one.holes.astype("i1"),
-            {"units": "1", "long_name": "0 surface, 1 particle, 2 hole", "file": one.source.source},
-        )  # fmt: skip
-        found = one.texture
-        for dimension, at, units, name, value, of in (
-            ("distance", found.distance, "m", "autocorrelation", found.autocorrelation, "1"),
-            ("frequency", found.frequency, "m-1", "power_spectral_density", found.power, "m4"),
+        sides = (f"y_{number}", f"x_{number}")
+        for name, side, count in zip(
+            sides, (one.source.length, one.source.width), one.height.shape, strict=True
         ):
-            over = f"{dimension}_{number}"
-            variables[over] = (over, at, {"units": units, "long_name": dimension})
-            variables[f"{name}_{number}"] = (over, value, {"units": of, "long_name": name})
+            middle = (np.arange(count) + 0.5) * side / count
+            found |= variables(name, [Series(name, middle, "m", name[0])])
+        height = np.where(one.source.missing, np.nan, one.height)
+        mask = one.particles.astype("i1") + 2 * one.holes.astype("i1")
+        found |= variables(sides, [
+            Series(f"height_{number}", height, "m", "levelled height"),
+            Series(f"mask_{number}", mask, "", "0 surface, 1 particle, 2 hole"),
+        ], file=one.source.source)  # fmt: skip
+        texture = one.texture
+        for at, values, unit, name, value, of in (
+            ("distance", texture.distance, "m", "autocorrelation", texture.autocorrelation, ""),
+            (
+                "frequency",
+                texture.frequency,
+                "m^-1",
+                "power_spectral_density",
+                texture.power,
+                "m^4",
+            ),
+        ):
+            over = f"{at}_{number}"
+            found |= variables(over, [
+                Series(over, values, unit, at), Series(f"{name}_{number}", value, of, name)
+            ])  # fmt: skip
     said = summary(results)["warnings"]
-    return dataset("roughness", variables, [one.source.source for one in results], warnings=said)
-
-
-def finding_parts(parameters: Mapping[str, Estimate]) -> Parts:
-    """The roughness in a sentence."""
-    yield f"{_NAMES['rms_height']} {parameters['rms_height']}"
-
-
-def means_parts(means: Mapping[str, Estimate], count: int) -> Parts:
-    """Means of the parameters over several maps."""
-    yield f"mean of {count} maps"
-    yield estimate_table([(name, means[key]) for key, name in _NAMES.items()])
+    return dataset("roughness", found, [one.source.source for one in results], warnings=said)

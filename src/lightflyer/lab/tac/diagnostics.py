@@ -8,10 +8,10 @@ import numpy as np
 from scipy import stats
 from scipy.optimize import least_squares
 
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError, Doubt
 from lightflyer.core.quantity import AccommodationCoefficient, Quantity, quantity_of
 from lightflyer.lab.estimate import Estimate
-from lightflyer.lab.record import AREA_RATIO, Doubt, doubts_of
+from lightflyer.lab.result import AREA_RATIO, doubts_of
 from lightflyer.lab.tac.data import IN_WORDS, TacRun
 from lightflyer.lab.tac.problem import PARAMETERS, Problem, first_guess
 

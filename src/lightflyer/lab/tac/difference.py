@@ -21,7 +21,8 @@ from lightflyer.core.units import Measured
 from lightflyer.files.result_text import Parts, table_of
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
-from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, LabResult, student_factor
+from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
+from lightflyer.lab.result import LabResult
 from lightflyer.lab.tac.data import TacAccuracy, TacRun
 from lightflyer.lab.tac.diagnostics import MOST_TAC, POSSIBLE_TAC, cut
 from lightflyer.lab.tac.fit import TacFit, errors_parts, fit_parts, fit_together
@@ -31,8 +32,6 @@ from lightflyer.lab.tac.record import tables, to_dataset, warnings_of, with_spre
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 FACES = ("top", "bottom")
 _APART = np.array([1.0, -1.0])  # of the coefficients, in their difference
@@ -62,6 +61,9 @@ class TacDifference(LabResult):
     warnings: tuple[str, ...]  #: What a reader of the result must know
     #: Coefficient of the heater's other face; None where the surface measured is on both
     other_face: Measured | None = None
+
+    _drawing = "tac.figures:both_faces"
+    _height = 4.2
 
     @property
     def fits(self) -> tuple[TacFit, ...]:
@@ -98,12 +100,6 @@ class TacDifference(LabResult):
             for fit in fits:
                 yield from fit_parts(fit)
         yield from errors_parts(self.fits[0])
-
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the runs of both faces with their fits, and what is known of both coefficients."""
-        from lightflyer.lab.tac.figures import plot_difference
-
-        return plot_difference(self, ax)
 
     def film_values(self) -> dict[tuple[str, str], Estimate]:
         """What a flyer file's film has of it, by section and key."""

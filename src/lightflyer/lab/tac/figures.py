@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.files.drawing import (
-    figure_for,
     legend_below,
     new_figure,
     plain_decades,
@@ -107,13 +106,9 @@ def tac_figures(fits: "Sequence[TacFit]") -> dict[str, Figure]:
     return {"tac": figure}
 
 
-def plot_tac(fit: "TacFit", ax: Axes | None = None) -> Figure:
+def plot_tac(fit: "TacFit", ax: Axes) -> None:
     """Draw one run."""
-    if ax is None:
-        return tac_figures([fit])["tac"]
-    figure, ax = figure_for(ax)
     effective_conductance([fit], ax)
-    return figure
 
 
 def both_faces(found: "TacDifference", ax: Axes) -> Axes:
@@ -159,11 +154,4 @@ def _arms(one: Estimate) -> np.ndarray:
 
 def difference_figures(found: "TacDifference") -> dict[str, Figure]:
     """Figures of all runs and of both coefficients, by file name without suffix."""
-    return {**tac_figures(found.fits), "tac-difference": plot_difference(found)}
-
-
-def plot_difference(found: "TacDifference", ax: Axes | None = None) -> Figure:
-    """Draw what is known of both coefficients."""
-    figure, ax = figure_for(ax)
-    both_faces(found, ax)
-    return figure
+    return {**tac_figures(found.fits), "tac-difference": found.plot()}

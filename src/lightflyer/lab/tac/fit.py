@@ -27,8 +27,8 @@ from lightflyer.core.text import correlation_text
 from lightflyer.files.result_text import Parts, table_of
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
-from lightflyer.lab.estimate import Estimate, LabResult
-from lightflyer.lab.record import ambient_doubts
+from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.result import LabResult, Series, ambient_doubts
 from lightflyer.lab.tac.data import IN_WORDS, TacAccuracy, TacRun
 from lightflyer.lab.tac.diagnostics import (
     cut,
@@ -57,8 +57,7 @@ from lightflyer.lab.tac.preparation import (
 from lightflyer.lab.tac.problem import PARAMETERS
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    pass
 
 _PERCENT = 100.0
 _NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
@@ -105,6 +104,9 @@ class TacFit(LabResult):
     radiation: np.ndarray
     undetermined: str | None  #: Why the rows do not determine the coefficient, if they do not
     warnings: tuple[str, ...]  #: What a reader of the result must know
+
+    _figures = "tac.figures:tac_figures"
+    _drawing = "tac.figures:plot_tac"
 
     @property
     def pressure(self) -> np.ndarray:
@@ -159,15 +161,20 @@ class TacFit(LabResult):
         """The three estimates by name."""
         return {name: getattr(self, name) for name in PARAMETERS}
 
+    def series(self) -> list[Series]:
+        """The fitted rows."""
+        per_area = "W/(m^2 K)"
+        said = "power per nominal area and temperature difference"
+        return [
+            Series("line", self.run.table.lines[self.kept], "", "line in it"),
+            Series("pressure", self.pressure, "Pa", "gas pressure"),
+            Series("conductance", self.conductance, per_area, said),
+            Series("fitted", self.fitted, per_area, "fitted conductance"),
+        ]
+
     def parts(self) -> Parts:
         yield from fit_parts(self)
         yield from errors_parts(self)
-
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw the conductance against pressure with the fit, and that of the gas."""
-        from lightflyer.lab.tac.figures import plot_tac
-
-        return plot_tac(self, ax)
 
     def summary(self) -> dict[str, Any]:
         """The fit as a JSON object."""

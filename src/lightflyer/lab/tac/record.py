@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.lab.estimate import Estimate, weighted_mean
-from lightflyer.lab.record import csv_text, dataset, joint_warnings
+from lightflyer.lab.result import csv_text, dataset, joint_warnings
 from lightflyer.lab.tac.diagnostics import BOUNDS, POSSIBLE_TAC
 from lightflyer.lab.tac.fit import TacFit
 from lightflyer.lab.tac.problem import PARAMETERS
@@ -122,10 +122,7 @@ def tables(fits: Sequence[TacFit]) -> dict[str, str]:
     return {
         f"tac-rows-{number}.csv": csv_text(
             [f"# {fit.run.source}"],
-            {
-                "line": fit.run.table.lines[fit.kept], "pressure [Pa]": fit.pressure,
-                "conductance [W/(m^2 K)]": fit.conductance, "fitted [W/(m^2 K)]": fit.fitted,
-            },
+            fit.series(),
         )
         for number, fit in enumerate(fits, start=1)
     }  # fmt: skip

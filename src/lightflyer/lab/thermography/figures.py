@@ -1,6 +1,6 @@
 """Figures of reflectance, transmittance and emissivity, and of a thermal image."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -71,11 +71,16 @@ def plot_properties(result: "RadiativeProperties") -> Figure:
     return figure
 
 
+def property_figures(results: "Sequence[RadiativeProperties]") -> dict[str, Figure]:
+    """Figure of the properties of one result, by file name without suffix."""
+    return {"thermography": plot_properties(results[0])}
+
+
 def thermography_figures(
     result: "RadiativeProperties", image: "ThermalImage | None" = None, regions: Regions = _NONE
 ) -> dict[str, Figure]:
     """Figures of the properties, and of an image and its regions, by file name without suffix."""
-    found = {"thermography": plot_properties(result)}
+    found = property_figures([result])
     return found if image is None else found | {"thermography-image": plot_image(image, regions)}
 
 

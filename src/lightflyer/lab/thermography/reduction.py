@@ -26,24 +26,24 @@ from scipy import optimize
 
 from lightflyer.core.checks import require_range
 from lightflyer.core.constants import STEFAN_BOLTZMANN
-from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.errors import ConfigurationError, Doubt, ParameterError
 from lightflyer.core.quantity import require_record
 from lightflyer.files.result_text import Parts, listed
-from lightflyer.lab.estimate import (
-    NORMAL_FACTOR,
-    Estimate,
+from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, central_interval, student_factor
+from lightflyer.lab.result import (
+    ABSORPTANCE,
+    EMISSIVITY,
     LabResult,
-    central_interval,
+    ambient_doubts,
+    dataset,
+    doubts_of,
     estimate_table,
-    student_factor,
 )
-from lightflyer.lab.record import ABSORPTANCE, EMISSIVITY, Doubt, ambient_doubts, dataset, doubts_of
 from lightflyer.lab.thermography.camera import MICROMETRE, UNCOOLED, flat_band
 from lightflyer.lab.thermography.data import LIGHT, THERMAL, Readings, Scene
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 DRAWS = 100_000  # Number of Monte Carlo draws
 
@@ -79,6 +79,8 @@ class RadiativeProperties(LabResult):
     first_order: dict[str, Estimate]
     monte_carlo: dict[str, Estimate]  #: The same by draws
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
+
+    _figures = "thermography.figures:property_figures"
 
     @property
     def emissivity(self) -> Estimate:
@@ -116,12 +118,6 @@ class RadiativeProperties(LabResult):
             for name, one in zip(method.readings, self.readings.uncertainties, strict=True)
         )
         yield f"standard uncertainties of the readings: {spreads} {method.unit}".rstrip()
-
-    def plot(self) -> "Figure":
-        """Draw the rows and the means with their intervals."""
-        from lightflyer.lab.thermography.figures import plot_properties
-
-        return plot_properties(self)
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""

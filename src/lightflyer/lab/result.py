@@ -166,7 +166,7 @@ class Series(NamedTuple):
     """Numbers over a dimension, of a dataset and of a table of commas."""
 
     name: str
-    values: np.ndarray  # shape (n,)
+    values: Any  # shape (n,), or one number
     unit: str = ""  # Such as "W/(m^2 K)"
     label: str = ""
 

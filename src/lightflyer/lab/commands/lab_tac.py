@@ -120,7 +120,7 @@ def tac(
     from lightflyer.gas import GASES
     from lightflyer.lab.gauges import pirani_doubts
     from lightflyer.lab.result import Outcome, figures_by, require_distinct
-    from lightflyer.lab.tac import record
+    from lightflyer.lab.tac import fit as tac_fits
     from lightflyer.lab.tac.data import (
         TacAccuracy,
         read_resistance_calibration,
@@ -133,7 +133,6 @@ def tac(
         difference_tables,
         fit_tac_difference,
     )
-    from lightflyer.lab.tac.fit import fit_tac, runs_parts
     from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC, KineticLaw
 
     faces = [files] if files else [top, bottom]
@@ -194,22 +193,22 @@ def tac(
         "sources": [file for side in faces for file in side or ()],
     }
     if len(sides) == 1:
-        fits = [fit_tac(run, **options) for run in runs]
-        mean = record.mean_tac(fits)
+        fits = [tac_fits.fit_tac(run, **options) for run in runs]
+        mean = tac_fits.mean_tac(fits)
         warnings = [
-            *doubts, *record.warnings_of(fits), *_about_flyer(update, [fits], face), *unstated
+            *doubts, *tac_fits.warnings_of(fits), *_about_flyer(update, [fits], face), *unstated
         ]  # fmt: skip
         text = [part for fit in fits for part in fit.parts()]
         return Outcome(
-            record.summary(fits),
-            record.to_dataset(fits, warnings),
+            tac_fits.summary(fits),
+            tac_fits.to_dataset(fits, warnings),
             [
                 f"TAC α {mean}", *text,
-                *(runs_parts(fits, mean) if len(fits) > 1 else ()),
+                *(tac_fits.runs_parts(fits, mean) if len(fits) > 1 else ()),
             ],
             warnings=warnings,
             figures=figures_by("tac.figures:tac_figures", fits),
-            tables=record.tables(fits),
+            tables=tac_fits.tables(fits),
             values=dict.fromkeys(tac_keys(face), mean) if face else {},
             **common,
         )  # fmt: skip
@@ -238,11 +237,11 @@ def _about_flyer(
         return []
     from lightflyer.config.reader import read_flyer_file
     from lightflyer.gas.registry import AIRS
-    from lightflyer.lab.tac import record
+    from lightflyer.lab.tac import fit as tac_fits
     from lightflyer.lab.tac.heat_law import KINETIC
 
     for fits in sides:
-        reason = record.why_no_property(fits)
+        reason = tac_fits.why_no_property(fits)
         if reason is not None:
             raise ConfigurationError(f"{reason}; {flyer} is unchanged")
     file, first = read_flyer_file(flyer), sides[0][0]
@@ -254,7 +253,7 @@ def _about_flyer(
     elif face is not None and getattr(other, "uncertainty", None):
         said.append(
             "where both faces were measured on this bench, they share the errors of gauge and "
-            f"plateau: tac_correlation = {record.correlation_between_samples(sides[0]):.2g} says "
+            f"plateau: tac_correlation = {tac_fits.correlation_between_samples(sides[0]):.2g} says "
             f"so (it is {film.tac_correlation.value:g}), and --top and --bottom, which fit runs of "
             "both together, know it better"
         )

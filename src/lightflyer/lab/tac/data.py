@@ -1,6 +1,6 @@
 """Runs of a heater in thin gas, their files, and the accuracies of its instruments."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
@@ -159,11 +159,6 @@ class CommonErrors:
         """No error in common, of a number of rows."""
         nothing = np.zeros(0)
         return cls((), nothing, nothing, *np.zeros((2, 0, rows)))
-
-    def of_rows(self, change: Callable[[np.ndarray], np.ndarray]) -> "CommonErrors":
-        """The same errors of other rows; ``change`` maps effects of shape (k, m)."""
-        effects = change(self.log_continuum), change(self.log_conductance)
-        return CommonErrors(self.names, self.log_pressure, self.zero, *effects)
 
 
 @dataclass(frozen=True)

@@ -1,19 +1,16 @@
 """What may be wrong with a heater's run, and with what is found from it."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 
 import numpy as np
-from scipy import stats
-from scipy.optimize import least_squares
 
 from lightflyer.core.errors import ConfigurationError, Doubt
 from lightflyer.core.quantity import AccommodationCoefficient, Quantity, quantity_of
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.result import AREA_RATIO, doubts_of
-from lightflyer.lab.tac.data import IN_WORDS, TacRun
-from lightflyer.lab.tac.problem import PARAMETERS, Problem, first_guess
+from lightflyer.lab.tac.data import IN_WORDS
+from lightflyer.lab.tac.problem import PARAMETERS, Problem
 
 POSSIBLE_TAC = 1.0  # Largest accommodation coefficient of any surface
 
@@ -34,112 +31,12 @@ AREA_RATIOS = (0.1, 10.0)
 BOUNDS = {"tac": (0.0, MOST_TAC), "area_ratio": AREA_RATIOS, "offset": (0.0, math.inf)}
 """What is possible for each parameter; intervals end there."""
 
-HEATER_TEMPERATURES = (80.0, 1500.0)
-"""Possible temperatures of a heater [K], from where air is liquid to where heaters melt."""
-
-GAS_TEMPERATURES = (80.0, 450.0)  # Possible temperatures of the gas in a vacuum chamber [K]
-
 _SPANS = (0.1, 10.0)  # over the pressure at which both limits are equal: these determine α
-_LEAST_DEVIATION = 0.03  # relative; nearer to the curve no row is called off it
-_SUSPECT = 5.0  # robust standard deviations
-_SIGNIFICANCE = 1e-3  # of one row off the curve among all
-_MOST_OFF = 0.2  # share of the rows
-_ROBUST_ROWS = 4_000  # that the robust fit takes of a very long run
-_NORMAL_MAD = float(stats.norm.ppf(0.75))  # median absolute deviation of a unit normal
 _PERCENT = 100.0
-_WINDOW = 5  # rows of the running median
 _SIGNIFICANT = 4.0  # standard errors
 _LEAST = 2e-3  # relative; no bench holds a conductance better
 _FEWEST = 8  # rows of a direction
 _TIED = 0.9  # correlation of time and pressure, above which drift cannot be told from the law
-
-
-def require_possible_temperatures(run: TacRun) -> None:
-    """Raise unless heater and gas are at temperatures that a bench can have."""
-    for name, values, (low, high) in (
-        ("heater_temperature", run.heater_temperature, HEATER_TEMPERATURES),
-        ("ambient_temperature", run.ambient_temperature, GAS_TEMPERATURES),
-    ):
-        wrong = np.flatnonzero(~((values >= low) & (values <= high)))
-        if wrong.size:
-            row = int(wrong[0])
-            raise ConfigurationError(
-                f"{run.source}:{run.table.lines[row]}: {name} = {values[row]:.4g} K is not between "
-                f"{low:g} and {high:g} K; is the column's unit right (K or °C)?"
-            )
-
-
-def rows_off_the_curve(problem: Problem, lines: np.ndarray) -> np.ndarray:
-    """Rows that belong to no curve through the others, such as one with a repeated fragment."""
-    # A robust fit (soft L1 of the logarithms, from a running median) finds suspects. A suspect is
-    # off if its deviation from the least-squares fit of the others is significant at 0.001 for the
-    # whole run (Student's, Bonferroni's correction), and more than 3 %.
-    problem = problem.with_common_errors([0.0] * len(problem.errors.names))
-    robust = _robust_fit(problem)
-    deviations = _log_deviations(problem, robust)
-    freedom = max(len(deviations) - len(PARAMETERS), 1)
-    scale = np.median(np.abs(deviations)) / _NORMAL_MAD * math.sqrt(len(deviations) / freedom)
-    suspects = np.abs(deviations) > max(_SUSPECT * scale, _LEAST_DEVIATION)
-    if suspects.sum() > _MOST_OFF * len(suspects):
-        worst = int(np.argmax(np.abs(deviations)))
-        raise ConfigurationError(
-            f"{problem.source}:{lines[worst]}: {suspects.sum()} of {len(suspects)} rows, this one "
-            "the most, are off any curve of power against pressure; check the columns and units"
-        )
-    if not suspects.any():
-        return suspects
-    return suspects & _significant(problem, suspects, robust)
-
-
-def _robust_fit(problem: Problem) -> np.ndarray:
-    """Parameters that a few wild rows do not move, shape (3,)."""
-    order = np.argsort(problem.pressure, kind="stable")
-    some = problem.rows(order[:: max(1, len(order) // _ROBUST_ROWS)])
-    padded = np.pad(some.conductance, _WINDOW // 2, mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, _WINDOW)
-    smooth = np.median(windows, axis=1)
-    guess = first_guess(replace(some, conductance=smooth, weight=1.0 / smooth))
-    start = np.array([guess[0], guess[1], max(guess[2], 0.0)])
-    scale = max(float(np.median(np.abs(_log_deviations(some, start)))), _LEAST_DEVIATION / _SUSPECT)
-    found = least_squares(
-        lambda values: _log_deviations(some, values), start, loss="soft_l1", f_scale=scale,
-        x_scale=np.maximum(np.abs(start), 0.1), bounds=([1e-6, 1e-9, 0.0], [20.0, np.inf, np.inf]),
-    )  # fmt: skip
-    return np.asarray(found.x)
-
-
-def _log_deviations(problem: Problem, values: np.ndarray) -> np.ndarray:
-    model = np.maximum(problem.model(*values), np.finfo(float).tiny)
-    return np.log(problem.conductance) - np.log(model)
-
-
-def _significant(problem: Problem, suspects: np.ndarray, near: np.ndarray) -> np.ndarray:
-    """Rows whose deviation from the fit of the unsuspected ones is significant, shape (m,)."""
-    problem = replace(problem, weight=1.0 / problem.model(*near))
-    good = problem.rows(~suspects)
-    freedom = int((~suspects).sum()) - len(PARAMETERS)
-    if freedom < 1:
-        return np.zeros_like(suspects)
-    fit = least_squares(
-        lambda values: good.residuals(*values), near, x_scale=np.maximum(np.abs(near), 0.1),
-        bounds=([1e-6, 1e-9, -np.inf], [20.0, np.inf, np.inf]),
-    )  # fmt: skip
-    variance = 2.0 * fit.cost / freedom
-    design = good.jacobian(*fit.x).T
-    gradient = problem.jacobian(*fit.x).T
-    leverage = np.sum(gradient @ np.linalg.pinv(design.T @ design) * gradient, axis=1)
-    spread = np.sqrt(np.maximum(variance * (1.0 + leverage), np.finfo(float).tiny))
-    deviations = np.abs(problem.residuals(*fit.x))
-    limit = stats.t.isf(0.5 * _SIGNIFICANCE / len(suspects), freedom)
-    return np.asarray((deviations > limit * spread) & (deviations > _LEAST_DEVIATION))
-
-
-def determining_pressures(problem: Problem, tac: float) -> tuple[float, float]:
-    """Range of pressures that would determine all parameters [Pa]."""
-    tac = min(max(tac, 0.1), POSSIBLE_TAC)
-    per_pressure = np.median(tac * problem.limits.free_molecular / problem.pressure)
-    equal = float(np.median(problem.limits.continuum(tac)) / per_pressure)
-    return _SPANS[0] * equal, _SPANS[1] * equal
 
 
 def why_undetermined(estimate: Estimate, problem: Problem, scatter: float) -> str | None:
@@ -149,7 +46,10 @@ def why_undetermined(estimate: Estimate, problem: Problem, scatter: float) -> st
     loose = spread > MOST_RELATIVE_UNCERTAINTY * estimate.value
     if not loose and low > 0.0 and high < max(MOST_TAC, 2.0 * estimate.value):
         return None
-    first, last = determining_pressures(problem, estimate.value)
+    tac = min(max(estimate.value, 0.1), POSSIBLE_TAC)
+    per_pressure = np.median(tac * problem.limits.free_molecular / problem.pressure)
+    equal = float(np.median(problem.limits.continuum(tac)) / per_pressure)
+    first, last = (span * equal for span in _SPANS)  # would determine all parameters
     least, most = float(problem.pressure.min()), float(problem.pressure.max())
     says = f"{problem.source}: these rows do not determine the accommodation coefficient; they "
     if least <= first and most >= last:
@@ -227,17 +127,6 @@ def result_warnings(estimates: dict[str, Estimate], reading: str) -> list[str]:
     return texts
 
 
-def model_warnings(tac: float, reading: str, kinetic: float | None) -> list[str]:
-    """A line about the error of the paper's formulas, where they were used."""
-    if kinetic is None:
-        return []
-    return [
-        f"the reading {reading} gives a coefficient {_PERCENT * (tac / kinetic - 1.0):+.0f} % from "
-        f"that of the kinetic equation ({kinetic:.3g}); the interval leaves this error of "
-        "the formula out"
-    ]
-
-
 def misfit_warnings(alike: float, rows: int, values: Mapping[str, float]) -> list[str]:
     """Lines about rows that follow another curve; ``values``: of all unknowns."""
     texts = []
@@ -257,13 +146,6 @@ def misfit_warnings(alike: float, rows: int, values: Mapping[str, float]) -> lis
         )
         texts.append(Doubt(text) if max(map(abs, far.values())) > _TOO_FAR else text)
     return texts
-
-
-def list_lines(lines: Sequence[int], source: str) -> str:
-    """Lines of a file in words, such as ``run.csv:4, 9``; only the first of very many."""
-    shown = ", ".join(map(str, lines[:_MOST_LINES]))
-    more = f" and {len(lines) - _MOST_LINES} more" if len(lines) > _MOST_LINES else ""
-    return f"{source}:{shown}{more}"
 
 
 def drift_warnings(residual: np.ndarray, pressure: np.ndarray, alike: float) -> list[str]:

@@ -9,7 +9,7 @@ area ratio and offset of its own, and with one set of the errors that all runs h
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -22,13 +22,19 @@ from lightflyer.files.result_text import Parts, table_of
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
-from lightflyer.lab.result import LabResult
+from lightflyer.lab.result import LabResult, Reported, Series, Shown, variables
 from lightflyer.lab.tac.data import TacAccuracy, TacRun
 from lightflyer.lab.tac.diagnostics import MOST_TAC, POSSIBLE_TAC, cut
-from lightflyer.lab.tac.fit import TacFit, errors_parts, fit_parts, fit_together
+from lightflyer.lab.tac.fit import (
+    TacFit,
+    fit_together,
+    tables,
+    to_dataset,
+    warnings_of,
+    with_spread,
+)
 from lightflyer.lab.tac.heat_law import KINETIC_LAW, AbstractHeatLaw
 from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, Bench
-from lightflyer.lab.tac.record import tables, to_dataset, warnings_of, with_spread
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,12 +58,13 @@ class TacDifference(LabResult):
 
     top: tuple[TacFit, ...]  #: Runs of the top face
     bottom: tuple[TacFit, ...]  #: Runs of the bottom face
-    tac_top: Estimate  #: Mean over the runs
-    tac_bottom: Estimate  #: Mean over the runs
-    difference: Estimate  #: Coefficient of the top less that of the bottom
+    #: Coefficient of the top less that of the bottom
+    difference: Annotated[Estimate, Shown("TAC α, top less bottom")]
+    tac_top: Annotated[Estimate, Shown("TAC α, top")]  #: Mean over the runs
+    tac_bottom: Annotated[Estimate, Shown("TAC α, bottom")]  #: Mean over the runs
     #: Correlation of the errors of both coefficients [1], by which their standard uncertainties
     #: give that of the difference
-    tac_correlation: float
+    tac_correlation: Reported[float]
     warnings: tuple[str, ...]  #: What a reader of the result must know
     #: Coefficient of the heater's other face; None where the surface measured is on both
     other_face: Measured | None = None
@@ -79,11 +86,7 @@ class TacDifference(LabResult):
         """Difference of two faces, their coefficients, and the runs of each."""
         rows = [
             (name, f"{one.value:.4g}", one.interval_text(), f"{one.uncertainty:.2g}")
-            for name, one in (
-                ("TAC α, top less bottom", self.difference),
-                ("TAC α, top", self.tac_top),
-                ("TAC α, bottom", self.tac_bottom),
-            )
+            for name, one in self.labelled().items()
         ]
         yield table_of(_FACES_TABLE, rows, left=(0, 2))
         yield (
@@ -98,8 +101,8 @@ class TacDifference(LabResult):
         for name, fits in (("top", self.top), ("bottom", self.bottom)):
             yield f"{name} face"
             for fit in fits:
-                yield from fit_parts(fit)
-        yield from errors_parts(self.fits[0])
+                yield from fit.fit_parts()
+        yield from self.fits[0].errors_parts()
 
     def film_values(self) -> dict[tuple[str, str], Estimate]:
         """What a flyer file's film has of it, by section and key."""
@@ -116,16 +119,13 @@ class TacDifference(LabResult):
     def summary(self) -> dict[str, Any]:
         """Both coefficients, their difference and every run as a JSON object."""
         return {
-            "difference": self.difference.to_json(),
-            "tac_top": self.tac_top.to_json(),
-            "tac_bottom": self.tac_bottom.to_json(),
+            **self.reported(),
             "standard_uncertainty": {
                 "difference": self.difference.uncertainty,
                 "difference_if_nothing_were_shared": self.unshared,
                 "tac_top": self.tac_top.uncertainty,
                 "tac_bottom": self.tac_bottom.uncertainty,
             },
-            "tac_correlation": self.tac_correlation,
             "other_face": None if self.other_face is None else self.other_face._asdict(),
             "faces": {
                 name: {fit.run.source: fit.summary() for fit in fits}
@@ -201,12 +201,25 @@ def fit_tac_difference(
     fits, covariance = fit_together([*faces[0], *faces[1]], bench)
     of_top, of_bottom = tuple(fits[: len(faces[0])]), tuple(fits[len(faces[0]) :])
     means, joint = _means(of_top, of_bottom, covariance)
-    if other_face is not None:
-        means, joint = _without(other_face, means, joint)
-    tac_top, tac_bottom = (
-        _of_face(side, float(mean), math.sqrt(variance), whole=other_face is None)
-        for side, mean, variance in zip((of_top, of_bottom), means, np.diag(joint), strict=True)
-    )
+    if other_face is not None:  # the means are those of sample and heater
+        means = 2.0 * means - other_face.value
+        joint = 4.0 * joint + (other_face.uncertainty or 0.0) ** 2
+        for name, value in zip(FACES, means, strict=True):
+            if not 0.0 < value <= MOST_TAC:
+                raise ConfigurationError(
+                    f"the {name} face would have a coefficient of {value:.3g}, which is "
+                    f"impossible, beside {other_face.value:g} of the heater's other face; does the "
+                    "sample cover one face only?"
+                )
+    found = []
+    for side, mean, variance in zip((of_top, of_bottom), means, np.diag(joint), strict=True):
+        one = Estimate.covering(float(mean), NORMAL_FACTOR * math.sqrt(variance))
+        if len(side) == 1 and other_face is None:  # has its profile interval
+            one = Estimate(one.value, side[0].tac.interval, "", math.sqrt(variance))
+        else:
+            one = cut({"tac": one})[0]["tac"]
+        found.append(one)
+    tac_top, tac_bottom = found
     apart = float(np.sqrt(_APART @ joint @ _APART))
     spreads = (tac_top.uncertainty or 0.0) * (tac_bottom.uncertainty or 0.0)
     alone = [ONE_RUN] if len(fits) == len(faces) else []
@@ -249,28 +262,6 @@ def _means(
     return means, np.diag(wider / precision.sum(axis=1)) + shared
 
 
-def _without(
-    other: Measured, means: np.ndarray, joint: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Coefficients of a sample from means of it and the heater's other face, as of `_means`."""
-    found = 2.0 * means - other.value
-    for name, value in zip(FACES, found, strict=True):
-        if not 0.0 < value <= MOST_TAC:
-            raise ConfigurationError(
-                f"the {name} face would have a coefficient of {value:.3g}, which is impossible, "
-                f"beside {other.value:g} of the heater's other face; does the sample cover one "
-                "face only?"
-            )
-    return found, 4.0 * joint + (other.uncertainty or 0.0) ** 2
-
-
-def _of_face(fits: Sequence[TacFit], mean: float, uncertainty: float, *, whole: bool) -> Estimate:
-    """Coefficient of a face; that of one run of the whole heater has its profile interval."""
-    if len(fits) == 1 and whole:
-        return Estimate(mean, fits[0].tac.interval, "", uncertainty)
-    return cut({"tac": Estimate.covering(mean, NORMAL_FACTOR * uncertainty)})[0]["tac"]
-
-
 def difference_dataset(found: TacDifference, warnings: Sequence[str] | None = None) -> "xr.Dataset":
     """Rows of all runs, with the coefficients of both faces and their covariance."""
     record = to_dataset(found.fits, found.warnings if warnings is None else warnings)
@@ -278,21 +269,19 @@ def difference_dataset(found: TacDifference, warnings: Sequence[str] | None = No
     pair = found.tac_top, found.tac_bottom
     spread = np.array([one.uncertainty or 0.0 for one in pair])
     related = np.array([[1.0, found.tac_correlation], [found.tac_correlation, 1.0]])
-    unit = {"units": "1"}
     return record.assign(
         face_of_row=("row", names[record["run"].values], {"long_name": "face of the sample"}),
-        tac=("face", [one.value for one in pair], unit | {"long_name": "TAC"}),
-        tac_covariance=(
-            ("face", "other_face"), np.outer(spread, spread) * related,
-            unit | {"long_name": "covariance of the errors of both TACs"},
-        ),
-        tac_difference=(
-            (), found.difference.value, unit | {"long_name": "TAC of the top less of the bottom"}
-        ),
-        tac_difference_uncertainty=(
-            (), found.difference.uncertainty,
-            unit | {"long_name": "its standard uncertainty"},
-        ),
+        **variables("face", [Series("tac", np.array([one.value for one in pair]), "", "TAC")]),
+        **variables(("face", "other_face"), [
+            Series("tac_covariance", np.outer(spread, spread) * related, "",
+                   "covariance of the errors of both TACs"),
+        ]),
+        **variables((), [
+            Series("tac_difference", found.difference.value, "",
+                   "TAC of the top less of the bottom"),
+            Series("tac_difference_uncertainty", found.difference.uncertainty, "",
+                   "its standard uncertainty"),
+        ]),
     ).assign_coords(face=["top", "bottom"], other_face=["top", "bottom"])  # fmt: skip
 
 

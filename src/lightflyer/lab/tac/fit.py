@@ -14,10 +14,11 @@ plateau at high pressure :math:`\delta` times a known conductance, and without g
 the plateau is taken to grow with :math:`\delta`, as the slope does, can the three be told apart.
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -27,15 +28,26 @@ from lightflyer.core.text import correlation_text
 from lightflyer.files.result_text import Parts, table_of
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas
-from lightflyer.lab.estimate import Estimate
-from lightflyer.lab.result import LabResult, Series, ambient_doubts
+from lightflyer.lab.estimate import Estimate, weighted_mean
+from lightflyer.lab.result import (
+    LabResult,
+    Reported,
+    Series,
+    Shown,
+    ambient_doubts,
+    csv_text,
+    dataset,
+    joint_warnings,
+    plain,
+    variables,
+)
 from lightflyer.lab.tac.data import IN_WORDS, TacAccuracy, TacRun
 from lightflyer.lab.tac.diagnostics import (
+    BOUNDS,
+    POSSIBLE_TAC,
     cut,
     drift_warnings,
-    list_lines,
     misfit_warnings,
-    model_warnings,
     require_possible,
     result_warnings,
     why_undetermined,
@@ -48,19 +60,15 @@ from lightflyer.lab.tac.heat_law import (
     nominal_area,
 )
 from lightflyer.lab.tac.intervals import Solution, positive_estimate, solve
-from lightflyer.lab.tac.preparation import (
-    LU2023_HEATER_DIAMETER,
-    Bench,
-    Prepared,
-    prepare,
-)
+from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, Bench, Prepared, prepare
 from lightflyer.lab.tac.problem import PARAMETERS
 
 if TYPE_CHECKING:
-    pass
+    import xarray as xr
 
 _PERCENT = 100.0
-_NAMES = {"tac": "TAC α", "area_ratio": "area ratio δ", "offset": "offset C"}
+_ROUNDING = 1e-12  # relative
+_MOST_LINES = 8  # of a file, that a message lists
 _PARAMETERS = ("", "value", "95 % interval", "of the scatter alone", "unit")
 _ERRORS = ("error by the fit", "in stated ±", "stated ±", "unit")
 _RUNS = ("run", "TAC α", "95 % interval", "area ratio δ", "offset C\n[W/(m² K)]")
@@ -75,26 +83,30 @@ class TacFit(LabResult):
     #: shape (n,); rows that belong to no curve through the others; they are left out
     off_curve: np.ndarray
     diameter: float  #: Diameter of the heater [m]
-    reading: str  #: Name of the law of heat loss
-    gas: str  #: Name of the gas
+    reading: Reported[str]  #: Name of the law of heat loss
+    gas: Reported[str]  #: Name of the gas
     accuracy: TacAccuracy
-    tac: Estimate  #: With the 95 % profile interval of the total uncertainty
-    area_ratio: Estimate  #: As ``tac``
-    offset: Estimate  #: As ``tac``, in W/(m² K)
+    #: With the 95 % profile interval of the total uncertainty
+    tac: Annotated[Estimate, Shown("TAC α")]
+    area_ratio: Annotated[Estimate, Shown("area ratio δ")]  #: As ``tac``
+    offset: Annotated[Estimate, Shown("offset C")]  #: As ``tac``, in W/(m² K)
     #: The same values with profile intervals of the scatter alone, by name of the parameter
     statistical: dict[str, Estimate]
     #: 95 % intervals of the total uncertainty from the covariance, by name of the parameter
-    covariance_intervals: dict[str, tuple[float, float]]
+    covariance_intervals: Annotated[
+        dict[str, tuple[float, float]], Shown(key="covariance_interval_95")
+    ]
     #: shape (3, 3); total, in the order of :data:`~lightflyer.lab.tac.problem.PARAMETERS`
-    covariance: np.ndarray
+    covariance: Reported[np.ndarray]
     #: Best values of the errors that all rows have in common, in their standard errors
-    common_errors: dict[str, float]
-    scatter: float  #: Relative scatter of the measured conductance about the fit [1]
+    common_errors: Reported[dict[str, float]]
+    #: Relative scatter of the measured conductance about the fit [1]
+    scatter: Reported[float]
     #: Rows of neighbouring pressures that deviate from the fit together, 1 where the law fits: the
     #: intervals are those of so many times fewer rows
-    alike: float
+    alike: Annotated[float, Shown(key="alike_rows")]
     #: Coefficient that the same rows give by each of the other laws; None where a fit fails
-    by_reading: dict[str, float | None]
+    by_reading: Annotated[dict[str, float | None], Shown(key="tac_by_other_readings")]
     #: shape (m,); measured :math:`P/(A\,\Delta T)` of the fitted rows [W/(m² K)]
     conductance: np.ndarray
     fitted: np.ndarray  #: shape (m,); its fitted value [W/(m² K)]
@@ -119,38 +131,40 @@ class TacFit(LabResult):
         return np.argsort(self.pressure, kind="stable")
 
     @property
-    def rows_used(self) -> int:
+    def rows_used(self) -> Reported[int]:
         """Number of fitted rows."""
         return int(self.kept.sum())
 
     @property
-    def rows_dropped(self) -> int:
+    def rows_dropped(self) -> Reported[int]:
         """Number of rows dropped because the heater was not at its constant temperature."""
         return int((~self.kept & ~self.off_curve).sum())
 
     @property
-    def lines_off_curve(self) -> list[int]:
+    def lines_off_curve(self) -> Reported[list[int]]:
         """Lines of the rows that belong to no curve through the others."""
         return [int(line) for line in self.run.table.lines[self.off_curve]]
 
     @property
-    def mean_temperature(self) -> float:
+    def mean_temperature(self) -> Annotated[float, Shown(key="heater_temperature.mean_k")]:
         """Mean heater temperature of the fitted rows [K]."""
         return float(self.run.heater_temperature[self.kept].mean())
 
     @property
-    def temperature_variation(self) -> float:
+    def temperature_variation(
+        self,
+    ) -> Annotated[float, Shown(key="heater_temperature.coefficient_of_variation")]:
         """Coefficient of variation of the heater temperature over the fitted rows [1]."""
         return float(self.run.heater_temperature[self.kept].std(ddof=1) / self.mean_temperature)
 
     @property
-    def correlation(self) -> np.ndarray:
+    def correlation(self) -> Reported[np.ndarray]:
         """Correlations of the three parameters' total errors [1], shape (3, 3)."""
         spread = np.sqrt(np.diag(self.covariance))
         return np.asarray(self.covariance / np.outer(spread, spread))
 
     @property
-    def slope(self) -> Estimate:
+    def slope(self) -> Reported[Estimate]:
         """Product of coefficient and area ratio [1], which does not need the plateau."""
         tac, ratio = self.tac.value, self.area_ratio.value
         gradient = np.array([ratio, tac])
@@ -173,39 +187,59 @@ class TacFit(LabResult):
         ]
 
     def parts(self) -> Parts:
-        yield from fit_parts(self)
-        yield from errors_parts(self)
+        yield from self.fit_parts()
+        yield from self.errors_parts()
+
+    def fit_parts(self) -> Parts:
+        """Parameters of the run."""
+        yield (
+            f"{self.run.source}: heater at {self.mean_temperature:.2f} K, coefficient of variation "
+            f"{_PERCENT * self.temperature_variation:.2g} %; {self.rows_used} rows used, "
+            f"{self.rows_dropped} dropped for their temperature"
+        )
+        of_scatter = [*(one.interval_text() for one in self.statistical.values()), ""]
+        shown = self.labelled() | {"slope δα": self.slope}
+        rows = [
+            (
+                name,
+                f"{one.value:.4g}",
+                one.interval_text(),
+                text,
+                one.unit.replace("^2", "²") or "1",
+            )
+            for (name, one), text in zip(shown.items(), of_scatter, strict=True)
+        ]
+        yield table_of(_PARAMETERS, rows, left=(0, 2, 3, 4))
+        others = ", ".join(
+            f"{one:.3g} by {name}" for name, one in self.by_reading.items() if one is not None
+        )
+        yield (
+            f"reading {self.reading}, gas {self.gas}; the same rows give α = {others}\n"
+            f"rows scatter by {_PERCENT * self.scatter:.2g} % about the fit; "
+            f"{correlation_text('αδC', self.covariance)}"
+        )
+
+    def errors_parts(self) -> Parts:
+        """Errors of the instruments by the fit; those of runs fitted together are the same."""
+        errors = []
+        for name, pull in self.common_errors.items():
+            words, scale, unit = IN_WORDS[name]
+            errors.append(
+                (words, f"{pull:+.2f}", f"{scale * getattr(self.accuracy, name):g}", unit)
+            )
+        yield table_of(_ERRORS, errors, left=(0, 3))
 
     def summary(self) -> dict[str, Any]:
         """The fit as a JSON object."""
-        low, high = float(self.pressure.min()), float(self.pressure.max())
+        scatter = {name: one["interval_95"] for name, one in plain(self.statistical).items()}
         return {
-            **{name: estimate.to_json() for name, estimate in self.estimates().items()},
-            "statistical_interval_95": {
-                name: one.to_json()["interval_95"] for name, one in self.statistical.items()
-            },
-            "slope": self.slope.to_json(),
-            "reading": self.reading,
-            "gas": self.gas,
-            "tac_by_other_readings": self.by_reading,
+            **self.reported(),
+            "statistical_interval_95": scatter,
             "accuracy": self.accuracy.to_json(),
-            "common_errors": self.common_errors,
             "determined": self.undetermined is None,
-            "rows_used": self.rows_used,
-            "rows_dropped": self.rows_dropped,
-            "lines_off_curve": self.lines_off_curve,
-            "covariance_interval_95": {
-                name: list(ends) for name, ends in self.covariance_intervals.items()
-            },
-            "covariance": self.covariance.tolist(),
-            "correlation": self.correlation.tolist(),
-            "scatter": self.scatter,
-            "alike_rows": self.alike,
-            "heater_temperature": {"mean_k": self.mean_temperature,
-                                   "coefficient_of_variation": self.temperature_variation},
-            "pressure_range_pa": [low, high],
+            "pressure_range_pa": [float(self.pressure.min()), float(self.pressure.max())],
             "warnings": list(self.warnings),
-        }  # fmt: skip
+        }
 
 
 def heater_power(
@@ -304,25 +338,28 @@ def fit_together(runs: Sequence[TacRun], bench: Bench) -> tuple[list[TacFit], np
 
 
 def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
-    run, problem, others = prepared.run, prepared.problem, prepared.others
-    off_curve, reading = prepared.off_curve, bench.law.name
+    run, problem, reading = prepared.run, prepared.problem, bench.law.name
     require_possible(run.source, solution.total, reading)
     undetermined = why_undetermined(solution.total["tac"], problem, solution.scatter)
     estimates, texts = cut(solution.total)
-    statistical, _ = cut(solution.statistical)
-    normal, _ = cut(solution.total_normal)
     fitted = problem.model(*solution.values.values())
-    if off_curve.any():
-        lines = [int(line) for line in run.table.lines[off_curve]]
-        texts.insert(
-            0, f"{list_lines(lines, run.source)}: left out, off the curve of all other rows"
-        )
+    off = [int(line) for line in run.table.lines[prepared.off_curve]]
+    if off:
+        shown, more = ", ".join(map(str, off[:_MOST_LINES])), len(off) - _MOST_LINES
+        shown += f" and {more} more" if more > 0 else ""
+        texts.insert(0, f"{run.source}:{shown}: left out, off the curve of all other rows")
     texts += [
         *run.notes,
         *ambient_doubts(run.ambient_temperature),
         *result_warnings(estimates, reading),
     ]
-    texts += model_warnings(estimates["tac"].value, reading, others.get(KINETIC))
+    kinetic = prepared.others.get(KINETIC)
+    if kinetic is not None:  # by the paper's formulas
+        error = _PERCENT * (estimates["tac"].value / kinetic - 1.0)
+        texts.append(
+            f"the reading {reading} gives a coefficient {error:+.0f} % from that of the kinetic "
+            f"equation ({kinetic:.3g}); the interval leaves this error of the formula out"
+        )
     texts += misfit_warnings(solution.alike, len(fitted), solution.values)
     texts += drift_warnings(problem.conductance / fitted - 1.0, problem.pressure, solution.alike)
     if undetermined:
@@ -330,19 +367,21 @@ def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
     return TacFit(
         run=run,
         kept=prepared.kept,
-        off_curve=off_curve,
+        off_curve=prepared.off_curve,
         diameter=bench.diameter,
         reading=reading,
         gas=bench.gas.name,
         accuracy=bench.accuracy,
         **estimates,
-        statistical=statistical,
-        covariance_intervals={name: one.interval for name, one in normal.items()},
+        statistical=cut(solution.statistical)[0],
+        covariance_intervals={
+            name: one.interval for name, one in cut(solution.total_normal)[0].items()
+        },
         covariance=solution.covariance,
         common_errors={name: solution.values[name] for name in problem.errors.names},
         scatter=solution.scatter,
         alike=solution.alike,
-        by_reading=others,
+        by_reading=prepared.others,
         conductance=problem.conductance,
         fitted=fitted,
         weight=problem.weight,
@@ -353,52 +392,104 @@ def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
     )
 
 
-def fit_parts(fit: "TacFit") -> Parts:
-    """Parameters of one run."""
-    yield (
-        f"{fit.run.source}: heater at {fit.mean_temperature:.2f} K, coefficient of variation "
-        f"{_PERCENT * fit.temperature_variation:.2g} %; {fit.rows_used} rows used, "
-        f"{fit.rows_dropped} dropped for their temperature"
-    )
-    rows = [
-        _parameter(_NAMES[name], one, fit.statistical[name].interval_text())
-        for name, one in fit.estimates().items()
-    ]
-    slope = _parameter("slope δα", replace(fit.slope, unit=""), "")
-    yield table_of(_PARAMETERS, [*rows, slope], left=(0, 2, 3, 4))
-    others = ", ".join(
-        f"{one:.3g} by {name}" for name, one in fit.by_reading.items() if one is not None
-    )
-    yield (
-        f"reading {fit.reading}, gas {fit.gas}; the same rows give α = {others}\n"
-        f"rows scatter by {_PERCENT * fit.scatter:.2g} % about the fit; "
-        f"{correlation_text('αδC', fit.covariance)}"
-    )
-
-
-def errors_parts(fit: "TacFit") -> Parts:
-    """Errors of the instruments that the fit takes; those of runs fitted together are the same."""
-    errors = []
-    for name, pull in fit.common_errors.items():
-        words, scale, unit = IN_WORDS[name]
-        errors.append((words, f"{pull:+.2f}", f"{scale * getattr(fit.accuracy, name):g}", unit))
-    yield table_of(_ERRORS, errors, left=(0, 3))
-
-
-def _parameter(name: str, one: Estimate, of_scatter: str) -> tuple[str, ...]:
-    """Row of a parameter with its total and statistical intervals."""
-    unit = one.unit.replace("^2", "²") or "1"
-    return name, f"{one.value:.4g}", one.interval_text(), of_scatter, unit
-
-
-def runs_parts(fits: "Sequence[TacFit]", mean: Estimate) -> Parts:
+def runs_parts(fits: Sequence[TacFit], mean: Estimate) -> Parts:
     """Table of runs, like the paper's table S2, and the mean of their coefficients."""
     rows = []
     for fit in fits:
         low, high = fit.tac.interval
-        numbers = f"{fit.tac.value:.3f}", f"{low:.3f} to {high:.3f}"
         rows.append((
-            fit.run.source, *numbers, f"{fit.area_ratio.value:.3f}", f"{fit.offset.value:.3f}"
+            fit.run.source, f"{fit.tac.value:.3f}", f"{low:.3f} to {high:.3f}",
+            f"{fit.area_ratio.value:.3f}", f"{fit.offset.value:.3f}",
         ))  # fmt: skip
     yield table_of(_RUNS, rows)
     yield f"mean accommodation coefficient {mean}"
+
+
+def mean_tac(fits: Sequence[TacFit], name: str = "tac") -> Estimate:
+    """Mean accommodation coefficient, or another parameter, of several runs on one bench."""
+    if len(fits) == 1:
+        return fits[0].estimates()[name]
+    common = float(np.mean([_common_part(fit, name) for fit in fits]))
+    mean = weighted_mean([with_spread(fit.statistical[name]) for fit in fits], common=common)
+    low, high = BOUNDS[name]
+    return replace(mean, interval=(max(mean.interval[0], low), min(mean.interval[1], high)))
+
+
+def _common_part(fit: TacFit, name: str) -> float:
+    """Standard uncertainty from errors that all rows, and all runs, have in common."""
+    total, part = fit.estimates()[name].uncertainty, fit.statistical[name].uncertainty
+    return math.sqrt(max((total or 0.0) ** 2 - (part or 0.0) ** 2, 0.0))
+
+
+def with_spread(estimate: Estimate) -> Estimate:
+    """The estimate; rows computed by a model have rounding for a spread, not zero."""
+    spread = max(estimate.uncertainty or 0.0, _ROUNDING * abs(estimate.value))
+    return replace(estimate, uncertainty=spread)
+
+
+def correlation_between_samples(fits: Sequence[TacFit]) -> float:
+    """Correlation of the coefficients' errors between two samples measured on one bench [1]."""
+    common = float(np.mean([_common_part(fit, "tac") for fit in fits]))
+    total = mean_tac(fits).uncertainty or 0.0
+    return min((common / total) ** 2, 1.0) if total else 0.0
+
+
+def why_no_property(fits: Sequence[TacFit]) -> str | None:
+    """Why the coefficient cannot be that of a film, in one line; None if it can."""
+    for fit in fits:
+        if fit.undetermined:
+            return fit.undetermined
+    mean, first = mean_tac(fits), fits[0]
+    if mean.interval[0] <= POSSIBLE_TAC:
+        return None
+    return (
+        f"{first.run.source}: accommodation coefficient {mean.value:.3g} by the reading "
+        f"{first.reading} is above 1 beyond its uncertainty"
+    )
+
+
+def warnings_of(fits: Sequence[TacFit]) -> list[str]:
+    """Warnings of all runs; see :func:`~lightflyer.lab.result.joint_warnings`."""
+    return joint_warnings([(fit.run.source, fit.warnings) for fit in fits])
+
+
+def summary(fits: Sequence[TacFit]) -> dict[str, Any]:
+    """One run, or the mean of several with each of them, as a JSON object."""
+    related = {"correlation_between_samples": correlation_between_samples(fits)}
+    if len(fits) == 1:
+        return fits[0].summary() | related
+    return related | {
+        **{name: plain(mean_tac(fits, name)) for name in PARAMETERS},
+        "reading": fits[0].reading,
+        "gas": fits[0].gas,
+        "determined": all(fit.undetermined is None for fit in fits),
+        "rows_used": sum(fit.rows_used for fit in fits),
+        "rows_dropped": sum(fit.rows_dropped for fit in fits),
+        "runs": {fit.run.source: fit.summary() for fit in fits},
+        "warnings": warnings_of(fits),
+    }
+
+
+def to_dataset(fits: Sequence[TacFit], warnings: Iterable[str] | None = None) -> "xr.Dataset":
+    """Rows of all runs over ``row``; ``warnings``: in place of those of the fits."""
+    number = np.repeat(np.arange(len(fits)), [fit.rows_used for fit in fits])
+    rows = [
+        of_runs[0]._replace(values=np.concatenate([one.values for one in of_runs]))
+        for of_runs in zip(*(fit.series() for fit in fits), strict=True)
+    ]
+    return dataset(
+        "thermal accommodation coefficient",
+        variables("row", [Series("run", number, "", "position of the file, from 0"), *rows]),
+        [fit.run.source for fit in fits],
+        warnings=warnings_of(fits) if warnings is None else warnings,
+        reading=fits[0].reading,
+        gas=fits[0].gas,
+    )
+
+
+def tables(fits: Sequence[TacFit]) -> dict[str, str]:
+    """Fitted rows of each run as CSV, by file name."""
+    return {
+        f"tac-rows-{number}.csv": csv_text([f"# {fit.run.source}"], fit.series())
+        for number, fit in enumerate(fits, start=1)
+    }

@@ -20,7 +20,6 @@ from lightflyer.gas.base import AbstractGas, knudsen_number
 KINETIC = "kinetic"  # Name of the reading by the kinetic equation
 
 _STEP = 1e-3  # relative step of the pressure for a derivative
-_LEAST_LENGTH = 64  # of arrays that are compiled for
 _DISK_CONDUCTION = 16.0 / np.pi  # 8 r κ per area of one face: of an isothermal disk, both faces
 _LEAST_SHARE = 1e-3  # of the gas's resistance, that walls leave of it
 
@@ -53,21 +52,6 @@ class Limits:
         constant, linear, square = self.log_continuum
         derivative = (linear + 2.0 * square * inside) * (inside == tac)
         return constant + (linear + square * inside) * inside, derivative
-
-    def group(self, groups: list[np.ndarray]) -> "Limits":
-        """Means over groups of rows."""
-        polynomial = np.stack([mean_of_groups(row, groups) for row in self.log_continuum])
-        return Limits(
-            mean_of_groups(self.free_molecular, groups), polynomial,
-            mean_of_groups(self.slope, groups), self.tac_range,
-        )  # fmt: skip
-
-
-def mean_of_groups(values: np.ndarray, groups: list[np.ndarray]) -> np.ndarray:
-    """Means of values over groups of their positions, shape (groups,)."""
-    sizes = np.array([len(rows) for rows in groups])
-    first = np.concatenate([[0], np.cumsum(sizes)[:-1]])
-    return np.asarray(np.add.reduceat(values[np.concatenate(groups)], first) / sizes)
 
 
 class AbstractHeatLaw(abc.ABC):
@@ -104,12 +88,6 @@ class AbstractHeatLaw(abc.ABC):
         gas: AbstractGas,
     ) -> Limits:
         """Both limits for all coefficients; arguments as for :meth:`at`."""
-        rows = np.arange(1 << max(len(pressure) - 1, _LEAST_LENGTH - 1).bit_length())
-        kept = slice(len(pressure))
-        # lengths of a power of two, so that few are compiled
-        pressure, ambient, heater = (
-            values[np.minimum(rows, len(pressure) - 1)] for values in (pressure, ambient, heater)
-        )
         others = (ambient, heater, diameter, gas)
         low, high = self.tac_range
         nodes = np.array([low, 0.5 * (low + high), high])
@@ -118,7 +96,7 @@ class AbstractHeatLaw(abc.ABC):
         polynomial = np.linalg.solve(np.vander(nodes, increasing=True), logarithms)
         denser = np.log(self.at(float(nodes[1]), (1.0 + _STEP) * pressure, *others)[1])
         slope = (denser - logarithms[1]) / np.log1p(_STEP)
-        return Limits(found[0][0][kept], polynomial[:, kept], slope[kept], self.tac_range)
+        return Limits(found[0][0], polynomial, slope, self.tac_range)
 
 
 @dataclass(frozen=True)

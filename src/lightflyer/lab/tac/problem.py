@@ -1,6 +1,6 @@
 """Least squares for a heater's conductance: model, derivatives, first guess and minimisation."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from lightflyer.core.errors import ConfigurationError, ConvergenceError
 from lightflyer.lab.tac.data import CommonErrors
-from lightflyer.lab.tac.heat_law import Limits, mean_of_groups
+from lightflyer.lab.tac.heat_law import Limits
 
 PARAMETERS = ("tac", "area_ratio", "offset")  # Fitted parameters: α, δ and C
 
@@ -53,6 +53,9 @@ class Problem:
             self, conductance=self.conductance / amplitude, limits=limits,
             weight=self.weight * amplitude, errors=CommonErrors.none(len(self.conductance)),
         )  # fmt: skip
+
+    def without_common_errors(self) -> "Problem":
+        return self.with_common_errors([0.0] * len(self.errors.names))
 
     def with_errors_of_conductance(self, names: Sequence[str], effects: np.ndarray) -> "Problem":
         """The same problem with further common errors; effects of shape (names, m)."""
@@ -116,31 +119,30 @@ class Problem:
         if len(self.conductance) <= 2 * _GROUPS:
             return self
         groups = np.array_split(np.argsort(self.pressure, kind="stable"), _GROUPS)
-
-        def mean(values: np.ndarray) -> np.ndarray:
-            return mean_of_groups(values, groups)
-
         sizes = np.array([len(rows) for rows in groups])
-        errors = self.errors.of_rows(
-            lambda effects: np.reshape([*map(mean, effects)], (len(effects), len(groups)))
-        )
-        return Problem(
-            self.source, mean(self.conductance), mean(self.pressure), self.limits.group(groups),
-            mean(self.radiation), mean(self.weight) * np.sqrt(sizes), errors,
-        )  # fmt: skip
+        first = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+        order = np.concatenate(groups)
+        means = self._each(lambda one: np.add.reduceat(one[..., order], first, axis=-1) / sizes)
+        return replace(means, weight=means.weight * np.sqrt(sizes))
 
     def rows(self, kept: np.ndarray) -> "Problem":
         """The same problem with some of its rows; ``kept`` is boolean, shape (m,)."""
-        limits = replace(
-            self.limits,
-            free_molecular=self.limits.free_molecular[kept],
-            log_continuum=self.limits.log_continuum[:, kept],
-            slope=self.limits.slope[kept],
-        )
-        errors = self.errors.of_rows(lambda effects: effects[:, kept])
-        return Problem(
-            self.source, self.conductance[kept], self.pressure[kept], limits,
-            self.radiation[kept], self.weight[kept], errors,
+        return self._each(lambda one: one[..., kept])
+
+    def _each(self, change: Callable[[np.ndarray], np.ndarray]) -> "Problem":
+        """The problem with changed arrays, of shape (m,) or (k, m)."""
+        limits, errors = self.limits, self.errors
+        return replace(
+            self, conductance=change(self.conductance), pressure=change(self.pressure),
+            radiation=change(self.radiation), weight=change(self.weight),
+            limits=replace(
+                limits, free_molecular=change(limits.free_molecular), slope=change(limits.slope),
+                log_continuum=change(limits.log_continuum),
+            ),
+            errors=replace(
+                errors, log_continuum=change(errors.log_continuum),
+                log_conductance=change(errors.log_conductance),
+            ),
         )  # fmt: skip
 
 
@@ -211,7 +213,7 @@ def first_guess(problem: Problem) -> tuple[float, float, float]:
 
 def require_distinct(problem: Problem, values: Sequence[float]) -> None:
     """Raise unless the pressures determine all three parameters."""
-    jacobian = problem.with_common_errors([0.0] * len(problem.errors.names)).jacobian(*values)
+    jacobian = problem.without_common_errors().jacobian(*values)
     scaled = jacobian / np.maximum(np.linalg.norm(jacobian, axis=1, keepdims=True), 1e-300)
     singular = np.sqrt(np.maximum(np.linalg.eigvalsh(scaled @ scaled.T), 0.0))
     if singular[0] < _RANK_TOLERANCE * singular[-1]:

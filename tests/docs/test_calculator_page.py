@@ -97,7 +97,7 @@ def at_first():
     found = lf.predict(file, at=[76e3])
     low, high = found.bands[0]
     light = float(found.at["levitation_irradiance"][0])
-    return f"{light:.4g} W/m²", f"{low / 1e3:.1f} to {high / 1e3:.1f} km"
+    return f"{light:.4g} W/m²", f"from {low / 1e3:.1f} km to {high / 1e3:.1f} km"
 
 
 def _value(page, name):
@@ -107,10 +107,11 @@ def _value(page, name):
 def test_it_starts_with_the_disk_of_init_and_fits_a_phone(page, at_first):
     expect(_value(page, "levitation_irradiance")).to_have_text(at_first[0])
     expect(page.locator("#lf-verdict")).to_contain_text("Levitates at 76 km, and carries up to")
-    expect(page.locator("#lf-verdict")).to_have_attribute("data-flies", "true")
+    expect(page.locator("#lf-verdict")).to_have_attribute("data-state", "unsure")
     assert page.locator("html").evaluate("(html) => html.scrollWidth") <= 360
     page.uncheck("#lf-bands")
-    expect(page.locator("#lf-bands-from")).to_be_empty()
+    expect(page.locator("#lf-bands-from")).to_have_text("off: central values only")
+    expect(page.locator("#lf-verdict")).to_have_attribute("data-state", "unsure")
     words = page.get_attribute("#lf-curve", "aria-label")
     assert at_first[1] in words
     assert "Let go, it rests at 79.5 km and 502 K; its film bears 520 K and survives." in words
@@ -222,14 +223,14 @@ def test_a_published_flyer_is_a_start(page):
 def test_bands_follow_and_a_reader_switches_them_off(page):
     band, verdict = page.locator("#lf-band-payload"), page.locator("#lf-verdict")
     expect(band).to_have_text(re.compile(r"^0\.\d+ to 0\.\d+$"))
-    expect(verdict).to_contain_text(re.compile(r"\(95.%: .*in \d\d % of 200 samples"))
+    expect(verdict).to_contain_text(re.compile(r"mg \(0.*in \d\d % of 500 samples"))
     expect(page.locator("#lf-bands-from")).to_have_text(
-        "200 samples of the force model's own errors"
+        "500 samples of the force model's own errors"
     )
     assert page.get_attribute(".lf-spread", "d").endswith("Z")
     page.uncheck("#lf-bands")
     expect(band).to_be_empty()
-    expect(verdict).not_to_contain_text("95")
+    expect(verdict).not_to_contain_text("samples")
     assert page.get_attribute(".lf-spread", "d") == ""
     expect(page).to_have_url(re.compile("#design:bands=off$"))
     page.select_option("#lf-model", "free-molecular")
@@ -241,6 +242,7 @@ def test_a_number_takes_a_plus_minus_and_keeps_it(page):
     box, band = page.locator("#lf-film-tac_bottom-box"), page.locator("#lf-band-payload")
     page.select_option("#lf-model", "free-molecular")
     expect(page.locator("#lf-bands-from")).to_contain_text("nothing has a ±")
+    expect(page.locator("#lf-verdict")).to_have_attribute("data-state", "flies")
     expect(band).to_be_empty()
     box.fill("0.9 +/- 0.03")
     expect(band).not_to_be_empty()

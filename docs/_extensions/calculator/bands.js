@@ -1,4 +1,4 @@
-/* 95 % bands by samples of what is uncertain, as the package's Monte Carlo. No page in here. */
+/* 95 % bands by samples of what is uncertain, the same as those of predict. No page in here. */
 (function () {
   "use strict";
 
@@ -7,8 +7,11 @@
   const { functions } = globalThis.lightflyerModel;
   const computed = about.numbers.filter((number) => number.computed);
   const COORDINATE = computed.findIndex((number) => number.name === about.coordinate);
-  const SAMPLES = 200;
+  const SAMPLES = about.samples; // as of predict
   const MOST_DRAWS = 20 * SAMPLES; // of which some are impossible
+  const [LAYERS, TAIL, AREA] = [256, 3.6541528853610088, 0.004928673233974655]; // of the ziggurat
+  const SIZES = 2n ** 52n - 1n;
+  const MULTIPLIER = 47026247687942121848144207491837523525n;
   const CLOSER = 20; // steps around the most lift of a sample that seems not to fly
   const COVERAGE = [0.025, 0.975];
   const TACS = ["film.tac_top", "film.tac_bottom"];
@@ -19,6 +22,7 @@
     const sliders = computed.map((number, index) => ({
       index,
       name: number.name,
+      rank: number.rank,
       value: values[number.name] * number.factor,
       spread: core.sharedTop(number.name, values, spreads) ? 0 : (spreads[number.name] || 0) * number.factor,
       least: number.least * number.factor,
@@ -30,24 +34,53 @@
       least: one.least ?? -Infinity,
       most: one.most ?? Infinity,
     }));
-    return [...sliders, ...others].filter(({ spread }) => spread > 0);
+    // in predict's order, in which the widest come first
+    return [...sliders, ...others].filter(({ spread }) => spread > 0)
+      .sort((one, other) => one.rank - other.rank)
+      .sort((one, other) => other.spread - one.spread);
   }
 
-  /** Numbers of a low-discrepancy sequence (Roberts 2018), normally distributed. */
-  function* normals(count) {
-    const pairs = Math.ceil(count / 2);
-    let ratio = 1; // the root of x^(d + 1) = x + 1
-    for (let step = 0; step < 60; step += 1) ratio = (1 + ratio) ** (1 / (2 * pairs + 1));
-    const steps = Array.from({ length: 2 * pairs }, (_, at) => ratio ** -(at + 1));
-    for (let draw = 1; draw <= MOST_DRAWS; draw += 1) {
-      const even = steps.map((step) => (0.5 + draw * step) % 1);
-      const found = [];
-      for (let at = 0; at < even.length; at += 2) {
-        const [length, turn] = [Math.sqrt(-2 * Math.log(1 - even[at])), 2 * Math.PI * even[at + 1]];
-        found.push(length * Math.cos(turn), length * Math.sin(turn)); // Box and Muller
-      }
-      yield found;
+  /** Edges and densities of the layers of the normal distribution (Marsaglia and Tsang 2000). */
+  function layers() {
+    const density = (edge) => Math.exp(-edge * edge / 2);
+    const edges = [AREA / density(TAIL)]; // of the one with the tail, were it a rectangle
+    edges[LAYERS - 1] = TAIL;
+    for (let at = LAYERS - 2; at >= 1; at -= 1) {
+      edges[at] = Math.sqrt(-2 * Math.log(AREA / edges[at + 1] + density(edges[at + 1])));
     }
+    return { edges, density };
+  }
+
+  /** A function that gives normal numbers, those of NumPy's generator (PCG64, O'Neill 2014). */
+  function normals() {
+    const { edges, density } = layers();
+    const increment = BigInt(about.random.inc);
+    let state = BigInt(about.random.state);
+    const word = () => {
+      state = BigInt.asUintN(128, state * MULTIPLIER + increment);
+      const [mixed, turn] = [BigInt.asUintN(64, (state >> 64n) ^ state), state >> 122n];
+      return BigInt.asUintN(64, (mixed >> turn) | (mixed << (64n - turn)));
+    };
+    const share = () => Number(word() >> 11n) / 2 ** 53;
+    const tail = () => {
+      for (;;) {
+        const beyond = -Math.log1p(-share()) / TAIL;
+        if (-2 * Math.log1p(-share()) > beyond * beyond) return TAIL + beyond;
+      }
+    };
+    return () => {
+      for (;;) {
+        const drawn = word();
+        const [layer, size] = [Number(drawn & 255n), (drawn >> 9n) & SIZES];
+        const sign = drawn & 256n ? -1 : 1;
+        const found = (edges[layer] * Number(size)) / 2 ** 52;
+        const inner = layer === 0 ? TAIL : layer === 1 ? 0 : edges[layer - 1];
+        if (found < inner) return sign * found;
+        if (layer === 0) return size & 256n ? -tail() : tail();
+        const [low, high] = [density(edges[layer]), layer === 1 ? 1 : density(edges[layer - 1])];
+        if (low + (high - low) * share() < density(found)) return sign * found;
+      }
+    };
   }
 
   /** Make the errors of both TACs correlated, as the values say. */
@@ -65,18 +98,20 @@
     const nominal = core.argumentsOf(model, values);
     const inputs = uncertain(model, values, spreads);
     const tops = computed.map(({ name }) => core.sharedTop(name, values, spreads));
+    const next = normals();
     let kept = 0;
-    for (const independent of normals(inputs.length)) {
+    for (let draw = 0; draw < MOST_DRAWS && kept < SAMPLES; draw += 1) {
       const given = [...nominal];
-      const row = correlate(independent, inputs, values);
+      const row = correlate(inputs.map(next), inputs, values);
       inputs.forEach(({ index, value, spread }, at) => (given[index] = value + spread * row[at]));
       tops.forEach((top, at) => {
         if (top) given[at] = given[computed.findIndex(({ name }) => name === top)];
       });
-      const isPossible = inputs.every(({ index, least, most }) => given[index] >= least && given[index] <= most);
-      if (isPossible) yield given;
-      kept += isPossible ? 1 : 0;
-      if (kept === SAMPLES) return;
+      const isPossible = inputs.every(({ index, least, most }) => given[index] > least && given[index] < most) &&
+        !Number.isNaN(functions[model].evaluate(...given)[place.lift_over_weight]);
+      if (!isPossible) continue;
+      kept += 1;
+      yield given;
     }
   }
 
@@ -116,9 +151,7 @@
     const { evaluate } = functions[model];
     const [here, light, edges, rests] = [[], places.map(() => []), [], []];
     for (const given of draws(model, values, spreads)) {
-      const row = evaluate(...given);
-      if (Number.isNaN(row[place.lift_over_weight])) continue; // it cannot be built
-      here.push(row);
+      here.push(evaluate(...given));
       const own = [...given];
       const rows = [];
       for (const coordinate of places) {
@@ -151,5 +184,5 @@
     };
   }
 
-  globalThis.lightflyerBands = { compute, draws, uncertain };
+  globalThis.lightflyerBands = { compute, draws, normals, uncertain };
 })();

@@ -4,12 +4,14 @@
 
   const { functions, about } = globalThis.lightflyerModel;
   const computed = about.numbers.filter((number) => number.computed);
+  const WHERE = about.numbers.find((number) => number.name === about.coordinate);
   const COORDINATE = computed.findIndex((number) => number.name === about.coordinate);
   const SIZE = computed.findIndex((number) => number.name === about.size);
   const LIMIT_ROUNDING = 1 + 1e-5; // as in the package
   const MOST_DIGITS = 16;
   const STEP = 1e-4; // of a number, over its value, by which a slope is taken
   const SMALLEST_SLOPE = 1e-7; // elasticity that is more than rounding, of results to 1e-12
+  const SURE = 0.95; // share of samples from which on it flies
   const SMALLEST = 1e-9; // width of a band, over its end, that is more than rounding
   const CLOSER = 60; // places looked at around the least light
   const CLOSE = 1e-12; // of lift over weight at an edge, and of its bracket over its place
@@ -84,6 +86,16 @@
     return temperature > limitOf(values) * LIMIT_ROUNDING;
   }
 
+  /**
+   * Whether a flyer "flies" at a place: "unsure" where its samples are not known yet, or where too
+   * many of them do not, as in the explorer; "hot" where its film melts; or "not".
+   */
+  function stateOf(values, results, isUncertain, bands) {
+    if (!(results.converged && results.lift_over_weight >= 1)) return "not";
+    if (isTooHot(values, results.temperature)) return "hot";
+    return isUncertain && !(bands && bands.carries >= SURE) ? "unsure" : "flies";
+  }
+
   /** Whether a row of results is within all ranges of a force model. */
   function isInRange(model, row) {
     const { ranges } = about.models[model];
@@ -123,7 +135,9 @@
     const half = band ? (band[1] - band[0]) / 2 : 0;
     const shownUnit = unit ? ` ${unit}` : "";
     if (!(half > SMALLEST * Math.abs(value) && half < Infinity)) return text + shownUnit;
-    return `${value.toFixed(digitsOf(half))}${shownUnit} (95\u00a0%: ${bandText(band)})`;
+    const rounded = value.toFixed(digitsOf(half));
+    const kept = value && !Number(rounded) ? general(value, 1) : rounded; // small, in a wide band
+    return `${kept}${shownUnit} (${bandText(band)})`;
   }
 
   /** The ends of a band, with as many digits as it allows. */
@@ -240,6 +254,45 @@
     return { altitude: widest[1], temperature: row[place.temperature] };
   }
 
+  /** A coordinate in words, with its band if there is one. */
+  function placeOf(coordinate, band = null) {
+    const { factor, unit, logarithmic } = WHERE;
+    const value = coordinate / factor;
+    const text = logarithmic ? general(value, 3) : value.toFixed(1);
+    return withBand(value, band?.map((end) => end / factor), pretty(unit), text);
+  }
+
+  /** Where it flies, of some places, in the words of predict; bands: those of samples, or null. */
+  function flightWords(found, places, bands) {
+    const [least, most] = [places[0], places[places.length - 1]];
+    const flies = found.length > 0;
+    const isSure = !bands || bands.flies === Number(flies);
+    const often = isSure ? "" : `in ${percent(bands.flies)} of ${bands.samples} samples`;
+    if (!flies) {
+      return `It does not fly between ${placeOf(least)} and ${placeOf(most)}${often && `, but does ${often}`}.`;
+    }
+    const widest = widestOf(found);
+    const ranges = found.map((range) => {
+      const [low, high] = range.map((edge, end) =>
+        placeOf(edge, bands && range === widest && edge > least && edge < most ? bands.edges[end] : null));
+      return `from ${range[0] <= least ? "below " : ""}${low} to ${range[1] >= most ? "above " : ""}${high}`;
+    });
+    return `It flies${often && `, ${often},`} ${ranges.join(" and ")}.`;
+  }
+
+  /** What becomes of it when let go, in the words of predict. */
+  function restWords(values, rest, bands) {
+    if (rest === null) return "";
+    const survives = !isTooHot(values, rest.temperature);
+    const hot = withBand(rest.temperature, bands?.rest, "K", rest.temperature.toFixed(0));
+    let but = "";
+    if (bands && bands.survives !== Number(survives)) {
+      but = `${survives ? "," : ""} in ${percent(bands.survives)} of the samples`;
+    } else if (bands?.rest && bands.rest[1] > limitOf(values)) but = ", but not in all of that band";
+    const film = survives ? ` and survives${but}` : but.startsWith(" in") ? `, and survives${but}` : "";
+    return `Let go, it rests at ${placeOf(rest.altitude)} and ${hot}; its film bears ${limitOf(values)} K${film}.`;
+  }
+
   /** Where it needs the least light: altitude [m] and irradiance [W/m²]; null if nowhere. */
   function easiest(model, values, altitudes, rows) {
     const lights = rows.map((row) => row[place.levitation_irradiance]);
@@ -345,6 +398,10 @@
     isTooHot,
     limitOf,
     easiest,
+    placeOf,
+    flightWords,
+    restWords,
+    stateOf,
     map,
     elasticities,
     sharedTop,

@@ -219,7 +219,7 @@
     ];
     const rest = core.rest(model, values, ALTITUDES, found);
     curve.words = (bands) =>
-      [curveWords(found, least, light, bands), restWords(values, rest, bands), ...notes]
+      [core.flightWords(found, ALTITUDES, bands), leastWords(least), core.restWords(values, rest, bands), ...notes]
         .join(" ").trim();
     sayCurve(null);
   }
@@ -261,43 +261,10 @@
     Object.entries({ x1, x2, y1, y2 }).forEach(([at, value]) => made.setAttribute(at, value));
   }
 
-  function curveWords(found, least, light, bands) {
-    const widest = core.widestOf(found);
-    const ends = [ALTITUDES[0], ALTITUDES[ALTITUDES.length - 1]];
-    const ranges = found.map((range) => {
-      const words = range.map((edge, end) =>
-        shown(edge, bands && range === widest && !ends.includes(edge) ? bands.edges[end] : null));
-      return `${words.join(" to ")} ${UNIT}`;
-    });
-    const share = bands ? bands.flies : Number(found.length > 0);
-    const often = share === Number(found.length > 0) ? "" : ` in ${core.percent(share)} of the samples`;
-    const said = ranges.length
-      ? `In ${light} W/m² it levitates${often && `,${often},`} from ${ranges.join(" and from ")}.`
-      : `In ${light} W/m² it levitates nowhere between ${BOTTOM} and ${TOP} ${UNIT}` +
-        `${often && `, but does${often}`}.`;
-    if (least === null) return `${said} No light lifts it there.`;
+  function leastWords(least) {
+    if (least === null) return "No light lifts it there.";
     const needed = amount("levitation_irradiance", least.irradiance);
-    return `${said} It needs least at ${shown(least.altitude)} ${UNIT}: ${needed}.`;
-  }
-
-  /** A coordinate as words have it, with its band if there is one. */
-  function shown(coordinate, band = null) {
-    const value = coordinate / KILO;
-    const text = WHERE.logarithmic ? general(value, 3) : value.toFixed(1);
-    return core.withBand(value, band?.map((end) => end / KILO), "", text);
-  }
-
-  function restWords(values, rest, bands) {
-    if (rest === null) return "";
-    const limit = core.limitOf(values);
-    const survives = rest.temperature <= limit;
-    const often = bands && bands.survives !== Number(survives)
-      ? `in ${core.percent(bands.survives)} of the samples` : "";
-    let film = `its film bears ${limit} K${survives ? " and survives" : ""}`;
-    if (often) film += survives ? `, ${often}` : `, and survives ${often}`;
-    const text = rest.temperature.toFixed(0);
-    const hot = core.withBand(rest.temperature, bands?.rest, "K", text);
-    return `Let go, it rests at ${shown(rest.altitude)} ${UNIT} and ${hot}; ${film}.`;
+    return `It needs least at ${core.placeOf(least.altitude)}: ${needed}.`;
   }
 
   let chart = null;

@@ -24,6 +24,7 @@ from lightflyer.design.outputs import OUTPUTS
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.section import FilmSection
 from lightflyer.flyer.section import FlyerSection
+from lightflyer.uncertainty.propagation import DEFAULT_SAMPLES
 
 from .javascript import Tables, write_function
 from .kinds import DISK, Kind, Number
@@ -43,6 +44,8 @@ SHOWN = (
 """Outputs that are shown."""
 
 NUMBERS, COMPUTED = DISK.numbers, DISK.computed
+
+_FIRST = np.random.default_rng(0).bit_generator.state["state"]  # of the generator of predict
 
 TITLES = {
     "lu2023": "Lu et al. (2023)",
@@ -117,8 +120,9 @@ def uncertain(model: str, kind: Kind = DISK) -> dict[str, dict[str, float | None
             ends = (
                 end if np.isfinite(end) else None for end in (quantity.lowest, quantity.highest)
             )
-            values = (base.number(name) or 0.0, spread, *ends)
-            found[name] = dict(zip(("value", "spread", "least", "most"), values, strict=True))
+            values = (base.number(name) or 0.0, spread, *ends, list(base.fields).index(name))
+            keys = ("value", "spread", "least", "most", "rank")
+            found[name] = dict(zip(keys, values, strict=True))
     return found
 
 
@@ -239,6 +243,8 @@ def _about(compiled: list[Compiled], kind: Kind) -> str:
         "version": lightflyer.__version__,
         "numbers": [described(number, kind) for number in kind.numbers],
         "outputs": [_output(name, kind) for name in SHOWN],
+        "samples": DEFAULT_SAMPLES,
+        "random": {key: str(number) for key, number in _FIRST.items()},
         "coordinate": kind.coordinate.name,
         "size": kind.size.name,
         "limits": kind.limits,
@@ -302,6 +308,7 @@ def described(number: Number, kind: Kind = DISK) -> dict[str, Any]:
     return shown | {
         "default": float(f"{float(value) * shift:.12g}"),
         "spread": float(f"{base.uncertainties.get(number.name, 0.0) / scale:.12g}"),
+        "rank": list(base.fields).index(number.name) if number.computed else None,
         "factor": scale,
         # sizes are those of values other than zero
         "least": (least if quantity.open_below else quantity.lowest) / scale,

@@ -340,11 +340,10 @@
 
   /** Show the numbers, with bands if there are any yet. */
   function showResults(found = null) {
-    const survives = !core.isTooHot(values, results.temperature);
-    const flies = results.converged && results.lift_over_weight >= 1 && survives;
-    const verdict = verdictOf(found) + sharesOf(found, flies);
+    const state = core.stateOf(values, results, bands.uncertain(model, values, spreads).length > 0, found);
+    const verdict = verdictOf(found) + sharesOf(found, ["flies", "unsure"].includes(state));
     element("lf-verdict").textContent = verdict;
-    element("lf-verdict").dataset.flies = String(flies);
+    element("lf-verdict").dataset.state = state;
     about.outputs.forEach(({ name }) => {
       element(`lf-value-${name}`).textContent = results.converged ? amount(name, results[name]) : "–";
       element(`lf-band-${name}`).textContent = found ? core.bandOf(name, found.here[name]) : "";
@@ -403,7 +402,7 @@
     showCorrelation();
     figures.show(model, values, results);
     clearTimeout(banding);
-    sayBands(hasBands ? "…" : "");
+    sayBands(hasBands ? "…" : "off: central values only");
     if (hasBands) banding = setTimeout(band, RESTED);
   }
 

@@ -63,6 +63,26 @@ def test_a_film_upside_down_is_pushed_down_under_a_cold_sky_too():
     assert "the gas pushes the flyer down" in warnings_of(film)
 
 
+def test_night_is_named_in_place_of_light_that_does_not_come():
+    """The sun of 85° N on 21 December at noon UTC, 0° E, is 18.4° below the horizontal."""
+    night = {"sun": "ephemeris", "date": "2026-12-21T12:00:00Z", "latitude": "85 deg",
+             "longitude": "0 deg"}  # fmt: skip
+    found = lf.predict(flyer_file(environment=night))
+    assert "the sun is 18° below the horizontal, hidden by the planet" in " ".join(found.warnings)
+    assert str(found).splitlines()[0].endswith("in the dark")
+    day = lf.predict(flyer_file(environment=night | {"date": "2026-06-21T12:00:00Z"}))
+    assert "below the horizontal" not in " ".join(day.warnings)
+    assert "W/m²" in str(day).splitlines()[0]
+
+
+def test_a_flyer_upside_down_is_not_told_to_change_its_tacs():
+    told = " / ".join(lf.predict(lf.FlyerFile(
+        flyer={"diameter": "2 cm", "tilt": "100 deg"}, film=FILM | TACS, **PAPERS_FORCE
+    )).warnings)  # fmt: skip
+    assert "tilted by 100° it is upside down" in told
+    assert "tac_bottom must exceed" not in told
+
+
 def test_the_fitted_coefficients_hold_where_they_were_fitted():
     kwargs = {"environment": {"atmosphere": "lu2023"}}
     assert "the diameter [m] is 0.06" in warnings_of(diameter="6 cm", **kwargs)

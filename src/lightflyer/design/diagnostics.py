@@ -10,7 +10,7 @@ from lightflyer.array import tree
 from lightflyer.array.namespace import Numeric
 from lightflyer.budget.payload import light_on_cells
 from lightflyer.core.entry_point import entry_point
-from lightflyer.core.quantity import numbers_in
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, numbers_in
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState
@@ -48,6 +48,7 @@ def diagnose(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tup
     """Diagnostics of a flyer in some surroundings; ``temperature`` (n,)."""
     return (
         *_number_diagnostics(setup),
+        *_sun_diagnostics(state),
         *_walls_diagnostics(setup, state),
         *setup.model.diagnostics(setup.flyer, state, temperature),
         *setup.flyer.diagnostics(state, temperature),
@@ -108,6 +109,13 @@ def _number_diagnostics(setup: Setup) -> Iterator[str]:
         doubt = None if value is None else quantity.unlikely(value)
         if doubt:
             yield f"{name} = {doubt}"
+
+
+def _sun_diagnostics(state: EnvironmentState) -> Iterator[str]:
+    """That the planet hides the sun everywhere."""
+    if state.radiation.visible is not None and not np.any(state.radiation.visible):
+        below = np.min(state.radiation.zenith_angle) / RADIANS_PER_DEGREE - 90.0
+        yield f"the sun is {below:.0f}° below the horizontal, hidden by the planet: it is night"
 
 
 def _walls_diagnostics(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:
@@ -202,7 +210,13 @@ def diagnose_force(flyer: AbstractFlyer, table: dict[str, Any]) -> Iterator[str]
         return
     lift = np.nan_to_num(table["lift"])
     strongest = float(lift[np.argmax(np.abs(lift))])
-    if strongest < 0.0:
+    tilt = 0.0 if flyer.attitude is None else float(np.max(flyer.attitude.tilt))
+    if strongest < 0.0 and tilt > 0.5 * np.pi:
+        yield (
+            f"the gas pushes the flyer down: tilted by {tilt / RADIANS_PER_DEGREE:.4g}° it is "
+            "upside down, and from 90° on the push up becomes a push down"
+        )
+    elif strongest < 0.0:
         yield (
             "the gas pushes the flyer down: for a thin film in the light tac_bottom must exceed "
             "tac_top"

@@ -92,6 +92,9 @@ def verdict_lines(
     own_mass, aboard = _mass(float(setup.flyer.own_mass)), _mass(float(setup.flyer.payload), "g")
     carried = f", payload {aboard}" if float(setup.flyer.payload) else ""
     light = f"{prediction.available:.4g} W/m²"
+    visible = setup.environment.state(np.float64(prediction.best.coordinate)).radiation.visible
+    if visible is not None and not np.any(visible):
+        light = "the dark"
     yield f"{setup.flyer.describe()}, {own_mass}{carried}, in {light}"
     several = f" of {shares.samples} samples"
     if not prediction.bands:

@@ -294,6 +294,16 @@ def test_what_else_cannot_be_asked(flyer, payload):
         lf.optimise(flyer, **both, starts=0)
 
 
+@pytest.mark.parametrize("asked", [{"maximise": "payload"}, {"minimise": "temperature"}])
+def test_a_free_number_without_effect_is_refused(flyer, asked):
+    over = {"flyer.payload": {"from": "0 mg", "to": "1 mg"}, "altitude": ALTITUDE}
+    said = f"flyer.payload is free and has no effect on {[*asked.values()][0]}"
+    with pytest.raises(lf.ConfigurationError, match=said):
+        lf.optimise(flyer, over=over, beyond_range=True, **asked)
+    with pytest.raises(lf.ConfigurationError, match="no effect on payload or relative_payload"):
+        lf.search.pareto(flyer, maximise=["payload", "relative_payload"], over=over)
+
+
 @pytest.mark.slow
 def test_what_is_out_of_range_is_said_beside_what_is_within():
     """The fit of lu2023 holds for 2 to 4 cm, and no mylar bears 700 K."""

@@ -139,6 +139,10 @@ def pareto(
         beyond_range=beyond_range,
     )
     function = ObjectiveFunction(problem)
+    some = np.random.default_rng(problem.seed).random((population, len(problem.bounds)))
+    scores = function.scores_of_many(some)
+    known = np.isfinite(scores).all(axis=1)
+    function.require_effects(some[known], scores[known])
     places, losses = _search(function, population, generations)
     order = np.argsort(-problem.objectives[0].sign * losses[:, 0])
     places, losses = places[order], losses[order]

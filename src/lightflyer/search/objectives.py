@@ -11,10 +11,11 @@ from scipy.special import ndtr
 
 from lightflyer.array import tree
 from lightflyer.array.namespace import number
-from lightflyer.core.errors import ParameterWarning
+from lightflyer.core.errors import ConfigurationError, ParameterWarning
 from lightflyer.core.quantity import impossible_as_nan
 from lightflyer.design.outputs import outputs_of
 from lightflyer.design.tables import evaluate
+from lightflyer.files.result_text import listed
 from lightflyer.search.problem import PROBABILITY, Constraint, Objective, Problem
 
 SCREENED = 512  # Designs looked at together: first over the whole cube, then around the starts
@@ -22,6 +23,7 @@ SCREENED = 512  # Designs looked at together: first over the whole cube, then ar
 _ELEMENTS, _ELEMENTS_OVER_BAND = 8192, 64
 """Samples of designs evaluated at once, so that NumPy's arrays stay in the processor's cache."""
 
+_COMPARED, _SAME = 16, 1e-12  # designs by which a number is told to have no effect; relative
 _STEP = 1e-4  # of a free number's range, over which slopes are taken
 _GROWTH = 1e-4  # relative, of a number that is not free
 _ANY_HEAT = 1e6  # above any temperature [K]
@@ -145,6 +147,22 @@ class ObjectiveFunction:
     def scores_of_many(self, points: np.ndarray) -> np.ndarray:
         """Scores at points, shape (n, objectives + constraints); ``points`` (n, k)."""
         return self.scores_of_designs(self.all_values(points))
+
+    def require_effects(self, points: np.ndarray, scores: np.ndarray) -> None:
+        """Raise where one of several numbers changes no score: no value of it is the best."""
+        points, scores, idle = points[:_COMPARED], scores[:_COMPARED], []
+        for column, bounds in enumerate(self.problem.bounds):
+            moved = points.copy()
+            moved[:, column] = 1.0 - moved[:, column]
+            if points.size and np.allclose(self.scores_of_many(moved), scores, _SAME, 0.0):
+                idle.append(bounds.field.name)
+        if 0 < len(idle) < len(self.problem.bounds):
+            one = len(idle) == 1
+            raise ConfigurationError(
+                f"{listed(idle)} {'is' if one else 'are'} free and {'has' if one else 'have'} no "
+                f"effect on {' or '.join(dict.fromkeys(self.problem.asked))}: no value is the "
+                f"best; leave {'it' if one else 'them'} out of the free numbers"
+            )
 
     def scores_of_designs(self, designs: Mapping[str, Any]) -> np.ndarray:
         """Scores of designs, by all numbers that are free, fixed or uncertain, each (n,) or ()."""

@@ -288,6 +288,7 @@ def _screen(function: ObjectiveFunction) -> tuple[np.ndarray, float]:
             f"none of {count} designs within the bounds has a {problem.objectives[0].name}; "
             "widen them"
         )
+    function.require_effects(points[known], scores[known])
     spread = np.ptp(np.percentile(scores[known, 0], [25.0, 100.0]))
     scale = float(spread) or float(np.abs(scores[known, 0]).max()) or 1.0
     starts = _apart(points[known], scores[known], scale, problem.starts)

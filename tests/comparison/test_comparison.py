@@ -129,6 +129,23 @@ def test_chambers_are_compared_over_pressure():
     assert found.dataset.pressure.attrs["units"] == "Pa"
 
 
+def test_the_figure_marks_what_the_film_does_not_bear():
+    film = lf.FilmProperties(
+        1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9, highest_temperature=520.0
+    )
+    found = lf.compare(
+        [over_earth(lf.Disk(film, radius)) for radius in (0.01, 0.02)], samples=0,
+        searched=(60e3, 90e3),
+    )  # fmt: skip
+    (axes,) = found.plot("temperature").axes
+    crosses = [line for line in axes.get_lines() if line.get_marker() == "x"]
+    assert len(crosses) == 2
+    for line, one in zip(crosses, found.flyers, strict=True):
+        hot = found.coordinates[one.table["temperature"] > 520.0] / 1e3
+        assert np.min(line.get_ydata()) > 520.0
+        assert np.ptp(line.get_xdata()) == pytest.approx(np.ptp(hot), rel=0.2)
+
+
 def test_figure_tells_nine_flyers_apart(designs):
     from lightflyer.comparison.figures import comparison_figure
 
@@ -137,8 +154,7 @@ def test_figure_tells_nine_flyers_apart(designs):
     figure = comparison_figure(found)
     (legend,) = figure.legends
     labels = [text.get_text() for text in legend.get_texts()]
-    assert len(labels) == 10
-    assert labels[-1] == "95 % band"
+    assert labels[9:] == ["outside the range of force model or gas", "95 % band"]
     axes = figure.axes[0]
     looks = {(line.get_color(), line.get_linestyle()) for line in axes.get_lines()[:9]}
     assert len(looks) == 9

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from lightflyer.core.errors import ParameterError
@@ -38,12 +39,18 @@ _LABELS = {
     "lift_over_weight": "lift over weight",
     "temperature": "temperature, available light",
 }
+_TOO_HOT, _EXTRAPOLATED = "hotter than the film bears", "outside the range of force model or gas"
+_SHAPES: dict[str, dict[str, Any]] = {
+    _TOO_HOT: {"marker": "x", "ms": 5.0},
+    _EXTRAPOLATED: {"marker": "o", "ms": 4.0, "mfc": "none"},
+}
+_MARKS = 30  # along an axis
 _BELOW = 0.2  # of the largest payload, drawn below zero
 
 
 def comparison_figure(comparison: "Comparison") -> Figure:
     """The figure of a comparison."""
-    rows = len(comparison.flyers) + 1
+    rows = len(comparison.flyers) + 3
     figure = new_figure(columns=2, rows=2, height=7.0 + 0.22 * rows)
     handles = {}
     for ax, output in zip(figure.axes, PANELS, strict=True):
@@ -84,6 +91,18 @@ def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
         if band is not None:
             low, high = (end * scale for end in band)
             ax.fill_between(places, low, high, color=colour, alpha=_OPACITY, lw=0, zorder=0)
+    for index, found in enumerate(comparison.flyers):
+        highest = found.prediction.verdict.highest_temperature
+        marks = {
+            _TOO_HOT: found.table["temperature"] > (np.inf if highest is None else highest),
+            _EXTRAPOLATED: found.table["covered"] < 1.0,
+        }
+        for told, there in marks.items():
+            rows = np.flatnonzero(there)[2 * index :: max(1, places.size // _MARKS)]
+            look = {"color": PALETTE[index % len(PALETTE)], "ls": "", **_SHAPES[told]}
+            if rows.size:
+                ax.plot(places[rows], scale * found.table[output][rows], **look)
+                handles[told] = Line2D([], [], label=told, **look | {"color": GREY})
     if any(found.uncertainty is not None for found in comparison.flyers):
         handles[BAND] = Patch(color=GREY, alpha=2.0 * _OPACITY, lw=0, label=BAND)
     _limit(comparison, output, ax)

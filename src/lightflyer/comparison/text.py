@@ -33,10 +33,12 @@ def comparison_parts(comparison: "Comparison") -> Parts:
         yield "* carries most"
     if any(np.any(_too_hot(found)) for found in comparison.flyers):
         yield "! hotter than the film bears"
+    if any(np.any(found.listed["covered"] < 1.0) for found in comparison.flyers):
+        yield "~ outside the range of force model or gas"
     if any(found.setup.budget is not None for found in comparison.flyers):
         yield needs_table(comparison)
-    yield from map(str, comparison.differing_models)
-    yield from warning_lines(comparison.warnings)
+    yield from map(wrap, (*map(str, comparison.differing_models),
+                          *warning_lines(comparison.warnings)))  # fmt: skip
 
 
 def _best_line(comparison: "Comparison") -> Iterator[str]:
@@ -138,10 +140,13 @@ def _payloads_table(comparison: "Comparison") -> Table:
     payloads = scale * np.array([found.listed["payload"] for found in comparison.flyers])
     best = np.max(np.where(hot, 0.0, payloads), axis=0)
     marks = np.where(hot, "!", np.where(payloads == best, "*", " "))
+    outside = np.array([found.listed["covered"] < 1.0 for found in comparison.flyers])
     for index, coordinate in enumerate(comparison.listed):
         cells = [
-            f"{payload:.3g}{mark}" if payload > 0.0 else "– "
-            for payload, mark in zip(payloads[:, index], marks[:, index], strict=True)
+            f"{'~' * bool(beyond)}{payload:.3g}{mark}" if payload > 0.0 else "– "
+            for payload, mark, beyond in zip(
+                payloads[:, index], marks[:, index], outside[:, index], strict=True
+            )
         ]
         table.add_row(f"{coordinate * factor:.6g}", *cells)
     return table

@@ -343,7 +343,7 @@ def test_mission_is_drawn_with_its_nights(workplace, document, monkeypatch):
             "elapsed": 3600.0 * hours,
             "time": ("elapsed", np.datetime64("2026-06-21", "h") + hours.astype("m8[h]")),
         },
-        {"end": "is still flying", "warnings": "one; two", "assumptions": "light",
+        {"end": "is still aloft", "warnings": "one\ntwo", "assumptions": "light",
          "planet": "Earth"},
     )  # fmt: skip
     kinds = np.array([Event.LIGHT_BEGINS, Event.LIGHT_ENDS] * 3)[:5]
@@ -364,7 +364,7 @@ def test_mission_is_drawn_with_its_nights(workplace, document, monkeypatch):
     np.testing.assert_allclose(nights["low"], [4.0, 28.0], atol=0.1)
     np.testing.assert_allclose(nights["high"], [20.0, 44.0], atol=0.1)
     assert found["warnings"] == ["one", "two"]
-    assert "still flying after 48 h" in found["words"]
+    assert "After 48 h, at 75 km, the flyer is still aloft." in found["words"]
     assert len(found["sources"]["members"]["ys"]) == 100  # as many as can be told apart
     assert found["y"][0] <= 60.0
     track = found["track"]

@@ -188,7 +188,7 @@ def test_missions_are_described(disk):
     release = lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z")
     flown = lf.fly(disk, lf.Earth(), lf.FreeMolecular(), duration="2 h", release=release)
     text = " ".join(lf.mission.describe(flown).split())
-    assert f"{float(flown.end_altitude) / 1e3:.2f} km because it is still flying" in text
+    assert f"{float(flown.end_altitude) / 1e3:.2f} km because it is still aloft" in text
     assert "aloft 2.00 h" in text
     swarm = lf.mission.disperse_ensemble(
         disk, lf.Earth(), lf.FreeMolecular(), duration="2 h", release=release,
@@ -197,7 +197,7 @@ def test_missions_are_described(disk):
     text = " ".join(lf.mission.describe(swarm).split())
     assert "after 2 h" in text
     # Clopper and Pearson of 20 in 20: the lower end is 0.025 ** (1 / 20)
-    assert f"still flying 100 % {100.0 * 0.025 ** (1.0 / 20.0):.3g} % to 100 %" in text
+    assert f"still aloft 100 % {100.0 * 0.025 ** (1.0 / 20.0):.3g} % to 100 %" in text
 
 
 def test_open_intervals_in_words():

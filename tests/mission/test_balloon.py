@@ -35,7 +35,7 @@ def test_it_floats_for_days_where_the_verdict_lets_it_rest(setup, radius, payloa
     flyer = dataclasses.replace(setup.flyer, radius=radius, payload=payload)
     changed = dataclasses.replace(setup, flyer=flyer)
     flight = flown(changed, 8e3, 48)
-    assert "still flying" in flight.attrs["end"]
+    assert "still aloft" in flight.attrs["end"]
     rest = lf.predict(changed).verdict.rest.coordinate
     assert float(flight.altitude[-1]) == pytest.approx(rest, abs=0.1)
     late = flight.altitude.values[flight.altitude.values.size // 2 :]

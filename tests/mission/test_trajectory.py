@@ -67,6 +67,17 @@ def test_a_night_takes_a_disk_from_75_km_to_where_others_computed(flown, size):
     assert found.end_altitude / 1e3 == pytest.approx(SIZES[size], abs=0.5)
 
 
+def test_a_flight_that_sinks_at_its_end_says_so(closed_form_disk):
+    """At the speed of the last minutes, and not that it flies."""
+    track = lf.fly(
+        closed_form_disk(0.01, 0.85, 0.85), lf.Earth(), lf.Lu2023(), duration="2 h",
+        release=lf.Release("70 km", latitude=10.0, longitude=0.0, time="2026-06-21T12:00Z"),
+    )  # fmt: skip
+    fall = -np.diff(track.altitude.values)[-1] / np.diff(track.elapsed.values)[-1]
+    told = track.attrs["end"].partition(" aloft at the end of its time, sinking at ")[2]
+    assert float(told.removesuffix(" m/s")) == pytest.approx(fall, rel=0.1)
+
+
 def test_sinking_without_lift_is_that_of_scipy_and_another_atmosphere(flown, fall_speed):
     expected = solve_ivp(
         lambda _, altitude: [-fall_speed(altitude[0])],

@@ -325,13 +325,13 @@ def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[
     spans = day_and_night(dataset)
     nights = [(begin / _HOUR, end / _HOUR) for begin, end, is_day in spans if not is_day]
     end = float(dataset.end_elapsed) / _HOUR, float(dataset.end_altitude) / _KILOMETRE
-    ended = f"The flyer {dataset.attrs['end']} after {end[0]:.4g} h, at {end[1]:.4g} km."
+    ended = f"After {end[0]:.4g} h, at {end[1]:.4g} km, the flyer {dataset.attrs['end']}."
     lowest = prediction_of(design).verdict.lowest_release
     if lowest is not None and end[1] * _KILOMETRE < lowest:
         ended += f" That is below {lowest / _KILOMETRE:.4g} km, from where on light lifts it."
     members = [] if "ensemble_altitude" not in dataset else dataset.ensemble_altitude.values
     heights = [line / _KILOMETRE for line in members[:MOST_LINES]]
-    warnings = [text for text in dataset.attrs["warnings"].split("; ") if text]
+    warnings = dataset.attrs["warnings"].splitlines()
     legend = [view.Line("flyer", BLUE), view.Line("night", GREY, "area")]
     return view.figure_data(
         {
@@ -354,7 +354,7 @@ def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[
         legend=legend + _MEMBERS[: len(heights)],
         words=ended,
         warnings=warnings,
-        assumptions=dataset.attrs["assumptions"].split("; "),
+        assumptions=dataset.attrs["assumptions"].splitlines(),
         track=_track(dataset),
     )
 

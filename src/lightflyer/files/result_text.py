@@ -50,8 +50,9 @@ def rows_of(texts: dict[str, str]) -> "Table":
     from rich.table import Table
 
     rows = Table.grid(padding=(0, 2))
+    room = NARROW - 2 - max(map(len, texts), default=0)
     for label, text in texts.items():
-        rows.add_row(label, text)
+        rows.add_row(label, "\n".join(wrap(line, room) for line in text.splitlines()))
     return rows
 
 

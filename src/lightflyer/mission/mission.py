@@ -72,6 +72,7 @@ _places = entry_point(latitude_and_longitude)
 _DURATION = quantity_of(Duration) or Quantity()
 _DELAY = Quantity("s")
 _ROUNDING = 1e-9
+_SINKING = 1e-2  # more slowly a flyer stays where it is [m/s]
 _SHORTEST = 60.0  # seconds between times that are kept where nobody asks for a spacing
 
 
@@ -160,7 +161,7 @@ def fly(
     ...     release=lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z"),
     ... )
     >>> flown.attrs["end"]
-    'is still flying at the end of its time'
+    'is still aloft at the end of its time'
     """
     rule = require_record("attitude", (AbstractAttitudeRule,), attitude or Own())
     mission = _Mission(as_design(what, environment, model), rule, release)
@@ -193,6 +194,10 @@ def fly(
     closely = close_look(craft, way, released)
     dataset = _fly(mission, craft, plan, first)
     ending = with_end_of_data(mission.setup.environment)
+    last = np.maximum(plan.elapsed[-1] - np.array([_SHORTEST, 0.0]), 0.0)
+    rise = float(np.diff(way(last)[0])[0] / np.diff(last)[0])
+    if int(first.termination) == TerminationReason.STILL_FLYING and abs(rise) > _SINKING:
+        dataset.attrs["end"] += f", {'rising' if rise > 0.0 else 'sinking'} at {abs(rise):.2g} m/s"
     add_events(dataset, events_of(craft, way, *closely, ending))
     settled = closely if inertia is not None else since(begun.until, *closely)
     told = [*mission.design.warnings, *remarks, *diagnose_flight(craft, *settled)]
@@ -205,7 +210,7 @@ def fly(
         told.append(
             f"interrupted: {flown - 1} of {flights.count - 1} further flights were flown{goes_on}"
         )
-    dataset.attrs["warnings"] = "; ".join(dict.fromkeys(told))
+    dataset.attrs["warnings"] = "\n".join(dict.fromkeys(told))
     times = np.asarray(flights.starts.place.time)
     if ensemble is not None and flown > 1:
         rows = slice(1, min(flown, 1 + ensemble.members))
@@ -412,5 +417,5 @@ def _record(
         "force_model": describe_object(setup.model),
         "planet": planet_of(setup.environment).name,
         "planet_radius_km": float(planet_of(setup.environment).radius) / 1e3,
-        "assumptions": "; ".join(assumptions_of(setup, mission.rule, ensemble, inertia)),
+        "assumptions": "\n".join(assumptions_of(setup, mission.rule, ensemble, inertia)),
     }

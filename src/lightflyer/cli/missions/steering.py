@@ -53,7 +53,7 @@ class AltitudeOptions(ResultOptions):
             where = design.setup.environment.coordinate
             ends = coordinate_range("--altitudes", self.altitudes, where)
         dataset = compute(design.setup, ends, **asked)
-        warnings = "; ".join(filter(None, [*design.warnings, dataset.attrs["warnings"]]))
+        warnings = "\n".join(filter(None, [*design.warnings, dataset.attrs["warnings"]]))
         flyer = f"{dataset.attrs['flyer']}, {told}"
         dataset.attrs |= {"warnings": warnings, "flyer": flyer}
         summary = summary_of(dataset)

@@ -6,7 +6,7 @@ from lightflyer.numerics.rootfind import Reason
 class TerminationReason(Reason):
     """Why a mission ended."""
 
-    STILL_FLYING = 0, "is still flying at the end of its time"
+    STILL_FLYING = 0, "is still aloft at the end of its time"
     LOWEST_ALTITUDE = 1, "reached the lowest altitude"
     HIGHEST_ALTITUDE = 2, "reached the highest altitude"
     NO_DATA = 3, "met a place or a time without data"

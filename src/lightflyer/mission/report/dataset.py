@@ -112,7 +112,7 @@ def add_several(dataset: "xr.Dataset", several: Several) -> None:
 def add_survival(dataset: "xr.Dataset", several: Several) -> None:
     """Add the share of an ensemble that still flies."""
     flying = np.isfinite(several.track.altitude).mean(axis=0)
-    about = {"units": "1", "long_name": "share of the ensemble that is still flying"}
+    about = {"units": "1", "long_name": "share of the ensemble that is still aloft"}
     dataset[several.prefix + "flying"] = (ELAPSED, flying, about)
 
 

@@ -64,7 +64,7 @@ def plot_spread(dataset: "xr.Dataset") -> Figure:
     """Shares of a swarm that still fly, and that are inside areas, over time."""
     figure = new_figure(width=8.0)
     (axes,) = figure.axes
-    shares = {"still flying": [dataset["flying" + end].values for end in _ENDS]}
+    shares = {"still aloft": [dataset["flying" + end].values for end in _ENDS]}
     for number, area in enumerate(dataset.area.values if "area" in dataset.coords else ()):
         shares[str(area)] = [dataset["inside" + end].values[number] for end in _ENDS]
     looks = zip(itertools.cycle(PALETTE), itertools.cycle(LINES), strict=False)
@@ -170,7 +170,7 @@ def _survival(dataset: "xr.Dataset") -> Figure:
     flying = np.isfinite(dataset.ensemble_altitude.values).mean(axis=0)
     axes.step(dataset.time.values, 100.0 * flying, where="post", color=BLUE)
     axes.set_ylim(0.0, 105.0)
-    axes.set_ylabel("share still flying [%]")
+    axes.set_ylabel("share still aloft [%]")
     draw_over_time(axes, dataset)
     return figure
 
@@ -290,7 +290,7 @@ def _draw_spread(axes: Axes, time: np.ndarray, values: np.ndarray) -> None:
     """95 % interval of an ensemble, or its members where they are too few for one; (n, times)."""
     low, high = _spread(values)
     if np.isfinite(low).any():
-        label = "95 % of the ensemble still flying"
+        label = "95 % of the ensemble still aloft"
         axes.fill_between(time, low, high, color=SKY, alpha=0.5, linewidth=0.0, label=label)
         return
     for number, line in enumerate(values):

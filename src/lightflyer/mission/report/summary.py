@@ -138,7 +138,7 @@ def _other_wind(dataset: "xr.Dataset") -> dict[str, Any] | None:
 
 def texts_of(dataset: "xr.Dataset", name: str) -> list[str]:
     """Short texts of an attribute."""
-    return [text for text in dataset.attrs[name].split("; ") if text]
+    return dataset.attrs[name].splitlines()
 
 
 def date_after(dataset: "xr.Dataset", elapsed: float) -> str:

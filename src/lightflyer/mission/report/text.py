@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from rich.table import Table
 
 from lightflyer.design.diagnostics import TOO_HOT
-from lightflyer.files.result_text import Parts, as_text, rows_of, table_of, warning_lines
+from lightflyer.files.result_text import Parts, as_text, rows_of, table_of, warning_lines, wrap
 from lightflyer.mission.report.departure import departure_text
 from lightflyer.mission.report.summary import summarise
 
@@ -44,8 +44,7 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
         rows["data end"] = _other_wind_text(found["other_wind"])
     yield rows_of(rows)
     yield from _tables(found)
-    yield from found["assumptions"]
-    yield from warning_lines(warnings)
+    yield from map(wrap, (*found["assumptions"], *warning_lines(warnings)))
 
 
 def _tables(found: dict[str, Any]) -> Parts:
@@ -103,7 +102,7 @@ def spread_parts(dataset: "xr.Dataset") -> Parts:
     found = summarise(dataset)
     yield f"{found['flyer']}, {found['members']} members"
     table = _table(f"after {found['after_h']:.4g} h", "", "share", "95 %")
-    for label, one in {"still flying": found["flying"], **found["inside"]}.items():
+    for label, one in {"still aloft": found["flying"], **found["inside"]}.items():
         share, low, high = (f"{100.0 * one[end]:.3g}" for end in ("share", "low", "high"))
         table.add_row(label, f"{share} %", f"{low} % to {high} %")
     yield table
@@ -113,7 +112,7 @@ def spread_parts(dataset: "xr.Dataset") -> Parts:
             f"middle {place_text(*middle, 1e3 * found['middle_altitude_km'])}, "
             f"root mean square distance from it {found['distance_from_middle_km']:.4g} km"
         )
-    yield from warning_lines(found["warnings"])
+    yield from map(wrap, warning_lines(found["warnings"]))
 
 
 def describe(dataset: "xr.Dataset") -> str:
@@ -137,7 +136,7 @@ def describe(dataset: "xr.Dataset") -> str:
     ...     release=lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z"),
     ... )
     >>> print(describe(flown).splitlines()[3])
-    because   it is still flying at the end of its time
+    because   it is still aloft at the end of its time
     """
     return as_text(spread_parts(dataset) if "flying" in dataset else mission_parts(dataset))
 
@@ -194,8 +193,7 @@ def _passes(passes: list[dict[str, Any]]) -> Table:
 def _ensemble(found: dict[str, Any]) -> Table:
     members = found["members"]
     ends = (
-        f"{100.0 * count / members:.1f} % {end.replace('_', ' ')}"
-        for end, count in found["ends"].items()
+        f"{100.0 * count / members:.1f} % {_reason(end)}" for end, count in found["ends"].items()
     )
     table = _table(
         f"{members} flights: {', '.join(ends)}",
@@ -256,6 +254,10 @@ def _landing(found: dict[str, Any]) -> Parts:
         )
 
 
+def _reason(name: str) -> str:
+    return name.replace("still_flying", "still aloft").replace("_", " ")
+
+
 def _launches(found: list[dict[str, Any]]) -> Table:
     table = _table("launches", "released", "aloft [h]", "lowest [km]", "at the end [km]", "end")
     for launch in found[:_MOST_ROWS]:
@@ -264,7 +266,7 @@ def _launches(found: list[dict[str, Any]]) -> Table:
             f"{launch['duration_h']:.2f}",
             f"{launch['lowest_altitude_km']:.2f}",
             f"{launch['end_altitude_km']:.2f}",
-            launch["end_reason"].replace("_", " "),
+            _reason(launch["end_reason"]),
         )
     if len(found) > _MOST_ROWS:
         table.caption = f"and {len(found) - _MOST_ROWS} more in the summary"

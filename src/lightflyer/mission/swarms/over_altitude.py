@@ -163,7 +163,7 @@ def _dataset(
         "lightflyer_version": lightflyer.__version__,
         "flyer": setup.flyer.describe(),
         "force_model": describe_object(setup.model),
-        "warnings": "; ".join(warnings),
+        "warnings": "\n".join(warnings),
     }
     dims = {name: (ALTITUDE, TILT)[: value.ndim] for name, value in arrays.items()}
     coords = {ALTITUDE: heights} | ({TILT: _TILTS} if 2 in map(np.ndim, arrays.values()) else {})
@@ -186,7 +186,7 @@ def table_parts(dataset: "xr.Dataset") -> Parts:
         headings.append(heading)
         columns.append([f"{one * factor:.4g}" if np.isfinite(one) else "" for one in values])
     yield table_of(headings, zip(*columns, strict=True), left=())
-    yield from warning_lines(filter(None, dataset.attrs["warnings"].split("; ")))
+    yield from map(wrap, warning_lines(dataset.attrs["warnings"].splitlines()))
 
 
 def _shown(rows: "xr.Dataset") -> Iterator[tuple[str, str, np.ndarray]]:
@@ -203,7 +203,7 @@ def _shown(rows: "xr.Dataset") -> Iterator[tuple[str, str, np.ndarray]]:
 def summary_of(dataset: "xr.Dataset") -> dict[str, Any]:
     """Results over altitude, ready for JSON; null where there is none."""
     found: dict[str, Any] = {**dataset.attrs}
-    found["warnings"] = [text for text in dataset.attrs["warnings"].split("; ") if text]
+    found["warnings"] = dataset.attrs["warnings"].splitlines()
     for name in (ALTITUDE, *dataset.data_vars):
         if dataset[name].ndim == 1:
             values = [one if np.isfinite(one) else None for one in dataset[name].values.tolist()]

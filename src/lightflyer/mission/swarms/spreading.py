@@ -85,7 +85,9 @@ class _Swarm:
         return min(MEMBERS, self.ensemble.members - batch * MEMBERS)
 
     def seed(self, batch: int) -> int:
-        """Of a batch's random numbers, which depend on nothing else."""
+        """Of a batch's random numbers, which depend on nothing else; the first are those of fly."""
+        if batch == 0:
+            return self.ensemble.seed
         sequence = np.random.SeedSequence(self.ensemble.seed, spawn_key=(batch,))
         return int(sequence.generate_state(1)[0])
 
@@ -174,7 +176,7 @@ def disperse_ensemble(
     ...     areas=[lf.mission.Circle(45.0, 0.0, "300 km")],
     ... )
     >>> f"{float(swarm.inside[0, -1]):.2f}"
-    '0.36'
+    '0.48'
     """
     design = as_design(what, environment, model)
     setup, rule = design.setup, attitude or Own()
@@ -194,8 +196,8 @@ def disperse_ensemble(
         "lightflyer_version": lightflyer.__version__,
         "flyer": setup.flyer.describe(),
         "areas": "; ".join(describe_all(areas)),
-        "assumptions": "; ".join(assumptions_of(setup, rule, ensemble, None)),
-        "warnings": "; ".join((*design.warnings, *remarks, *_diagnostics(counts))),
+        "assumptions": "\n".join(assumptions_of(setup, rule, ensemble, None)),
+        "warnings": "\n".join((*design.warnings, *remarks, *_diagnostics(counts))),
     }
     return dataset
 
@@ -279,7 +281,7 @@ def _describe(swarm: _Swarm) -> dict[str, str]:
     }
     whole = (swarm.ensemble.members, swarm.ensemble.seed, swarm.accuracy, MEMBERS)
     told = describe_work(swarm.design, parts)
-    return told | {"members, seed, accuracy, batch": repr(whole)}
+    return told | {"members, seed of the first batch, accuracy, batch": repr(whole)}
 
 
 def _dataset(swarm: _Swarm, counts: Counts) -> "xr.Dataset":

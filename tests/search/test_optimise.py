@@ -297,7 +297,7 @@ def test_what_else_cannot_be_asked(flyer, payload):
 @pytest.mark.parametrize("asked", [{"maximise": "payload"}, {"minimise": "temperature"}])
 def test_a_free_number_without_effect_is_refused(flyer, asked):
     over = {"flyer.payload": {"from": "0 mg", "to": "1 mg"}, "altitude": ALTITUDE}
-    said = f"flyer.payload is free and has no effect on {[*asked.values()][0]}"
+    said = f"flyer.payload is free and has no effect on {next(iter(asked.values()))}"
     with pytest.raises(lf.ConfigurationError, match=said):
         lf.optimise(flyer, over=over, beyond_range=True, **asked)
     with pytest.raises(lf.ConfigurationError, match="no effect on payload or relative_payload"):

@@ -63,11 +63,11 @@ def test_bands_in_words(text):
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("14-7.5 um", "must increase"),
+        ("14-7.5 um", "must be below"),
         ("7.5-14", "is not a band"),
         ("7.5-14 kg", "wrong kind"),
         ("0-14 um", "is not between"),
-        ("7.5-7.5 um", "must increase"),
+        ("7.5-7.5 um", "must be below"),
         ("none.csv", "none.csv: cannot be read"),
         ("", "is not a band"),
     ],

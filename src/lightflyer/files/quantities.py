@@ -1,5 +1,6 @@
 """Quantities of options: texts with units, such as ``--diameter "24 mm"``, as numbers."""
 
+import re
 from typing import TYPE_CHECKING
 
 from lightflyer.core.errors import ConfigurationError
@@ -11,6 +12,8 @@ if TYPE_CHECKING:
 
 _USUAL = {"--diameter": "mm", "--wall": "cm", "--size": "um", "--at": "nm", "--band": "cm^-1"}
 """Units that messages propose, where they are not those of SI."""
+
+_ENDS = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.]\S*)\s*$")  # of a range
 
 _IMPOSSIBLE = {
     "K": "below absolute zero", "m": "not positive",
@@ -59,6 +62,22 @@ def quantities(option: str, text: str, unit: str) -> "np.ndarray":
     if not values:
         raise ConfigurationError(f'{option} "{text}" has no quantity in it')
     return np.array(values)
+
+
+def ends(option: str, text: str, unit: str) -> tuple[float, float] | None:
+    """Ends of a range such as ``"7.5-14 um"``, in SI units; None if the text is none."""
+    whole = _ENDS.match(text)
+    if whole is None:
+        return None
+    from lightflyer.core.units import parse
+
+    try:
+        low, high = (parse(f"{end} {whole[3]}", unit).value for end in whole.groups()[:2])
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{option}: {error}") from None
+    if low >= high:
+        raise ConfigurationError(f'{option} "{text}": {whole[1]} must be below {whole[2]}')
+    return low, high
 
 
 def difference(option: str, text: str, unit: str) -> float:

@@ -19,14 +19,14 @@ from .optics.data import read_sample as read_sample
 from .optics.fit import OpticsFit as OpticsFit
 from .optics.fit import fit_optics as fit_optics
 from .readers.formats import Format as Format
+from .readers.formats import RawSpectrum as RawSpectrum
 from .readers.formats import Source as Source
+from .readers.formats import SpectrumMetadata as SpectrumMetadata
 from .readers.height_map import HEIGHT_MAP_FORMATS as HEIGHT_MAP_FORMATS
 from .readers.height_map import HeightMap as HeightMap
 from .readers.height_map import read_height_map as read_height_map
 from .readers.microscopes import Channel as Channel
 from .readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
-from .readers.spectra.raw import RawSpectrum as RawSpectrum
-from .readers.spectra.raw import SpectrumMetadata as SpectrumMetadata
 from .readers.spectrum_data import SPECTRUM_FORMATS as SPECTRUM_FORMATS
 from .readers.spectrum_data import read_spectrum as read_spectrum
 from .surface.figures import roughness_figures as roughness_figures

@@ -54,6 +54,11 @@ class Estimate(ShortRepr):
         low, high = map(float, central_interval(draws))
         return cls(value, (min(low, value), max(high, value)), unit, float(draws.std(ddof=1)))
 
+    def clipped(self, low: float, high: float) -> "Estimate":
+        """The estimate within what is possible; its uncertainty is unchanged."""
+        value, *ends = np.clip([self.value, *self.interval], low, high).tolist()
+        return Estimate(value, (ends[0], ends[1]), self.unit, self.uncertainty)
+
     def to_json(self) -> dict[str, Any]:
         """JSON object of value, interval and unit; an infinite end is null."""
         ends = [end if math.isfinite(end) else None for end in map(float, self.interval)]

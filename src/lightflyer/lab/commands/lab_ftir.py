@@ -1,6 +1,5 @@
 """Emissivity, or its upper bound, from infrared spectra."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import asdict
 from functools import partial
@@ -8,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from lightflyer.core.errors import ConfigurationError, ParameterError
-from lightflyer.files.quantities import quantities, quantity
+from lightflyer.files.quantities import ends, quantities, quantity
 from lightflyer.lab.options import Face, Share, measurement
 
 if TYPE_CHECKING:
@@ -19,20 +18,14 @@ if TYPE_CHECKING:
     from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
     from lightflyer.lab.result import Outcome
 
-_RANGE = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.]\S*)\s*$")  # a band's ends
 _WAVENUMBERS = 1000  # of a computed spectrum
 
 
 def _read_band(option: str, text: str) -> tuple[float, float]:
     """Lowest and highest wavenumber of a band [1/m]."""
-    whole = _RANGE.match(text)
+    whole = ends(option, text, "m^-1")
     if whole is not None:
-        first, last = (
-            quantity(option, f"{end} {whole[3]}", "m^-1").value for end in whole.groups()[:2]
-        )
-        if first >= last:
-            raise ConfigurationError(f'{option} "{text}": {whole[1]} must be below {whole[2]}')
-        return first, last
+        return whole
     centre, half = quantity(option, text, "m^-1")
     if not half:
         raise ConfigurationError(
@@ -177,28 +170,23 @@ def _read_parts(spectra: "list[MeasuredSpectrum]") -> Iterator[str]:
     from lightflyer.lab.result import rejected_lines
 
     for one in spectra:
-        ends = one.wavenumber[[0, -1]] / PER_CENTIMETRE
+        first, last = one.wavenumber[[0, -1]] / PER_CENTIMETRE
         yield (
             f"read {len(one.wavenumber)} points of {one.quantity} from {one.source}, "
-            f"{ends[0]:.5g} to {ends[1]:.5g} cm⁻¹"
+            f"{first:.5g} to {last:.5g} cm⁻¹"
         )
-        yield f"  {_facts(one)}"
+        file = one.metadata
+        words = [  # as the file has them
+            f'{file.format} with "{file.ordinate}"',
+            file.instrument,
+            f"resolution {file.resolution}" if file.resolution else "resolution not stated",
+            file.accessory,
+            f"{one.collection} light" if one.collection else "",
+            f'sample "{file.sample}"' if file.sample else "",
+            f"of {file.measured}" if file.measured else "",
+        ]
+        yield f"  {', '.join(filter(None, words))}"
         yield from rejected_lines(one.rejected)
-
-
-def _facts(spectrum: "MeasuredSpectrum") -> str:
-    """What the file says of its spectrum, as it says it."""
-    metadata = spectrum.metadata
-    words = [
-        f'{metadata.format} with "{metadata.ordinate}"',
-        metadata.instrument,
-        f"resolution {metadata.resolution}" if metadata.resolution else "resolution not stated",
-        metadata.accessory,
-        f"{spectrum.collection} light" if spectrum.collection else "",
-        f'sample "{metadata.sample}"' if metadata.sample else "",
-        f"of {metadata.measured}" if metadata.measured else "",
-    ]
-    return ", ".join(filter(None, words))
 
 
 def _computed(
@@ -208,9 +196,8 @@ def _computed(
     import numpy as np
 
     shortest, longest = film.covered_range
-    ends = [one.wavenumber[[0, -1]] for one in measured.spectra]
-    low = max(min(end[0] for end in ends), 1.0 / longest)
-    high = max(end[1] for end in ends)
+    low = max(min(one.wavenumber[0] for one in measured.spectra), 1.0 / longest)
+    high = max(one.wavenumber[-1] for one in measured.spectra)
     if shortest > 0.0:  # zero if all materials are extrapolated
         high = min(high, 1.0 / shortest)
     if low >= high:

@@ -6,14 +6,13 @@ amount :math:`c` of each gas is the one that leaves the smoothest spectrum: that
 squares of the differences between neighbouring points, which lines are large in and films are not.
 """
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError, ParameterError
-from lightflyer.core.units import parse
+from lightflyer.files.quantities import ends
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
 
 GASES = {
@@ -26,7 +25,6 @@ _LEAST_LINES = 1e-3  # rms of the differences of the air's absorbance, over that
 _LEAST_POINTS = 20
 _ROUNDS = 4  # of the amount, which enters the exponent
 _EDGE = 5  # points that an end of a straight line is the mean of
-_RANGE = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.].*?)\s*$")
 
 
 def without_air(spectrum: MeasuredSpectrum, air: MeasuredSpectrum) -> MeasuredSpectrum:
@@ -41,12 +39,23 @@ def without_air(spectrum: MeasuredSpectrum, air: MeasuredSpectrum) -> MeasuredSp
     lines = -np.log(np.interp(at, air.wavenumber, air.value))
     covered = (at >= air.wavenumber[0]) & (at <= air.wavenumber[-1])
     for gas, ranges in GASES.items():
-        inside = covered & _within(
-            at, [(PER_CENTIMETRE * a, PER_CENTIMETRE * b) for a, b in ranges]
+        wavenumber = at / PER_CENTIMETRE
+        inside = covered & np.any(
+            [(wavenumber >= a) & (wavenumber <= b) for a, b in ranges], axis=0
         )
         if inside.sum() < _LEAST_POINTS:
             continue
-        amount, error = _amount(spectrum.value, lines, inside)
+        both, amount, error = inside[1:] & inside[:-1], 0.0, np.nan
+        for _ in range(_ROUNDS):
+            clean = spectrum.value * np.exp(amount * lines)
+            step, slope = np.diff(clean)[both], np.diff(lines)[both]
+            slope = slope * (0.5 * (clean[1:] + clean[:-1]))[both]
+            power, noise = float(slope @ slope), float(np.std(step))
+            if not power > (_LEAST_LINES * noise) ** 2 * slope.size:
+                amount = np.nan  # there are no lines
+                break
+            amount -= float(slope @ step) / power
+            error = noise / np.sqrt(power)
         if not np.isfinite(amount):
             continue
         value[inside] *= np.exp(amount * lines[inside])
@@ -56,39 +65,16 @@ def without_air(spectrum: MeasuredSpectrum, air: MeasuredSpectrum) -> MeasuredSp
     return replace(spectrum, value=value, notes=(*spectrum.notes, *said))
 
 
-def _amount(value: np.ndarray, lines: np.ndarray, inside: np.ndarray) -> tuple[float, float]:
-    """Amount of a gas and its standard error."""
-    both = inside[1:] & inside[:-1]
-    amount, error = 0.0, np.nan
-    for _ in range(_ROUNDS):
-        clean = value * np.exp(amount * lines)
-        step, slope = np.diff(clean)[both], np.diff(lines)[both]
-        slope = slope * (0.5 * (clean[1:] + clean[:-1]))[both]
-        power = float(slope @ slope)
-        noise = float(np.std(step))
-        if not power > (_LEAST_LINES * noise) ** 2 * slope.size:
-            return np.nan, np.nan
-        amount -= float(slope @ step) / power
-        error = noise / np.sqrt(power)
-    return amount, error
-
-
 def parse_ranges(text: str) -> list[tuple[float, float]]:
     """Ranges of wavenumbers such as ``"2280-2400 cm^-1, 655-680 cm^-1"`` [1/m]."""
     found = []
     for part in filter(str.strip, text.split(",")):
-        match = _RANGE.match(part)
-        if match is None:
+        whole = ends("--straight-line", part.strip(), "m^-1")
+        if whole is None:
             raise ConfigurationError(
                 f'--straight-line: "{part.strip()}" is no range; write "2280-2400 cm^-1"'
             )
-        try:
-            low, high = (parse(f"{end} {match[3]}", "m^-1").value for end in match.groups()[:2])
-        except ConfigurationError as error:
-            raise ConfigurationError(f"--straight-line: {error}") from None
-        if not low < high:
-            raise ConfigurationError(f'--straight-line: "{part.strip()}" is empty')
-        found.append((low, high))
+        found.append(whole)
     if not found:
         raise ConfigurationError(f'--straight-line "{text}" has no range in it')
     return found
@@ -103,13 +89,10 @@ def with_straight_lines(
         inside = (at >= low) & (at <= high)
         before, after = np.flatnonzero(at < low)[-_EDGE:], np.flatnonzero(at > high)[:_EDGE]
         if not (inside.any() and before.size and after.size):
-            ends = " to ".join(f"{end / PER_CENTIMETRE:g}" for end in (low, high))
-            raise ParameterError(f"{spectrum.source}: {ends} cm^-1 is not within its data")
-        both = before, after
-        places, levels = ([float(of[one].mean()) for one in both] for of in (at, spectrum.value))
+            said = " to ".join(f"{end / PER_CENTIMETRE:g}" for end in (low, high))
+            raise ParameterError(f"{spectrum.source}: {said} cm^-1 is not within its data")
+        places, levels = (
+            [float(of[one].mean()) for one in (before, after)] for of in (at, spectrum.value)
+        )
         value[inside] = np.interp(at[inside], places, levels)
     return replace(spectrum, value=value)
-
-
-def _within(at: np.ndarray, ranges: Sequence[tuple[float, float]]) -> np.ndarray:
-    return np.any([(at >= low) & (at <= high) for low, high in ranges], axis=0)

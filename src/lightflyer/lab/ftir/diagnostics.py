@@ -39,17 +39,16 @@ class Bounds:
                 f"{quantity} {where} is {estimate.value:.4g} ({low:.4g} to {high:.4g}), {beyond} "
                 f"by more than its uncertainty: {_ADVICE[quantity]}"
             )
-        value = min(max(estimate.value, 0.0), 1.0)
-        if value != estimate.value:
+        possible = estimate.clipped(0.0, 1.0)
+        if possible.value != estimate.value:
             self.warnings.append(
                 f"{quantity} {where} came out as {estimate.value:.4g}, which is impossible but "
-                f"within its uncertainty of {value:g}; {value:g} is given"
+                f"within its uncertainty of {possible.value:g}; {possible.value:g} is given"
             )
         elif low < 0.0 or high > 1.0:
             end = 0 if low < 0.0 else 1
             self.warnings.append(f"the interval of the {quantity} {where} is cut at {end}")
-        ends = (max(low, 0.0), min(high, 1.0))
-        return Estimate(value, ends, estimate.unit, estimate.uncertainty)
+        return possible
 
 
 def spectrum_warnings(

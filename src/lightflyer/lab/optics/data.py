@@ -22,8 +22,8 @@ from lightflyer.film.layer_section import LayerSection
 from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.film.sample_section import SampleSection
 from lightflyer.lab.optics.ellipsometry import ORDINATES, EllipsometrySection, MeasuredFile
+from lightflyer.lab.readers.formats import Ordinate
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
-from lightflyer.lab.readers.spectra.raw import Ordinate
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 from lightflyer.lab.result import require_distinct
 

@@ -1,6 +1,6 @@
 """What a reader must know of numbers that were fitted to spectra."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -40,111 +40,94 @@ def diagnose(
     film: Film,
 ) -> tuple[str, ...]:
     """Warnings of a fit, one line each; ``correlation`` (free, free)."""
-    names = list(numbers)
-    total = [one for one in sample.spectra if one.spectrum.collection == "total"]
-    rough = [
-        "the film is rough, and the model has its specular beams only; total light was collected "
-        f"in {', '.join(one.spectrum.source for one in total)}"
-    ] * bool(film.is_rough and total)
-    found = []
-    for solution, excess in fit.rivals[:_SHOWN]:
-        if excess > fit.factor**2:
-            continue
-        values = fit.problem.model.values(solution.position)
-        told = ", ".join(
-            f"{one.name} = {amount_text(value, one.unit)}"
-            for one, value in zip(fit.problem.free, values, strict=True)
-        )
-        found.append(
-            f"another minimum fits as well (cost +{excess:.2g}, excluded from "
-            f"{fit.factor**2:.2g}) and is not in the intervals: {told}"
-        )
-    return (
-        *_undetermined_lines(sample, numbers, open_ends),
-        *(
-            f"{names[i]} and {names[j]} are hardly told apart: their errors have a correlation of "
-            f"{correlation[i, j]:+.3f}"
-            for i in range(len(names))
-            for j in range(i)
-            if abs(correlation[i, j]) > TIED
-        ),
-        *found,
-        *_beforehand(sample, numbers),
-        *_misfits(sample, fit),
-        *_instruments(sample, fit),
-        *rough,
-        *dict.fromkeys(text for medium in film.media for text in medium.diagnostics),
-        *(
-            f"{one.spectrum.source}: {note}"
-            for one in sample.spectra
-            for note in one.spectrum.notes
-        ),
-    )
+
+    def generate() -> Iterator[str]:
+        names = list(numbers)
+        yield from _about_bounds(sample, numbers, open_ends)
+        for i in range(len(names)):
+            for j in range(i):
+                if abs(correlation[i, j]) > TIED:
+                    yield (
+                        f"{names[i]} and {names[j]} are hardly told apart: their errors have a "
+                        f"correlation of {correlation[i, j]:+.3f}"
+                    )
+        for solution, excess in fit.rivals[:_SHOWN]:
+            if excess <= fit.factor**2:
+                values = zip(sample.free, fit.problem.model.values(solution.position), strict=True)
+                words = (f"{one.name} = {amount_text(value, one.unit)}" for one, value in values)
+                yield (
+                    f"another minimum fits as well (cost +{excess:.2g}, excluded from "
+                    f"{fit.factor**2:.2g}) and is not in the intervals: {', '.join(words)}"
+                )
+        yield from _about_what_was_stated(sample, numbers)
+        yield from _about_residuals(sample, fit)
+        yield from _about_instruments(sample, fit)
+        total = [one for one in sample.spectra if one.spectrum.collection == "total"]
+        if film.is_rough and total:
+            files = ", ".join(one.spectrum.source for one in total)
+            yield (
+                "the film is rough, and the model has its specular beams only; total light was "
+                f"collected in {files}"
+            )
+        yield from dict.fromkeys(text for medium in film.media for text in medium.diagnostics)
+        for one in sample.spectra:
+            yield from (f"{one.spectrum.source}: {note}" for note in one.spectrum.notes)
+
+    return tuple(generate())
 
 
-def _undetermined_lines(
-    sample: OpticsSample,
-    numbers: Mapping[str, Estimate],
+def _about_bounds(
+    sample: OpticsSample, numbers: Mapping[str, Estimate],
     open_ends: Mapping[str, tuple[bool, bool]],
-) -> list[str]:
-    found = []
+) -> Iterator[str]:  # fmt: skip
     for one in sample.free:
         low, high = numbers[one.name].interval
         if high - low > _FLAT * (one.highest - one.lowest):
-            found.append(
+            yield (
                 f"the spectra do not tell {one.name}: its interval is nearly all between its bounds"
             )
         elif any(open_ends[one.name]):
+            named = (("lower", one.lowest), ("upper", one.highest))
             ends = " and ".join(
                 f"{name} bound {amount_text(end, one.unit)}"
-                for name, end, is_open in zip(
-                    ("lower", "upper"), (one.lowest, one.highest), open_ends[one.name], strict=True
-                )
+                for (name, end), is_open in zip(named, open_ends[one.name], strict=True)
                 if is_open
             )
-            found.append(f"the interval of {one.name} ends at its {ends}, not by the spectra")
-    return found
+            yield f"the interval of {one.name} ends at its {ends}, not by the spectra"
 
 
-def _beforehand(sample: OpticsSample, numbers: Mapping[str, Estimate]) -> list[str]:
-    found = []
+def _about_what_was_stated(sample: OpticsSample, numbers: Mapping[str, Estimate]) -> Iterator[str]:
     for one in sample.free:
         if one.prior is None:
             continue
         value = numbers[one.name]
         known = f"{amount_text(one.start, one.unit)} ± {amount_text(one.prior, one.unit)}"
         if abs(value.value - one.start) > _FAR * one.prior:
-            found.append(
-                f"{one.name} = {amount_text(value.value, one.unit)} contradicts what was stated, "
-                f"{known}"
-            )
+            found = amount_text(value.value, one.unit)
+            yield f"{one.name} = {found} contradicts what was stated, {known}"
         elif (value.uncertainty or 0.0) > TIED * one.prior:
-            found.append(f"{one.name} is as stated, {known}: the spectra tell nothing of it")
+            yield f"{one.name} is as stated, {known}: the spectra tell nothing of it"
         else:
-            found.append(f"{one.name} was stated as {known}, which the fit takes into account")
-    return found
+            yield f"{one.name} was stated as {known}, which the fit takes into account"
 
 
-def _misfits(sample: OpticsSample, fit: Fit) -> list[str]:
-    found: list[str] = []
-    readings = fit.problem.readings(fit.best)
-    for one, reading in zip(sample.spectra, readings, strict=True):
+def _about_residuals(sample: OpticsSample, fit: Fit) -> Iterator[str]:
+    for one, reading in zip(sample.spectra, fit.problem.readings(fit.best), strict=True):
         residual = one.spectrum.value - reading
         deviation, noise = float(np.sqrt(np.mean(residual**2))), point_noise(residual)
         # residuals of few points look like noise whatever they are: what is stated tells
         if is_off(one, residual):
-            found.append(Doubt(
+            yield Doubt(
                 f"{one.label}: residuals of {deviation:.2g}, where an accuracy of "
                 f"{one.accuracy:.1g} is stated or assumed: the film is not that of the model, or "
                 "the data are not what they are taken for"
-            ))  # fmt: skip
+            )
         elif deviation > max(_MISFIT * noise, _VISIBLE_MISFIT):
-            found.append(
+            yield (
                 f"{one.label}: residuals of {deviation:.2g} exceed the noise of "
                 f"{noise:.1g}: the film or its optical constants differ from the model; intervals "
                 "are wider for it, and may still miss what the model leaves out"
             )
-    return found
 
 
 def is_off(one: FilmSpectrum, residual: np.ndarray) -> bool:
@@ -153,11 +136,10 @@ def is_off(one: FilmSpectrum, residual: np.ndarray) -> bool:
     return bool(np.sqrt(np.mean(residual**2)) > limit)
 
 
-def _instruments(sample: OpticsSample, fit: Fit) -> list[str]:
-    found: list[str] = []
+def _about_instruments(sample: OpticsSample, fit: Fit) -> Iterator[str]:
     unstated = [one for one in sample.spectra if None in (one.scale_accuracy, one.zero_accuracy)]
     if unstated:
-        found.append(
+        yield (
             f"no accuracy is stated of {', '.join(one.spectrum.source for one in unstated)}: "
             f"{100 * DEFAULT_SCALE_ACCURACY:g} % of the scale and "
             f"{100 * DEFAULT_ZERO_ACCURACY:g} % of zero are assumed (scale_accuracy, "
@@ -166,11 +148,10 @@ def _instruments(sample: OpticsSample, fit: Fit) -> list[str]:
     for one, errors in zip(sample.spectra, fit.best.errors, strict=True):
         for name, error in zip(("scale", "zero"), errors, strict=True):
             if abs(error) > _FAR:
-                found.append(Doubt(
+                yield Doubt(
                     f"{one.spectrum.source}: the fit wants an error of its {name} of "
                     f"{error:+.1f} stated standard uncertainties"
-                ))  # fmt: skip
-    return found
+                )
 
 
 def amount_text(value: float, unit: str) -> str:

@@ -13,9 +13,8 @@ with Student's factor for as many degrees of freedom as there are independent po
 """
 
 import contextlib
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -25,13 +24,21 @@ from lightflyer.core.text import correlation_text
 from lightflyer.files.result_text import Parts, listed, table_of
 from lightflyer.film.optics.averages import absorptance, emittance
 from lightflyer.film.optics.stack import Film
-from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate
 from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
 from lightflyer.lab.optics.diagnostics import diagnose, display_unit, is_off
 from lightflyer.lab.optics.model import OpticalModel, Problem, select_covered
 from lightflyer.lab.optics.search import STARTS, Fit, Scatter, intervals, search
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE
-from lightflyer.lab.result import LabResult, dataset, estimate_table
+from lightflyer.lab.result import (
+    LabResult,
+    Reported,
+    Series,
+    Shown,
+    dataset,
+    estimate_table,
+    variables,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -104,8 +111,9 @@ class OpticsFit(LabResult):
     film: Film  #: With the fitted numbers
     indices: tuple[LayerIndex, ...]
     #: Of the film: absorptance of sunlight and emittance, as far as the materials' data go
-    predictions: dict[str, Estimate]
-    freedom: float  #: Degrees of freedom, from independent points
+    predictions: Reported[dict[str, Estimate]]
+    #: Degrees of freedom, from independent points
+    freedom: Annotated[float, Shown(key="degrees_of_freedom")]
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
     _drawing = "optics.figures:spectra"
@@ -162,9 +170,7 @@ class OpticsFit(LabResult):
                 {"numbers": one.values, "excess": one.excess, "excluded": one.excluded}
                 for one in self.rivals
             ],
-            "predictions": {name: one.to_json() for name, one in self.predictions.items()},
-            "degrees_of_freedom": self.freedom,
-            "warnings": list(self.warnings),
+            **super().summary(),
         }  # fmt: skip
 
 
@@ -217,10 +223,20 @@ def fit_optics(
     if points <= len(sample.free):
         raise ParameterError(f"{points} points are too few for {len(sample.free)} free numbers")
     fit, ends = intervals(search(Problem.of(sample, model), starts=starts, seed=seed))
-    numbers, covariance = _estimates(fit, ends)
-    spreads = np.sqrt(np.diag(covariance))
-    model = fit.problem.model
-    names = [one.name for one in fit.problem.free]
+    model, names = fit.problem.model, [one.name for one in fit.problem.free]
+    # The uncertainty is that of the normal distribution with the same 95 % interval, so that what
+    # is computed from it is as sure as the interval.
+    low, high = (model.values(np.array(one)) for one in zip(*ends, strict=True))
+    spread = 0.5 * (high - low) / NORMAL_FACTOR
+    each = zip(model.values(fit.best.position), low, high, spread, fit.problem.free, strict=True)
+    numbers = {
+        one.name: Estimate(float(value), (float(first), float(last)), one.unit, float(error))
+        for value, first, last, error, one in each
+    }
+    inner = fit.problem.covariance(fit.best)
+    spreads = np.sqrt(np.diag(inner))
+    correlation = inner / np.outer(spreads, spreads)
+    covariance = correlation * np.outer(spread, spread)
     rivals = tuple(
         Rival(
             dict(zip(names, map(float, model.values(solution.position)), strict=True)),
@@ -237,7 +253,6 @@ def fit_optics(
             errors, fit.scatter, strict=True,
         )
     )  # fmt: skip
-    correlation = covariance / np.outer(spreads, spreads)
     open_ends = {
         one.name: (low <= 0.0, high >= 1.0)
         for one, (low, high) in zip(sample.free, ends, strict=True)
@@ -297,29 +312,6 @@ def _other_delta(sample: OpticsSample, fit: Fit, starts: int, seed: int) -> list
     return list(dict.fromkeys(found))
 
 
-def _estimates(
-    fit: Fit, ends: Sequence[tuple[float, float]]
-) -> tuple[dict[str, Estimate], np.ndarray]:
-    """The free numbers, and their covariance."""
-    # The uncertainty is that of the normal distribution with the same 95 % interval, so that what
-    # is computed from it is as sure as the interval.
-    model = fit.problem.model
-    value = model.values(fit.best.position)
-    low, high = (model.values(np.array(one)) for one in zip(*ends, strict=True))
-    spread = np.array([
-        Estimate.covering(0.0, half).uncertainty for half in 0.5 * (high - low)
-    ], float)  # fmt: skip
-    inner = fit.problem.covariance(fit.best)
-    spreads = np.sqrt(np.diag(inner))
-    covariance = inner / np.outer(spreads, spreads) * np.outer(spread, spread)
-    numbers = {
-        one.name: Estimate(float(value[i]), (float(low[i]), float(high[i])), one.unit,
-                           float(spread[i]))
-        for i, one in enumerate(fit.problem.free)
-    }  # fmt: skip
-    return numbers, covariance
-
-
 def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate], list[str]]:
     """Absorptance of sunlight and emittance of the film, where its materials have data."""
     model = fit.problem.model
@@ -327,6 +319,8 @@ def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate],
     if film.below is not None or film.above is not None:
         return {}, []
     found, diagnostics = {}, []
+    centre = fit.best.position
+    steps = _STEP * np.sqrt(np.diag(covariance)) / model.widths
     for name, average in (
         ("absorptance, AM0", absorptance),
         (f"emittance at {TEMPERATURE:g} K, top", lambda one: emittance(one, TEMPERATURE)),
@@ -336,11 +330,20 @@ def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate],
         except ParameterError as error:
             diagnostics.append(f"no {name}: {error}")
             continue
-        slopes = _slopes(lambda at, of=average: float(of(model.film(at)).value), fit, covariance)
-        spread = float(np.sqrt(slopes @ covariance @ slopes))
+        slopes = []  # in the free numbers, by differences within the bounds
+        for number, step in enumerate(steps):
+            ends = [centre.copy(), centre.copy()]
+            ends[0][number] = max(centre[number] - step, 0.0)
+            ends[1][number] = min(centre[number] + step, 1.0)
+            apart = (ends[1][number] - ends[0][number]) * model.widths[number]
+            low, high = (float(average(model.film(end)).value) for end in ends)
+            slopes.append((high - low) / apart if apart > 0.0 else 0.0)
+        spread = float(np.sqrt(np.array(slopes) @ covariance @ slopes))
         value = float(middle.value)
-        low, high = Estimate.normal(value, spread).interval
-        found[name] = Estimate(value, (max(low, 0.0), min(high, 1.0)), "", spread)
+        found[name] = replace(
+            Estimate.normal(value, spread),
+            interval=Estimate.normal(value, spread).clipped(0.0, 1.0).interval,
+        )
         if middle.covered < 1.0 - _NEARLY_ALL:
             diagnostics.append(
                 f"{name} is that of the {100.0 * float(middle.covered):.0f} % of the radiation for "
@@ -348,20 +351,6 @@ def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate],
                 f"{float(middle.upper):.3f}"
             )
     return found, diagnostics
-
-
-def _slopes(average: Any, fit: Fit, covariance: np.ndarray) -> np.ndarray:
-    """Derivatives in the free numbers, by differences within the bounds."""
-    model, centre = fit.problem.model, fit.best.position
-    steps = _STEP * np.sqrt(np.diag(covariance)) / model.widths
-    found = []
-    for number, step in enumerate(steps):
-        ends = [centre.copy(), centre.copy()]
-        ends[0][number] = max(centre[number] - step, 0.0)
-        ends[1][number] = min(centre[number] + step, 1.0)
-        apart = (ends[1][number] - ends[0][number]) * model.widths[number]
-        found.append((average(ends[1]) - average(ends[0])) / apart if apart > 0.0 else 0.0)
-    return np.array(found)
 
 
 def _indices(
@@ -400,25 +389,21 @@ def _indices(
 
 def to_dataset(result: OpticsFit) -> "xr.Dataset":
     """Dataset of the spectra with their fits, each over its own wavenumbers."""
-    variables: dict[str, Any] = {}
+    found: dict[str, Any] = {}
     for number, one in enumerate(result.spectra):
-        spectrum = one.measured.spectrum
-        axis = f"wavenumber_{number}"
-        variables[axis] = (
-            axis, spectrum.wavenumber / PER_CENTIMETRE,
-            {"units": "cm^-1", "long_name": f"wavenumber of {spectrum.source}"},
-        )  # fmt: skip
-        for name, value in (("measured", spectrum.value), ("fitted", one.reading),
-                            ("film", one.share)):  # fmt: skip
-            variables[f"{name}_{number}"] = (
-                axis, value, {"units": "1", "long_name": f"{name} {spectrum.quantity}"},
-            )  # fmt: skip
-    names = ["number_1", "number_2"]
-    variables["covariance"] = (
-        names, result.covariance, {"units": "SI", "long_name": "covariance of the free numbers"},
-    )  # fmt: skip
+        spectrum, axis = one.measured.spectrum, f"wavenumber_{number}"
+        values = ("measured", spectrum.value), ("fitted", one.reading), ("film", one.share)
+        found |= variables(axis, [
+            Series(axis, spectrum.wavenumber / PER_CENTIMETRE, "cm^-1",
+                   f"wavenumber of {spectrum.source}"),
+            *(Series(f"{name}_{number}", value, "", f"{name} {spectrum.quantity}")
+              for name, value in values),
+        ])  # fmt: skip
+    found |= variables(("number_1", "number_2"), [
+        Series("covariance", result.covariance, "SI", "covariance of the free numbers")
+    ])  # fmt: skip
     return dataset(
-        "numbers of a film from its spectra", variables,
+        "numbers of a film from its spectra", found,
         [one.measured.spectrum.source for one in result.spectra], warnings=result.warnings,
         free_numbers=", ".join(result.numbers),
     )  # fmt: skip

@@ -7,7 +7,7 @@ standard uncertainties that are stated of the instrument, and are fitted with th
 Numbers are fitted as shares of the way between their bounds; derivatives are JAX's.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -16,7 +16,7 @@ import numpy as np
 
 from lightflyer.array.namespace import Numeric, by_numpy
 from lightflyer.core.errors import ParameterError
-from lightflyer.film.optics.stack import Film, Side
+from lightflyer.film.optics.stack import Film
 from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample
 from lightflyer.lab.optics.ellipsometry import ORDINATES
 from lightflyer.lab.spectrum_noise import point_noise
@@ -34,44 +34,35 @@ class OpticalModel:
     """What the instruments would read of a film without their own errors."""
 
     def __init__(self, sample: OpticsSample):
-        self.free = sample.free
-        self._build = sample.build
-        self._spectra = sample.spectra
-        self._low = np.array([one.lowest for one in sample.free])
-        self._width = np.array([one.highest for one in sample.free]) - self._low
-
+        self.free, self._build, self._spectra = sample.free, sample.build, sample.spectra
+        self.lowest = np.array([one.lowest for one in sample.free])
+        self.widths = np.array([one.highest for one in sample.free]) - self.lowest
         self._last: tuple[bytes, tuple[list[np.ndarray], list[np.ndarray]]] | None = None
 
     def film(self, position: Numeric) -> Film:
         """The film at a position between the bounds."""
-        values = self._low + self._width * position
+        values = self.lowest + self.widths * position
         return self._build({one.name: values[number] for number, one in enumerate(self.free)})
 
     def values(self, position: np.ndarray) -> np.ndarray:
         """Free numbers in SI units at positions, shape (..., free)."""
-        return np.asarray(self._low + self._width * position)
+        return np.asarray(self.lowest + self.widths * position)
 
     def positions(self, values: np.ndarray) -> np.ndarray:
         """Positions between the bounds of free numbers in SI units."""
-        return np.asarray((values - self._low) / self._width)
-
-    @property
-    def widths(self) -> np.ndarray:
-        """Distance between the bounds of each free number."""
-        return self._width
+        return np.asarray((values - self.lowest) / self.widths)
 
     def require_fit(self, sample: OpticsSample) -> None:
         """Raise :class:`ParameterError` unless a sample has these bounds and wavelengths."""
-        bounds = [
-            [(one.name, one.lowest, one.highest) for one in free]
-            for free in (self.free, sample.free)
-        ]
-        points = [
-            [(*one.spectrum.wavenumber, one.incidence, one.side, one.spectrum.quantity)
-             for one in spectra]
-            for spectra in (self._spectra, sample.spectra)
-        ]  # fmt: skip
-        if bounds[0] != bounds[1] or points[0] != points[1]:
+        ours, theirs = (
+            (
+                [(one.name, one.lowest, one.highest) for one in free],
+                [(*one.spectrum.wavenumber, one.incidence, one.side, one.spectrum.quantity)
+                 for one in spectra],
+            )
+            for free, spectra in ((self.free, self._spectra), (sample.free, sample.spectra))
+        )  # fmt: skip
+        if ours != theirs:
             raise ParameterError("the model is that of other bounds, spectra or wavelengths")
 
     def shares(self, position: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:
@@ -79,47 +70,42 @@ class OpticalModel:
         position = np.asarray(position, float)
         key = position.tobytes()
         if self._last is None or self._last[0] != key:
-            self._last = key, (self._shares(position), self._slopes(position))
+            columns = []
+            for step in _STEP * np.eye(position.size):
+                below, above = self._shares(position - step), self._shares(position + step)
+                columns.append([(b - a) / (2.0 * _STEP) for a, b in zip(below, above, strict=True)])
+            slopes = [np.stack(column, axis=-1) for column in zip(*columns, strict=True)]
+            self._last = key, (self._shares(position), slopes)
         return self._last[1]
 
     def _shares(self, position: np.ndarray) -> list[np.ndarray]:
+        found = dict[int, np.ndarray]()
         with by_numpy():
-            film, found = self.film(position), dict[int, np.ndarray]()
+            film = self.film(position)
             for side in dict.fromkeys(one.side for one in self._spectra):
-                found |= _shares(film, self._spectra, side)
+                # all their points are computed together
+                mine = {number: one for number, one in enumerate(self._spectra) if one.side == side}
+                wavelength = np.concatenate([one.spectrum.wavelength for one in mine.values()])
+                sizes = [len(one.spectrum.wavelength) for one in mine.values()]
+                incidence = np.repeat([one.incidence for one in mine.values()], sizes)
+                asked = {one.spectrum.quantity for one in mine.values()}
+                optics: Any = None
+                angles: Any = None
+                if asked - {*ORDINATES}:
+                    optics = film.optics(wavelength, incidence, side)
+                if asked & {*ORDINATES}:
+                    angles = film.ellipsometry(wavelength, incidence, side)
+                first = 0
+                for (number, one), size in zip(mine.items(), sizes, strict=True):
+                    points, first = slice(first, first + size), first + size
+                    quantity = one.spectrum.quantity
+                    if quantity in ORDINATES:
+                        found[number] = angles[ORDINATES.index(quantity), points]
+                        continue
+                    share = getattr(optics, quantity)[:, points]
+                    weight = _POLARISATIONS[one.polarisation]
+                    found[number] = weight[0] * share[0] + weight[1] * share[1]
         return [found[number] for number in range(len(self._spectra))]
-
-    def _slopes(self, position: np.ndarray) -> list[np.ndarray]:
-        """Derivatives of the shares in each free number, by differences."""
-        columns = []
-        for step in _STEP * np.eye(position.size):
-            below, above = self._shares(position - step), self._shares(position + step)
-            columns.append([(b - a) / (2.0 * _STEP) for a, b in zip(below, above, strict=True)])
-        return [np.stack(column, axis=-1) for column in zip(*columns, strict=True)]
-
-
-def _shares(film: Film, spectra: Sequence[FilmSpectrum], side: Side) -> dict[int, Numeric]:
-    """Shares of the spectra with light from one side, by number."""
-    # All their points are computed together.
-    mine = {number: one for number, one in enumerate(spectra) if one.side == side}
-    wavelength = np.concatenate([one.spectrum.wavelength for one in mine.values()])
-    incidence = np.concatenate(
-        [np.full(len(one.spectrum.wavelength), one.incidence) for one in mine.values()]
-    )
-    asked = {one.spectrum.quantity for one in mine.values()}
-    optics: Any = film.optics(wavelength, incidence, side) if asked - {*ORDINATES} else None
-    angles: Any = film.ellipsometry(wavelength, incidence, side) if asked & {*ORDINATES} else None
-    first, found = 0, {}
-    for number, one in mine.items():
-        points = slice(first, first + len(one.spectrum.wavelength))
-        first = points.stop
-        if one.spectrum.quantity in ORDINATES:
-            found[number] = angles[ORDINATES.index(one.spectrum.quantity), points]
-            continue
-        share = getattr(optics, one.spectrum.quantity)[:, points]
-        weight = _POLARISATIONS[one.polarisation]
-        found[number] = weight[0] * share[0] + weight[1] * share[1]
-    return found
 
 
 @dataclass(frozen=True)
@@ -150,10 +136,6 @@ class Problem:
         model.require_fit(sample)
         spread = [max(point_noise(one.spectrum.value), LEAST_ERROR) for one in sample.spectra]
         return cls(model, sample.free, sample.spectra, tuple(spread))
-
-    def with_spread(self, spread: Sequence[float]) -> "Problem":
-        """The same problem with other standard errors."""
-        return replace(self, spread=tuple(spread))
 
     @cached_property
     def _accuracy(self) -> np.ndarray:

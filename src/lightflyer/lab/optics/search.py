@@ -61,27 +61,19 @@ class Fit:
 
 def scatter_of(problem: Problem, solution: Solution) -> tuple[Scatter, ...]:
     """Scatter of each spectrum about a solution."""
-    readings = problem.readings(solution)
-    residuals = [
-        one.spectrum.value - reading for reading, one in zip(readings, problem.spectra, strict=True)
-    ]
-    alike = [correlation_length(one) for one in residuals]
     whole = {one.where for one in problem.spectra if one.spectrum.quantity == ORDINATES[-1]}
-    shared = [
-        SHARED if one.spectrum.quantity in ORDINATES and one.where in whole else 1.0
-        for one in problem.spectra
-    ]
-    lengths = [
-        min(share * length, one.size / _FEWEST)
-        for share, one, (length, _) in zip(shared, residuals, alike, strict=True)
-    ]
-    independent = [one.size / length for one, length in zip(residuals, lengths, strict=True)]
-    lost = min(problem.determined_numbers(solution) / sum(independent), _MOST_LOST)
+    found = []
+    for one, reading in zip(problem.spectra, problem.readings(solution), strict=True):
+        residual = one.spectrum.value - reading
+        length, freedom = correlation_length(residual)
+        shared = one.spectrum.quantity in ORDINATES and one.where in whole
+        length = min((SHARED if shared else 1.0) * length, residual.size / _FEWEST)
+        found.append((residual, length, residual.size / length, freedom))
+    independent = sum(count for _, _, count, _ in found)
+    lost = min(problem.determined_numbers(solution) / independent, _MOST_LOST)
     return tuple(
-        Scatter(float(np.sqrt(np.mean(one**2) / (1.0 - lost))), length, count, freedom)
-        for one, length, count, (_, freedom) in zip(
-            residuals, lengths, independent, alike, strict=True
-        )
+        Scatter(float(np.sqrt(np.mean(residual**2) / (1.0 - lost))), length, count, freedom)
+        for residual, length, count, freedom in found
     )
 
 
@@ -98,16 +90,23 @@ def search(problem: Problem, *, starts: int = STARTS, seed: int = 0) -> Fit:
         raise ConvergenceError(
             "no film between the bounds has optical constants at all wavelengths of the spectra"
         )
-    alone, minima = _settle(alone, _distinct(found))
-    scatter, told = scatter_of(alone, minima[0]), alone.determined_numbers(minima[0])
+    minima = _distinct(found)
+    for _ in range(_ROUNDS):  # with errors of the points that fit the residuals of the best
+        before = np.array(alone.spread)
+        errors = tuple(one.error for one in scatter_of(alone, minima[0]))
+        alone = replace(alone, spread=errors)
+        minima = _refit(alone, minima)
+        if np.allclose(before, errors, rtol=_SETTLED):
+            break
+    scatter, number = scatter_of(alone, minima[0]), alone.determined_numbers(minima[0])
     problem = replace(alone, informed=True)
     if any(one.prior is not None for one in problem.free):
         minima = _refit(problem, [*minima, replace(minima[0], position=own)])
-    return _fit(problem, minima, scatter, told)
+    return _fit(problem, minima, scatter, number)
 
 
 def _fit(
-    problem: Problem, minima: Sequence[Solution], scatter: tuple[Scatter, ...], told: float
+    problem: Problem, minima: Sequence[Solution], scatter: tuple[Scatter, ...], determined: float
 ) -> Fit:
     best, *others = minima
     known = sum(min(one.freedom, one.independent) for one in scatter)
@@ -116,20 +115,8 @@ def _fit(
         best=best,
         rivals=tuple((one, one.cost - best.cost) for one in others),
         scatter=scatter,
-        freedom=max(1.0, known - told),
+        freedom=max(1.0, known - determined),
     )
-
-
-def _settle(problem: Problem, minima: Sequence[Solution]) -> tuple[Problem, list[Solution]]:
-    """The minima with errors of the points that fit the residuals of the best."""
-    for _ in range(_ROUNDS):
-        before = np.array(problem.spread)
-        scatter = scatter_of(problem, minima[0])
-        problem = problem.with_spread([one.error for one in scatter])
-        minima = _refit(problem, minima)
-        if np.allclose(before, problem.spread, rtol=_SETTLED):
-            break
-    return problem, list(minima)
 
 
 def _refit(problem: Problem, minima: Sequence[Solution]) -> list[Solution]:
@@ -162,8 +149,8 @@ def intervals(fit: Fit) -> tuple[Fit, list[tuple[float, float]]]:
         if profile.better is None:
             break
         minima = [profile.better, fit.best, *(one for one, _ in fit.rivals)]
-        told = fit.problem.determined_numbers(profile.better)
-        fit = _fit(fit.problem, _refit(fit.problem, minima), fit.scatter, told)
+        number = fit.problem.determined_numbers(profile.better)
+        fit = _fit(fit.problem, _refit(fit.problem, minima), fit.scatter, number)
     return fit, ends
 
 

@@ -2,12 +2,17 @@
 
 import struct
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, Literal, NamedTuple, NoReturn
 
+import numpy as np
+
+from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import load_plugins
 from lightflyer.core.text import read_content
+from lightflyer.files.table_rows import Rejected
 
 _ORDERS = {b"II*\0": "<", b"MM\0*": ">"}
 _ENTRY = "HHII"  # code, type, count, value or its place
@@ -64,6 +69,11 @@ def has_suffix(*suffixes: str) -> Callable[[Source], bool]:
     return lambda source: source.suffix in suffixes
 
 
+def starts_with(magic: bytes) -> Callable[[Source], bool]:
+    """How a format is recognised by its first bytes."""
+    return lambda source: source.content.startswith(magic)
+
+
 def read_source(path: Path) -> Source:
     """A file with its content; ConfigurationError if it cannot be read."""
     return Source(path, read_content(path))
@@ -117,3 +127,49 @@ def require_sound_tiff(content: bytes) -> None:
         if pixels > 64 * len(content):  # compressed images hold more pixels than bytes
             raise ValueError("an image is larger than the file")
         place = int(struct.unpack_from(order + "I", content, end)[0])
+
+
+Ordinate = Literal["transmittance", "reflectance"]  # Quantity that a spectrum shows
+
+Collection = Literal["specular", "diffuse", "total"]
+"""Light that was collected: the specular beam, what is scattered around it, or both."""
+
+MOST_POINTS = 20_000_000  # Points of a spectrum beyond which a file is taken as damaged
+
+
+@dataclass(frozen=True)
+class SpectrumMetadata(ShortRepr):
+    """What a file says of its spectrum, in the file's own words; empty where it says nothing."""
+
+    format: str  #: Such as ``"JASCO text"``
+    ordinate: str = ""  #: Such as ``"%T"``
+    instrument: str = ""
+    resolution: str = ""  #: With its unit, such as ``"4 cm-1"``
+    accessory: str = ""
+    sample: str = ""
+    measured: str = ""  #: Date of the measurement
+
+
+@dataclass(frozen=True)
+class RawSpectrum(ShortRepr):
+    """A spectrum as it stands in its file."""
+
+    abscissa: np.ndarray  #: shape (n,); in the file's units
+    ordinate: np.ndarray  #: shape (n,); in the file's units
+    abscissa_name: str  #: Such as ``"1/CM"`` or ``"nm"``
+    ordinate_name: str  #: Such as ``"%T"``
+    metadata: SpectrumMetadata
+    #: Whether the format fixes the ordinate as per cent, or as a fraction; None if its name and
+    #: values must tell
+    percent: bool | None = None
+    notes: tuple[str, ...] = ()  #: What the reader decided
+    rejected: tuple[Rejected, ...] = field(default=())  #: Rejected rows
+
+
+def plain(text: bytes, encoding: str = "utf-8") -> str:
+    """Words from a field of fixed width: up to its first zero byte, on one line."""
+    words = text.partition(b"\x00")[0]
+    try:
+        return one_line(words.decode(encoding))
+    except UnicodeDecodeError:
+        return one_line(words.decode("cp1252", "replace"))

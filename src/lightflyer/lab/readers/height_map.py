@@ -93,7 +93,7 @@ def _stated(above: tuple[str, ...]) -> dict[str, str]:
     english = {name: text for name, text in said if name in _GWYDDION}
     for at in range(len(said) - 1):
         # the two lengths are width and height, whatever they are called
-        if not english and all(_is_length(said[at + more][1]) for more in (0, 1)):
+        if not english and all(_is_length(text) for _, text in said[at : at + 2]):
             texts = [text for _, text in said[max(at - 1, 0) : at + 3]]
             return dict(zip(_GWYDDION[0 if at else 1 :], texts, strict=False))
     return english

@@ -58,7 +58,9 @@ class Channel(ShortRepr):
     @property
     def is_height(self) -> bool:
         """Whether neither name nor unit says that its values are something else."""
-        return _may_be_height(self.name) and (not self.unit or metres(self.unit) is not None)
+        name = self.name.lower()
+        wrong = _NO_HEIGHT.search(name) and ("height" not in name or "error" in name)
+        return not wrong and (not self.unit or metres(self.unit) is not None)
 
     @property
     def description(self) -> str:
@@ -93,34 +95,21 @@ def choose_channel(
             )
         return found, ""
     heights = [one for one in named if one.is_height]
-    found = _first_height(named, heights)
-    if found is None:
+    lengths = [one for one in heights if one.unit]
+    preferred = [
+        *(one for part in _PREFERRED for one in heights if part in one.name.lower()),
+        *(one for one in heights if one.name.lower() in _BARE),
+        *(lengths if len(lengths) == 1 else heights if len(named) == 1 else ()),
+    ]
+    if not preferred:
         if len(named) == 1:
             raise ConfigurationError(f'{path}: its channel "{listed}" is not a height')
         what = "several channels of heights" if heights else "no channel of heights"
         raise ConfigurationError(f"{path}: has {what}; choose one by --channel: {listed}")
+    found = preferred[0]
     others = ", ".join(one.name for one in heights if one is not found)
     note = f"{found.name} is read; other heights in the file, by --channel: {others}"
     return found, note if others else ""
-
-
-def _first_height(named: Sequence[Channel], heights: Sequence[Channel]) -> Channel | None:
-    for part in _PREFERRED:
-        for one in heights:
-            if part in one.name.lower():
-                return one
-    bare = [one for one in heights if one.name.lower() in _BARE]
-    if bare:
-        return bare[0]
-    lengths = [one for one in heights if one.unit]
-    if len(lengths) == 1:
-        return lengths[0]
-    return heights[0] if heights and len(named) == 1 else None
-
-
-def _may_be_height(name: str) -> bool:
-    wrong = _NO_HEIGHT.search(name)
-    return wrong is None or ("height" in name.lower() and "error" not in name.lower())
 
 
 def with_different_names(channels: Sequence[Channel]) -> list[Channel]:
@@ -135,18 +124,15 @@ def with_different_names(channels: Sequence[Channel]) -> list[Channel]:
 
 
 def _wsxm_channel(content: bytes) -> tuple[str, str]:
-    """Name and unit of the one channel of a WSxM file."""
-    found = [
-        re.search(pattern, content)
+    name, unit = (
+        match[1].decode("latin-1").strip() if (match := re.search(pattern, content)) else ""
         for pattern in (rb"Acquisition channel: *([^\r\n]*)", rb"Z Amplitude: *\S+ +(\S+)")
-    ]
-    name, unit = (match[1].decode("latin-1").strip() if match else "" for match in found)
+    )
     return name, unit
 
 
 def _surf_channel(content: bytes) -> tuple[str, str]:
-    """Name and unit of the one channel of a Digital Surf file, from fields of fixed width."""
-    name, unit = (
+    name, unit = (  # fields of fixed width
         content[start : start + 16].split(b"\0")[0].decode("latin-1").strip()
         for start in _SURF_FIELDS
     )

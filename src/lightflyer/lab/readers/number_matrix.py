@@ -101,11 +101,7 @@ def _reads(cell: str) -> bool:
 def _require_numbers(path: Path, row: _Row) -> None:
     for cell in row.cells:
         if not _is_number(cell):
-            raise _no_number(path, row.line, cell)
-
-
-def _no_number(path: Path, line: int, cell: str) -> ConfigurationError:
-    return ConfigurationError(f'{path}:{line}: "{cell[:_SHOWN]}" is not a number')
+            raise ConfigurationError(f'{path}:{row.line}: "{cell[:_SHOWN]}" is not a number')
 
 
 def _first_row(path: Path, rows: list[_Row]) -> int:
@@ -114,9 +110,15 @@ def _first_row(path: Path, rows: list[_Row]) -> int:
         if len(row.cells) > 1 and all(map(_is_number, row.cells)):
             start = index
             break
-    for row in rows[:start]:  # a damaged row of numbers is not a heading
+    for row in rows[:start]:  # a damaged row of numbers is no heading, but an axis may be one
+        points = [cell.replace(",", ".") for cell in row.cells[1:]]
+        even = len(points) > 1 and all(map(_reads, points))
+        if even:
+            steps = np.diff(np.array(points, float))
+            mean = steps.mean()
+            even = bool(np.all(np.abs(steps - mean) <= _EVEN * abs(mean)) and steps.any())
         numbers = sum(map(_is_number, row.cells))
-        if len(row.cells) == width and 2 * numbers >= width and not _may_be_axis(row.cells[1:]):
+        if len(row.cells) == width and 2 * numbers >= width and not even:
             _require_numbers(path, row)
     return start
 
@@ -151,18 +153,8 @@ def _numbers(
     try:
         return np.array(cells).astype(float).reshape(len(body), -1)
     except ValueError:
-        at = next(place for place, cell in enumerate(cells) if not _reads(cell))
-        raise _no_number(path, *placed[at]) from None
-
-
-def _may_be_axis(cells: list[str]) -> bool:
-    """Whether cells rise evenly, as those of an axis above the matrix."""
-    points = [cell.replace(",", ".") for cell in cells]
-    if len(points) < 2 or not all(map(_reads, points)):
-        return False
-    numbers = np.array(points, float)
-    steps = np.diff(numbers)
-    return bool(np.all(np.abs(steps - steps.mean()) <= _EVEN * abs(steps.mean())) and steps.any())
+        line, cell = placed[next(at for at, cell in enumerate(cells) if not _reads(cell))]
+        raise ConfigurationError(f'{path}:{line}: "{cell[:_SHOWN]}" is not a number') from None
 
 
 def _is_axis(first: np.ndarray, rows: np.ndarray) -> bool:

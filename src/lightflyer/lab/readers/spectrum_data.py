@@ -13,7 +13,18 @@ from lightflyer.core.errors import ConfigurationError, MissingExtraError
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
-from lightflyer.lab.readers.formats import Format, Source, find_format, one_line, read_source
+from lightflyer.lab.readers.formats import (
+    Collection,
+    Format,
+    Ordinate,
+    RawSpectrum,
+    Source,
+    SpectrumMetadata,
+    find_format,
+    one_line,
+    read_source,
+    starts_with,
+)
 from lightflyer.lab.readers.spectra import (
     jasco,
     jcamp_dx,
@@ -30,12 +41,11 @@ from lightflyer.lab.readers.spectra.interpretation import (
     readable,
     shows,
 )
-from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumMetadata
 
 SPECTRUM_FORMATS = [
-    Format(opus.FORMAT, opus.is_opus, opus.read_opus),
-    Format(omnic.FORMAT, omnic.is_omnic, omnic.read_omnic),
-    Format(perkin_elmer.SP, perkin_elmer.is_sp, perkin_elmer.read_sp),
+    Format(opus.FORMAT, starts_with(opus.MAGIC), opus.read_opus),
+    Format(omnic.FORMAT, starts_with(omnic.MAGIC), omnic.read_omnic),
+    Format(perkin_elmer.SP, starts_with(perkin_elmer.MAGIC), perkin_elmer.read_sp),
     Format(jasco.JWS, jasco.is_jws, jasco.read_jws),
     Format(spc.FORMAT, spc.is_spc, spc.read_spc),
     Format(jcamp_dx.FORMAT, jcamp_dx.is_jcamp, jcamp_dx.read_jcamp),
@@ -104,15 +114,20 @@ def read_raw(source: Source, kind: Format, options: ReadOptions) -> RawSpectrum:
         raise ConfigurationError(
             f"{source.path}: is damaged and cannot be read as {kind.name}: {said}"
         ) from None
-    return _choose(source, spectra, options)
-
-
-def _choose(source: Source, spectra: list[RawSpectrum], options: ReadOptions) -> RawSpectrum:
     fit = [one for one in spectra if readable(one)]
     if options.quantity is not None:
         fit = [one for one in fit if shows(one, options.quantity)] or fit
-    if options.spectrum is not None:
-        return _choose_spectrum(source, spectra, options.spectrum)
+    wanted = options.spectrum
+    if wanted is not None:  # its number or title
+        if wanted.isascii() and wanted.isdigit() and 1 <= int(wanted[:9]) <= len(spectra):
+            return spectra[int(wanted[:9]) - 1]
+        titled = [one for one in spectra if one.metadata.sample == wanted.strip()]
+        if len(titled) != 1:
+            source.refuse(
+                f'has {len(titled)} spectra "{wanted[:40]}"; it holds '
+                f"{_list_names(spectra, spectra)}"
+            )
+        return titled[0]
     if len(spectra) == 1:
         return spectra[0]
     if not fit:
@@ -143,18 +158,6 @@ def _list_names(spectra: list[RawSpectrum], fit: list[RawSpectrum]) -> str:
         )
     more = f", and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
     return ", ".join(names[:_LISTED]) + more
-
-
-def _choose_spectrum(source: Source, spectra: list[RawSpectrum], spectrum: str) -> RawSpectrum:
-    """The spectrum of this number or title."""
-    if spectrum.isascii() and spectrum.isdigit() and 1 <= int(spectrum[:9]) <= len(spectra):
-        return spectra[int(spectrum[:9]) - 1]
-    titled = [one for one in spectra if one.metadata.sample == spectrum.strip()]
-    if len(titled) != 1:
-        source.refuse(
-            f'has {len(titled)} spectra "{spectrum[:40]}"; it holds {_list_names(spectra, spectra)}'
-        )
-    return titled[0]
 
 
 @reads_units

@@ -9,7 +9,6 @@ spectral radiance. Radiances add; their fourth roots, and apparent temperatures,
 in place of B would be right for a camera that sees all wavelengths alike.
 """
 
-import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.constants import STEFAN_BOLTZMANN
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Length, Quantity
-from lightflyer.core.units import parse
+from lightflyer.files.quantities import ends
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.film.optics.spectra import SECOND_RADIATION_CONSTANT, planck
@@ -35,7 +34,6 @@ _NODES = 12  # Gauss-Legendre, per piece
 _WIDEST = 1.15  # longest over shortest wavelength of a piece
 _MANY = 2000  # temperatures above which radiances are interpolated
 _DEGREE = 64  # of the interpolating polynomial
-_BAND = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.]\S*)\s*$")
 _TABLES = (".csv", ".txt", ".tsv", ".dat")
 _COLUMNS = (
     Column("wavelength", Length, ("lambda", "wl"), required=True, suggested_unit="um"),
@@ -70,14 +68,12 @@ class CameraBand:
             np.geomspace(start, end, count, endpoint=False)
             for start, end, count in zip(wavelength[:-1], wavelength[1:], counts, strict=True)
         ]
-        ends = np.concatenate([*pieces, wavelength[-1:]])
-        half, middle = 0.5 * np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
-        nodes, weights = (
-            (middle[:, None] + half[:, None] * position).ravel(),
-            (half[:, None] * weight).ravel(),
-        )
+        edges = np.concatenate([*pieces, wavelength[-1:]])
+        half, middle = 0.5 * np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
+        nodes = (middle[:, None] + half[:, None] * position).ravel()
+        weights = (half[:, None] * weight).ravel() * np.interp(nodes, wavelength, response)
         object.__setattr__(self, "_nodes", nodes)
-        object.__setattr__(self, "_weights", weights * np.interp(nodes, wavelength, response))
+        object.__setattr__(self, "_weights", weights)
 
     @property
     def name(self) -> str:
@@ -91,10 +87,10 @@ class CameraBand:
         require_positive(temperature=kelvin)
         if kelvin.size <= _MANY or not np.ptp(kelvin):
             return self._integral(kelvin, np.ones_like)
-        ends = 1.0 / kelvin.max(), 1.0 / kelvin.min()
         logarithm = Chebyshev.interpolate(
-            lambda inverse: np.log(self._integral(1.0 / inverse, np.ones_like)), _DEGREE, ends
-        )
+            lambda inverse: np.log(self._integral(1.0 / inverse, np.ones_like)), _DEGREE,
+            (1.0 / kelvin.max(), 1.0 / kelvin.min()),
+        )  # fmt: skip
         return np.asarray(np.exp(logarithm(1.0 / kelvin)))
 
     def slope(self, temperature: Any) -> np.ndarray:
@@ -148,18 +144,17 @@ def parse_band(text: str) -> CameraBand | None:
     """Camera's band from the text of an option; none for ``"total"``."""
     if text.strip().lower() == "total":
         return None
-    match = _BAND.match(text)
-    if match is None:
-        if Path(text).is_file() or Path(text).suffix in _TABLES:
-            return read_response(text)
+    if Path(text).is_file() or Path(text).suffix in _TABLES:
+        return read_response(text)
+    found = ends("--band", text, "m")
+    if found is None:
         raise ConfigurationError(
             f'--band: "{text}" is not a band; write "7.5-14 um", the file of a spectral response, '
             'or "total"'
         )
     try:
-        shortest, longest = (parse(f"{end} {match[3]}", "m").value for end in match.groups()[:2])
-        return flat_band(shortest, longest)
-    except (ConfigurationError, ParameterError) as error:
+        return flat_band(*found)
+    except ParameterError as error:
         raise ConfigurationError(f'--band: "{text}": {error}') from None
 
 

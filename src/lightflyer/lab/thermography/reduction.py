@@ -34,10 +34,14 @@ from lightflyer.lab.result import (
     ABSORPTANCE,
     EMISSIVITY,
     LabResult,
+    Reported,
+    Series,
     ambient_doubts,
     dataset,
     doubts_of,
     estimate_table,
+    plain,
+    variables,
 )
 from lightflyer.lab.thermography.camera import MICROMETRE, UNCOOLED, flat_band
 from lightflyer.lab.thermography.data import LIGHT, THERMAL, Readings, Scene
@@ -88,7 +92,7 @@ class RadiativeProperties(LabResult):
         return self.first_order["emissivity"]
 
     @property
-    def meaning(self) -> str:
+    def meaning(self) -> Reported[str]:
         """Radiation that the properties are of, in words."""
         if self.readings.method == LIGHT:
             return "for the light of the source"
@@ -121,21 +125,16 @@ class RadiativeProperties(LabResult):
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""
-        readings = self.readings
-        method, scene = readings.method, readings.scene
-
-        def json(estimates: Mapping[str, Estimate]) -> dict[str, Any]:
-            return self.name_properties({name: one.to_json() for name, one in estimates.items()})
-
-        document = json(self.first_order) | {
-            "monte_carlo": json(self.monte_carlo),
-            "meaning": self.meaning,
+        readings, scene = self.readings, self.readings.scene
+        method = readings.method
+        document = self.name_properties(plain(self.first_order)) | {
+            "monte_carlo": self.name_properties(plain(self.monte_carlo)),
             "rows_used": readings.values.shape[1],
             "standard_uncertainties": {
                 name: {"value": float(one), "unit": method.unit}
                 for name, one in zip(method.readings, readings.uncertainties, strict=True)
             },
-            "warnings": list(self.warnings),
+            **super().summary(),
         }
         if method == LIGHT:
             return document
@@ -145,7 +144,7 @@ class RadiativeProperties(LabResult):
             "band_um": ends,
             "hotplate_emissivity": scene.hotplate_emissivity.value,
             "film_temperature_K": None if film is None else film.value,
-        }  # fmt: skip
+        }
 
 
 def properties_of(readings: Readings) -> np.ndarray:
@@ -223,11 +222,8 @@ def reduce_readings(
     with np.errstate(divide="ignore", invalid="ignore"):
         freedom = np.where(random > _ROUNDING**2, (count - 1) * total / random, np.inf)
     factor = np.array([student_factor(one) for one in freedom])
-    first = {
-        name: Estimate.covering(*one)
-        for name, one in zip(PROPERTIES, zip(value, factor * np.sqrt(total), strict=True),
-                             strict=True)
-    }  # fmt: skip
+    halves = factor * np.sqrt(total)
+    first = dict(zip(PROPERTIES, map(Estimate.covering, value, halves), strict=True))
     rng = np.random.default_rng(seed)
     drawn = mean[:, None] + spread[:, None] * rng.normal(size=(len(mean), draws))
     cloud = _properties(readings, drawn) - _properties(readings, mean[:, None])
@@ -242,20 +238,18 @@ def reduce_readings(
 
 def to_dataset(result: RadiativeProperties, files: Sequence[str]) -> "xr.Dataset":
     """Readings and properties of each row."""
-    method = result.readings.method
-    units = {"units": method.unit or "1"}
-    variables: dict[str, Any] = {
-        name: ("row", values, units | {"long_name": name.replace("_", " ")})
+    method, each = result.readings.method, dict(zip(PROPERTIES, result.rows, strict=True))
+    readings = [
+        Series(name, values, method.unit, name.replace("_", " "))
         for name, values in zip(method.readings, result.readings.values, strict=True)
-    }
-    variables |= {
-        name: ("row", values, {"units": "1", "long_name": f"{name} {result.meaning}"})
-        for name, values in result.name_properties(
-            dict(zip(PROPERTIES, result.rows, strict=True))
-        ).items()
-    }
+    ]
+    properties = [
+        Series(name, values, "", f"{name} {result.meaning}")
+        for name, values in result.name_properties(each).items()
+    ]
     return dataset(
-        f"reflectance, transmittance and {method.remainder}", variables, files,
+        f"reflectance, transmittance and {method.remainder}",
+        variables("row", [*readings, *properties]), files,
         warnings=result.warnings, meaning=result.meaning,
     )  # fmt: skip
 
@@ -362,12 +356,8 @@ def _judge(
         warnings += ambient_doubts(readings.values[3])
         warnings += [*_band_diagnostics(readings, first), *_film_diagnostics(readings, first)]
 
-    def cut(one: Estimate) -> Estimate:
-        value, low, high = np.clip([one.value, *one.interval], 0.0, 1.0).tolist()
-        return Estimate(value, (low, high), one.unit, one.uncertainty)
-
     by_slopes, by_draws = (
-        {name: cut(one) for name, one in found.items()} for found in (first, second)
+        {name: one.clipped(0.0, 1.0) for name, one in found.items()} for found in (first, second)
     )
     return RadiativeProperties(readings, rows, by_slopes, by_draws, (*warnings, *readings.warnings))
 

@@ -10,8 +10,13 @@ from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Quantity
 from lightflyer.files.table_rows import Rejected
-from lightflyer.lab.readers.formats import Source
-from lightflyer.lab.readers.spectra.raw import Collection, Ordinate, RawSpectrum, SpectrumMetadata
+from lightflyer.lab.readers.formats import (
+    Collection,
+    Ordinate,
+    RawSpectrum,
+    Source,
+    SpectrumMetadata,
+)
 
 PER_CENTIMETRE = 100.0  # One reciprocal centimetre [1/m]
 

@@ -12,8 +12,14 @@ import struct
 import numpy as np
 
 from lightflyer.core.extras import extra
-from lightflyer.lab.readers.formats import Source, one_line
-from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumMetadata, plain
+from lightflyer.lab.readers.formats import (
+    MOST_POINTS,
+    RawSpectrum,
+    Source,
+    SpectrumMetadata,
+    one_line,
+    plain,
+)
 
 TEXT = "JASCO text"
 
@@ -77,8 +83,18 @@ def read_jasco_text(source: Source) -> list[RawSpectrum]:
     pairs: list[tuple[float, float]] = []
     end = start + 1
     while end < len(lines) and lines[end].strip() and len(pairs) != count:
-        pairs.append(read_pair(source, lines[end], end + 1))
+        mark = next((one for one in ("\t", ";", ",") if one in lines[end]), None)
+        cells = [one.strip() for one in lines[end].split(mark)]
+        if mark != ",":
+            cells = [one.replace(",", ".") for one in cells]
         end += 1
+        if len(cells) > 2:
+            source.refuse(f"has {len(cells)} columns; a spectrum has two", end)
+        try:
+            first, second = map(float, cells)
+        except ValueError:
+            source.refuse(f'"{lines[end - 1].strip()[:40]}" is not a pair of numbers', end)
+        pairs.append((first, second))
     x, y = np.array(pairs, float).reshape(-1, 2).T
     if count is not None and len(x) != count:
         source.refuse(f"has {len(x)} points; its header says NPOINTS {count}", end)
@@ -124,21 +140,6 @@ def _labels(lines: list[str]) -> dict[str, str]:
         if len(parts) == 2 and key:
             found.setdefault(key, parts[1].strip())
     return found
-
-
-def read_pair(source: Source, line: str, number: int) -> tuple[float, float]:
-    """Abscissa and ordinate of a line, whatever stands between them."""
-    mark = next((one for one in ("\t", ";", ",") if one in line), None)
-    cells = [one.strip() for one in line.split(mark)]
-    if mark != ",":
-        cells = [one.replace(",", ".") for one in cells]
-    if len(cells) > 2:
-        source.refuse(f"has {len(cells)} columns; a spectrum has two", number)
-    try:
-        x, y = map(float, cells)
-    except ValueError:
-        source.refuse(f'"{line.strip()[:40]}" is not a pair of numbers', number)
-    return x, y
 
 
 def is_jws(source: Source) -> bool:

@@ -10,8 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.lab.readers.formats import Source, one_line
-from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumMetadata
+from lightflyer.lab.readers.formats import (
+    MOST_POINTS,
+    RawSpectrum,
+    Source,
+    SpectrumMetadata,
+    one_line,
+)
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]\d{1,3}(?!\d))?"
 _TOKEN = re.compile(

@@ -10,12 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.lab.readers.formats import Source
-from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumMetadata, plain
+from lightflyer.lab.readers.formats import MOST_POINTS, RawSpectrum, Source, SpectrumMetadata, plain
 
 FORMAT = "Thermo OMNIC"
 
-_MAGIC = b"Spectral Data File"
+MAGIC = b"Spectral Data File"
 _AT_NAME, _AT_COUNT, _AT_ENTRIES = 30, 294, 304
 _ENTRY = struct.Struct("<BxII6x")  # key, place, bytes
 _NAME = 256
@@ -36,14 +35,18 @@ class _Entry(NamedTuple):
     size: int
 
 
-def is_omnic(source: Source) -> bool:
-    """Whether a file is one of OMNIC."""
-    return source.content.startswith(_MAGIC)
-
-
 def read_omnic(source: Source) -> list[RawSpectrum]:
     """Read all spectra of an OMNIC file; in the order of the file."""
-    entries = _entries(source.content)
+    content = source.content
+    (count,) = struct.unpack_from("<H", content, _AT_COUNT)
+    entries: list[_Entry] = []  # whose number stands before them; 0 or 1 ends them too
+    at = _AT_ENTRIES
+    while at + _ENTRY.size <= len(content) and (len(entries) < count or not count):
+        entry = _Entry(*_ENTRY.unpack_from(content, at))
+        if not count and entry.key in _END:
+            break
+        entries.append(entry)
+        at += _ENTRY.size
     groups = {
         key: [entry for entry in entries if entry.key == key]
         for key in (_HEADER, _VALUES, _TITLE, _HISTORY)
@@ -53,49 +56,28 @@ def read_omnic(source: Source) -> list[RawSpectrum]:
         source.refuse(
             f"is damaged or holds no spectrum: {len(headers)} headers, {len(values)} sets of values"
         )
-    name = plain(source.content[_AT_NAME : _AT_NAME + _NAME])
-    titles = [plain(source.content[one.place : one.place + _NAME]) for one in groups[_TITLE]]
+    name = plain(content[_AT_NAME : _AT_NAME + _NAME])
+    titles = [plain(content[one.place : one.place + _NAME]) for one in groups[_TITLE]]
     if len(headers) == 1 or len(titles) != len(headers):
         titles = [name if len(headers) == 1 else ""] * len(headers)
     resolution = ""  # in the history of a single spectrum
     if len(groups[_HISTORY]) == 1:
         _, place, size = groups[_HISTORY][0]
-        history = source.content[place : place + size].decode("cp1252", "replace")
-        match = _RESOLUTION.search(history)
+        match = _RESOLUTION.search(content[place : place + size].decode("cp1252", "replace"))
         resolution = f"{match[1]} cm-1" if match else ""
-    return [
-        _spectrum(
-            source, header, value, SpectrumMetadata(FORMAT, sample=title, resolution=resolution)
-        )
-        for header, value, title in zip(headers, values, titles, strict=True)
-    ]
-
-
-def _entries(content: bytes) -> list[_Entry]:
-    """Entries of the list, whose number stands before it; 0 or 1 ends it too."""
-    (count,) = struct.unpack_from("<H", content, _AT_COUNT)
-    found: list[_Entry] = []
-    at = _AT_ENTRIES
-    while at + _ENTRY.size <= len(content) and (len(found) < count or not count):
-        entry = _Entry(*_ENTRY.unpack_from(content, at))
-        if not count and entry.key in _END:
-            break
-        found.append(entry)
-        at += _ENTRY.size
-    return found
-
-
-def _spectrum(
-    source: Source, header: _Entry, values: _Entry, metadata: SpectrumMetadata
-) -> RawSpectrum:
-    count, unit, ordinate, first, last = _AXIS.unpack_from(source.content, header.place)
-    data = source.content[values.place : values.place + values.size]
-    if not 2 <= count <= MOST_POINTS or len(data) != values.size or values.size != 4 * count:
-        source.refuse(f"is damaged: it names {count} points and holds {len(data) // 4}")
-    if ordinate == _AMBIGUOUS:
-        source.refuse("shows log(1/R) or Kubelka-Munk units, which share a code; export it as %R")
-    return RawSpectrum(
-        np.linspace(first, last, count), np.frombuffer(data, "<f4").astype(float),
-        _ABSCISSAE.get(unit, f"unit {unit}"), _ORDINATES.get(ordinate, f"ordinate {ordinate}"),
-        metadata,
-    )  # fmt: skip
+    spectra = []
+    for header, value, title in zip(headers, values, titles, strict=True):
+        count, unit, ordinate, first, last = _AXIS.unpack_from(content, header.place)
+        data = content[value.place : value.place + value.size]
+        if not 2 <= count <= MOST_POINTS or len(data) != value.size or value.size != 4 * count:
+            source.refuse(f"is damaged: it names {count} points and holds {len(data) // 4}")
+        if ordinate == _AMBIGUOUS:
+            source.refuse(
+                "shows log(1/R) or Kubelka-Munk units, which share a code; export it as %R"
+            )
+        spectra.append(RawSpectrum(
+            np.linspace(first, last, count), np.frombuffer(data, "<f4").astype(float),
+            _ABSCISSAE.get(unit, f"unit {unit}"), _ORDINATES.get(ordinate, f"ordinate {ordinate}"),
+            SpectrumMetadata(FORMAT, sample=title, resolution=resolution),
+        ))  # fmt: skip
+    return spectra

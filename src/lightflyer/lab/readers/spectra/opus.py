@@ -8,12 +8,17 @@ from typing import Any
 import numpy as np
 
 from lightflyer.core.extras import extra
-from lightflyer.lab.readers.formats import Source, one_line
-from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumMetadata
+from lightflyer.lab.readers.formats import (
+    MOST_POINTS,
+    RawSpectrum,
+    Source,
+    SpectrumMetadata,
+    one_line,
+)
 
 FORMAT = "Bruker OPUS"
 
-_MAGIC = b"\n\n\xfe\xfe"
+MAGIC = b"\n\n\xfe\xfe"
 _KINDS = {"t": "transmittance", "a": "absorbance", "r": "reflectance", "km": "Kubelka-Munk",
           "atr": "ATR", "e": "emission", "ra": "Raman intensity", "pas": "photoacoustic signal",
           "sm": "single channel", "rf": "single channel of the reference",
@@ -22,11 +27,6 @@ _ABSCISSAE = {"WN": "cm-1", "MI": "um"}
 _ROUNDED = 1e-5  # by which the stated extremes may differ from the data, of the largest
 _END = b"END"
 _PARAMETER = 8  # bytes before a parameter's value
-
-
-def is_opus(source: Source) -> bool:
-    """Whether a file is one of OPUS."""
-    return source.content.startswith(_MAGIC)
 
 
 def read_opus(source: Source) -> list[RawSpectrum]:

@@ -9,13 +9,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lightflyer.lab.readers.formats import Source, one_line
-from lightflyer.lab.readers.spectra.raw import RawSpectrum, SpectrumMetadata
+from lightflyer.lab.readers.formats import RawSpectrum, Source, SpectrumMetadata, one_line
 
 SP, ASC = "PerkinElmer .sp", "PerkinElmer .asc"
 
-_SIGNATURE = b"PEPE"
-_HEADER = len(_SIGNATURE) + 40
+MAGIC = b"PEPE"
+_HEADER = len(MAGIC) + 40
 _BLOCK = struct.Struct("<Hi")  # tag, bytes
 _DATA_SET = 120
 _RANGE, _STEP, _COUNT, _X_LABEL, _Y_LABEL, _VALUES, _HISTORY = (
@@ -33,17 +32,37 @@ _ASC_LINES = {"sample": 8, "instrument": 11, "measured": 3}
 _ASC_FIRST, _ASC_COUNT = 5, 7  # lines behind #GR
 
 
-def is_sp(source: Source) -> bool:
-    """Whether a file is a binary spectrum of PerkinElmer."""
-    return source.content.startswith(_SIGNATURE)
-
-
 def read_sp(source: Source) -> list[RawSpectrum]:
     """Read a binary spectrum of PerkinElmer; one for each set of data."""
     sets = [data for tag, data in _blocks(source, source.content[_HEADER:]) if tag == _DATA_SET]
     if not sets:
         source.refuse("holds no spectrum (no data set of PerkinElmer)")
-    return [_from_set(source, dict(_blocks(source, data))) for data in sets]
+    spectra = []
+    for members in (dict(_blocks(source, data)) for data in sets):
+        for tag, what in _NEEDED.items():
+            if tag not in members:
+                source.refuse(f"is damaged: its {what} is missing")
+        first, last = struct.unpack_from("<2d", members[_RANGE], 2)
+        (count,) = struct.unpack_from("<i", members[_COUNT], 2)
+        kind, size = struct.unpack_from("<HI", members[_VALUES])
+        values = members[_VALUES][6:]
+        if kind != _DOUBLES or size != len(values) or size != _DOUBLE * count or count < 2:
+            source.refuse(f"is damaged: it names {count} points and holds {len(values) // _DOUBLE}")
+        if _STEP in members:
+            (step,) = struct.unpack_from("<d", members[_STEP], 2)
+            if not abs(abs(step) * (count - 1) - abs(last - first)) <= abs(step):
+                source.refuse(
+                    f"is damaged: {count} points in steps of {step:g} do not reach from {first:g} "
+                    f"to {last:g}"
+                )
+        names = []
+        for label in (members[_X_LABEL], members[_Y_LABEL]):
+            (length,) = struct.unpack_from("<h", label, 2)
+            names.append(one_line(label[4 : 4 + max(length, 0)].decode("cp1252", "replace")))
+        metadata = SpectrumMetadata(SP, **_history(members.get(_HISTORY, b"")))
+        x, y = np.linspace(first, last, count), np.frombuffer(values, "<f8")
+        spectra.append(RawSpectrum(x, y, names[0], names[1], metadata))
+    return spectra
 
 
 def _blocks(source: Source, data: bytes) -> Iterator[tuple[int, bytes]]:
@@ -55,35 +74,6 @@ def _blocks(source: Source, data: bytes) -> Iterator[tuple[int, bytes]]:
             source.refuse(f"is damaged: a block of {size} bytes does not fit into it")
         yield tag, data[at : at + size]
         at += size
-
-
-def _from_set(source: Source, members: dict[int, bytes]) -> RawSpectrum:
-    for tag, what in _NEEDED.items():
-        if tag not in members:
-            source.refuse(f"is damaged: its {what} is missing")
-    first, last = struct.unpack_from("<2d", members[_RANGE], 2)
-    (count,) = struct.unpack_from("<i", members[_COUNT], 2)
-    kind, size = struct.unpack_from("<HI", members[_VALUES])
-    values = members[_VALUES][6:]
-    if kind != _DOUBLES or size != len(values) or size != _DOUBLE * count or count < 2:
-        source.refuse(f"is damaged: it names {count} points and holds {len(values) // _DOUBLE}")
-    if _STEP in members:
-        (step,) = struct.unpack_from("<d", members[_STEP], 2)
-        if not abs(abs(step) * (count - 1) - abs(last - first)) <= abs(step):
-            source.refuse(
-                f"is damaged: {count} points in steps of {step:g} do not reach from {first:g} to "
-                f"{last:g}"
-            )
-    return RawSpectrum(
-        np.linspace(first, last, count), np.frombuffer(values, "<f8"),
-        _label(members[_X_LABEL]), _label(members[_Y_LABEL]),
-        SpectrumMetadata(SP, **_history(members.get(_HISTORY, b""))),
-    )  # fmt: skip
-
-
-def _label(member: bytes) -> str:
-    (length,) = struct.unpack_from("<h", member, 2)
-    return one_line(member[4 : 4 + max(length, 0)].decode("cp1252", "replace"))
 
 
 def _history(data: bytes) -> dict[str, str]:
@@ -117,7 +107,14 @@ def read_asc(source: Source) -> list[RawSpectrum]:
         if mark not in lines:
             source.refuse(f"is damaged: its line {mark} is missing")
     axes, start = lines.index("#GR"), lines.index("#DATA") + 1
-    pairs = [_pair(source, line, at) for at, line in enumerate(lines[start:], start + 1) if line]
+    pairs = []
+    for at, line in enumerate(lines[start:], start + 1):
+        if line:
+            try:
+                first, second = map(float, line.replace(",", ".").split())
+            except ValueError:
+                source.refuse(f'"{line[:40]}" is not a pair of numbers', at)
+            pairs.append((first, second))
     x, y = np.array(pairs, float).reshape(-1, 2).T
     grid = lines[axes + 1 : start]
     if len(grid) > _ASC_COUNT and grid[_ASC_COUNT - 1].isdigit():
@@ -129,12 +126,3 @@ def read_asc(source: Source) -> list[RawSpectrum]:
         name: one_line(text)[:80] for name, text in said.items() if not text.startswith("#")
     }
     return [RawSpectrum(x, y, grid[0], grid[1], SpectrumMetadata(ASC, **metadata))]
-
-
-def _pair(source: Source, line: str, number: int) -> tuple[float, float]:
-    cells = line.replace(",", ".").split()
-    try:
-        x, y = map(float, cells)
-    except ValueError:
-        source.refuse(f'"{line[:40]}" is not a pair of numbers', number)
-    return x, y

@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lightflyer.lab.readers.formats import Source
-from lightflyer.lab.readers.spectra.raw import MOST_POINTS, RawSpectrum, SpectrumMetadata, plain
+from lightflyer.lab.readers.formats import MOST_POINTS, RawSpectrum, Source, SpectrumMetadata, plain
 
 FORMAT = "Galactic .spc"
 

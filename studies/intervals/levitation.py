@@ -29,7 +29,19 @@ SCATTER = 0.04  # of log-irradiance
 UNEVEN = 0.15  # of the distance between pressures
 HOTTEST = 2000.0
 FINE = np.linspace(*SPAN, 2000)
-CONDITIONS = [(8, 0.0), (8, 100.0), (12, 100.0), (12, 200.0), (40, 0.0), (40, 100.0), (40, 200.0)]
+GAP = 2.2, 8.0  # [Pa], around the optima
+WHOLE = np.inf, np.inf
+CONDITIONS = {
+    "8 points, no steps": (8, 0.0, WHOLE),
+    "8 points, steps of 100 W/m^2": (8, 100.0, WHOLE),
+    "12 points, steps of 100 W/m^2": (12, 100.0, WHOLE),
+    "12 points, steps of 200 W/m^2": (12, 200.0, WHOLE),
+    "40 points, no steps": (40, 0.0, WHOLE),
+    "40 points, steps of 100 W/m^2": (40, 100.0, WHOLE),
+    "40 points, steps of 200 W/m^2": (40, 200.0, WHOLE),
+    "24 points, none from 2.2 to 8 Pa": (24, 0.0, GAP),
+    "60 points, none from 2.2 to 8 Pa": (60, 0.0, GAP),
+}
 DRAWS = 1000
 
 
@@ -47,12 +59,13 @@ def lift_off(emittance, areal_density):
     return np.log(power / (ABSORPTANCE * area))
 
 
-def measured(rng, name, truth, count, step, errors):
+def measured(rng, name, truth, count, step, gap, errors):
     """Points of one sample as they would be noted."""
     distance = (SPAN[1] - SPAN[0]) / (count - 1)
     place = np.linspace(*SPAN, count) + UNEVEN * distance * rng.normal(size=count)
     place = np.clip(place, *SPAN)
-    light = np.interp(place, FINE, truth) + SCATTER * rng.normal(size=count)
+    place = place[(np.exp(place) < gap[0]) | (np.exp(place) > gap[1])]
+    light = np.interp(place, FINE, truth) + SCATTER * rng.normal(size=place.size)
     read = np.exp(light + errors[1])
     if step:
         read = step * np.ceil(read / step)
@@ -65,17 +78,16 @@ def trials(seed):
     density = 1e-3 * rng.uniform(0.9, 1.1)
     truths = {name: lift_off(emittance, density) for name, emittance in EMITTANCES.items()}
     found = []
-    for count, step in CONDITIONS:
+    for words, (count, step, gap) in CONDITIONS.items():
         errors = np.array([GAUGE, METER]) * rng.normal(size=2)
         curves = [
             levitation_curve(
-                measured(rng, name, truth, count, step, errors),
+                measured(rng, name, truth, count, step, gap, errors),
                 step=step, draws=DRAWS, seed=2 * seed + number,
                 pressure_accuracy=GAUGE, irradiance_accuracy=METER,
             )
             for number, (name, truth) in enumerate(truths.items())
         ]  # fmt: skip
-        words = f"{count} points, " + (f"steps of {step:.0f} W/m^2" if step else "no steps")
         truth = truths["Ge"]
         place, value = np.exp([FINE[truth.argmin()], truth.min()])
         pressure, light = curves[0].optimal_pressure, curves[0].minimum_irradiance

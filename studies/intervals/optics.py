@@ -5,6 +5,7 @@ of each spectrum drawn from their accuracies. A clear film on glass is seen by a
 errors of N, C and S in common to all points. Noise is white.
 """
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -101,7 +102,17 @@ def angles(rng):
     return OpticsSample(clear_film_of, free, spectra), truth
 
 
-CONDITIONS = {"T and R of germanium on mylar": two_spectra, "Ψ and Δ of a clear film": angles}
+def folded_angles(rng):
+    """N and C alone, of an ellipsometer that does not see the sign of Δ, and the truth."""
+    sample, truth = angles(rng)
+    return replace(sample, spectra=sample.spectra[:2]), truth
+
+
+CONDITIONS = {
+    "T and R of germanium on mylar": two_spectra,
+    "Ψ and Δ of a clear film": angles,
+    "Ψ and folded Δ of a clear film": folded_angles,
+}
 
 
 @cache

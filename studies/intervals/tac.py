@@ -17,6 +17,7 @@ from trial import Trial
 
 import lightflyer as lf
 from lightflyer.files.table import Table
+from lightflyer.lab.gauges import rows_at_the_end
 
 COMMAND = "lab tac"
 
@@ -39,6 +40,7 @@ class Condition(NamedTuple):
     drift: float = 0.0  # of the plateau over the run, relative
     stated: bool = True  # whether the command knows of the drift
     noise: float = 0.01  # of the power of one row, relative
+    end: float = np.inf  # of the gauge's range [Pa]; beyond it shows its end
 
     def accuracy(self) -> lf.lab.TacAccuracy:
         """What the command is told."""
@@ -60,6 +62,7 @@ CONDITIONS = {
     "plateau drifts, 2000 rows": Condition(*MANY, drift=0.05),
     "drift not stated": Condition(*USUAL, drift=0.05, stated=False),
     "drift not stated, 2000 rows": Condition(*MANY, drift=0.05, stated=False),
+    "gauge ends at 10 Pa": Condition(*USUAL, end=10.0),
 }
 
 
@@ -183,8 +186,9 @@ def run_of(rng, condition, off, tac=None):
     area = 0.25 * np.pi * diameter**2
     watts = truth["area_ratio"] * (gas + truth["offset"]) * area * (hot - AMBIENT)
     watts *= (1.0 + power) * (1.0 + condition.noise * rng.normal(size=pressure.size))
-    read = pressure * (1.0 + gauge) + zero
+    read = np.minimum(pressure * (1.0 + gauge) + zero, condition.end)
     seen = read > 0.0  # a table's reader rejects what is below the gauge's zero
+    seen[seen] = ~rows_at_the_end(read[seen], watts[seen])
     count = int(seen.sum())
     table = Table("synthetic", np.arange(count) + 2, {})
     heater, ambient = np.full(count, HEATER), np.full(count, AMBIENT)

@@ -377,12 +377,17 @@ def test_model_and_calibration(truth, rng):
     )
 
 
-def across_a_gap(rng, gap, count=28, noise=0.05):
-    """Points of two powers and a constant, none within the gap, and their optimum's logarithms."""
+def two_powers(rng):
+    """Logarithms of pressures and of two powers of them and a constant."""
     fine = np.linspace(np.log(1.2), np.log(40.0), 4000)
     rise, fall, flat = rng.uniform(0.8, 1.3), rng.uniform(0.8, 1.2), rng.uniform(0.0, 0.8)
     away = fine - np.log(rng.uniform(3.4, 5.5))
-    light = np.log(700.0 * (np.exp(-fall * away) + np.exp(rise * away) + flat))
+    return fine, np.log(700.0 * (np.exp(-fall * away) + np.exp(rise * away) + flat))
+
+
+def across_a_gap(rng, gap, count=28, noise=0.05, curve=None):
+    """Points of a curve, none within the gap, and their optimum's logarithms."""
+    fine, light = curve or two_powers(rng)
     x = rng.uniform(fine[0], fine[-1], count)
     x = np.sort(x[(x < np.log(gap[0])) | (x > np.log(gap[1]))])
     y = np.interp(x, fine, light) + noise * rng.normal(size=x.size)
@@ -402,19 +407,24 @@ def test_a_minimum_in_a_gap_is_in_doubt(rng):
 
 
 @pytest.mark.slow
-def test_intervals_across_a_gap_hold_the_truth():
-    rng, hits, trials = np.random.default_rng(11), np.zeros(2), 400
+@pytest.mark.parametrize("of_model", [False, True])
+@pytest.mark.parametrize(("count", "noise"), [(28, 0.05), (60, 0.05), (28, 0.02)])
+def test_intervals_across_a_gap_hold_the_truth(truth, count, noise, of_model):
+    """A curve of a model is steeper on one side; a polynomial of degree 4 held 66 % of those."""
+    rng, hits, trials = np.random.default_rng(11), np.zeros(2), 200
+    curve, widths = truth if of_model else None, []
     for seed in range(trials):
-        points, truth = across_a_gap(rng, (rng.uniform(1.8, 2.8), rng.uniform(7.0, 10.0)))
-        curve = levitation_curve(
-            points, draws=1000, seed=seed, pressure_accuracy=0.0, irradiance_accuracy=0.0
+        gap = rng.uniform(1.8, 2.8), rng.uniform(7.0, 10.0)
+        points, least = across_a_gap(rng, gap, count, noise, curve)
+        fit = levitation_curve(
+            points, draws=500, seed=seed, pressure_accuracy=0.0, irradiance_accuracy=0.0
         )
-        found = curve.optimal_pressure, curve.minimum_irradiance
+        found = fit.optimal_pressure, fit.minimum_irradiance
         hits += [one.interval[0] <= np.exp(at) <= one.interval[1]
-                 for one, at in zip(found, truth, strict=True)]  # fmt: skip
-    # the pressure's interval is wider than it need be, which is the gap's
-    assert hits[0] / trials >= 0.93
-    assert 0.93 <= hits[1] / trials <= 0.97
+                 for one, at in zip(found, least, strict=True)]  # fmt: skip
+        widths.append(np.log(np.divide(*fit.minimum_irradiance.interval[::-1])))
+    assert np.all(hits / trials >= 0.93)
+    assert np.median(widths) < 0.5
 
 
 @pytest.mark.parametrize("other", ["GE 2 cm", "Ge\u00a02 cm", "Ge  2 cm", "ge 2\u202fcm"])

@@ -18,7 +18,9 @@ DEGREE = 2  # Degree of the local polynomials
 
 _GRID = 300  # places of the curve
 _GAP = 0.2  # of the log-pressures, in one step between neighbours
-_ACROSS = 4  # degree of the polynomial across a gap
+_DEGREES = 3  # coefficients of the parabola that a curve across a gap leaves
+_RATIOS = np.geomspace(1.0, 1e12, 49)  # of its bends' variance to the scatter's, log-pressures 0..1
+_UNLIKELY = 1e-4  # of the likeliest ratio
 _LEAST_LIGHT = 0.25  # of a step, that a simulated reading is kept above
 _TINY = 1e-9  # of a local fit's singular values
 
@@ -57,14 +59,63 @@ def smoother(
     return np.asarray(np.linalg.pinv(powers * root[..., None], _TINY)[:, 0, :] * root)
 
 
-def polynomial(
-    x: np.ndarray, places: np.ndarray, degree: int, weight: np.ndarray | float = 1.0
-) -> np.ndarray:
-    """Matrix of one polynomial through all points, shape (m, n); ``weight`` (n,)."""
-    middle, half = 0.5 * (x.max() + x.min()), 0.5 * np.ptp(x)
-    root = np.sqrt(np.broadcast_to(weight, x.shape))
-    inside, outside = (np.vander((one - middle) / half, degree + 1) for one in (x, places))
-    return np.asarray(outside @ np.linalg.pinv(inside * root[:, None]) * root)
+def across(
+    x: np.ndarray,
+    y: np.ndarray,
+    grid: np.ndarray,
+    error: np.ndarray,
+    draws: int,
+    rng: np.random.Generator,
+    known: float | None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Curve through points on both sides of a gap, shape (m,), and draws of it, shape (b, m).
+
+    ``error``: the points' scatter, shape (n,), in units of ``known``, or of what is unknown.
+    """
+    # [Wahba1978]_: of a parabola whose second derivative walks at random, the expected curve is the
+    # quintic smoothing spline. How far it walks, the points tell; before them, Jeffreys' prior.
+    # They are projected where the parabola is none, and its covariance is diagonal.
+    places, s = ((one - grid[0]) / np.ptp(grid) for one in (grid, x))
+    powers = np.vander(s, _DEGREES)
+    free = np.linalg.qr(powers / error[:, None], mode="complete")[0][:, _DEGREES:]
+    bends, axes = np.linalg.eigh(free.T @ (_bends(s, s) / np.outer(error, error)) @ free)
+    variance = 1.0 + np.outer(_RATIOS, np.maximum(bends, 0.0))
+    square = np.sum((axes.T @ (free.T @ (y / error))) ** 2 / variance, axis=1)
+    share, count = 1.0 - 1.0 / variance, bends.size
+    told = np.sum(share**2, axis=1) - (0.0 if known else np.sum(share, axis=1) ** 2 / count)
+    misfit = square / known**2 if known else count * np.log(square)
+    chance = np.exp(-0.5 * (np.sum(np.log(variance), axis=1) + misfit - misfit.min()))
+    chance *= np.sqrt(np.maximum(told, 0.0))
+    chance[chance < _UNLIKELY * chance.max()] = 0.0
+    chance /= chance.sum()
+    which = rng.choice(_RATIOS.size, draws, p=chance)
+    spread = (
+        np.full(draws, known) if known else np.sqrt(square[which] / rng.chisquare(count, draws))
+    )
+    everywhere = np.concatenate([places, s])
+    values, vectors = np.linalg.eigh(_bends(everywhere, everywhere))
+    walk = vectors * np.sqrt(np.maximum(values, 0.0))
+    curve, curves = np.zeros(grid.size), np.empty((draws, grid.size))
+    for number in np.flatnonzero(chance):
+        ratio, here = _RATIOS[number], np.flatnonzero(which == number)
+        inverse = np.linalg.inv(ratio * _bends(s, s) + np.diag(error**2))
+        parabola = np.linalg.solve(powers.T @ inverse @ powers, powers.T @ inverse)
+        rest = ratio * _bends(places, s) @ inverse @ (np.eye(x.size) - powers @ parabola)
+        spline = np.vander(places, _DEGREES) @ parabola + rest
+        # a walk, less what the spline makes of it and of scatter
+        drawn = np.sqrt(ratio) * rng.normal(size=(here.size, everywhere.size)) @ walk.T
+        noise = drawn[:, grid.size :] + error * rng.normal(size=(here.size, x.size))
+        off = drawn[:, : grid.size] - noise @ spline.T
+        curve += chance[number] * (spline @ y)
+        curves[here] = spline @ y + spread[here, None] * off
+    return curve, curves
+
+
+def _bends(s: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Covariance of what random walks from 0 are when integrated twice, shape (m, n)."""
+    first = np.minimum.outer(s, t)
+    apart = np.abs(np.subtract.outer(s, t))
+    return np.asarray(first**3 * (first**2 / 20.0 + first * apart / 8.0 + apart**2 / 12.0))
 
 
 def widest_gap(x: np.ndarray) -> tuple[float, float] | None:
@@ -100,21 +151,13 @@ def minimum(
     weight = (error.min() / error) ** 2
     once, at_points = smoother(x, grid, span, weight), smoother(x, x, span, weight)
     again = 2.0 * np.eye(x.size) - at_points
-    (place,), (local,), _ = _least(grid, (once @ again @ y)[None])
-    others, values_of_others = _least(grid, (once @ y)[None])[0], None
-    gap = widest_gap(x)
-    if gap is not None and not gap[0] < place < gap[1]:
-        gap = None
-    if gap is not None:
-        # a local fit has no points in its middle and swings: one polynomial reaches across; the
-        # local fit and that of one degree less tell how far its shape may be wrong
-        cubic, (deep,), _ = _least(grid, (polynomial(x, grid, _ACROSS - 1, weight) @ y)[None])
-        others, values_of_others = np.array([place, *cubic]), np.array([local, deep])
-        once, at_points = polynomial(x, grid, _ACROSS, weight), polynomial(x, x, _ACROSS, weight)
-        again = np.eye(x.size)
     twice, fitted = once @ again, at_points @ again @ y
     (place,), (value,), (edge,) = _least(grid, (twice @ y)[None])
     (start,), (bottom,), _ = _least(grid, (twice @ fitted)[None])
+    other = _least(grid, (once @ y)[None])[0]
+    gap = widest_gap(x)
+    if gap is not None and not gap[0] < place < gap[1]:
+        gap = None
     residual = (np.eye(x.size) - at_points @ again) * error / error[:, None]
     square = residual.T @ residual
     first = np.trace(square)
@@ -137,22 +180,25 @@ def minimum(
         simulated = _step_lines(simulated, step, rng)
     curves = simulated @ twice.T
     places, values, edges = _least(grid, curves)
-    # the truth is anywhere between the shapes and as far beyond, as likely at one place as another
-    evenly = 1.0 if gap is None else 2.0 * UNIFORM_SPREAD
-    smoothing = evenly * np.max(np.abs(place - others)) * rng.normal(size=draws)
-    across = np.zeros(draws)
-    if values_of_others is not None:
-        across = evenly * np.max(np.abs(value - values_of_others)) * rng.normal(size=draws)
+    smoothing = np.abs(place - other) * rng.normal(size=draws)
+    curve, places = twice @ y, place + (places - start) + smoothing
+    curves, values = twice @ (y + fitted) - curves, value - (values - bottom)
+    if gap is not None:
+        least = float(error.min())
+        known = None if stated is None or probability < LEAST_PROBABILITY else least
+        curve, curves = across(x, y, grid, error / least, draws, rng, known)
+        (place,), (value,), (edge,) = _least(grid, curve[None])
+        places, values, edges = _least(grid, curves)
     return Minimum(
         float(place),
         float(value),
         int(edge),
-        place + (places - start) + smoothing,
-        value - (values - bottom) + across,
+        places,
+        values,
         edges,
         grid,
-        twice @ y,
-        twice @ (y + fitted) - curves,
+        curve,
+        curves,
         (y - fitted) / error,
         alike,
         np.nan if stated is None else float(np.sqrt(variance)),

@@ -75,6 +75,16 @@ def test_a_unit_is_not_set_to_one_in_silence(tmp_path):
         read_height_map(path, size=1e-6)
 
 
+@pytest.mark.parametrize("apart", ["   ", ", ", " , ", "; ", "\t"])
+@pytest.mark.parametrize("mark", [".", ","])
+def test_decimal_commas_whatever_is_between(tmp_path, apart, mark):
+    """https://github.com/numpy/numpy/issues/13810: "0,1   0,2" was no number."""
+    values = np.round(np.random.default_rng(1).uniform(24.0, 31.0, (8, 8)), 1)
+    rows = (apart.join(f"{one:.1f}".replace(".", mark) for one in row) for row in values)
+    image = read_thermal_image(write(tmp_path, "\n".join(rows) + "\n"), scale=parse_scale("°C"))
+    assert image.temperature == pytest.approx(values + 273.15)
+
+
 @pytest.mark.parametrize(("scale", "number"), [("0.1 K", 3000.0), ("1 mK", 300000.0)])
 def test_counts_of_a_camera_are_what_its_maker_says(tmp_path, scale, number):
     """https://github.com/terraref/computing-pipeline/issues/151: 3000 is 300 K."""

@@ -20,6 +20,7 @@ from lightflyer.files.table_layout import is_comment, split_cells
 
 _LEADING_ZERO = re.compile(r"[+-]?0\d+")
 _MARKED = re.compile(r"[+-]?\d[\d.,]*(e[+-]?\d+)?|[+-]?,\d+", re.I)
+_APART = re.compile(r"\s*,\s+")
 _HEAD = 1000  # cells in which a mark may show what it is
 _LEAST_AXIS = 8  # numbers; fewer are one where they count 0, 1, 2 or 1, 2, 3
 _EVEN = 0.2  # of a step, by which the numbers of an axis may be rounded
@@ -53,8 +54,14 @@ def read_number_matrix(path: str | Path, what: str) -> NumberMatrix:
         raise ConfigurationError(f"{path}: is empty; a matrix of {what} is needed")
     last = written[-1][1]
     delimiter = next((mark for mark in ("\t", ";") if mark in last), None)  # None is white space
-    if delimiter is None and "," in last and len(last.split(",")) > len(last.split()):
-        delimiter = ","
+    if delimiter is None and "," in last:
+        tokens = last.split()
+        apart = any(token.endswith(",") for token in tokens[:-1])
+        if len(tokens) == 1 or (apart and "." in last):
+            delimiter = ","
+        elif apart:  # a comma and a blank between numbers with decimal commas
+            written = [(number, _APART.sub("\t", line)) for number, line in written]
+            delimiter = "\t"
     rows = []
     for number, line in written:
         cells = [cell.strip() for cell in split_cells(line, delimiter)]

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from lightflyer.core.errors import Doubt
+from lightflyer.film.media.dispersion import TaucLorentz
+from lightflyer.film.media.effective_media import bruggeman
 from lightflyer.lab.optics.data import read_sample
 from lightflyer.lab.optics.fit import fit_optics
 
@@ -109,6 +111,89 @@ def test_a_mirror_of_quarter_waves(tmp_path):
     found = optics(tmp_path, f"layers = [{layers}]", wavelength)
     s = (high / low) ** (2 * pairs)
     assert found.r[0] == pytest.approx(((1.0 - s) / (1.0 + s)) ** 2, rel=1e-7)
+
+
+def airy_aslant(index, thickness, wavelength, angle):
+    """Reflectance and transmittance of a layer in air for s and p, shape (2,)."""
+    cosine = np.cos(angle), np.sqrt(1.0 - (np.sin(angle) / index) ** 2 + 0j)
+    phase = np.exp(2j * np.pi * index * thickness * cosine[1] / wavelength)
+    first = np.array([
+        fresnel(cosine[0], index * cosine[1]), fresnel(index * cosine[0], cosine[1])
+    ])  # fmt: skip
+    first[1] *= -1.0
+    bottom = 1.0 - first**2 * phase**2
+    r, t = first * (1.0 - phase**2) / bottom, (1.0 - first**2) * phase / bottom
+    return abs(r) ** 2, abs(t) ** 2
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0, 55.0, 70.0])
+def test_a_layer_in_air_at_any_angle(tmp_path, angle):
+    """https://github.com/bahremsd/tmmax/issues/19: 100 nm of SiO2 from 0 to 70°, s and p."""
+    layer = table(tmp_path, "sio2", 1.46 + 0j)
+    found = optics(
+        tmp_path, f'layers = [{{{layer}, thickness = "100 nm"}}]', 0.6e-6, np.radians(angle)
+    )
+    r, t = airy_aslant(1.46, 100e-9, 0.6e-6, np.radians(angle))
+    assert found.r[:, 0] == pytest.approx(r, rel=1e-6, abs=1e-12)
+    assert found.t[:, 0] == pytest.approx(t, rel=1e-6)
+
+
+def test_a_metal_below_reflects_no_more_than_all(tmp_path):
+    """https://github.com/kc-ml2/meent/pull/98: 1.056 of gold's |(N - 1)/(N + 1)|² = 0.98."""
+    gold = 0.13 + 4.0j
+    layer, below = table(tmp_path, "air", 1.0 + 0j), table(tmp_path, "gold", gold)
+    body = (
+        f'layers = [{{{layer}, thickness = "1 nm"}}]\nsubstrate = {{{below}, thickness = "100 um"}}'
+    )
+    found = optics(tmp_path, body, 0.6e-6)
+    assert found.r == pytest.approx(np.full((2, 1), abs(fresnel(1.0, gold)) ** 2), rel=1e-6)
+    assert np.all(found.r < 1.0)
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        (1.5 + 0j, 0.13 + 4.0j),  # a metal in glass
+        (1.0 + 0j, 4.3 + 0.6j),
+        (0.2 + 3.4j, 1.33 + 0j),
+    ],
+)
+@pytest.mark.parametrize("share", [0.1, 0.33, 0.5, 0.9])
+def test_a_mixture_has_the_root_that_absorbs(parts, share):
+    """https://github.com/PyEllips/pyElli/pull/173: of two roots the wrong one, which gives light.
+
+    https://github.com/manoharan-lab/structural-color/pull/76: complex indices.
+    """
+    index = np.array(parts)
+    n, k = bruggeman(index.real, index.imag, [1.0 - share, share])
+    mixed, each = (n + 1j * k) ** 2, index**2
+    shares = np.array([1.0 - share, share])
+    away = np.sum(shares * (each - mixed) / (each + 2.0 * mixed))
+    assert abs(away) < 1e-10
+    assert n > 0.0
+    assert k >= 0.0
+    # between the parts for any shape of grains: Wiener's bounds turn round the origin
+    turn = np.angle(each).min(), np.angle(each).max()
+    assert turn[0] - 1e-9 <= np.angle(mixed) <= turn[1] + 1e-9
+
+
+def test_a_term_of_tauc_and_lorentz_obeys_causality():
+    """https://github.com/franko/regress-pro/issues/5: the real part was that of a misprint.
+
+    It is the Kramers-Kronig transform of the imaginary one, here by the principal value on a grid
+    half way between the energies asked for.
+    """
+    term = TaucLorentz("122 eV", "3.45 eV", "2.54 eV", "1.2 eV")
+    ev = 1.602176634e-19
+    step = 0.002
+    wanted = np.arange(1.5, 6.0, 0.5)
+    places = (np.arange(400_000) + 0.5) * step
+    absorbed = term.permittivity(places * ev)[1]
+    expected = [
+        2.0 / np.pi * step * np.sum(places * absorbed / (places**2 - one**2)) for one in wanted
+    ]
+    found = np.asarray(term.permittivity(wanted * ev)[0])
+    assert found == pytest.approx(expected, abs=5e-3)
 
 
 def angles_of(thickness, wavelengths, incidence, index=1.47, below=3.9):

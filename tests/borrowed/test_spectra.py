@@ -11,7 +11,7 @@ from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.lab.readers.formats import Source
 from lightflyer.lab.readers.spectra.interpretation import ReadOptions, interpret_spectrum
-from lightflyer.lab.readers.spectrum_data import format_of, read_raw
+from lightflyer.lab.readers.spectrum_data import format_of, read_raw, read_spectrum
 
 
 def read(name, content, **wanted):
@@ -93,13 +93,13 @@ WAVES = np.array([1000.0, 1010.0, 1030.0, 1035.0], "<f4")
 SHARES = np.array([0.5, 0.25, 0.125, 0.75], "<f4")
 
 
-def spc(flags, curves, exponent=-128, of_curve=-128, own_x=()):
+def spc(flags, curves, exponent=-128, of_curve=-128, own_x=(), common_x=None):
     """SPC.H: 512 bytes, then for each spectrum 32 bytes, its own abscissae and its values."""
     head = struct.pack(
         "<BBBbIddIBBB", flags, 0x4B, 4, exponent, len(WAVES), WAVES[0], WAVES[-1], len(curves),
         1, 128, 0,
     ).ljust(512, b"\0")  # fmt: skip
-    out = head
+    out = head + (b"" if common_x is None else common_x.tobytes())
     for number, one in enumerate(curves):
         below = struct.pack("<BbHfffII", 0, of_curve, number, 0.0, 0.0, 0.0, len(one), 0)
         out += below.ljust(32, b"\0")
@@ -121,6 +121,39 @@ def test_each_spectrum_has_abscissae_of_its_own():
     found = read("case.spc", content, spectrum="2")
     assert found.wavenumber / 100.0 == pytest.approx(places[1])
     assert found.value == pytest.approx(SHARES / 2)
+
+
+@pytest.mark.parametrize(("bits", "flag"), [(32, 0x00), (16, 0x01)])
+def test_abscissae_have_no_exponent(bits, flag):
+    """https://github.com/rohanisaac/spc/pull/2: the exponent is that of the values.
+
+    Values of so many bits are whole numbers over 2^bits, times 2 to the exponent, here 3.
+    """
+    whole = (SHARES / 8.0 * 2.0**bits).astype(f"<i{bits // 8}")
+    content = spc(0x80 | flag, [whole], exponent=3, of_curve=3, common_x=WAVES)
+    found = read("case.spc", content)
+    assert found.wavenumber / 100.0 == pytest.approx(WAVES)
+    assert found.value == pytest.approx(SHARES, rel=1e-3 if flag else 1e-6)
+
+
+def test_spectra_share_their_abscissae():
+    """https://github.com/spectrochempy/spectrochempy/pull/1544: the second had none."""
+    content = spc(0x04 | 0x80, [SHARES, SHARES / 2], common_x=WAVES)
+    found = read("case.spc", content, spectrum="2")
+    assert found.wavenumber / 100.0 == pytest.approx(WAVES)
+    assert found.value == pytest.approx(SHARES / 2)
+
+
+@pytest.mark.parametrize("turned", [1, -1])
+def test_an_order_of_wavenumbers_does_not_matter(tmp_path, turned):
+    """https://github.com/spectrochempy/spectrochempy/issues/858: values stood the other way."""
+    rows = [f"{x:.1f},{100 * y:.3f}" for x, y in zip(WAVES, SHARES, strict=True)][::turned]
+    path = tmp_path / "case.csv"
+    path.write_text("wavenumber [cm^-1],T [%]\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    found = read_spectrum(path)
+    order = np.argsort(found.wavenumber)
+    assert found.wavenumber[order] / 100.0 == pytest.approx(WAVES)
+    assert found.value[order] == pytest.approx(SHARES)
 
 
 CURRENT = (Column("current", Quantity("A"), required=True), Column("time", Quantity("s")))

@@ -1,0 +1,127 @@
+"""Public reports of weather files and winds: fields in closed form, on small grids."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from lightflyer.environment import GriddedWind, Place
+
+START = np.datetime64("2026-06-21T00:00", "ns")
+TIMES = START + np.arange(2) * np.timedelta64(6, "h")
+LEVELS = np.arange(20.0, 81.0, 20.0)  # [km]
+NORTH = np.arange(-90.0, 91.0, 5.0)
+DIMS = ("time", "altitude", "latitude", "longitude")
+
+
+def weather(field, east, north=NORTH, levels=LEVELS):
+    """A file of u and v [m/s]; ``field`` of altitude [km], latitude and longitude [deg]."""
+    u, v = field(*np.meshgrid(levels, north, east, indexing="ij"))
+    shape = (len(TIMES), len(levels), len(north), len(east))
+    return xr.Dataset(
+        {name: (DIMS, np.broadcast_to(one, shape).copy(), {"units": "m s-1"})
+         for name, one in (("u", u), ("v", v))},
+        coords={"time": TIMES, "altitude": ("altitude", levels, {"units": "km"}),
+                "latitude": north, "longitude": east},
+    )  # fmt: skip
+
+
+def wind_at(wind, north, east, altitude=50e3):
+    found = wind.velocity(altitude, Place.at(START, north, east))
+    return np.array([np.asarray(found.east), np.asarray(found.north)])
+
+
+def waves(altitude, north, east):
+    """Smooth and the same at both sides of every meridian."""
+    away = np.cos(np.radians(north))
+    return away * (20.0 + 10.0 * np.cos(np.radians(east))), away * 8.0 * np.sin(np.radians(east))
+
+
+POSITIVE, SIGNED = np.arange(0.0, 360.0, 5.0), np.arange(-180.0, 180.0, 5.0)
+
+
+@pytest.mark.parametrize("east", [POSITIVE, SIGNED])
+@pytest.mark.parametrize("place", [-106.97, 253.03, -0.3, 359.7, 179.9, -180.0])
+def test_longitudes_have_either_sign(east, place):
+    """https://github.com/RocketPy-Team/RocketPy/issues/24: files of negative longitudes.
+
+    https://github.com/jonsowman/cusf-standalone-predictor/issues/77: launches at such.
+    """
+    found = wind_at(GriddedWind(weather(waves, east)), 33.0, place)
+    assert found == pytest.approx(np.array(waves(50.0, 33.0, place)), rel=2e-4, abs=2e-3)
+
+
+def test_no_seam_at_the_prime_meridian():
+    """https://github.com/nextsimhub/nextsimdg/issues/888: winds were disturbed along it."""
+    wind = GriddedWind(weather(waves, POSITIVE))
+    places = np.linspace(-6.0, 6.0, 25)
+    found = wind_at(wind, np.full(25, 60.0), places)
+    assert found == pytest.approx(np.array(waves(50.0, 60.0, places)), rel=2e-4, abs=2e-3)
+    assert np.abs(np.diff(found, 2)).max() < 1e-3
+
+
+@pytest.mark.parametrize("pole", [90.0, -90.0])
+def test_a_polar_row_that_is_one_pair_of_numbers(pole):
+    """https://github.com/nextsimhub/nextsimdg/issues/368: the rows of poles in ERA5.
+
+    https://github.com/slcs-jsc/mptrac/issues/32: parcels stuck to the pole. Across it blow 20 m/s.
+    """
+
+    def across(altitude, north, east):
+        sign = np.sign(north)
+        u, v = -20.0 * np.sin(np.radians(east)), -20.0 * sign * np.cos(np.radians(east))
+        polar = np.abs(north) == 90.0
+        return np.where(polar, 3.0, u), np.where(polar, -7.0, v)
+
+    wind = GriddedWind(weather(across, POSITIVE))
+    places = np.copysign([90.0, 89.9, 88.0, 86.0], pole)
+    speed = np.hypot(*wind_at(wind, places, np.full(4, 37.0)))
+    assert speed == pytest.approx(20.0, rel=5e-3)
+
+
+def test_latitudes_that_fall():
+    """https://github.com/dbekaert/RAiDER/issues/806, mended by 811: one field was mirrored."""
+
+    def field(altitude, north, east):
+        return north + 0.0 * east, 2.0 * north + altitude + 0.0 * east
+
+    falling = weather(field, POSITIVE).isel(latitude=slice(None, None, -1))
+    for data in (falling, weather(field, POSITIVE)):
+        found = wind_at(GriddedWind(data), 32.0, 140.0, 40e3)
+        assert found == pytest.approx([32.0, 104.0], rel=1e-4)
+
+
+def test_levels_out_of_order():
+    """https://github.com/dbekaert/RAiDER/issues/568: levels of ERA5 came in another order."""
+
+    def field(altitude, north, east):
+        return altitude + 0.0 * north + 0.0 * east, 0.0 * altitude * north * east
+
+    data = weather(field, POSITIVE).isel(altitude=[2, 0, 3, 1])
+    assert wind_at(GriddedWind(data), 10.0, 10.0, 47e3)[0] == pytest.approx(47.0, rel=1e-6)
+
+
+def test_winds_are_interpolated_not_their_directions():
+    """https://github.com/firelab/windninja/issues/645: half way from 350° to 10° is no south wind.
+
+    https://github.com/RocketPy-Team/RocketPy/issues/253: the same between two levels.
+    """
+
+    def field(altitude, north, east):
+        comes_from = np.radians(np.where(altitude < 50.0, 350.0, 10.0) + 0.0 * north + 0.0 * east)
+        return -10.0 * np.sin(comes_from), -10.0 * np.cos(comes_from)
+
+    wind = GriddedWind(weather(field, POSITIVE, levels=np.array([40.0, 60.0])))
+    u, v = wind_at(wind, 45.0, 10.0, 50e3)
+    assert u == pytest.approx(0.0, abs=1e-6)
+    assert v == pytest.approx(-10.0 * np.cos(np.radians(10.0)), rel=1e-6)
+
+
+def test_between_the_grid_it_is_not_the_nearest_value():
+    """https://github.com/RocketPy-Team/RocketPy/issues/19: places were rounded to the next."""
+
+    def plane(altitude, north, east):
+        return 0.5 * north + 0.0 * east, 0.3 * np.abs(east - 180.0) + 0.0 * north
+
+    wind = GriddedWind(weather(plane, POSITIVE))
+    found = wind_at(wind, 31.0, 97.0)
+    assert found == pytest.approx([15.5, 0.3 * 83.0], rel=1e-4)

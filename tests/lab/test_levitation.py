@@ -411,7 +411,7 @@ def test_a_minimum_in_a_gap_is_in_doubt(rng):
 @pytest.mark.parametrize(("count", "noise"), [(28, 0.05), (60, 0.05), (28, 0.02)])
 def test_intervals_across_a_gap_hold_the_truth(truth, count, noise, of_model):
     """A curve of a model is steeper on one side; a polynomial of degree 4 held 66 % of those."""
-    rng, hits, trials = np.random.default_rng(11), np.zeros(2), 200
+    rng, hits, trials = np.random.default_rng(11), np.zeros(2), 120
     curve, widths = truth if of_model else None, []
     for seed in range(trials):
         gap = rng.uniform(1.8, 2.8), rng.uniform(7.0, 10.0)
@@ -422,9 +422,9 @@ def test_intervals_across_a_gap_hold_the_truth(truth, count, noise, of_model):
         found = fit.optimal_pressure, fit.minimum_irradiance
         hits += [one.interval[0] <= np.exp(at) <= one.interval[1]
                  for one, at in zip(found, least, strict=True)]  # fmt: skip
-        widths.append(np.log(np.divide(*fit.minimum_irradiance.interval[::-1])))
+        widths.append(1.0 - np.divide(*fit.minimum_irradiance.interval))
     assert np.all(hits / trials >= 0.93)
-    assert np.median(widths) < 0.5
+    assert np.median(widths) < 0.4
 
 
 @pytest.mark.parametrize("other", ["GE 2 cm", "Ge\u00a02 cm", "Ge  2 cm", "ge 2\u202fcm"])

@@ -10,7 +10,7 @@ import lightflyer as lf
 from lightflyer.array import tree
 from lightflyer.array.namespace import number, within
 from lightflyer.array.transformations import compiled
-from lightflyer.config.flyer_file import flyer_file_type, models_for
+from lightflyer.config.flyer_file import FlyerFile, models_for
 from lightflyer.config.reader import design_of_text
 from lightflyer.core.quantity import impossible_as_nan
 from lightflyer.design.tables import tabulate
@@ -21,7 +21,7 @@ KINDS = {name: one.document for name, one in templates().items() if name != "mis
 MODELS = [
     (kind, model)
     for kind, document in KINDS.items()
-    for model in models_for(type(flyer_file_type()(**document).flyer))
+    for model in models_for(type(FlyerFile(**document).flyer))
     if model != document["force"]["model"]
 ]
 COUNT = 24

@@ -8,7 +8,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.cli.commands.init import templates
-from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.config.flyer_file import FlyerFile
 from lightflyer.config.reader import read_design
 from lightflyer.core.entry_point import entry_point
 from lightflyer.design.diagnostics import diagnose_at, diagnose_force
@@ -261,7 +261,7 @@ def test_warnings_are_those_of_the_package(name, computed, expected, designs):
 def test_a_downloaded_file_is_the_design_shown(computed, designs):
     for name in MODELS:
         for text, row in zip(computed[name, "files"], designs[name][-SLOPED:], strict=True):
-            design = flyer_file_type()(**tomllib.loads(text)).design()
+            design = FlyerFile(**tomllib.loads(text)).design()
             for number, value in zip(model.COMPUTED, _si(row), strict=True):
                 if number.name != "altitude":
                     assert design.number(number.name) == pytest.approx(value, rel=1e-14, abs=0.0)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.config.flyer_file import FlyerFile
 from lightflyer.core.entry_point import entry_point
 from lightflyer.design.tables import tabulate
 from lightflyer.prediction.text import verdict_lines
@@ -191,7 +191,7 @@ def test_errors_are_shared_as_in_the_downloaded_file(run, apart):
     spreads |= {"film.tac_top": 0.01, "film.tac_bottom": 0.02}
     given = (name, spreads, {"film.tac_correlation": 0.9})
     samples, text = run(kind, [("samples", given), ("file", given)])
-    inputs = uncertain_inputs(flyer_file_type()(**tomllib.loads(text)).design())
+    inputs = uncertain_inputs(FlyerFile(**tomllib.loads(text)).design())
     columns = columns_of(kind, name, samples)
     columns["film.emittance"] = columns["film.emittance_top"]
     assert ("film.emittance" in inputs.names) == (apart == 0.0)
@@ -257,7 +257,7 @@ def test_nothing_uncertain_has_no_bands(run):
 def test_a_downloaded_file_has_the_uncertainties_shown(kind, run):
     name, spreads = model.force_models(kind)[0], stated(kind)
     (text,) = run(kind, [("file", (name, spreads))])
-    design = flyer_file_type()(**tomllib.loads(text)).design()
+    design = FlyerFile(**tomllib.loads(text)).design()
     for number in kind.computed:
         expected = spreads.get(number.name, 0.0) * model.factor(number, kind)
         assert design.uncertainties.get(number.name, 0.0) == pytest.approx(expected, rel=1e-12)

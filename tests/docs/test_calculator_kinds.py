@@ -5,7 +5,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.config.flyer_file import FlyerFile
 from lightflyer.core.entry_point import entry_point
 from lightflyer.design.tables import tabulate
 
@@ -95,7 +95,7 @@ def test_a_downloaded_file_is_the_design_shown(kind, scripts, run_javascript):
     name = model.force_models(kind)[-1]
     row = designs(kind, np.random.default_rng(5))[1]
     (text,) = run_javascript(scripts[kind.name] + _CALLS, [("file", (name, row.tolist()))])
-    design = flyer_file_type()(**tomllib.loads(text)).design()
+    design = FlyerFile(**tomllib.loads(text)).design()
     for number, value in zip(kind.computed, si(kind, row), strict=True):
         if number is not kind.coordinate:
             assert design.number(number.name) == pytest.approx(value, rel=1e-14, abs=0.0)

@@ -26,7 +26,7 @@ from PIL import Image
 
 import lightflyer as lf
 from lightflyer.cli.commands.init import templates
-from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.config.flyer_file import FlyerFile
 from lightflyer.config.reader import FLYER_FILE, read_film_file
 from lightflyer.files.toml_file import validate
 from lightflyer.lab.optics.data import SAMPLE_FILE, SampleFile
@@ -181,7 +181,7 @@ def require_readable(text):
             merged[name] = section | {"tac_top": 0.8, "tac_bottom": 0.9}
         if name == "environment":
             merged[name] = section  # its keys replace each other
-    validate(flyer_file_type(), merged, text, Path("flyer.toml"), FLYER_FILE)
+    validate(FlyerFile, merged, text, Path("flyer.toml"), FLYER_FILE)
 
 
 def fitting(content):

@@ -12,7 +12,7 @@ import xarray as xr
 from scipy.optimize import minimize
 
 import lightflyer as lf
-from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.config.flyer_file import FlyerFile
 from lightflyer.config.reader import FLYER_FILE
 from lightflyer.explorer import jobs, pages, view
 from lightflyer.explorer.compute import prediction_of, quick
@@ -424,4 +424,4 @@ def read_only(document):
     content = {name: part for name, part in document.items() if name != "mission"}
     text = to_toml(content)
     content = parse_toml(text, Path("flyer.toml"), FLYER_FILE)
-    validate(flyer_file_type(), content, text, Path("flyer.toml"), FLYER_FILE)
+    validate(FlyerFile, content, text, Path("flyer.toml"), FLYER_FILE)

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 import pytest
 
 import lightflyer as lf
-from lightflyer.config.flyer_file import flyer_file_type
+from lightflyer.config.flyer_file import FlyerFile
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.core.units import Measured
 from lightflyer.explorer import server
@@ -29,7 +29,7 @@ DOCUMENTS = {name: plain(template.document) for name, template in templates().it
 
 def read(document):
     """The flyer file that a document is, without building what it describes."""
-    return flyer_file_type().model_validate(document)
+    return FlyerFile.model_validate(document)
 
 
 @pytest.mark.parametrize("name", DOCUMENTS)

@@ -13,7 +13,7 @@ import numpy as np
 import lightflyer
 from lightflyer.array.namespace import within
 from lightflyer.cli.commands.init import templates
-from lightflyer.config.flyer_file import FileDesign, flyer_file_type, models_for
+from lightflyer.config.flyer_file import FileDesign, FlyerFile, models_for
 from lightflyer.core.errors import LightflyerError
 from lightflyer.core.quantity import quantities_of
 from lightflyer.core.units import scale_and_offset
@@ -76,7 +76,7 @@ def design(model: str, kind: Kind = DISK) -> FileDesign:
     """The design of ``lightflyer init`` under a force model."""
     content = template(kind)
     own = content["force"] if content["force"]["model"] == model else {"model": model}
-    return flyer_file_type()(**content | {"force": own}).design()
+    return FlyerFile(**content | {"force": own}).design()
 
 
 @cache

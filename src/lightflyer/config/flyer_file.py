@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import combinations
 from pathlib import Path
 from typing import Any, cast
@@ -20,7 +20,7 @@ from lightflyer.core.units import Measured
 from lightflyer.design.design import AbstractDesign, AbstractStacks, digest
 from lightflyer.design.setup import Setup
 from lightflyer.environment.section import EnvironmentSection
-from lightflyer.files.section import Alternative, Section, any_of
+from lightflyer.files.section import Alternative, Section
 from lightflyer.film.section import FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
@@ -48,10 +48,10 @@ class FlyerFile(Section):
     (angles in degrees).
     """
 
-    flyer: any_of(FlyerSection)  # type: ignore[valid-type]
-    film: any_of(FilmSection) | None = None  # type: ignore[valid-type]
-    environment: any_of(EnvironmentSection)  # type: ignore[valid-type]
-    force: any_of(ForceSection)  # type: ignore[valid-type]
+    flyer: FlyerSection
+    film: FilmSection | None = None
+    environment: EnvironmentSection
+    force: ForceSection
     payload: PayloadSection | None = None
 
     @pydantic.model_validator(mode="before")
@@ -133,33 +133,6 @@ class FlyerFile(Section):
             for name, film in self.films().items()
             for key, value in film.implied.items()
         }
-
-
-def flyer_file_type() -> type[FlyerFile]:
-    """A flyer file with all alternatives of its sections that are defined by now."""
-    return _flyer_file_of(_alternatives())
-
-
-@lru_cache(maxsize=8)  # by class, not by name: a notebook's cell that is run again defines another
-def _flyer_file_of(kinds: frozenset[type[Alternative]]) -> type[FlyerFile]:
-    if kinds == _SHIPPED:
-        return FlyerFile
-    return pydantic.create_model(
-        "FlyerFile",
-        __base__=FlyerFile,
-        flyer=(any_of(FlyerSection), ...),
-        film=(any_of(FilmSection) | None, None),
-        environment=(any_of(EnvironmentSection), ...),
-        force=(any_of(ForceSection), ...),
-    )
-
-
-def _alternatives() -> frozenset[type[Alternative]]:
-    bases = (FlyerSection, FilmSection, EnvironmentSection, ForceSection)
-    return frozenset(kind for base in bases for kind in base.alternatives.values())
-
-
-_SHIPPED = _alternatives()
 
 
 def models_for(kind: type[FlyerSection]) -> list[str]:
@@ -427,17 +400,15 @@ def _inner_section(kind: type[Section], key: str, given: Any) -> type[Section] |
         return None
     found = sections_in(kind.model_fields[key].annotation)
     inside = given.get(key) if isinstance(given, Mapping) else None
-    tagged = [part for part in found if issubclass(part, Alternative)]
-    if tagged:
-        base: type[Alternative] = next(
-            part for part in tagged[0].__mro__ if Alternative in part.__bases__
-        )
-        return base.alternatives.get(base.tag_of(inside))
+    if found and issubclass(found[0], Alternative):
+        return found[0].alternatives.get(found[0].tag_of(inside))
     return found[0] if found else None
 
 
 def sections_in(annotation: Any) -> list[type[Section]]:
     """Classes of sections within a type annotation, such as that of ``Section | None``."""
+    if isinstance(annotation, type) and issubclass(annotation, Alternative):
+        return list(annotation.alternatives.values())
     if isinstance(annotation, type) and issubclass(annotation, Section):
         return [annotation]
     return [

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from lightflyer.config.flyer_file import FileDesign, FlyerFile, flyer_file_type, section_at
+from lightflyer.config.flyer_file import FileDesign, FlyerFile, section_at
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.text import read_text
 from lightflyer.files.section import Section
@@ -53,7 +53,7 @@ def read_flyer_file(path: str | Path) -> FlyerFile:
     ConfigurationError
         One line for each mistake: file, line, key, value and what is allowed.
     """
-    return read_file(flyer_file_type(), Path(path), FLYER_FILE)[0]
+    return read_file(FlyerFile, Path(path), FLYER_FILE)[0]
 
 
 def read_design(path: str | Path) -> FileDesign:
@@ -65,7 +65,7 @@ def read_design(path: str | Path) -> FileDesign:
 def design_of_text(text: str, path: Path) -> FileDesign:
     """What the text of a flyer file describes."""
     document = parse_toml(text, path, FLYER_FILE)
-    design = validate(flyer_file_type(), document, text, path, FLYER_FILE).design(text)
+    design = validate(FlyerFile, document, text, path, FLYER_FILE).design(text)
     try:
         design.file.environment.require_search_range(design.setup.environment)
     except ParameterError as error:

@@ -30,7 +30,7 @@ from lightflyer.environment.radiation import (
 )
 from lightflyer.environment.sky_section import SkySection
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.environment.wind.section import AnyWindSection
+from lightflyer.environment.wind.section import WindSection
 from lightflyer.gas.air import AIR, LU2023_AIR
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.registry import AIRS
@@ -111,7 +111,7 @@ class EarthSection(SkySection):
     kind: Literal["earth"] = "earth"
     gas: Literal[tuple(AIRS)] | None = None  # type: ignore[valid-type]
     surroundings: Literal["earth", "gas"] = "earth"  # type: ignore[assignment]
-    wind: AnyWindSection | None = None
+    wind: WindSection | None = None
 
     @pydantic.model_validator(mode="after")
     def _wind_is_complete(self) -> "EarthSection":

@@ -12,12 +12,11 @@ of that section's base; it enters the file's grammar by being defined::
 import dataclasses
 import inspect
 from collections.abc import Iterator, Mapping
-from functools import reduce
 from types import NoneType
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin
 
 import pydantic
-from pydantic import ConfigDict, Discriminator, Tag
+from pydantic import ConfigDict
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from lightflyer.array.namespace import Numeric
@@ -27,6 +26,9 @@ from lightflyer.core.quantity import Quantity, contradiction_in, quantity_of
 from lightflyer.core.units import Measured
 
 _PLAIN = (bool, int, str)
+
+UNKNOWN = "unknown_alternative"
+"""Type of the mistake of a section that is none of the known alternatives."""
 
 
 class Spelling(NamedTuple):
@@ -297,6 +299,24 @@ class Alternative(Section):
         return " ".join(values)
 
     @classmethod
+    def __get_pydantic_core_schema__(
+        cls, source: Any, handler: pydantic.GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Let a field of the base's type take any alternative; others are never compiled."""
+        if Alternative not in cls.__bases__:
+            return handler(source)
+        return core_schema.with_info_plain_validator_function(cls._validate_any)
+
+    @classmethod
+    def _validate_any(cls, content: Any, info: pydantic.ValidationInfo) -> "Alternative":
+        if isinstance(content, cls):
+            return content
+        tag = cls.tag_of(content)
+        if tag not in cls.alternatives:
+            raise PydanticCustomError(UNKNOWN, "unknown alternative", {"base": cls, "tag": tag})
+        return cls.alternatives[tag].model_validate(content, context=info.context)
+
+    @classmethod
     def choices(cls, key: str, tag: str) -> list[str]:
         """Values that a choosing key may have, given those before it in a tag."""
         position = [name for name, _ in cls.choosing_keys].index(key)
@@ -308,14 +328,3 @@ class Alternative(Section):
             if len(parts) > position and parts[:position] == before
         )
         return list(dict.fromkeys(values))
-
-
-def any_of(base: type[Alternative]) -> Any:
-    """Type of a section that is any of the alternatives of a base."""
-    members = [Annotated[kind, Tag(tag)] for tag, kind in base.alternatives.items()]
-    return Annotated[reduce(lambda one, other: one | other, members), Discriminator(base.tag_of)]
-
-
-def alternative_tags() -> set[str]:
-    """Names by which Pydantic tells a section's alternatives apart."""
-    return {tag for base in Alternative.__subclasses__() for tag in base.alternatives}

@@ -11,7 +11,7 @@ import pydantic
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import read_text
-from lightflyer.files.section import Alternative, Section, alternative_tags
+from lightflyer.files.section import Alternative, Section
 from lightflyer.files.validation_messages import choosing_key, format_error, nearest
 
 _DEEPEST = 50  # tables and lists within each other; files of ours have six
@@ -163,7 +163,7 @@ def _has_wrong_entries(short: Any, mistakes: Sequence[Any]) -> bool:
 
 def _dotted_name(mistake: Any) -> str:
     """Dotted name of the key that a mistake is about."""
-    return ".".join(str(part) for part in mistake["loc"] if part not in alternative_tags())
+    return ".".join(map(str, mistake["loc"]))
 
 
 def _intended_key(mistake: Any, document: dict[str, Any], kind: FileKind) -> str:
@@ -177,8 +177,7 @@ def _intended_key(mistake: Any, document: dict[str, Any], kind: FileKind) -> str
 
 def _explain(mistake: Any, document: dict[str, Any], text: str, path: Path, kind: FileKind) -> str:
     """One line for one of Pydantic's errors."""
-    keys = [part for part in mistake["loc"] if part not in alternative_tags()]
-    keys += choosing_key(mistake)
+    keys = [*mistake["loc"], *choosing_key(mistake)]
     keys = keys or named_keys(mistake["msg"])
     dotted = ".".join(map(str, keys))
     place = place_of(keys, text, path)

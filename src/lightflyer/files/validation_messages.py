@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from lightflyer.core.text import in_toml, shortened
-from lightflyer.files.section import Alternative
+from lightflyer.files.section import UNKNOWN
 
 
 def format_error(mistake: Any, dotted: str) -> str:
@@ -20,18 +20,11 @@ def nearest(key: str, known: Sequence[str]) -> str:
     return next(iter(difflib.get_close_matches(key, others, n=1, cutoff=0.6)), "")
 
 
-def _alternatives_of(mistake: Any) -> type[Alternative]:
-    """Base of the section whose alternative is unknown."""
-    expected = set(re.findall("'([^']*)'", mistake["ctx"]["expected_tags"]))
-    # others may have been defined since
-    return next(base for base in Alternative.__subclasses__() if expected <= set(base.alternatives))
-
-
 def choosing_key(mistake: Any) -> list[str]:
     """The key whose value chose an alternative that does not exist."""
-    if mistake["type"] != "union_tag_invalid":
+    if mistake["type"] != UNKNOWN:
         return []
-    base, tag = _alternatives_of(mistake), mistake["ctx"]["tag"]
+    base, tag = mistake["ctx"]["base"], mistake["ctx"]["tag"]
     values = tag.split(" ")
     wrong = (
         key
@@ -49,7 +42,7 @@ def _missing_key(mistake: Any, dotted: str) -> str:
 
 
 def _unknown_alternative(mistake: Any, dotted: str) -> str:
-    base, tag = _alternatives_of(mistake), mistake["ctx"]["tag"]
+    base, tag = mistake["ctx"]["base"], mistake["ctx"]["tag"]
     key = dotted.rpartition(".")[2]
     found = tag.split(" ")[[name for name, _ in base.choosing_keys].index(key)]
     return f'{dotted} = "{found}" is unknown; choose from {", ".join(base.choices(key, tag))}'
@@ -101,7 +94,7 @@ def _too_few(mistake: Any, dotted: str) -> str:
 
 _EXPLANATIONS: dict[str, Callable[[Any, str], str]] = {
     "missing": _missing_key,
-    "union_tag_invalid": _unknown_alternative,
+    UNKNOWN: _unknown_alternative,
     "literal_error": _unknown_word,
     **{
         kind: _explain_limit(words)

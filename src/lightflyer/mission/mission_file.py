@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from lightflyer.config.flyer_file import FileDesign, flyer_file_type, section_at, section_within
+from lightflyer.config.flyer_file import FileDesign, FlyerFile, section_at, section_within
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import read_text
 from lightflyer.files.section import Section
@@ -114,7 +114,7 @@ def mission_of_text(text: str, path: Path) -> MissionFile:
         ]
     # the place of a mission that is mistaken would be found mistaken again
     placed = _place(rest, {} if mission is None else part[_MISSION])
-    file, mistakes = check(flyer_file_type(), placed, text, path, MISSION_FILE)
+    file, mistakes = check(FlyerFile, placed, text, path, MISSION_FILE)
     if mission is None or file is None or missions_mistakes:
         raise ConfigurationError("\n".join([*mistakes, *missions_mistakes]))
     return MissionFile(file.design(text), mission.mission)

@@ -21,7 +21,7 @@ from lightflyer.core.quantity import (
     Velocity,
 )
 from lightflyer.core.units import Measured
-from lightflyer.files.section import Alternative, Section, Spelling, any_of
+from lightflyer.files.section import Alternative, Section, Spelling
 from lightflyer.mission.areas import Circle
 from lightflyer.mission.fleet import MEMBERS, Ensemble
 from lightflyer.mission.path.attitude import (
@@ -182,7 +182,7 @@ class MissionSection(_Exact, of=Release):
     attitude: Literal[_RULES] = "own"  # type: ignore[valid-type]
     tilt_share: Fraction | None = None
     largest_tilt: Steepness | None = None
-    shading: any_of(ShadingSection) | None = None  # type: ignore[valid-type]
+    shading: ShadingSection | None = None
     release: ReleaseSection | None = None
     station: StationSection | None = None
     landing: LandingSection | None = None

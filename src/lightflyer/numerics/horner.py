@@ -30,6 +30,9 @@ def polynomial(coefficients: Coefficients, *variables: Any) -> Any:
     return _evaluate(table, *variables)
 
 
+polynomial_once = kept(polynomial)
+"""The same, remembered within a public call: for variables that its searches do not change."""
+
 _prepared: dict[tuple[int, int], tuple[Coefficients, Coefficients, tuple[int, ...], Any]] = {}
 
 
@@ -85,22 +88,14 @@ def _table(coefficients: Coefficients, count: int) -> np.ndarray:
     return table
 
 
-def _evaluate(table: np.ndarray, *variables: Any) -> Any:
-    """The polynomial; the first axis of the table holds the powers of the last variable."""
-    first, *others = variables
-    if others and table[0].size * max(map(np.size, variables)) > _MOST:
-        total = _evaluate(table[..., -1], *others)
-        for power in range(table.shape[-1] - 2, -1, -1):
-            total = total * first
-            total += _evaluate(table[..., power], *others)
-        return total
-    if others:  # of which a search often changes none
-        table = _powers_of_first(table, *others)
-    total = table[-1]
-    for part in table[-2::-1]:
-        total = total * first
-        total += part
-    return total
+def _evaluate(table: np.ndarray, first: Any, *others: Any) -> Any:
+    """The polynomial; the last axis of the table holds the powers of the first variable."""
+    # of the others a search often changes none
+    if not others:
+        return _horner(table, first)
+    if table[0].size * max(map(np.size, (first, *others))) <= _MOST:
+        return _horner(_powers_of_first(table, *others), first)
+    return _horner([_power_of_first(table, n, *others) for n in range(table.shape[-1])], first)
 
 
 @kept
@@ -108,9 +103,26 @@ def _powers_of_first(table: np.ndarray, *others: Any) -> np.ndarray:
     """Coefficients of the powers of the first variable, all at once: few calls."""
     table = table.reshape(table.shape + (1,) * max(map(np.ndim, others)))
     for variable in reversed(others):
-        total = table[-1]
-        for part in table[-2::-1]:
-            total = total * variable
-            total += part
-        table = total
+        table = _horner(table, variable)
     return table
+
+
+@kept
+def _power_of_first(table: np.ndarray, power: int, *others: Any) -> Any:
+    """Coefficient of a power of the first variable, by itself: little memory."""
+
+    def value(table: np.ndarray, first: Any, *others: Any) -> Any:
+        if not others:
+            return _horner(table, first)
+        parts = [value(table[..., n], *others) for n in range(table.shape[-1])]
+        return _horner(parts, first)
+
+    return value(table[..., power], *others)
+
+
+def _horner(coefficients: Any, variable: Any) -> Any:
+    total = coefficients[-1]
+    for part in coefficients[-2::-1]:
+        total = total * variable
+        total += part
+    return total

@@ -21,10 +21,15 @@ def hold_within(value: Any, low: float, high: float) -> Any:
     # The corners are round: a kink would stop Newton's method where a solution lies at it. Up to
     # the ends the value is itself. Twice differentiable, without transcendental functions, which
     # would cost more than all else in a heat balance.
+    if (
+        type(value) in (np.ndarray, np.float64)
+        and value.size
+        and low <= value.min()
+        and value.max() <= high
+    ):
+        return value  # as nearly always
     from_middle = value - (low + high) / 2.0
     beyond = xp.abs(from_middle) - (high - low) / 2.0
-    if type(beyond) in (np.ndarray, np.float64) and not np.any(beyond > 0.0):
-        return value  # as nearly always
     rounded = polynomial(_ROUNDED, xp.clip(beyond, 0.0, 2.0 * _MARGIN))
     excess = xp.where(beyond < 2.0 * _MARGIN, rounded, beyond - _MARGIN)
     return value - xp.sign(from_middle) * excess

@@ -144,10 +144,10 @@ def _with_model(kind: str, template: Template, model: str) -> str:
     """A template's text with another force model, which must be for its flyer and gas."""
     if not template.is_flyer:
         raise ParameterError(f'--model "{model}": --kind "{kind}" is not a flyer file')
-    from lightflyer.config.flyer_file import flyer_file_type, models_for
+    from lightflyer.config.flyer_file import FlyerFile, models_for
 
     text = template.read()
-    suitable = models_for(type(flyer_file_type()(**tomllib.loads(text)).flyer))
+    suitable = models_for(type(FlyerFile(**tomllib.loads(text)).flyer))
     if model not in suitable:
         known = ", ".join(suitable)
         raise ParameterError(f'--model "{model}" is not for --kind "{kind}"; choose from {known}')
@@ -158,7 +158,7 @@ def _with_model(kind: str, template: Template, model: str) -> str:
     line = re.sub("|".join(exchanged), lambda name: exchanged[name[0]], own[0])
     text = text.replace(own[0], line)
     try:
-        setup = flyer_file_type()(**tomllib.loads(text)).build()
+        setup = FlyerFile(**tomllib.loads(text)).build()
         gas = getattr(setup.environment, "gas", None)  # every template's environment has one
         if gas is not None:
             setup.model.require_gas(gas)

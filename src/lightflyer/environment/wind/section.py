@@ -3,7 +3,7 @@
 import abc
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import pydantic
 from pydantic import ValidationInfo
@@ -22,7 +22,7 @@ from lightflyer.environment.wind.gridded import GriddedWind
 from lightflyer.environment.wind.hwm14 import HWM14
 from lightflyer.environment.wind.store import Store, changes_of, open_wind
 from lightflyer.environment.wind.uniform import SumOfWinds, UniformWind
-from lightflyer.files.section import Alternative, any_of
+from lightflyer.files.section import Alternative
 from lightflyer.files.toml_file import file_beside
 
 _NO_ACTIVITY = (
@@ -178,7 +178,3 @@ def _grid(path: str) -> WindGrid | Store:
 @cache
 def _grid_of(path: str, changed: tuple[int, ...]) -> WindGrid | Store:  # noqa: ARG001
     return open_wind(path)
-
-
-AnyWindSection: Any = any_of(WindSection)
-"""Any section of a wind."""

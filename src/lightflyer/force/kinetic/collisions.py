@@ -19,12 +19,13 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.memory import kept
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.force.fitted import fitted
-from lightflyer.force.kinetic.ratios import heating_of
+from lightflyer.force.kinetic.ratios import heating_of, thinness
 from lightflyer.gas.base import AbstractGas
 from lightflyer.numerics.horner import polynomial
-from lightflyer.numerics.polynomials import hold_within, place_between
+from lightflyer.numerics.polynomials import hold_within
 from lightflyer.numerics.special import root_sum_square
 
 REFERENCE_TAC = 0.9
@@ -94,16 +95,30 @@ class CollisionFit:
     force: Any
     heat: Any
 
+    def force_factor(self, knudsen: Numeric, exponent: Numeric, tac: Numeric) -> Array:
+        """:math:`r_F` of small temperature differences [1]."""
+        return self._factor(self.force, knudsen, exponent, tac)
+
+    def heat_factor(self, knudsen: Numeric, exponent: Numeric, tac: Numeric) -> Array:
+        """:math:`r_Q` of small temperature differences [1]."""
+        return self._factor(self.heat, knudsen, exponent, tac)
+
     def factors(self, knudsen: Numeric, exponent: Numeric, tac: Numeric) -> tuple[Array, Array]:
-        """:math:`r_F` and :math:`r_Q` of small temperature differences [1]."""
-        low, high = np.log(self.knudsen_range)
-        place = place_between(xp.clip(xp.log(knudsen), low, high), low, high)
+        """Both."""
+        where = knudsen, exponent, tac
+        return self.force_factor(*where), self.heat_factor(*where)
+
+    def _factor(
+        self, coefficients: Any, knudsen: Numeric, exponent: Numeric, tac: Numeric
+    ) -> Array:
         stiff = hold_within(exponent, *self.exponent_range) - REFERENCE_EXPONENT
+        return xp.exp(polynomial(coefficients, stiff, *self._place(knudsen, tac)))
+
+    @kept
+    def _place(self, knudsen: Numeric, tac: Numeric) -> tuple[Array, Array]:
+        """TAC less its reference, and the place among the table's Knudsen numbers."""
         rough = xp.clip(tac, *self.tac_range) - REFERENCE_TAC
-        return (
-            xp.exp(polynomial(self.force, stiff, rough, place)),
-            xp.exp(polynomial(self.heat, stiff, rough, place)),
-        )
+        return rough, thinness(knudsen, self.knudsen_range)
 
 
 @dataclass(frozen=True)
@@ -131,15 +146,21 @@ class HeatedGas:
             return MODEL_CONDUCTION
         return self.gas.reduced_conductivity(self.temperature)
 
-    def factors(self, knudsen: Numeric, tac: Numeric) -> tuple[Array, Array]:
-        """Factors of force and heat, :math:`r_F` and :math:`r_Q` [1]."""
-        force, heat = collision_fit(self.kind).factors(knudsen, self.exponent, tac)
+    def force_factor(self, knudsen: Numeric, tac: Numeric) -> Array:
+        """Factor of force, :math:`r_F` [1]."""
+        factor = collision_fit(self.kind).force_factor(knudsen, self.exponent, tac)
+        return factor * FORCE_HEATED(self.kind, self.ratio, self.exponent)
+
+    def heat_factor(self, knudsen: Numeric, tac: Numeric) -> Array:
+        """Factor of heat, :math:`r_Q` [1]."""
+        factor = collision_fit(self.kind).heat_factor(knudsen, self.exponent, tac)
         if self.kind == "diatomic":
-            heat = heat * (self._simulated_conduction / self._conduction)
-        return (
-            force * FORCE_HEATED(self.kind, self.ratio, self.exponent),
-            heat * HEAT_HEATED(self.kind, self.ratio, self.exponent),
-        )
+            factor = factor * (self._simulated_conduction / self._conduction)
+        return factor * HEAT_HEATED(self.kind, self.ratio, self.exponent)
+
+    def factors(self, knudsen: Numeric, tac: Numeric) -> tuple[Array, Array]:
+        """Both."""
+        return self.force_factor(knudsen, tac), self.heat_factor(knudsen, tac)
 
 
 def force_error(

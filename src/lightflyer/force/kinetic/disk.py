@@ -36,10 +36,9 @@ from lightflyer.force.kinetic.collisions import (
 from lightflyer.force.kinetic.local_balance import (
     FILM_OF_DIATOMIC,
     FilmBalance,
-    RemainingShares,
     local_balance_fit,
 )
-from lightflyer.force.kinetic.ratios import KineticFit, heating_of, kinetic_fit
+from lightflyer.force.kinetic.ratios import KineticFit, heating_of, kinetic_fit, tacs_of
 from lightflyer.force.kinetic.walls import AbstractWalled
 from lightflyer.force.kinetic.warm_floor import push_of_floor
 from lightflyer.force.membranes.schafer2025_table import internal_factors
@@ -102,14 +101,15 @@ class KineticDisk(AbstractWalled):
         (excess,) = unknowns
         fit, knudsen = _fit_and_knudsen_number(flyer, state)
         place = _place(flyer, state, excess)
-        _, of_heat = _factors(state, place, knudsen, self.collisions)
         around = _around(fit, knudsen, flyer, state, excess)
-        ratio = with_collisions(around.heat_ratio(fit.heat_ratio(knudsen, *place)), of_heat)
+        ratio = self._heat_ratio(fit, knudsen, place, state, around)
         if state.gas.molecules not in GASES:
             ratio = scaled_heat_ratio(ratio, _resistance(state, excess))
         resisting = (_kind(state.gas), knudsen, ratio)
         ratio = kinetic_walls.heat_ratio(flyer, excess, resisting, self.walls)
-        ratio = ratio * _keep(flyer, state, excess, knudsen, ratio, self.film_balance).heat
+        if self.film_balance == "local":
+            kept_shares = local_balance_fit().kept_shares(flyer, state, excess, knudsen, ratio)
+            ratio = ratio * kept_shares.heat
         if self.heat_error is not None:
             own = heat_error(fit.table_errors(knudsen)[1], ratio, self.collisions)
             if around.heat_error:
@@ -119,19 +119,39 @@ class KineticDisk(AbstractWalled):
             )
         return (ratio * disk_conductance(flyer, state, excess) * excess,)
 
+    def _heat_ratio(
+        self,
+        fit: KineticFit,
+        knudsen: Numeric,
+        place: tuple[Any, ...],
+        state: EnvironmentState,
+        around: Surroundings,
+    ) -> Numeric:
+        """Heat loss over that of free molecules, at Maxwell walls in a gas of the table [1]."""
+        ratio = around.heat_ratio(fit.heat_ratio(knudsen, *place))
+        if self.collisions == "shakhov":
+            return ratio
+        return with_collisions(ratio, _heated_gas(state, place).heat_factor(knudsen, place[1]))
+
     def force(self, flyer: Disk, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         (excess,) = unknowns
         fit, knudsen = _fit_and_knudsen_number(flyer, state)
         place = _place(flyer, state, excess)
-        of_force, of_heat = _factors(state, place, knudsen, self.collisions)
         around = _around(fit, knudsen, flyer, state, excess)
-        ratio = with_collisions(around.force_ratio(fit.force_ratio(knudsen, *place)), of_force)
-        heat = with_collisions(around.heat_ratio(fit.heat_ratio(knudsen, *place)), of_heat)
-        if state.gas.molecules not in GASES:
+        ratio = around.force_ratio(fit.force_ratio(knudsen, *place))
+        if self.collisions == "vhs":
+            factor = _heated_gas(state, place).force_factor(knudsen, place[1])
+            ratio = with_collisions(ratio, factor)
+        scaled, local = state.gas.molecules not in GASES, self.film_balance == "local"
+        if scaled or local:
+            heat = self._heat_ratio(fit, knudsen, place, state, around)
+        if scaled:
             ratio = ratio * (scaled_heat_ratio(heat, _resistance(state, excess)) / heat)
         resisting = (_kind(state.gas), knudsen, ratio)
         found = kinetic_walls.force(flyer, state, excess, resisting, self.walls)
-        found = found * _keep(flyer, state, excess, knudsen, heat, self.film_balance).force
+        if local:
+            fit_of_film = local_balance_fit()
+            found = found * fit_of_film.kept_shares(flyer, state, excess, knudsen, heat).force
         push = around.push(flyer, state, excess)
         if self.force_error is not None:
             heated = FORCE_HEATED.logarithm(_kind(state.gas), place[0], place[-1])
@@ -201,9 +221,14 @@ def scaled_heat_ratio(ratio: Numeric, resistance: Numeric) -> Array:
 
 def _place(disk: Disk, state: EnvironmentState, excess: Numeric) -> tuple[Any, ...]:
     """Temperature ratio, TACs and viscosity exponent, the arguments of the fit."""
-    film, ratio = disk.film, 1.0 + excess
+    ratio = 1.0 + excess
     exponent = viscosity_exponent(state.gas, state.temperature, ratio)
-    return ratio, film.tac_mean, film.tac_difference, exponent
+    return ratio, *tacs_of(disk.film), exponent
+
+
+def _heated_gas(state: EnvironmentState, place: tuple[Any, ...]) -> HeatedGas:
+    ratio, _, _, exponent = place
+    return HeatedGas(state.gas, _kind(state.gas), state.temperature, ratio, exponent)
 
 
 def viscosity_exponent(gas: AbstractGas, temperature: Numeric, ratio: Numeric) -> Array:
@@ -223,45 +248,19 @@ def _viscosity_exponents(gas: AbstractGas, temperature: Numeric) -> tuple[Array,
     return cold, warm
 
 
-def _factors(
-    state: EnvironmentState, place: tuple[Any, ...], knudsen: Numeric, collisions: Collisions
-) -> tuple[Numeric, Numeric]:
-    """What collisions take from force and heat over what they do in the table [1]."""
-    if collisions == "shakhov":
-        return 1.0, 1.0
-    ratio, tac, _, exponent = place
-    gas = HeatedGas(state.gas, _kind(state.gas), state.temperature, ratio, exponent)
-    return gas.factors(knudsen, tac)
-
-
 def _around(
     fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState, excess: Numeric
 ) -> Surroundings:
     """What a chamber does to force and heat."""
-    film, chamber = disk.film, chamber_of(state, disk.radius)
+    chamber = chamber_of(state, disk.radius)
     if chamber is None and state.wall_distance is None:
         return Surroundings()
-    faces = film.tac_mean, film.tac_difference
+    faces = tacs_of(disk.film)
     opened = fit.force_ratio(knudsen, 1.0, *faces), fit.heat_ratio(knudsen, 1.0, *faces)
     if chamber is not None:
-        return chamber_fit().walls(knudsen, chamber, opened, film.tac_mean, 1.0 + excess)
+        return chamber_fit().walls(knudsen, chamber, opened, faces[0], 1.0 + excess)
     factors = fit.wall_factors(knudsen, state.wall_distance / disk.radius, *faces)
     return reservoir(factors, opened, knudsen, 1.0 + excess)
-
-
-def _keep(
-    disk: Disk,
-    state: EnvironmentState,
-    excess: Numeric,
-    knudsen: Numeric,
-    heat_ratio: Numeric,
-    balance: FilmBalance,
-) -> RemainingShares:
-    """What is kept of force and heat where the film is not isothermal [1]."""
-    if balance == "isothermal":
-        return RemainingShares()
-    fit = local_balance_fit()
-    return fit.kept_shares(disk, state, excess, knudsen, heat_ratio)
 
 
 def _with_scaling(error: Array, of_scaling: float, gas: AbstractGas) -> Array:

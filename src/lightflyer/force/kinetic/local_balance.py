@@ -41,8 +41,8 @@ _HELD = "the table of films that balance their heat locally ends there, and what
 class RemainingShares(NamedTuple):
     """Factors of force and heat loss at the same mean temperature [1]."""
 
-    force: Numeric = 1.0
-    heat: Numeric = 1.0
+    force: Numeric
+    heat: Numeric
 
 
 @dataclass(frozen=True)

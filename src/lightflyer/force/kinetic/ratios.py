@@ -22,8 +22,9 @@ import numpy as np
 
 from lightflyer.array.memory import kept
 from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.film.properties import FilmProperties
 from lightflyer.force.fitted import fitted
-from lightflyer.numerics.horner import polynomial
+from lightflyer.numerics.horner import polynomial, polynomial_once
 from lightflyer.numerics.polynomials import hold_within, place_between
 
 BOUNDARY_TAC = 0.85  # Mean TAC in the table of walls
@@ -68,7 +69,9 @@ class Resistance:
             heated = heated + (
                 exponent_difference * polynomial(self.exponent, place.heating, place.hot_thinness)
             )
-        return place.heating * heated + polynomial(self.limit, place.tac_variable, place.thinness)
+        return place.heating * heated + polynomial_once(
+            self.limit, place.tac_variable, place.thinness
+        )
 
 
 @dataclass(frozen=True)
@@ -97,10 +100,10 @@ class Unlikeness:
         """:math:`gw` and :math:`k` at a place."""
         where, tac = place.thinness, place.tac_variable
         hot = thinness(knudsen, self.hot_knudsen_range)
-        logarithm = polynomial(self.resistance, where, tac)
-        logarithm = logarithm + (place.heating * polynomial(self.hot_resistance, hot, tac))
-        of_force = polynomial(self.force, where, tac)
-        of_force = of_force + (place.heating * polynomial(self.hot_force, hot, tac))
+        logarithm = polynomial_once(self.resistance, where, tac)
+        logarithm = logarithm + (place.heating * polynomial_once(self.hot_resistance, hot, tac))
+        of_force = polynomial_once(self.force, where, tac)
+        of_force = of_force + (place.heating * polynomial_once(self.hot_force, hot, tac))
         resistance = place.tac * xp.exp(logarithm) / knudsen
         apart = xp.minimum(width(tac_difference, place.tac), 1.0)
         return apart * resistance / (1.0 + resistance), xp.exp(of_force)
@@ -218,6 +221,12 @@ class KineticFit:
 def kinetic_fit(gas: str = "diatomic") -> KineticFit:
     """Smooth functions through the table for a gas."""
     return fitted(KineticFit, "disk", gas)
+
+
+@kept
+def tacs_of(film: FilmProperties) -> tuple[Numeric, Numeric]:
+    """Mean TAC of a film's faces, and their difference [1]."""
+    return film.tac_mean, film.tac_difference
 
 
 @kept

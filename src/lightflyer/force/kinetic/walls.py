@@ -27,7 +27,7 @@ energy, and those that bounce in :math:`a = 1/2` of their normal energy alone.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -45,11 +45,11 @@ from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.force.fitted import fitted
-from lightflyer.force.kinetic.ratios import heating_of
+from lightflyer.force.kinetic.ratios import heating_of, tacs_of
 from lightflyer.force.kinetic.scattering import ScatteringFit, Stated
 from lightflyer.force.kinetic.scattering import ranges as scattering_ranges
 from lightflyer.force.laws.faces import accommodated_force, maxwell_force
-from lightflyer.numerics.horner import polynomial
+from lightflyer.numerics.horner import polynomial, polynomial_once
 from lightflyer.numerics.polynomials import hold_within, place_between
 
 Wall = Literal["unknown", "maxwell", "accommodated", "cercignani-lampis"]
@@ -163,23 +163,32 @@ class WallFit:
     force: Any  # Coefficients: heating, TAC, Knudsen number
     heat: Any
 
+    @cached_property
+    def _force(self) -> tuple[Any, Any]:
+        return self.force[0], self.force[1:]
+
+    @cached_property
+    def _heat(self) -> tuple[Any, Any]:
+        return self.heat[0], self.heat[1:]
+
     def _logarithm(self, coefficients: Any, knudsen: Numeric, ratio: Numeric, tac: Array) -> Array:
         position = _position(knudsen, self.knudsen_range, self.knudsen_range)
         heated = _position(knudsen, self.heated_range, self.knudsen_range)
         heating = hold_within(heating_of(ratio), *self.heating_range)
-        cold, hot = coefficients[0], coefficients[1:]
-        found = polynomial(cold, tac, position) + heating * polynomial(hot, heating, tac, heated)
+        cold, hot = coefficients
+        found = polynomial_once(cold, tac, position)
+        found = found + heating * polynomial(hot, heating, tac, heated)
         return xp.asarray(found * denseness(knudsen))
 
     def force_factor(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Array:
         r""":math:`\hat F_a/\hat F` [1]."""
         held = _held(tac, self.tac_range)
-        return xp.exp(self._logarithm(self.force, knudsen, ratio, held))
+        return xp.exp(self._logarithm(self._force, knudsen, ratio, held))
 
     def heat_factor(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Array:
         r""":math:`\hat Q_a/\hat Q` [1]; as :meth:`force_factor`."""
         held = _held(tac, self.tac_range)
-        return xp.exp((1.0 - held) * self._logarithm(self.heat, knudsen, ratio, held))
+        return xp.exp((1.0 - held) * self._logarithm(self._heat, knudsen, ratio, held))
 
 
 @kept
@@ -232,11 +241,9 @@ def kinds_of(gas: str) -> int:
     return 2 if gas == "monatomic" else 3
 
 
-def sharing_factor(
-    gas: str, knudsen: Numeric, tac: Numeric, excess: Array, error: Numeric
-) -> Array:
-    """Force over that of walls that share the difference of their TACs evenly [1]."""
-    # ``error``: in standard errors; the ends are those of a 95 % band, and nothing is beyond them
+@kept
+def _shared(gas: str, knudsen: Numeric, tac: Numeric) -> tuple[Array, Array]:
+    """Upper end of :func:`sharing_factor` at small differences, and the gain at the lower [1]."""
     kinds = kinds_of(gas)
     low, high = np.log(scattering_fit(gas).knudsen_range)
     position = place_between(xp.clip(xp.log(knudsen), low, high), low, high)
@@ -246,6 +253,16 @@ def sharing_factor(
         thin + denseness(knudsen) * polynomial(coefficients, position, place)
         for thin, coefficients in zip((kinds, kinds - 1), sharing_fit(gas), strict=True)
     )
+    return upper, gain
+
+
+def sharing_factor(
+    gas: str, knudsen: Numeric, tac: Numeric, excess: Array, error: Numeric
+) -> Array:
+    """Force over that of walls that share the difference of their TACs evenly [1]."""
+    # ``error``: in standard errors; the ends are those of a 95 % band, and nothing is beyond them
+    kinds = kinds_of(gas)
+    upper, gain = _shared(gas, knudsen, tac)
     heated = xp.sqrt((1.0 + tac * excess) / (1.0 + left_to_normal(tac, kinds) * excess))
     way = xp.clip(xp.asarray(error) / NORMAL_HALF_WIDTH_95, -1.0, 1.0)
     trapped = BOUNCED / (kinds - BOUNCED) * gain
@@ -271,7 +288,8 @@ def force(
         return maxwell
     top, bottom = effective_tacs(disk, walls, kind, knudsen)
     free = accommodated_force(disk.area, top, bottom, pressure, excess)
-    other = ratio * wall_fit(kind).force_factor(knudsen, 1.0 + excess, film.tac_mean)
+    mean, _ = tacs_of(film)
+    other = ratio * wall_fit(kind).force_factor(knudsen, 1.0 + excess, mean)
     # Maxwell's collisions at this wall: direct simulation lies between the two
     same = ratio * free
     if walls.wall == "unknown":
@@ -282,7 +300,7 @@ def force(
         )
         if walls.sharing is None:
             return found
-        return found * sharing_factor(kind, knudsen, film.tac_mean, excess, walls.sharing)
+        return found * sharing_factor(kind, knudsen, mean, excess, walls.sharing)
     bound = same - other * free
     if walls.is_stated:
         heated = _SHARED_HEATED * denseness(knudsen) * heating_of(1.0 + excess)

@@ -146,7 +146,7 @@ def calibrate_command(
     console = printer()
     show(console, fit_parts(fit))
     if flyer is None:
-        warmth = design.environment.temperature.value
+        warmth = design.environment.temperature.value  # type: ignore[attr-defined]  # a chamber
         console.print(
             f"flyer: the paper's 2-cm disk in a chamber at {warmth:g} K; use --flyer for yours"
         )

@@ -262,10 +262,10 @@ def _about_flyer(
         by_it = first.by_reading.get(reading)
         also = "" if by_it is None else f", by which the same rows give {by_it:.3g}"
         said.append(
-            f"its force model {file.force.model} takes the heat loss by the reading {reading}"
+            f"its force model {file.force.tag()} takes the heat loss by the reading {reading}"
             f"{also}; the coefficient written is by the reading {first.reading}"
         )
-    around = file.environment.build().gas.name
+    around = file.environment.build().gas.name  # type: ignore[attr-defined]
     if first.gas != around and not {first.gas, around} <= AIRS.keys():
         said.append(
             f"its flyer is in {around}, and the coefficient written was measured in {first.gas}: a "

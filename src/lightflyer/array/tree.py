@@ -105,12 +105,22 @@ def map_leaves(
     function: Callable[..., Any], tree: Any, *rest: Any, is_leaf: Predicate | None = None
 ) -> Any:
     """Apply a function to the leaves of pytrees, as :func:`jax.tree.map`."""
-    first, form = flatten(tree, is_leaf)
-    columns = [first]
+    kind = type(tree)
+    ends = is_leaf is not None and is_leaf(tree)
+    if ends or kind in _LEAVES or not (kind in _NODES or _is_node(tree)):
+        return function(tree, *rest)
+    take, make = _NODES[kind]
+    beside, parts = take(tree)
+    columns = [parts]
     for other in rest:
-        columns.append([])
-        _flatten_up_to(form._form, other, columns[-1])
-    return unflatten(form, [function(*row) for row in zip(*columns, strict=True)])
+        if type(other) is not kind:
+            raise ValueError(f"{type(other).__name__} where another pytree has {kind.__name__}")
+        theirs, values = take(other)
+        if theirs != beside or len(values) != len(parts):
+            raise ValueError(f"two pytrees have a different {kind.__name__}")
+        columns.append(values)
+    rows = zip(*columns, strict=True)
+    return make(kind, beside, [map_leaves(function, *row, is_leaf=is_leaf) for row in rows])
 
 
 def equal(one: Any, other: Any) -> bool:
@@ -200,21 +210,6 @@ def _unflatten(form: tuple[Any, ...], values: Iterator[Any]) -> Any:
         return next(values)
     kind, beside, parts = form
     return _NODES[kind][1](kind, beside, [_unflatten(part, values) for part in parts])
-
-
-def _flatten_up_to(form: tuple[Any, ...], node: Any, found: list[Any]) -> None:
-    """Parts of another pytree that stand where the leaves of the first do."""
-    if form is _LEAF:
-        found.append(node)
-        return
-    kind, beside, parts = form
-    if type(node) is not kind:
-        raise ValueError(f"{type(node).__name__} where another pytree has {kind.__name__}")
-    theirs, values = _NODES[kind][0](node)
-    if theirs != beside or len(values) != len(parts):
-        raise ValueError(f"two pytrees have a different {kind.__name__}")
-    for part, value in zip(parts, values, strict=True):
-        _flatten_up_to(part, value, found)
 
 
 def _is_node(node: Any) -> bool:

@@ -1,8 +1,9 @@
 """The kinetic model of a sandwich: what it makes of its table of a disk with holes."""
 
 import math
-from typing import Any, ClassVar
+from typing import ClassVar
 
+from lightflyer.array.memory import kept
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import field
 from lightflyer.core.entry_point import entry_point
@@ -21,7 +22,6 @@ from lightflyer.force.kinetic.collisions import (
 from lightflyer.force.kinetic.disk import HELD, WALL, viscosity_exponent
 from lightflyer.force.kinetic.sandwich_table import (
     HIGHEST_OPEN_FRACTION,
-    Ratios,
     SandwichFit,
     sandwich_fit,
 )
@@ -47,6 +47,8 @@ _APART = 0.3  # TACs further apart change the heat by 1 % at Kn 0.1, which the t
 _DIFFERENCE = "the kinetic table is for small differences"
 _OPEN = "the table of kinetic ends there, and its fit goes on"
 _HELD = "it is held at what it does to the gas's resistance at the table's end"
+_RATIOS = ("force", "tac_force", "heat", "heat_difference")
+_FORCE, _HEAT = slice(0, 2), slice(2, 4)
 _LITTLE = 0.02  # of the order of the model's own error
 
 
@@ -74,7 +76,7 @@ class KineticSandwich(AbstractWalled):
         self.require_gas(state.gas)
         top, bottom = unknowns
         passed = passage_of(flyer, self.transmission)
-        fit, ratios, _ = _ratios(flyer, state, unknowns, passed, self.collisions)
+        fit, (even, odd), _ = self._ratios(flyer, state, unknowns, passed, _HEAT)
         free = free_molecular_conductance(
             flyer.area,
             1.0,
@@ -86,21 +88,21 @@ class KineticSandwich(AbstractWalled):
             free = free * (
                 1.0 + self.heat_error * fit.relative_heat_error(rarefaction_of(flyer, state))
             )
-        even = (1.0 - ratios.heat) / passed.even
-        odd = (1.0 - ratios.heat_difference) / passed.thin_share
+        even = (1.0 - even) / passed.even
+        odd = (1.0 - odd) / passed.thin_share
         from_top, from_bottom = passed.heat((top, bottom), even, odd)
         upward = between_membranes(flyer, state, passed) * (bottom - top)
         return free * from_top - upward, free * from_bottom + upward
 
     def force(self, flyer: Sandwich, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         passed = passage_of(flyer, self.transmission)
-        fit, ratios, taken = _ratios(flyer, state, unknowns, passed, self.collisions)
+        fit, found, taken = self._ratios(flyer, state, unknowns, passed, _FORCE)
+        by_temperature, by_tac = found
         place = rarefaction_of(flyer, state), passed.open_fraction, passed.tac
         if state.wall_distance is not None:
             distance = xp.maximum(state.wall_distance / flyer.radius, fit.nearest_wall)
             taken = taken * near_walls(place[0], distance)
         of_walls = force_factors(state.gas.molecules, place, unknowns, self.walls, taken)
-        by_temperature, by_tac = ratios.force, ratios.tac_force
         if self.force_error is not None:
             by_temperature, by_tac = (
                 one * (1.0 + self.force_error * fit.relative_force_error(place[0], one))
@@ -109,6 +111,37 @@ class KineticSandwich(AbstractWalled):
         apart, unlike = passed.recoil(*unknowns)
         driven = by_temperature * of_walls[0] * apart + by_tac * of_walls[1] * unlike
         return 0.5 * state.pressure * flyer.area * driven
+
+    def _ratios(
+        self,
+        flyer: Sandwich,
+        state: EnvironmentState,
+        unknowns: tuple[Array, ...],
+        passed: MembraneTransmission,
+        which: slice,
+    ) -> tuple[SandwichFit, list[Array], Numeric]:
+        """Two of the ratios to free molecules, in open space or a chamber."""
+        # and by which factor heat and collisions take more from the force than in the table
+        fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
+        mean = 1.0 + 0.5 * (unknowns[0] + unknowns[1])
+        exponent = viscosity_exponent(state.gas, state.temperature, mean)
+        at = fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, mean, exponent)
+        found = [getattr(at, name) for name in _RATIOS[which]]
+        taken: Numeric = at.force_growth if which is _FORCE else 1.0
+        if self.collisions == "vhs":
+            gas, cold = state.gas, state.temperature
+            knudsen = _knudsen_number(flyer, state)
+            # that holes change nothing in these is part of the sandwich's wider error
+            molecules = HeatedGas(gas, gas.molecules, cold, mean, exponent)
+            of = molecules.force_factor if which is _FORCE else molecules.heat_factor
+            factor = of(knudsen, passed.tac)
+            taken = taken * factor
+            found = [with_collisions(one, factor) for one in found]
+        if state.wall_distance is not None:
+            distance = state.wall_distance / flyer.radius
+            walls = fit.wall_factors(delta, passed.open_fraction, distance)[which]
+            found = [one * wall for one, wall in zip(found, walls, strict=True)]
+        return fit, found, taken
 
     def ranges(self, flyer: Sandwich, state: EnvironmentState, temperature: Numeric) -> Looks:
         fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
@@ -171,6 +204,12 @@ def _effect_of_heating(
     return xp.where((delta < low) | (delta > high), xp.maximum(*changes), 0.0)
 
 
+@kept
+def _knudsen_number(flyer: Sandwich, state: EnvironmentState) -> Array:
+    return knudsen_number(state.pressure, state.temperature, flyer.radius, state.gas)
+
+
+@kept
 def passage_of(flyer: Sandwich, transmission: Transmission) -> MembraneTransmission:
     """Passage of molecules through a sandwich with the TACs of its four faces."""
     return passage(
@@ -179,32 +218,3 @@ def passage_of(flyer: Sandwich, transmission: Transmission) -> MembraneTransmiss
         (flyer.top.tac_top, flyer.bottom.tac_bottom),
         (flyer.top.tac_bottom, flyer.bottom.tac_top),
     )
-
-
-def _ratios(
-    flyer: Sandwich,
-    state: EnvironmentState,
-    unknowns: tuple[Array, ...],
-    passed: MembraneTransmission,
-    collisions: Collisions,
-) -> tuple[SandwichFit, Ratios, Numeric]:
-    """Force and heat over free molecules, in open space or a chamber."""
-    # and by which factor collisions take more from the force than in the table
-    fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
-    mean = 1.0 + 0.5 * (unknowns[0] + unknowns[1])
-    exponent = viscosity_exponent(state.gas, state.temperature, mean)
-    ratios = fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, mean, exponent)
-    taken: Numeric = fit.force_growth(delta, passed.open_fraction, mean)
-    if collisions == "vhs":
-        gas, cold = state.gas, state.temperature
-        knudsen = knudsen_number(state.pressure, cold, flyer.radius, gas)
-        # that holes change nothing in these is part of the sandwich's wider error
-        molecules = HeatedGas(gas, gas.molecules, cold, mean, exponent)
-        of_force, of_heat = molecules.factors(knudsen, passed.tac)
-        factors = of_force, of_force, of_heat, of_heat
-        taken = taken * of_force
-        ratios = Ratios(*map(with_collisions, ratios, factors))
-    if state.wall_distance is None:
-        return fit, ratios, taken
-    walls: Any = fit.wall_factors(delta, passed.open_fraction, state.wall_distance / flyer.radius)
-    return fit, Ratios(*(ratio * wall for ratio, wall in zip(ratios, walls, strict=True))), taken

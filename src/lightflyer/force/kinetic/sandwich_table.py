@@ -26,16 +26,17 @@ What heat does to the resistances :math:`1/\hat F - 1` comes from a second, coar
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any, NamedTuple
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
+from lightflyer.array.memory import kept
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.force.fitted import fitted
 from lightflyer.force.kinetic.collisions import MODEL_FORCE_ERROR, MODEL_HEAT_ERROR
 from lightflyer.force.kinetic.ratios import KineticFit, kinetic_fit
-from lightflyer.numerics.horner import polynomial
+from lightflyer.numerics.horner import polynomial, polynomial_once
 from lightflyer.numerics.polynomials import place_between
 from lightflyer.numerics.special import root_sum_square
 
@@ -50,15 +51,6 @@ _COLDEST = -0.3  # (T_h − T_c)/T_h down to which the fit's curve in temperatur
 _SLOPES = (-1.0, 1.0)  # of the logarithm of a resistance that are believed beyond the table
 
 
-class Ratios(NamedTuple):
-    """Over the free-molecular values [1]."""
-
-    force: Array  # Force by a temperature difference, and by a difference of TACs
-    tac_force: Array
-    heat: Array  # Heat of both faces together, and its difference
-    heat_difference: Array
-
-
 @dataclass(frozen=True)
 class Resistance:
     """Logarithm of the resistance that the gas adds, over its factor in thin gas."""
@@ -66,10 +58,11 @@ class Resistance:
     inside: Any  # Coefficients: what it depends on, then the place in the table
     slope: Any  # Coefficients of its slope in the logarithm of the rarefaction at the dense end
 
-    def __call__(self, place: Numeric, beyond: Numeric, *variables: Numeric) -> Array:
-        """Value at a place in the table, and so far beyond it in the logarithm."""
+    @kept
+    def factor(self, place: Numeric, beyond: Numeric, *variables: Numeric) -> Array:
+        """Resistance at a place in the table, or so far beyond it in the logarithm."""
         slope = xp.clip(polynomial(self.slope, *variables), *_SLOPES)
-        return polynomial(self.inside, *variables, place) + slope * beyond
+        return xp.exp(polynomial(self.inside, *variables, place) + slope * beyond)
 
 
 @dataclass(frozen=True)
@@ -85,13 +78,14 @@ class SandwichFit:
     heat: Resistance
     heat_difference: Any  # Coefficients: open fraction, mean TAC, place
     disk: KineticFit  # Of the disk without holes
-    # Coefficients of what heat does, in the order of :class:`Ratios`: heating, open fraction, place
+    # Coefficients of what heat does to force, force by TACs, heat, and its difference: heating,
+    # open fraction, place
     hot: tuple[Any, ...]
     # Largest :math:`1 - T_c/T_h` of the table of hot disks; beyond it the ratios stay constant
     heating_limit: float
     # Rarefactions in the table of hot disks; beyond it what heat does is held
     hot_range: tuple[float, float]
-    # Coefficients of the effect of walls, in the order of :class:`Ratios`: inverse distance, open
+    # Coefficients of the effect of walls, in that order: inverse distance, open
     # fraction, place
     walls: tuple[Any, ...]
     wall_range: tuple[float, float]  # Rarefactions in the table of walls
@@ -109,70 +103,10 @@ class SandwichFit:
         share: Numeric,
         temperature_ratio: Numeric,
         viscosity_exponent: Numeric | None = None,
-    ) -> Ratios:
+    ) -> "Ratios":
         r"""Force and heat over their free-molecular values."""
-        place, beyond = self._place(rarefaction)
-        mean = xp.clip(tac, *self.tac_range)
-        heating = self._heating(temperature_ratio)
-        hot = 1.0 / (1.0 - heating)
-        disk = self._disk_resistance(rarefaction, mean, hot, viscosity_exponent)
-        by_force, by_tac, by_heat, by_difference = (
-            self._growth(which, rarefaction, open_fraction, heating)
-            for which in range(len(self.hot))
-        )
-        solid = (1.0 - open_fraction) * rarefaction
-
-        def ratio(resistance: Resistance, scale: Numeric, *variables: Numeric) -> Array:
-            return 1.0 / (1.0 + scale * xp.exp(resistance(place, beyond, *variables)))
-
-        back = polynomial(self.heat_difference, open_fraction, mean, place)
-        cold = 1.0 - back * solid * tac / (1.0 + rarefaction)
-        return Ratios(
-            ratio(self.force, by_force * solid, flow(open_fraction), mean),
-            ratio(self.tac_force, disk[0] * by_tac * solid, open_fraction, mean),
-            ratio(self.heat, disk[1] * by_heat * share * rarefaction, share),
-            cold / (cold + by_difference * (1.0 - cold)),
-        )
-
-    def force_growth(
-        self, rarefaction: Numeric, open_fraction: Numeric, temperature_ratio: Numeric
-    ) -> Array:
-        r"""What heat does to the resistance :math:`1/\hat F-1` [1]."""
-        return self._growth(0, rarefaction, open_fraction, self._heating(temperature_ratio))
-
-    def _heating(self, temperature_ratio: Numeric) -> Array:
-        return xp.clip(1.0 - 1.0 / temperature_ratio, _COLDEST, self.heating_limit)
-
-    def _growth(
-        self, which: int, rarefaction: Numeric, open_fraction: Numeric, heating: Numeric
-    ) -> Array:
-        """What heat does to one of the four resistances, or to it over that without holes."""
-        coefficients = self.hot[which]
-        place = place_of(rarefaction, self.hot_range)[0]
-        change = polynomial(coefficients, heating, open_fraction, place)
-        if _RELATIVE[which]:
-            change = change - polynomial(coefficients, heating, 0.0, place)
-        return xp.exp(heating * change)
-
-    def _disk_resistance(
-        self,
-        rarefaction: Numeric,
-        tac: Numeric,
-        temperature_ratio: Numeric,
-        viscosity_exponent: Numeric | None,
-    ) -> tuple[Array, Array]:
-        """Resistance to force and to heat of a hot disk without holes over that in this table."""
-        least = self.disk.knudsen_range[0]
-        knudsen = xp.maximum(RAREFACTION_OF_KNUDSEN / rarefaction, least)
-        there = RAREFACTION_OF_KNUDSEN / knudsen
-        place, _ = self._place(there)
-        where = (knudsen, temperature_ratio, tac, None, viscosity_exponent)
-        force = 1.0 / self.disk.force_ratio(*where) - 1.0
-        heat = 1.0 / self.disk.heat_ratio(*where) - 1.0
-        return (
-            force / (there * xp.exp(self.tac_force(place, 0.0, 0.0, tac))),
-            heat / (tac * there * xp.exp(self.heat(place, 0.0, tac))),
-        )
+        at = rarefaction, open_fraction, tac, share, temperature_ratio, viscosity_exponent
+        return Ratios(self, *at)
 
     def relative_force_error(self, rarefaction: Numeric, force_ratio: Numeric) -> Array:
         """Relative standard error of the force: the table's and the equation's [1]."""
@@ -188,18 +122,111 @@ class SandwichFit:
 
     def wall_factors(
         self, rarefaction: Numeric, open_fraction: Numeric, distance: Numeric
-    ) -> Ratios:
+    ) -> list[Array]:
         """Between walls over open space [1]; ``distance``: of the walls, in radii of the disk."""
         place = place_of(rarefaction, self.wall_range)[0]
         near = 1.0 / xp.maximum(distance, self.nearest_wall)
-        return Ratios(
-            *(xp.exp(near * polynomial(one, near, open_fraction, place)) for one in self.walls)
-        )
+        return [xp.exp(near * polynomial(one, near, open_fraction, place)) for one in self.walls]
 
     def _place(self, rarefaction: Numeric) -> tuple[Array, Array]:
         return place_of(rarefaction, self.rarefaction_range)
 
+    @kept
+    def places(self, rarefaction: Numeric) -> tuple[Any, ...]:
+        """Place in the table, how far beyond it; of the disk without holes, which ends earlier."""
+        # Knudsen number, rarefaction and place
+        knudsen = xp.maximum(RAREFACTION_OF_KNUDSEN / rarefaction, self.disk.knudsen_range[0])
+        there = RAREFACTION_OF_KNUDSEN / knudsen
+        return *self._place(rarefaction), knudsen, there, self._place(there)[0]
 
+    @kept
+    def mean(self, tac: Numeric) -> Array:
+        """A mean TAC, held within the table [1]."""
+        return xp.clip(tac, *self.tac_range)
+
+
+@dataclass(frozen=True)
+class Ratios:
+    """Over the free-molecular values [1]; each is computed as it is read."""
+
+    fit: SandwichFit
+    rarefaction: Numeric
+    open_fraction: Numeric
+    tac: Numeric
+    share: Numeric
+    temperature_ratio: Numeric
+    viscosity_exponent: Numeric | None
+
+    @cached_property
+    def force_growth(self) -> Array:
+        r"""What heat does to the resistance :math:`1/\hat F-1` [1]."""
+        return self._growth(0)
+
+    @cached_property
+    def force(self) -> Array:
+        """Force by a temperature difference."""
+        place, beyond = self._places[:2]
+        resistance = self.fit.force.factor(place, beyond, flow(self.open_fraction), self._mean)
+        return 1.0 / (1.0 + self.force_growth * self._solid * resistance)
+
+    @cached_property
+    def tac_force(self) -> Array:
+        """Force by a difference of TACs."""
+        place, beyond, knudsen, there, at_disk = self._places
+        disk = 1.0 / self.fit.disk.force_ratio(knudsen, *self._hot_disk) - 1.0
+        disk = disk / (there * self.fit.tac_force.factor(at_disk, 0.0, 0.0, self._mean))
+        resistance = self.fit.tac_force.factor(place, beyond, self.open_fraction, self._mean)
+        return 1.0 / (1.0 + disk * self._growth(1) * self._solid * resistance)
+
+    @cached_property
+    def heat(self) -> Array:
+        """Heat of both faces together."""
+        place, beyond, knudsen, there, at_disk = self._places
+        disk = 1.0 / self.fit.disk.heat_ratio(knudsen, *self._hot_disk) - 1.0
+        thin = self._mean * there * self.fit.heat.factor(at_disk, 0.0, self._mean)
+        resistance = self.fit.heat.factor(place, beyond, self.share)
+        growth = disk / thin * self._growth(2)
+        return 1.0 / (1.0 + growth * self.share * self.rarefaction * resistance)
+
+    @cached_property
+    def heat_difference(self) -> Array:
+        """Its difference between the faces."""
+        where = self.open_fraction, self._mean, self._places[0]
+        back = polynomial_once(self.fit.heat_difference, *where)
+        cold = 1.0 - back * self._solid * self.tac / (1.0 + self.rarefaction)
+        return cold / (cold + self._growth(3) * (1.0 - cold))
+
+    @cached_property
+    def _places(self) -> tuple[Any, ...]:
+        return self.fit.places(self.rarefaction)
+
+    @cached_property
+    def _mean(self) -> Array:
+        return self.fit.mean(self.tac)
+
+    @cached_property
+    def _solid(self) -> Array:
+        return xp.asarray((1.0 - self.open_fraction) * self.rarefaction)
+
+    @cached_property
+    def _heating(self) -> Array:
+        return xp.clip(1.0 - 1.0 / self.temperature_ratio, _COLDEST, self.fit.heating_limit)
+
+    @cached_property
+    def _hot_disk(self) -> tuple[Any, ...]:
+        return 1.0 / (1.0 - self._heating), self._mean, None, self.viscosity_exponent
+
+    def _growth(self, which: int) -> Array:
+        """What heat does to one of the four resistances, or to it over that without holes."""
+        coefficients = self.fit.hot[which]
+        place = place_of(self.rarefaction, self.fit.hot_range)[0]
+        change = polynomial(coefficients, self._heating, self.open_fraction, place)
+        if _RELATIVE[which]:
+            change = change - polynomial(coefficients, self._heating, 0.0, place)
+        return xp.exp(self._heating * change)
+
+
+@kept
 def place_of(rarefaction: Numeric, ends: tuple[float, float]) -> tuple[Array, Array]:
     """Where in a table a rarefaction is, from −1 to 1, and how far beyond its dense end."""
     low, high = np.log(ends)
@@ -209,6 +236,7 @@ def place_of(rarefaction: Numeric, ends: tuple[float, float]) -> tuple[Array, Ar
     )
 
 
+@kept
 def flow(open_fraction: Any) -> Any:
     """What the flow through the holes of a dense gas goes with."""
     return open_fraction / (1.0 + open_fraction)

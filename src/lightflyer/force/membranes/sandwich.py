@@ -33,6 +33,7 @@ def rarefaction(
 
 
 @kept
+@kept
 def rarefaction_of(flyer: Sandwich, state: EnvironmentState) -> Array:
     """Rarefaction parameter of a sandwich [1]."""
     return rarefaction(flyer.radius, state.pressure, state.temperature, state.gas)

@@ -10,7 +10,6 @@ import lightflyer as lf
 from lightflyer.config.designs import as_design
 from lightflyer.config.flyer_file import section_at
 from lightflyer.core.quantity import Length
-from lightflyer.files.section import alternative_tags
 
 MINIMAL = {
     "flyer": {"diameter": "2 cm"},
@@ -244,7 +243,7 @@ def test_a_byte_order_mark_does_no_harm(flyer_file):
 
 
 def test_every_alternative_lists_its_keys():
-    assert "earth us1976" in alternative_tags()
+    assert "earth us1976" in lf.environment.EnvironmentSection.alternatives
     nrlmsis = {"environment": {"kind": "earth", "atmosphere": "nrlmsis"}}
     assert "f107" in section_at("environment", nrlmsis).model_fields
     assert "wall" in section_at("force", {}).model_fields

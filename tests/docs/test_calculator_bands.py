@@ -233,7 +233,7 @@ def test_it_says_what_predict_says(run, kind, name, spreads, values):
     given = (name, spreads, values)
     calls = [("words", (*given, places_of(kind, 161).tolist())), ("file", given)]
     (flight, rest), text = run(kind, calls)
-    found = lf.predict(flyer_file_type()(**tomllib.loads(text)).design())
+    found = lf.predict(lf.FlyerFile(**tomllib.loads(text)).design())
     _, expected, *others = verdict_lines(found, found.uncertainty.bands, found.uncertainty.shares)
     if found.bands:
         assert flight == re.sub("; after .* in the dark it is below that", "", expected)

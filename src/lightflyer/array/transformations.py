@@ -130,16 +130,18 @@ _LEAST_DIFFERENCE = 1e-10  # of those that are zero, and of the distance to a bo
 
 
 def with_slopes(
-    function: Callable[[Any], Any], point: tuple[Array, ...], lower: tuple[float, ...] = ()
-) -> tuple[Any, list[Any]]:
-    """Values of an elementwise function, and their derivatives in each argument, one after another.
+    function: Callable[[Any], tuple[Array, ...]],
+    point: tuple[Array, ...],
+    lower: tuple[float, ...] = (),
+) -> tuple[tuple[Array, ...], list[tuple[Array, ...]]]:
+    """Values of elementwise functions, and their derivatives in each argument, one after another.
 
     JAX's are exact. NumPy's are differences, all of them by one call with one more axis in front;
     ``lower``: bounds of the first arguments. What has one, as an excess of temperature has, is
     known to the function by its distance to the bound: smaller steps would be lost in rounding.
     """
     if call.jax is not None:
-        jvp, value, columns = call.jax.jvp, None, []
+        jvp, value, columns = call.jax.jvp, (), []
         for index, entry in enumerate(point):  # what does not depend on one is then no work
 
             def of_one(moved: Array, index: int = index) -> Any:
@@ -158,15 +160,12 @@ def with_slopes(
         stack[place] += change
         rows.append(stack)
         steps.append(stack[place] - entry)
-    found = function(tuple(rows))
-    wide = tree.map_leaves(
-        lambda one: np.broadcast_to(one, (len(rows) + 1, *np.shape(one)[1:])), found
-    )
-    columns = [
-        tree.map_leaves(lambda one, n=n, step=step: (one[n + 1] - one[0]) / step, wide)
-        for n, step in enumerate(steps)
-    ]
-    return tree.map_leaves(lambda one: one[0], wide), columns
+    values, slopes = [], []
+    for found in function(tuple(rows)):
+        wide = np.broadcast_to(found, (len(rows) + 1, *np.shape(found)[1:]))
+        values.append(wide[0])
+        slopes.append([(one - wide[0]) / step for one, step in zip(wide[1:], steps, strict=True)])
+    return tuple(values), list(zip(*slopes, strict=True))
 
 
 def compiled(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:

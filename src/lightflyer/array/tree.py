@@ -105,13 +105,22 @@ def map_leaves(
     function: Callable[..., Any], tree: Any, *rest: Any, is_leaf: Predicate | None = None
 ) -> Any:
     """Apply a function to the leaves of pytrees, as :func:`jax.tree.map`."""
-    kind = type(tree)
-    ends = is_leaf is not None and is_leaf(tree)
-    if ends or kind in _LEAVES or not (kind in _NODES or _is_node(tree)):
-        return function(tree, *rest)
+    return _map(function, tree, rest, is_leaf)
+
+
+def _map(
+    function: Callable[..., Any], node: Any, rest: tuple[Any, ...], is_leaf: Predicate | None
+) -> Any:
+    kind = type(node)
+    if kind in _LEAVES or (is_leaf is not None and is_leaf(node)):
+        return function(node, *rest)
+    if kind not in _NODES and not _is_node(node):
+        return function(node, *rest)
     take, make = _NODES[kind]
-    beside, parts = take(tree)
-    columns = [parts]
+    beside, parts = take(node)
+    if not rest:
+        return make(kind, beside, [_map(function, part, (), is_leaf) for part in parts])
+    columns = []
     for other in rest:
         if type(other) is not kind:
             raise ValueError(f"{type(other).__name__} where another pytree has {kind.__name__}")
@@ -119,8 +128,8 @@ def map_leaves(
         if theirs != beside or len(values) != len(parts):
             raise ValueError(f"two pytrees have a different {kind.__name__}")
         columns.append(values)
-    rows = zip(*columns, strict=True)
-    return make(kind, beside, [map_leaves(function, *row, is_leaf=is_leaf) for row in rows])
+    rows = zip(parts, zip(*columns, strict=True), strict=True)
+    return make(kind, beside, [_map(function, part, row, is_leaf) for part, row in rows])
 
 
 def equal(one: Any, other: Any) -> bool:

@@ -264,7 +264,8 @@ def _find_step_by_step(
         searching = at.stage != _DONE
         if not searching.any():
             break
-        if searching.ndim == 1 and np.count_nonzero(searching) < _MANY_LEFT * searching.size:
+        several = searching.ndim == 1 and searching.size > _FEW
+        if several and np.count_nonzero(searching) < _MANY_LEFT * searching.size:
             rows = np.flatnonzero(searching)
             whole = tree.put_rows(whole, places, at)
             places = rows if places is None else places[rows]

@@ -13,7 +13,7 @@ from lightflyer.film.media.dispersion import Cauchy, Formula
 from lightflyer.film.optics.thickness import thickness_uncertainty
 from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample, read_sample
 from lightflyer.lab.optics.fit import fit_optics, to_dataset
-from lightflyer.lab.optics.model import OpticalModel, Problem
+from lightflyer.lab.optics.model import FilmProblem, OpticalModel
 from lightflyer.lab.optics.search import intervals, search
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
 from lightflyer.lab.synthetic.optics import TRUTH, optics_files
@@ -46,7 +46,7 @@ def model(sample):
 
 
 def test_derivatives_are_those_of_differences(sample, model):
-    problem = Problem.of(sample, model)
+    problem = FilmProblem.of(sample, model)
     rng = np.random.default_rng(0)
     vector = np.concatenate([[0.3, 0.4, 0.45], rng.normal(size=6)])
     exact = problem.jacobian(vector)
@@ -61,7 +61,7 @@ def test_intervals_contain_the_truth_as_often_as_they_say(folder, model):
     """Errors of scales are drawn with the stated size, noise is alike over five points."""
     trials, inside = 16, np.zeros(3)
     for seed in range(100, 100 + trials):
-        problem = Problem.of(read_sample(written(folder, seed)), model)
+        problem = FilmProblem.of(read_sample(written(folder, seed)), model)
         _, ends = intervals(search(problem, starts=2))
         low, high = (model.values(np.array(end)) for end in zip(*ends, strict=True))
         inside += (low <= TRUE) & (high >= TRUE)
@@ -70,7 +70,7 @@ def test_intervals_contain_the_truth_as_often_as_they_say(folder, model):
 
 
 def test_intervals_are_no_wider_than_the_errors_need(sample, model):
-    _, ends = intervals(search(Problem.of(sample, model), starts=2))
+    _, ends = intervals(search(FilmProblem.of(sample, model), starts=2))
     low, high = (model.values(np.array(end)) for end in zip(*ends, strict=True))
     assert np.all(high - low < 0.1 * TRUE)
 
@@ -194,7 +194,7 @@ def test_misfit_is_said_and_widens_intervals(sample, model):
     found = fit_optics(changed, starts=2, model=model)
     assert any("differ from the model" in text for text in found.warnings)
     assert found.spectra[0].scatter.independent < 15
-    _, ends = intervals(search(Problem.of(sample, model), starts=2))
+    _, ends = intervals(search(FilmProblem.of(sample, model), starts=2))
     width = np.diff([model.values(np.array(end)) for end in zip(*ends, strict=True)], axis=0)[0]
     assert np.diff(found.numbers["layers.0.porosity"].interval)[0] > 1.2 * width[1]
 

@@ -172,6 +172,16 @@ def plain_decades(axis: Axis) -> None:
     axis.set_minor_formatter(_PlainNumbers())
 
 
+def label_axes(ax: Axes, x: str, y: str, *, log: str = "") -> None:
+    """Label axes and draw a grid; those in ``log`` are logarithmic, labelled in plain numbers."""
+    ax.set(xlabel=x, ylabel=y)
+    for name, axis in (("x", ax.xaxis), ("y", ax.yaxis)):
+        if name in log:
+            ax.set(**{f"{name}scale": "log"})
+            plain_decades(axis)
+    ax.grid(alpha=0.25, which="both" if log == "xy" else "major")
+
+
 def outline_effects(width: float = 3.0, colour: str = "black") -> list[AbstractPathEffect]:
     """Path effects that make a line or a text stand out from any colour below it."""
     return [withStroke(linewidth=width, foreground=colour)]

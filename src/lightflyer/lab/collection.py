@@ -1,5 +1,7 @@
 """Numbers of many records of the lab bench in one table."""
 
+import csv
+import io
 import json
 import math
 from collections.abc import Iterator, Sequence
@@ -23,7 +25,7 @@ HEADLINES = {
 _DETAILS = ("monte_carlo", "maps", "runs", "top", "bottom")  # parts of a record, beside its result
 
 
-class Entry(NamedTuple):
+class RecordedNumber(NamedTuple):
     """One measured number of a record."""
 
     folder: str  # of the record
@@ -31,6 +33,11 @@ class Entry(NamedTuple):
     quantity: str  # with the names of what it is part of, such as "samples, Ge, optimal_pressure"
     estimate: Estimate
     warnings: int  # of its record
+
+    @property
+    def name(self) -> str:
+        """The quantity in words, without the group that all of its kind are in."""
+        return self.quantity.removeprefix("samples, ").removeprefix("numbers, ").replace("_", " ")
 
     @property
     def is_headline(self) -> bool:
@@ -41,7 +48,7 @@ class Entry(NamedTuple):
         return last in HEADLINES.get(self.command, (last,)) and not {*parts} & {*_DETAILS}
 
 
-def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Entry]:
+def collect_records(folders: str | Path | Sequence[str | Path]) -> list[RecordedNumber]:
     """Every number with an interval in the records of folders and of what lies in them.
 
     Parameters
@@ -50,7 +57,7 @@ def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Entry]:
 
     Returns
     -------
-    list of Entry
+    list of RecordedNumber
         In the order of the paths.
 
     Raises
@@ -58,7 +65,7 @@ def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Entry]:
     ConfigurationError
         If a folder does not exist or has no record, or a record is damaged.
     """
-    found: list[Entry] = []
+    found: list[RecordedNumber] = []
     commands = measurements()  # whose records are NAME.json
     if isinstance(folders, str | Path):
         folders = [folders]
@@ -73,18 +80,19 @@ def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Entry]:
         if not records:
             names = ", ".join(f"{name}.json" for name in commands)
             raise ConfigurationError(f"{folder}: has no record of the lab bench ({names})")
-        found += [entry for path in records for entry in _entries(path)]
+        for path in records:
+            try:
+                content = json.loads(path.read_text(encoding="utf-8"))
+                warnings = len(content["warnings"])
+                found += [
+                    RecordedNumber(str(path.parent), path.stem, ", ".join(name), estimate, warnings)
+                    for name, estimate in _estimates(content, ())
+                ]
+            except (OSError, ValueError, KeyError, TypeError, RecursionError):
+                raise ConfigurationError(
+                    f"{path}: is no record of lightflyer, or damaged"
+                ) from None
     return list(dict.fromkeys(found))
-
-
-def _entries(path: Path) -> Iterator[Entry]:
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        warnings = len(content["warnings"])
-        for name, estimate in _estimates(content, ()):
-            yield Entry(str(path.parent), path.stem, ", ".join(name), estimate, warnings)
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        raise ConfigurationError(f"{path}: is no record of lightflyer, or damaged") from None
 
 
 def _estimates(content: Any, name: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Estimate]]:
@@ -100,16 +108,14 @@ def _estimates(content: Any, name: tuple[str, ...]) -> Iterator[tuple[tuple[str,
         yield from _estimates(part, (*name, key))
 
 
-def table_text(entries: Sequence[Entry]) -> str:
+def table_text(entries: Sequence[RecordedNumber]) -> str:
     """The numbers as a table of commas, one a line."""
-    lines = ["folder,command,quantity,value,lower 95 %,upper 95 %,unit,warnings"]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    headings = "folder,command,quantity,value,lower 95 %,upper 95 %,unit,warnings"
+    writer.writerow(headings.split(","))
     for one in entries:
-        texts = (one.folder, one.command, one.quantity)
-        numbers = (one.estimate.value, *one.estimate.interval)
-        cells = [*map(_quoted, texts), *(f"{x:.10g}" for x in numbers), one.estimate.unit or "1"]
-        lines.append(",".join([*cells, str(one.warnings)]))
-    return "\n".join(lines) + "\n"
-
-
-def _quoted(text: str) -> str:
-    return f'"{text.replace(chr(34), chr(34) * 2)}"' if set(text) & set(',"') else text
+        numbers = (f"{x:.10g}" for x in (one.estimate.value, *one.estimate.interval))
+        unit = one.estimate.unit or "1"
+        writer.writerow([one.folder, one.command, one.quantity, *numbers, unit, one.warnings])
+    return text.getvalue()

@@ -50,24 +50,17 @@ class HeatedGauge(Gauge):
     def correct(self, shown: np.ndarray) -> tuple[np.ndarray, list[str]]:
         """Pressures in the chamber for what is shown, shape (m,) [Pa], and what must be known."""
         inside, said = super().correct(shown)
-        ratio = transpiration(inside, self.temperature, self.ambient, 0.5 * self.tube, self.gas)
+        middle = 0.5 * (self.temperature + self.ambient)
+        path = np.asarray(mean_free_path(np.asarray(inside, float), middle, self.gas))
+        rarefaction = 0.25 * np.sqrt(np.pi) * self.tube / path
+        exponent = np.asarray(thermomolecular_exponent(ROUND, rarefaction))
+        ratio = (self.temperature / self.ambient) ** exponent  # of inside to chamber
         ends = sorted({f"{100.0 * (one - 1.0):.2g} %" for one in (ratio.min(), ratio.max())})
         return inside / ratio, [
             *said,
             f"the gauge at {self.temperature:.4g} K showed {' to '.join(ends)} more than the "
             f"pressure in the chamber at {self.ambient:.4g} K, which is corrected",
         ]
-
-
-def transpiration(
-    inside: np.ndarray, temperature: float, ambient: float, radius: float, gas: AbstractGas
-) -> np.ndarray:
-    """Pressure in a gauge over that in the chamber [1], shape (m,); ``inside``: its own [Pa]."""
-    middle = 0.5 * (temperature + ambient)
-    path = np.asarray(mean_free_path(np.asarray(inside, float), middle, gas))
-    rarefaction = 0.5 * np.sqrt(np.pi) * radius / path
-    exponent = np.asarray(thermomolecular_exponent(ROUND, rarefaction))
-    return np.asarray((temperature / ambient) ** exponent)
 
 
 def gauge_of(
@@ -99,8 +92,8 @@ def gauge_of(
 def pirani_doubts(gas: str, gauge: Gauge, *, accuracy_stated: bool) -> list[Doubt]:
     """A line where a gauge that is taken for a Pirani gauge is in a gas it is not set to."""
     factor = PIRANI_FACTORS.get(gas)
-    told = gauge.factor != 1.0 or gauge.shown is not None or accuracy_stated
-    if factor is None or told:
+    stated = gauge.factor != 1.0 or gauge.shown is not None or accuracy_stated
+    if factor is None or stated:
         return []
     return [
         Doubt(

@@ -47,22 +47,38 @@ def noise_density(value: np.ndarray) -> np.ndarray:
     if len(value) < 3:
         return np.zeros(len(value))
     if len(value) < LEAST_POINTS:
-        return np.full(len(value), _bend_variance(value, 1))
+        return np.full(len(value), np.median(_bends(value, 1)))
     density, end = _density_at_zero(value)
-    return density * _local_level(value, lag=max(1, round(0.5 / end)))
+    # variance of the noise near each point over that of the whole spectrum
+    squares = _bends(value, lag=max(1, round(0.5 / end)))
+    whole = float(np.median(squares))
+    if not whole > 0.0:
+        return np.full(len(value), density)
+    window = 2 * (len(value) // (2 * _LOCAL_WINDOWS)) + 1
+    # one in several squares is enough for a median, and much faster
+    step = max(1, window // 200)
+    local = ndimage.median_filter(squares[::step], size=max(1, window // step), mode="nearest")
+    middle = np.arange(len(squares))[::step] + 0.5 * (len(value) - len(squares))
+    return np.asarray(density * np.interp(np.arange(len(value)), middle, local / whole))
 
 
 def point_noise(value: np.ndarray) -> float:
     """Standard deviation of the noise of single points, roughly [1]; ``value`` (n,)."""
     lags = [lag for lag in _POINT_LAGS if 2 * lag < len(value)]
-    return float(np.sqrt(max((_bend_variance(value, lag) for lag in lags), default=0.0)))
+    return float(np.sqrt(max((np.median(_bends(value, lag)) for lag in lags), default=0.0)))
 
 
 def _density_at_zero(value: np.ndarray) -> tuple[float, float]:
     """Density at zero frequency, and the highest frequency with noise [per point]."""
     length = len(value) // _SEGMENTS
     while True:
-        frequency, density = _median_density(value, length)
+        # two-sided, the median over overlapping segments
+        size = max(length, 2 * (_FILM_BINS + _REFERENCE_BINS))
+        frequency, density = signal.welch(
+            value, window="blackmanharris", nperseg=size, noverlap=2 * size // 3,
+            detrend="linear", average="median",
+        )  # fmt: skip
+        density = 0.5 * density
         reference = float(np.median(density[_FILM_BINS : _FILM_BINS + _REFERENCE_BINS]))
         last = int(np.flatnonzero(density > _END_OF_NOISE * reference).max(initial=0))
         if last >= _LEAST_BINS or 2 * length > len(value) // _LEAST_SEGMENTS:
@@ -82,36 +98,8 @@ def _density_at_zero(value: np.ndarray) -> tuple[float, float]:
     return float(np.exp(at_zero)), float(frequency[end])
 
 
-def _median_density(value: np.ndarray, length: int) -> tuple[np.ndarray, np.ndarray]:
-    """Two-sided density, the median over overlapping segments."""
-    length = max(length, 2 * (_FILM_BINS + _REFERENCE_BINS))
-    frequency, density = signal.welch(
-        value, window="blackmanharris", nperseg=length, noverlap=2 * length // 3,
-        detrend="linear", average="median",
-    )  # fmt: skip
-    return frequency, 0.5 * density
-
-
 def _bends(value: np.ndarray, lag: int) -> np.ndarray:
     """Squared second differences over a lag, with the variance of independent points."""
     lag = min(lag, (len(value) - 1) // 2)
     bends = value[: -2 * lag] - 2.0 * value[lag:-lag] + value[2 * lag :]
     return np.asarray(bends**2 / (_MEDIAN_OF_SQUARE * _BEND_VARIANCE))
-
-
-def _bend_variance(value: np.ndarray, lag: int) -> float:
-    return float(np.median(_bends(value, lag)))
-
-
-def _local_level(value: np.ndarray, lag: int) -> np.ndarray:
-    """Variance of the noise near each point over that of the whole spectrum."""
-    squares = _bends(value, lag)
-    whole = float(np.median(squares))
-    if not whole > 0.0:
-        return np.ones(len(value))
-    window = 2 * (len(value) // (2 * _LOCAL_WINDOWS)) + 1
-    # one in several squares is enough for a median, and much faster
-    step = max(1, window // 200)
-    local = ndimage.median_filter(squares[::step], size=max(1, window // step), mode="nearest")
-    middle = np.arange(len(squares))[::step] + 0.5 * (len(value) - len(squares))
-    return np.asarray(np.interp(np.arange(len(value)), middle, local / whole))

@@ -2,14 +2,13 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lightflyer.cli.lab.measure import Files
 from lightflyer.cli.options import Json
 from lightflyer.cli.output import print_json, printer
 
-if TYPE_CHECKING:
-    from lightflyer.lab.collection import Entry
+_MOST_LINES = 30  # unless --quantity asks for more
 
 
 def summary_command(
@@ -53,7 +52,7 @@ def summary_command(
         one
         for one in entries
         if (one.is_headline or out is not None or json_output if quantity is None
-            else quantity in one.quantity)
+            else quantity in one.quantity or quantity in one.name)
     ]  # fmt: skip
     if not entries:
         raise ConfigurationError(f"no quantity contains {quantity}; found: {'; '.join(names)}")
@@ -63,24 +62,25 @@ def summary_command(
         with output_directory(out.parent, shared=True) as stage:
             stage(out.name).write_text(table_text(entries), encoding="utf-8")
     if json_output:
-        print_json({"records": [_plain(one) for one in entries]})
+        print_json({"records": [
+            {"folder": one.folder, "command": one.command, "quantity": one.quantity}
+            | one.estimate.to_json()
+            | {"warnings": one.warnings}
+            for one in entries
+        ]})  # fmt: skip
         return
+    shown = entries if quantity is not None else entries[:_MOST_LINES]
     headings = ("folder", "command", "quantity", "value", "95 % interval", "unit", "warnings")
     rows = (
         (
-            one.folder, one.command, one.quantity, f"{shown.value:.4g}",
-            interval(shown), shown.unit or "1", str(one.warnings),
+            one.folder, one.command, one.name, f"{number.value:.4g}",
+            interval(number), number.unit or "1", str(one.warnings),
         )
-        for one, shown in ((one, in_display_unit(one.estimate)) for one in entries)
+        for one, number in ((one, in_display_unit(one.estimate)) for one in shown)
     )  # fmt: skip
     console = printer()
     console.print(table_of(headings, rows, left=(0, 1, 2, 4, 5)))
-    if len(entries) < found and quantity is None:
-        console.print(f'and {found - len(entries)} more, with --quantity ""')
+    if len(shown) < found and quantity is None:
+        console.print(f'and {found - len(shown)} more numbers, with --quantity ""')
     if out is not None:
         console.print(f"wrote {out}", markup=False, soft_wrap=True)
-
-
-def _plain(one: "Entry") -> dict[str, Any]:
-    about = {"folder": one.folder, "command": one.command, "quantity": one.quantity}
-    return about | one.estimate.to_json() | {"warnings": one.warnings}

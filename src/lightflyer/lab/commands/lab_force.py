@@ -5,14 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.quantities import exact
-from lightflyer.lab.options import (
-    AS_SHOWN,
-    GaugeOptions,
-    KnownMetres,
-    KnownNumber,
-    MeasuredKelvins,
-    Share,
-)
+from lightflyer.lab import options
 
 if TYPE_CHECKING:
     from lightflyer.lab.result import Outcome
@@ -29,19 +22,19 @@ def force(
     file: Path | None = None,
     /,
     *,
-    diameter: KnownMetres,
-    hot: MeasuredKelvins,
-    cold: MeasuredKelvins,
+    diameter: options.KnownMetres,
+    hot: options.MeasuredKelvins,
+    cold: options.MeasuredKelvins,
     gas: Literal["air", "nitrogen", "oxygen", "argon", "helium"] = "argon",
-    ambient: MeasuredKelvins = "295 K",
-    tac: KnownNumber = None,
-    tac_hot: KnownNumber = None,
-    tac_cold: KnownNumber = None,
+    ambient: options.MeasuredKelvins = "295 K",
+    tac: options.KnownNumber = None,
+    tac_hot: options.KnownNumber = None,
+    tac_cold: options.KnownNumber = None,
     wall: Literal["unknown", "maxwell", "accommodated"] = "unknown",
     pressures: Annotated[Any, _read_ends] = None,
-    gauge: GaugeOptions = AS_SHOWN,
-    pressure_accuracy: Share = None,
-    force_accuracy: Share = "5 %",
+    gauge: options.GaugeOptions = options.AS_SHOWN,
+    pressure_accuracy: options.Share = None,
+    force_accuracy: options.Share = "5 %",
 ) -> "Outcome":
     """Predict the force on a heated vane over pressure, and lay measured points over it.
 

@@ -4,25 +4,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.lab.options import AS_SHOWN, GaugeOptions, Kelvins, Share, WattsPerArea, measurement
+from lightflyer.lab import options
 
 if TYPE_CHECKING:
-    from lightflyer.lab.levitation.data import LiftOffs
     from lightflyer.lab.result import Outcome
 
 
-@measurement(calibrate="flyer", keep_ground_effect="calibrate", update="calibrate")
+@options.measurement(calibrate="flyer", keep_ground_effect="calibrate", update="calibrate")
 def levitation(
     files: list[Path],
     /,
     *,
     columns: str | None = None,
-    step: WattsPerArea = None,
+    step: options.WattsPerArea = None,
     gas: Literal["air", "nitrogen", "oxygen", "argon", "helium"] = "air",
-    ambient: Kelvins = None,
-    gauge: GaugeOptions = AS_SHOWN,
-    pressure_accuracy: Share = None,
-    irradiance_accuracy: Share = None,
+    ambient: options.Kelvins = None,
+    gauge: options.GaugeOptions = options.AS_SHOWN,
+    pressure_accuracy: options.Share = None,
+    irradiance_accuracy: options.Share = None,
     span: float = 0.75,
     draws: int = 2000,
     seed: int = 0,
@@ -76,22 +75,29 @@ def levitation(
         instruments; the file's own ± are not counted twice.
     """
     from lightflyer.calibration.text import fit_parts
+    from lightflyer.files.table import same_text
     from lightflyer.gas import GASES
     from lightflyer.lab.gauges import pirani_doubts
-    from lightflyer.lab.levitation import curve as levitation_module
+    from lightflyer.lab.levitation import curve as curve_module
     from lightflyer.lab.levitation.curve import curves_parts
     from lightflyer.lab.levitation.data import read_lift_offs
-    from lightflyer.lab.result import Outcome, figures_by
+    from lightflyer.lab.result import Outcome, figures_by, require_distinct
 
     shown = gauge.build(GASES[gas], ambient)
     read = [read_lift_offs(file, columns=columns, gauge=shown) for file in files]
     tables, lots = [table for _, table in read], [one for lots, _ in read for one in lots]
-    _require_distinct(lots)
+    seen: dict[str, str] = {}
+    for one in lots:
+        name = same_text(one.name)
+        if name in seen:
+            raise ConfigurationError(f"{one.place}: {one.name} is also in {seen[name]}")
+        seen[name] = one.place
+    require_distinct([(f"{one.place}: {one.name}", (one.pressure, one.irradiance)) for one in lots])
     accuracies = {
         "pressure_accuracy": pressure_accuracy, "irradiance_accuracy": irradiance_accuracy
     }  # fmt: skip
     curves = [
-        levitation_module.levitation_curve(
+        curve_module.levitation_curve(
             points, span=span, draws=draws, seed=seed + number, step=step or 0.0, **accuracies
         )
         for number, points in enumerate(lots)
@@ -117,7 +123,7 @@ def levitation(
             name: {curve.points.name: model_curve(curve.points, one) for curve in curves}
             for name, one in setups.items()
         }
-    document = levitation_module.summary(curves)
+    document = curve_module.summary(curves)
     doubts = pirani_doubts(gas, shown, accuracy_stated=pressure_accuracy is not None)
     warnings = [*doubts, *document["warnings"]]
     values = {}
@@ -130,9 +136,9 @@ def levitation(
 
     return Outcome(
         document,
-        levitation_module.to_dataset(curves, [table.source for table in tables]),
+        curve_module.to_dataset(curves, [table.source for table in tables]),
         [
-            *curves_parts(curves), *map(str, levitation_module.compare(curves)),
+            *curves_parts(curves), *map(str, curve_module.compare(curves)),
             *(() if fit is None else fit_parts(fit)),
         ],
         read=tables,
@@ -141,20 +147,7 @@ def levitation(
             "levitation.figures:levitation_figures", curves, pressure_unit=pressure_unit,
             models=models,
         ),
-        tables=levitation_module.tables(curves),
+        tables=curve_module.tables(curves),
         values=values,
         sources=files,
     )  # fmt: skip
-
-
-def _require_distinct(lots: "list[LiftOffs]") -> None:
-    from lightflyer.files.table import same_text
-    from lightflyer.lab.result import require_distinct
-
-    seen: dict[str, str] = {}
-    for one in lots:
-        name = same_text(one.name)
-        if name in seen:
-            raise ConfigurationError(f"{one.place}: {one.name} is also in {seen[name]}")
-        seen[name] = one.place
-    require_distinct([(f"{one.place}: {one.name}", (one.pressure, one.irradiance)) for one in lots])

@@ -5,53 +5,41 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.lab.options import (
-    AS_SHOWN,
-    Face,
-    GaugeOptions,
-    Kelvins,
-    KelvinsApart,
-    KnownMetres,
-    KnownNumber,
-    Metres,
-    Pascals,
-    Share,
-    measurement,
-)
+from lightflyer.lab import options
 
 if TYPE_CHECKING:
     from lightflyer.lab.result import Outcome
     from lightflyer.lab.tac.fit import TacFit
 
 
-@measurement(face="update", other_face="top")
+@options.measurement(face="update", other_face="top")
 def tac(
     files: list[Path] | None = None,
     /,
     *,
     top: list[Path] | None = None,
     bottom: list[Path] | None = None,
-    other_face: KnownNumber = None,
+    other_face: options.KnownNumber = None,
     columns: str | None = None,
     calibration: Path | None = None,
-    ambient: Kelvins = None,
-    diameter: KnownMetres = None,
-    tolerance: KelvinsApart = "1 K",
-    emissivity: Share = None,
+    ambient: options.Kelvins = None,
+    diameter: options.KnownMetres = None,
+    tolerance: options.KelvinsApart = "1 K",
+    emissivity: options.Share = None,
     reading: Literal["kinetic", "printed", "reported"] = "kinetic",
-    wall: Metres = None,
+    wall: options.Metres = None,
     gas: Literal[
         "air", "us1976-air", "lu2023-air", "nitrogen", "oxygen", "argon", "helium"
     ] = "air",
-    gauge: GaugeOptions = AS_SHOWN,
-    gauge_accuracy: Share = None,
-    gauge_zero: Pascals = None,
-    power_accuracy: Share = None,
-    temperature_accuracy: KelvinsApart = None,
-    plateau_accuracy: Share = None,
-    plateau_drift: Share = None,
+    gauge: options.GaugeOptions = options.AS_SHOWN,
+    gauge_accuracy: options.Share = None,
+    gauge_zero: options.Pascals = None,
+    power_accuracy: options.Share = None,
+    temperature_accuracy: options.KelvinsApart = None,
+    plateau_accuracy: options.Share = None,
+    plateau_drift: options.Share = None,
     update: Path | None = None,
-    face: Face | None = None,
+    face: options.Face | None = None,
 ) -> "Outcome":
     """Fit accommodation coefficient, area ratio and offset to a heater's power against pressure.
 
@@ -120,13 +108,8 @@ def tac(
     from lightflyer.gas import GASES
     from lightflyer.lab.gauges import pirani_doubts
     from lightflyer.lab.result import Outcome, figures_by, require_distinct
+    from lightflyer.lab.tac import data
     from lightflyer.lab.tac import fit as tac_fits
-    from lightflyer.lab.tac.data import (
-        TacAccuracy,
-        read_resistance_calibration,
-        read_tac,
-        unstated_accuracies,
-    )
     from lightflyer.lab.tac.diagnostics import POSSIBLE_TAC
     from lightflyer.lab.tac.difference import (
         difference_dataset,
@@ -165,17 +148,18 @@ def tac(
             raise ConfigurationError(f"--wall is for the reading kinetic only, not for {reading}")
         require_positive(**{"--wall": wall})
         law = KineticLaw(wall)
-    options: dict[str, Any] = {
+    settings: dict[str, Any] = {
         "tolerance": tolerance, "law": law, "gas": GASES[gas], "emissivity": emissivity,
-        "accuracy": TacAccuracy(**stated), **({"diameter": diameter.value} if diameter else {}),
+        "accuracy": data.TacAccuracy(**stated),
+        **({"diameter": diameter.value} if diameter else {}),
     }  # fmt: skip
     if other_face is not None:
         require_range("--other-face", other_face.value, 0.0, POSSIBLE_TAC)
     shown = gauge.build(GASES[gas], ambient)
-    thermometer = None if calibration is None else read_resistance_calibration(calibration)
+    thermometer = None if calibration is None else data.read_resistance_calibration(calibration)
     sides = [
         [
-            read_tac(
+            data.read_tac(
                 file, columns=columns, thermometer=thermometer, ambient_temperature=ambient,
                 gauge=shown,
             )
@@ -186,14 +170,14 @@ def tac(
     runs = [run for side in sides for run in side]
     require_distinct([(run.source, (run.pressure, run.power)) for run in runs])
     doubts = pirani_doubts(gas, shown, accuracy_stated="gauge" in stated)
-    unstated = unstated_accuracies(stated)
+    unstated = data.unstated_accuracies(stated)
     common: dict[str, Any] = {
         "read": [run.table for run in runs],
         "origin": f"tac, {reading} reading, in {gas}",
         "sources": [file for side in faces for file in side or ()],
     }
     if len(sides) == 1:
-        fits = [tac_fits.fit_tac(run, **options) for run in runs]
+        fits = [tac_fits.fit_tac(run, **settings) for run in runs]
         mean = tac_fits.mean_tac(fits)
         warnings = [
             *doubts, *tac_fits.warnings_of(fits), *_about_flyer(update, [fits], face), *unstated
@@ -212,7 +196,7 @@ def tac(
             values=dict.fromkeys(tac_keys(face), mean) if face else {},
             **common,
         )  # fmt: skip
-    found = fit_tac_difference(*sides, **options, other_face=other_face)
+    found = fit_tac_difference(*sides, **settings, other_face=other_face)
     warnings = [
         *doubts, *found.warnings, *_about_flyer(update, [found.top, found.bottom]), *unstated
     ]  # fmt: skip
@@ -230,7 +214,7 @@ def tac(
 
 
 def _about_flyer(
-    flyer: Path | None, sides: "Sequence[Sequence[TacFit]]", face: Face | None = None
+    flyer: Path | None, sides: "Sequence[Sequence[TacFit]]", face: options.Face | None = None
 ) -> list[str]:
     """What to know of coefficients in a flyer file; raises if they are not fit for one."""
     if flyer is None:
@@ -265,10 +249,10 @@ def _about_flyer(
             f"its force model {file.force.tag()} takes the heat loss by the reading {reading}"
             f"{also}; the coefficient written is by the reading {first.reading}"
         )
-    around = file.environment.build().gas.name  # type: ignore[attr-defined]
-    if first.gas != around and not {first.gas, around} <= AIRS.keys():
+    there = file.environment.build().gas.name  # type: ignore[attr-defined]
+    if first.gas != there and not {first.gas, there} <= AIRS.keys():
         said.append(
-            f"its flyer is in {around}, and the coefficient written was measured in {first.gas}: a "
+            f"its flyer is in {there}, and the coefficient written was measured in {first.gas}: a "
             "film has another one in every gas"
         )
     return [f"{flyer}: {text}" for text in said]

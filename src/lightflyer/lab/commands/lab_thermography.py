@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.files.quantities import difference, share
-from lightflyer.lab.options import Face, Kelvins, KnownNumber, MeasuredKelvins, Number, measurement
+from lightflyer.lab import options
 
 if TYPE_CHECKING:
     from lightflyer.lab.result import Outcome
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from lightflyer.lab.thermography.thermal_image import ThermalImage
 
 
-@measurement(
+@options.measurement(
     image_unit="regions", image_zero="image_unit", image_emissivity="regions",
     image_reflected="regions", face="update",
 )  # fmt: skip
@@ -25,22 +25,22 @@ def thermography(
     light_meter: bool = False,
     band: str | None = None,
     columns: str | None = None,
-    hotplate: MeasuredKelvins = None,
-    lower: MeasuredKelvins = None,
-    upper: MeasuredKelvins = None,
-    ambient: MeasuredKelvins = None,
-    hotplate_emissivity: KnownNumber = None,
-    film_temperature: MeasuredKelvins = None,
+    hotplate: options.MeasuredKelvins = None,
+    lower: options.MeasuredKelvins = None,
+    upper: options.MeasuredKelvins = None,
+    ambient: options.MeasuredKelvins = None,
+    hotplate_emissivity: options.KnownNumber = None,
+    film_temperature: options.MeasuredKelvins = None,
     regions: str | None = None,
     image_unit: str | None = None,
     image_zero: str | None = None,
-    image_emissivity: Number = None,
-    image_reflected: Kelvins = None,
+    image_emissivity: options.Number = None,
+    image_reflected: options.Kelvins = None,
     accuracy: str | None = None,
     draws: int = 100_000,
     seed: int = 0,
     update: Path | None = None,  # noqa: ARG001  (written by the command)
-    face: Face = "both",
+    face: options.Face = "both",
 ) -> "Outcome":
     """Find reflectance, transmittance and emissivity from apparent temperatures.
 
@@ -103,54 +103,49 @@ def thermography(
     """
     from lightflyer.config.update import emittance_keys
     from lightflyer.lab.result import Outcome, figures_by
-    from lightflyer.lab.thermography.data import (
-        BLACK,
-        LIGHT,
-        THERMAL,
-        given_readings,
-        read_readings,
-    )
+    from lightflyer.lab.thermography import data, thermal_image
+    from lightflyer.lab.thermography.camera import UNCOOLED, parse_band
     from lightflyer.lab.thermography.reduction import reduce_readings, to_dataset
-    from lightflyer.lab.thermography.thermal_image import (
-        is_thermal_image,
-        parse_regions,
-        parse_scale,
-        read_thermal_image,
-    )
 
     texts = {"hotplate": hotplate, "lower": lower, "upper": upper, "ambient": ambient}
     given = {f"{name}_temperature": one for name, one in texts.items() if one is not None}
     if light_meter and (given or band or hotplate_emissivity or film_temperature or file is None):
         raise ConfigurationError("--light-meter needs a file and takes no temperatures and no band")
-    own = None
+    stated = None
     if accuracy is not None:
         read: Any = share if light_meter else difference
-        own = read("--accuracy", accuracy, *([] if light_meter else ["K"]))
-    image, tables, areas = None, [], parse_regions(regions or "")
+        stated = read("--accuracy", accuracy, *([] if light_meter else ["K"]))
+    image, tables, areas = None, [], thermal_image.parse_regions(regions or "")
     if light_meter and file is not None:
-        readings, table = read_readings(file, LIGHT, columns=columns, accuracy=own)
+        readings, table = data.read_readings(file, data.LIGHT, columns=columns, accuracy=stated)
         tables = [table]
     else:
-        scene = _scene(band, hotplate_emissivity or BLACK, film_temperature)
+        camera = UNCOOLED if band is None else parse_band(band)
+        try:
+            scene = data.Scene(camera, hotplate_emissivity or data.BLACK, film_temperature)
+        except ParameterError as error:
+            raise ConfigurationError(f"--{str(error).replace('_', '-', 1)}") from None
         if regions and file is None:
             raise ConfigurationError("--regions is for an image; give its file")
-        if file is not None and (regions or is_thermal_image(file)):
+        if file is not None and (regions or thermal_image.is_thermal_image(file)):
             if regions is None:
                 raise ConfigurationError(
                     f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."'
                 )
-            image = read_thermal_image(
+            image = thermal_image.read_thermal_image(
                 file,
-                scale=None if image_unit is None else parse_scale(image_unit, image_zero),
+                scale=None
+                if image_unit is None
+                else thermal_image.parse_scale(image_unit, image_zero),
                 emissivity=image_emissivity,
                 reflected_temperature=image_reflected,
             )
-            readings = _image_readings(image, areas, given, own, scene)
+            readings = _image_readings(image, areas, given, stated, scene)
         elif file is None:
-            readings = given_readings(given, THERMAL, accuracy=own, scene=scene)
+            readings = data.given_readings(given, data.THERMAL, accuracy=stated, scene=scene)
         else:
-            readings, table = read_readings(
-                file, THERMAL, columns=columns, given=given, accuracy=own, scene=scene
+            readings, table = data.read_readings(
+                file, data.THERMAL, columns=columns, given=given, accuracy=stated, scene=scene
             )
             tables = [table]
     result = reduce_readings(readings, draws=draws, seed=seed)
@@ -177,39 +172,21 @@ def thermography(
     )  # fmt: skip
 
 
-def _scene(band: str | None, emissivity: Any, film: Any) -> "Scene":
-    from lightflyer.lab.thermography.camera import UNCOOLED, parse_band
-    from lightflyer.lab.thermography.data import Scene
-
-    camera = UNCOOLED if band is None else parse_band(band)
-    try:
-        return Scene(camera, emissivity, film)
-    except ParameterError as error:
-        raise ConfigurationError(f"--{str(error).replace('_', '-', 1)}") from None
-
-
 def _image_readings(
     image: "ThermalImage", areas: Any, given: dict[str, Any], accuracy: float | None, scene: "Scene"
 ) -> "Readings":
-    from lightflyer.lab.thermography.data import (
-        THERMAL,
-        accuracy_warnings,
-        given_readings,
-        with_accuracy,
-    )
-    from lightflyer.lab.thermography.thermal_image import (
-        region_temperatures,
-        region_warnings,
-        setting_warnings,
-    )
+    from lightflyer.lab.thermography import data, thermal_image
 
     kelvin = image.temperature
-    found = with_accuracy(region_temperatures(kelvin, areas, image.source), accuracy) | given
-    readings = given_readings(found, THERMAL, accuracy=accuracy, scene=scene)
+    found = (
+        data.with_accuracy(thermal_image.region_temperatures(kelvin, areas, image.source), accuracy)
+        | given
+    )
+    readings = data.given_readings(found, data.THERMAL, accuracy=accuracy, scene=scene)
     said = (
-        *setting_warnings(image, found["ambient_temperature"].value),
-        *region_warnings(kelvin, areas),
-        *accuracy_warnings(THERMAL, accuracy),
+        *thermal_image.setting_warnings(image, found["ambient_temperature"].value),
+        *thermal_image.region_warnings(kelvin, areas),
+        *data.accuracy_warnings(data.THERMAL, accuracy),
         *readings.warnings,
     )
     return dataclasses.replace(readings, warnings=tuple(dict.fromkeys(said)))

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 
-from lightflyer.files.drawing import BAND, legend_below, plain_decades
-from lightflyer.files.palette import BLUE, GREY
+from lightflyer.files.drawing import BAND, label_axes, legend_below
+from lightflyer.files.palette import BLUE
 from lightflyer.lab.estimate import NORMAL_FACTOR
 
 if TYPE_CHECKING:
@@ -31,10 +31,7 @@ def plot_forces(found: "VaneForces", ax: Axes) -> None:
         ax.errorbar(numbers["pressure"], numbers["force"] / MICRONEWTON, up / MICRONEWTON, right,
                     fmt="o", color="black", mfc="none", ms=5, lw=0.7, label="measured")  # fmt: skip
         shown = np.concatenate([shown, numbers["force"]])
-    ax.set(xscale="log", yscale="log", xlabel="pressure [Pa]", ylabel="force [µN]")
+    label_axes(ax, "pressure [Pa]", "force [µN]", log="xy")
     most = shown.max() / MICRONEWTON
     ax.set_ylim(max(0.5 * shown.min() / MICRONEWTON, most / 10**_DECADES), 2.0 * most)
-    for axis in (ax.xaxis, ax.yaxis):
-        plain_decades(axis)
-    ax.grid(alpha=0.25, which="both", color=GREY)
     legend_below(ax)

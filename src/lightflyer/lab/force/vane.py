@@ -140,8 +140,8 @@ class Vane(ShortRepr):
     def warnings(self, pressure: np.ndarray) -> tuple[str, ...]:
         """Where pressures are outside the model's range, one line each."""
         state = self._state(pressure, np.array([self.ambient.value]))
-        looks = Kinetic().ranges(self._body(_NOMINAL), state, self.hot.value)
-        return describe(looks, pressure)
+        ranges = Kinetic().ranges(self._body(_NOMINAL), state, self.hot.value)
+        return describe(ranges, pressure)
 
     def _forces(self, pressure: np.ndarray, draws: np.ndarray) -> np.ndarray:
         ambient, hot, cold = (
@@ -334,15 +334,11 @@ def compare_forces(
     grid = np.geomspace(*pressures, 200)
     predicted = np.zeros(0) if table is None else vane.force(table.numbers["pressure"])
     return VaneForces(
-        vane=vane,
-        pressure=grid,
-        force=vane.force(grid),
-        band=central_interval(vane.forces(grid), axis=0),
-        points=table,
-        predicted=predicted,
+        vane=vane, pressure=grid, force=vane.force(grid),
+        band=central_interval(vane.forces(grid), axis=0), points=table, predicted=predicted,
         ratio=None if table is None else _ratio(vane, table, pressure_accuracy, force_accuracy),
         warnings=tuple(_warnings(vane, grid, table, predicted)),
-    )
+    )  # fmt: skip
 
 
 def _ratio(vane: Vane, points: Table, gauge: float, balance: float) -> Estimate:
@@ -354,15 +350,15 @@ def _ratio(vane: Vane, points: Table, gauge: float, balance: float) -> Estimate:
         points.numbers.get(f"{name}_uncertainty", np.zeros(at.size)) / points.numbers[name]
         for name in ("force", "pressure")
     )
-    own = np.hypot(up, slope * right)
-    weight = 1.0 / own**2 if np.all(own > 0.0) else np.ones(at.size)
+    spread = np.hypot(up, slope * right)
+    weight = 1.0 / spread**2 if np.all(spread > 0.0) else np.ones(at.size)
     weight /= weight.sum()
     logs = np.log(measured / predicted)
     mean, kept = weight @ logs, weight @ weight
     scatter = weight @ (logs - mean) ** 2 * kept / (1.0 - kept) if at.size > 1 else 0.0
     noise = np.random.default_rng(_SEED + 1).standard_normal((3, SAMPLES))
     draws = mean - np.log(vane.forces(at) / predicted) @ weight
-    draws += np.sqrt(max(scatter, weight**2 @ own**2)) * noise[0]
+    draws += np.sqrt(max(scatter, weight**2 @ spread**2)) * noise[0]
     draws += balance * noise[1] - (weight @ slope) * gauge * noise[2]
     return Estimate.of_draws(float(np.exp(mean)), np.exp(draws))
 

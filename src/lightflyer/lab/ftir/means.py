@@ -14,7 +14,7 @@ _NODES, _FEW_NODES = 8, 2  # Gauss-Legendre, per piece
 _FINE = 50_000  # points above which a spectrum is fine enough for few nodes
 
 
-class Share(NamedTuple):
+class MeanShare(NamedTuple):
     """A mean share with its standard uncertainties, not yet cut at what is possible."""
 
     value: float  # [1]
@@ -27,11 +27,11 @@ class Share(NamedTuple):
         return Estimate.covering(self.value, float(half))
 
 
-def remainder(parts: Sequence[Share]) -> Share:
+def remainder(parts: Sequence[MeanShare]) -> MeanShare:
     """One minus the parts, with independent errors; degrees of freedom after Welch."""
     variances = np.array([part.random**2 for part in parts])
     lost = sum(one**2 / part.freedom for one, part in zip(variances, parts, strict=True))
-    return Share(
+    return MeanShare(
         1.0 - sum(part.value for part in parts),
         float(np.sqrt(variances.sum())),
         float(variances.sum() ** 2 / lost) if lost > 0.0 else np.inf,
@@ -103,10 +103,10 @@ def planck_mean(
     return _mean(planck_weights(wavenumber, temperature, nodes), value, density)
 
 
-def combine_repeats(means: Sequence[tuple[float, float]], accuracy: float) -> Share:
+def combine_repeats(means: Sequence[tuple[float, float]], accuracy: float) -> MeanShare:
     """Mean of repeats, with the scatter of the means or the noise of the only one."""
     values = np.array([mean for mean, _ in means])
     if len(values) == 1:
-        return Share(float(values[0]), means[0][1], np.inf, accuracy)
+        return MeanShare(float(values[0]), means[0][1], np.inf, accuracy)
     scatter = float(values.std(ddof=1) / np.sqrt(len(values)))
-    return Share(float(values.mean()), scatter, len(values) - 1, accuracy)
+    return MeanShare(float(values.mean()), scatter, len(values) - 1, accuracy)

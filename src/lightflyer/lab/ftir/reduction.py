@@ -23,29 +23,19 @@ from lightflyer.core.errors import Doubt, ParameterError
 from lightflyer.core.quantity import Temperature
 from lightflyer.files.result_text import Parts, table_of
 from lightflyer.lab.estimate import CONFIDENCE, Estimate
-from lightflyer.lab.ftir.diagnostics import (
-    Bounds,
-    accuracy_warnings,
-    coverage_warnings,
-    spectrum_warnings,
-)
-from lightflyer.lab.ftir.means import (
-    Share,
-    band_mean,
-    combine_repeats,
-    planck_mean,
-    remainder,
-    uncovered_power,
-)
+from lightflyer.lab.ftir import diagnostics, means
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
 from lightflyer.lab.result import (
     EMISSIVITY,
     LabResult,
+    Reported,
     Series,
     csv_text,
     dataset,
     doubts_of,
+    plain,
     require_distinct,
+    variables,
 )
 from lightflyer.lab.spectrum_noise import noise_density
 
@@ -98,7 +88,7 @@ class Ftir(LabResult):
     #: Fraction of a black body's power without data [1], by temperature [K]
     uncovered: dict[float, float]
     #: Standard uncertainty of the instrument's ordinate, included in the intervals [1]
-    accuracy: float
+    accuracy: Reported[float]
     warnings: tuple[str, ...] = ()  #: What a reader must know of these numbers
 
     _drawing = "ftir.figures:spectra"
@@ -173,64 +163,55 @@ class Ftir(LabResult):
             "weighted with Planck's spectrum over the measured wavenumbers; total: nothing or\n"
             "everything is emitted outside them"
         )
-        measured, bounds = self.reflectance is not None, self.total_bounds()
-        headings = (
-            "at\n[K]", "\ntransmittance", "\nemissivity" if measured else "1 - trans-\nmittance",
-            "\n95 % interval", "outside\nthe data",
-            "total,\nbounds" if measured else "total, at\nmost (95 %)",
-        )  # fmt: skip
+        of_emissivity, of_total = "\nemissivity", "total,\nbounds"
+        if self.reflectance is None:
+            of_emissivity, of_total = "1 - trans-\nmittance", "total, at\nmost (95 %)"
         rows = []
-        for temperature, estimate in self.planck_emissivity.items():
-            ends, (least, most) = estimate.interval, bounds[temperature]
+        for (temperature, estimate), (least, most) in zip(
+            self.planck_emissivity.items(), self.total_bounds().values(), strict=True
+        ):
+            first, last = estimate.interval
             rows.append((
                 f"{temperature:g}", f"{self.transmittance.planck[temperature].value:.4f}",
-                f"{estimate.value:.4f}", f"{ends[0]:.4f} to {ends[1]:.4f}",
+                f"{estimate.value:.4f}", f"{first:.4f} to {last:.4f}",
                 f"{_PERCENT * self.uncovered[temperature]:.1f} %",
-                f"{least:.3f} to {most:.3f}" if measured else f"{most:.3f}",
+                f"{most:.3f}" if self.reflectance is None else f"{least:.3f} to {most:.3f}",
             ))  # fmt: skip
-        yield table_of(headings, rows, left=())
+        yield table_of(
+            ("at\n[K]", "\ntransmittance", of_emissivity, "\n95 % interval", "outside\nthe data",
+             of_total), rows, left=(),
+        )  # fmt: skip
 
     def summary(self) -> dict[str, Any]:
         """The result as a JSON object."""
+        uncovered: dict[Any, float] = {"band": self.uncovered_band, **self.uncovered}
         document: dict[str, Any] = {
-            "band_transmittance": self.transmittance.band.to_json(),
-            "emissivity_upper_bound": self.upper_bound.to_json()
+            "band_transmittance": self.transmittance.band,
+            "emissivity_upper_bound": plain(self.upper_bound)
             | {"at_most_95": _limit(self.upper_bound)},
-            "planck_weighted": _by_temperature(self.transmittance.planck),
+            "planck_weighted": self.transmittance.planck,
             "uncovered_fraction": {
-                "band": _exact(self.uncovered_band).to_json(),
-                **_by_temperature({t: _exact(share) for t, share in self.uncovered.items()}),
+                where: Estimate(share, (share, share)) for where, share in uncovered.items()
             },
-            "total_emissivity_bounds_95": {
-                f"{t:g}": list(ends) for t, ends in self.total_bounds().items()
-            },
+            "total_emissivity_bounds_95": self.total_bounds(),
             "band_per_cm": [end / PER_CENTIMETRE for end in self.band],
             "covered_per_cm": [end / PER_CENTIMETRE for end in self.covered],
-            "accuracy": self.accuracy,
-            "warnings": list(self.warnings),
         }
-        weighted = _by_temperature(self.planck_emissivity)
-        if self.reflectance is None or self.emissivity is None:
-            return document | {"planck_weighted_emissivity_upper_bound": weighted}
-        return document | {
-            "band_reflectance": self.reflectance.band.to_json(),
-            "emissivity": self.emissivity.to_json(),
-            "planck_weighted_reflectance": _by_temperature(self.reflectance.planck),
-            "planck_weighted_emissivity": weighted,
-        }
+        if self.reflectance is None:
+            document["planck_weighted_emissivity_upper_bound"] = self.planck_emissivity
+        else:
+            document |= {
+                "band_reflectance": self.reflectance.band,
+                "emissivity": self.emissivity,
+                "planck_weighted_reflectance": self.reflectance.planck,
+                "planck_weighted_emissivity": self.planck_emissivity,
+            }
+        return plain(document) | super().summary()
 
 
 def _limit(estimate: Estimate) -> float:
     """One-sided upper limit of a share."""
     return min(1.0, estimate.value + ONE_SIDED_FACTOR * (estimate.uncertainty or 0.0))
-
-
-def _exact(value: float) -> Estimate:
-    return Estimate(value, (value, value), "", 0.0)
-
-
-def _by_temperature(estimates: dict[float, Estimate]) -> dict[str, Any]:
-    return {f"{temperature:g}": one.to_json() for temperature, one in estimates.items()}
 
 
 @reads_units
@@ -308,23 +289,23 @@ def reduce_ftir(
             f"cm^-1; its data extend from {in_cm[2]:.5g} to {in_cm[3]:.5g} cm^-1"
         )
     uncovered_band = 0.0 if covered > 1.0 - _ROUNDING else 1.0 - covered
-    uncovered = {t: uncovered_power((low, high), t) for t in heat}
-    raw: list[dict[str | float, Share]] = []  # by temperature, and over the band
+    uncovered = {t: means.uncovered_power((low, high), t) for t in heat}
+    raw: list[dict[str | float, means.MeanShare]] = []  # by temperature, and over the band
     far: list[Doubt] = []
     for group in filter(None, (spectra, reflectances)):
         noisy = [(one, noise_density(one.value)) for one in group]
-        means = {_BAND_MEAN: [band_mean(*one, inside) for one in noisy]} | {
-            t: [planck_mean(*one, (low, high), t) for one in noisy] for t in heat
+        found = {_BAND_MEAN: [means.band_mean(*one, inside) for one in noisy]} | {
+            t: [means.planck_mean(*one, (low, high), t) for one in noisy] for t in heat
         }
-        raw.append({where: combine_repeats(each, used) for where, each in means.items()})
+        raw.append({where: means.combine_repeats(each, used) for where, each in found.items()})
         scatter = raw[-1][_BAND_MEAN].random * float(np.sqrt(len(group)))
         if len(group) > 1 and scatter > _FAR_ABOVE * used > 0.0:
             far.append(Doubt(
                 f"repeats of {group[0].quantity} differ by {scatter:.2g} over the band, where an "
                 f"accuracy of {used:.2g} is stated or assumed: are all of one film?"
             ))  # fmt: skip
-    rest = {where: remainder([one[where] for one in raw]) for where in raw[0]}
-    bounds, unsaid = Bounds(), Bounds()
+    rest = {where: means.remainder([one[where] for one in raw]) for where in raw[0]}
+    bounds, unsaid = diagnostics.Bounds(), diagnostics.Bounds()
     transmittance = _cut(bounds, "transmittance", raw[0])
     reflectance = _cut(bounds, "reflectance", raw[1]) if reflectances else None
     # without reflectance the rest is cut where the transmittance was, which has been said
@@ -337,18 +318,18 @@ def reduce_ftir(
         reflectance=reflectance,
         emissivity=emissivity.band if reflectances else None,
         upper_bound=unsaid.cut(
-            "emissivity", _BAND_MEAN, remainder([raw[0][_BAND_MEAN]]).estimate()
+            "emissivity", _BAND_MEAN, means.remainder([raw[0][_BAND_MEAN]]).estimate()
         ),
         planck_emissivity=emissivity.planck,
         uncovered_band=uncovered_band,
         uncovered=uncovered,
         accuracy=used,
         warnings=(
-            *coverage_warnings(whole, band, uncovered_band, uncovered),
+            *diagnostics.coverage_warnings(whole, band, uncovered_band, uncovered),
             *far,
-            *spectrum_warnings(spectra, reflectances, band, used),
+            *diagnostics.spectrum_warnings(spectra, reflectances, band, used),
             *bounds.warnings,
-            *accuracy_warnings(accuracy, used),
+            *diagnostics.accuracy_warnings(accuracy, used),
             *(doubts_of("emissivity", EMISSIVITY, emissivity.band.value) if reflectances else []),
         ),
     )
@@ -363,7 +344,9 @@ def _common_range(spectra: Sequence[MeasuredSpectrum]) -> tuple[float, float]:
     return low, high
 
 
-def _cut(bounds: Bounds, quantity: str, shares: dict[str | float, Share]) -> Averages:
+def _cut(
+    bounds: diagnostics.Bounds, quantity: str, shares: dict[str | float, means.MeanShare]
+) -> Averages:
     """Estimates of the shares, cut at what is possible."""
     found = {
         where: bounds.cut(
@@ -376,24 +359,21 @@ def _cut(bounds: Bounds, quantity: str, shares: dict[str | float, Share]) -> Ave
 
 def to_dataset(result: Ftir) -> "xr.Dataset":
     """Dataset of the spectra, each over its own wavenumbers."""
-    variables: dict[str, Any] = {}
+    found: dict[str, Any] = {}
     for group in (result.spectra, result.reflectances):
         for number, one in enumerate(group):
             name = f"{one.quantity}_{number}"
-            dimension = f"wavenumber_{name}"
+            axis = f"wavenumber_{name}"
             said = asdict(one.metadata) | {"collection": one.collection}
-            said = {key: text for key, text in said.items() if text}
-            variables[dimension] = (
-                dimension, one.wavenumber / PER_CENTIMETRE,
-                {"units": "cm-1", "long_name": "wavenumber"},
-            )  # fmt: skip
-            variables[name] = (
-                dimension, one.value,
-                {"units": "1", "long_name": one.quantity, "file": one.source, **said},
-            )  # fmt: skip
-    at, value = result.emissivity_spectrum()
+            said = {key: text for key, text in said.items() if text} | {"file": one.source}
+            at = Series(axis, one.wavenumber / PER_CENTIMETRE, "cm^-1", "wavenumber")
+            found |= variables(axis, [at])
+            found |= variables(axis, [Series(name, one.value, "", one.quantity)], **said)
+    wavenumber, value = result.emissivity_spectrum()
     name = "emissivity" if result.reflectances else "emissivity_upper_bound"
-    variables["wavenumber"] = ("wavenumber", at / PER_CENTIMETRE, {"units": "cm-1"})
-    variables[name] = ("wavenumber", value, {"units": "1", "long_name": name.replace("_", " ")})
+    found |= variables("wavenumber", [
+        Series("wavenumber", wavenumber / PER_CENTIMETRE, "cm^-1", "wavenumber"),
+        Series(name, value, "", name.replace("_", " ")),
+    ])  # fmt: skip
     files = [one.source for one in (*result.spectra, *result.reflectances)]
-    return dataset("infrared spectra", variables, files, warnings=result.warnings)
+    return dataset("infrared spectra", found, files, warnings=result.warnings)

@@ -99,8 +99,8 @@ class LevitationCurve(LabResult):
 class Comparison(PrintedResult):
     """Reduction of the minimum irradiance from one sample to another."""
 
-    first: str  #: Sample with the lower minimum irradiance, and the other sample
-    second: str  #: Sample with the lower minimum irradiance, and the other sample
+    first: str  #: Sample with the lower minimum irradiance
+    second: str  #: The other sample
     #: One minus the ratio of their minimum irradiances [1]. The light meter's calibration is common
     #: to both and not in the interval
     reduction: Estimate
@@ -233,18 +233,12 @@ def levitation_curve(
             f"less than the diameter of {diameter:.3g} mm"
         )
     return LevitationCurve(
-        points=points,
-        optimal_pressure=pressure,
-        minimum_irradiance=irradiance,
-        at_edge=least.edge != 0,
-        pressure=np.exp(least.grid),
-        irradiance=np.exp(least.curve),
+        points, pressure, irradiance, least.edge != 0, np.exp(least.grid), np.exp(least.curve),
         lower=np.exp(np.minimum(band[0], least.curve)),
         upper=np.exp(np.maximum(band[1], least.curve)),
-        draws=np.stack([least.places, least.values], axis=1),
-        step=step,
+        draws=np.stack([least.places, least.values], axis=1), step=step,
         warnings=(*said, *assumed),
-    )
+    )  # fmt: skip
 
 
 def _estimates(
@@ -253,8 +247,14 @@ def _estimates(
     """Optimum, least irradiance and log-irradiances of the band, with the instruments' errors."""
     rng = np.random.default_rng([seed, len(least.places)])
     gauge, meter = (one * rng.normal(size=len(least.places)) for one in accuracies)
-    pressure = _estimate(least.place, least.places + gauge, "Pa")
-    irradiance = _estimate(least.value, least.values + meter, "W/m^2")
+    found = []
+    for logarithm, draws, unit in (
+        (least.place, least.places + gauge, "Pa"), (least.value, least.values + meter, "W/m^2")
+    ):  # fmt: skip
+        one, value = Estimate.of_draws(logarithm, draws), float(np.exp(logarithm))
+        low, high = map(float, np.exp(one.interval))
+        found.append(Estimate(value, (low, high), unit, value * (one.uncertainty or 0.0)))
+    pressure, irradiance = found
     low, high = pressure.interval
     tail = 0.5 * (1.0 - CONFIDENCE)
     if np.mean(least.edges == -1) > tail:
@@ -267,14 +267,6 @@ def _estimates(
     slope = np.gradient(least.curve, least.grid)
     band = central_interval(least.curves + meter[:, None] - np.outer(gauge, slope), axis=0)
     return pressure, irradiance, band
-
-
-def _estimate(log_value: float, log_draws: np.ndarray, unit: str) -> Estimate:
-    """Positive quantity with its percentile interval, from logarithms."""
-    found = Estimate.of_draws(log_value, log_draws)
-    low, high = np.exp(found.interval)
-    value = float(np.exp(log_value))
-    return Estimate(value, (float(low), float(high)), unit, value * (found.uncertainty or 0.0))
 
 
 def compare(curves: Sequence[LevitationCurve]) -> list[Comparison]:
@@ -359,20 +351,16 @@ def curves_parts(curves: Sequence[LevitationCurve]) -> Parts:
     """What the sample needs that needs least light, and all of them."""
     least = min(curves, key=lambda curve: curve.minimum_irradiance.value)
     words = "needs" if len(curves) == 1 else f"needs the least light of {len(curves)} samples,"
-    light, of_light = _number(least.minimum_irradiance)
-    place, of_place = _number(least.optimal_pressure)
-    yield f"{least.points.name} {words} {light} W/m² ({of_light}), at {place} Pa ({of_place})"
-    rows = [
-        (
-            curve.points.name,
-            str(len(curve.points.pressure)),
-            *_number(curve.minimum_irradiance),
-            *_number(curve.optimal_pressure),
-        )
+    rows = {
+        curve.points.name: [
+            text
+            for one in (curve.minimum_irradiance, curve.optimal_pressure)
+            for text in (f"{one.value:.4g}", open_interval_text(*one.interval))
+        ]
         for curve in curves
-    ]
-    yield table_of(_HEADINGS, rows, title="minimum irradiance and its pressure")
-
-
-def _number(found: Estimate) -> tuple[str, str]:
-    return f"{found.value:.4g}", open_interval_text(*found.interval)
+    }
+    light, of_light, place, of_place = rows[least.points.name]
+    yield f"{least.points.name} {words} {light} W/m² ({of_light}), at {place} Pa ({of_place})"
+    counts = [str(len(curve.points.pressure)) for curve in curves]
+    cells = ((name, count, *row) for (name, row), count in zip(rows.items(), counts, strict=True))
+    yield table_of(_HEADINGS, cells, title="minimum irradiance and its pressure")

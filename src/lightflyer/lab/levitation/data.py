@@ -10,7 +10,6 @@ from lightflyer.calibration.gauge import Gauge
 from lightflyer.calibration.points import (
     LEVITATION_COLUMNS,
     SAMPLE_PROPERTIES,
-    Points,
     read_points,
 )
 from lightflyer.core.arguments import reads_units
@@ -76,40 +75,29 @@ def read_lift_offs(
         One line that names file and line.
     """
     points = read_points(path, columns=columns, gauge=gauge)
-    return [_sample(points, name) for name in dict.fromkeys(points.samples)], points.table
-
-
-def _sample(points: Points, name: str) -> LiftOffs:
-    here = points.where(points.of(name))
-    ends = rows_at_the_end(here.pressure, here.irradiance)
-    said = [
-        f"{np.sum(here.pressure[ends] == one)} points of {name} are left out: {end_text(one)}"
-        for one in np.unique(here.pressure[ends])
-    ]
-    here = here.where(~ends)
-    place = f"{here.source}:{here.lines[0]}"
-
-    def only(column: str) -> float | None:
-        if column not in here.numbers:
-            return None
-        values = np.unique(here.numbers[column])
-        if values.size > 1:
-            raise ConfigurationError(f"{place}: {name} has more than one {column}")
-        return float(values[0])
-
-    return LiftOffs(
-        name=name,
-        pressure=here.pressure,
-        irradiance=here.irradiance,
-        place=place,
-        floor_gap=only("floor_gap"),
-        properties={
-            column: value for column in SAMPLE_PROPERTIES if (value := only(column)) is not None
-        },
-        uncertainties={
-            column: values
-            for column, values in here.numbers.items()
-            if column.endswith("_uncertainty")
-        },
-        notes=(*here.notes, *said),
-    )
+    lots = []
+    for name in dict.fromkeys(points.samples):
+        here = points.where(points.of(name))
+        ends = rows_at_the_end(here.pressure, here.irradiance)
+        said = [
+            f"{np.sum(here.pressure[ends] == one)} points of {name} are left out: {end_text(one)}"
+            for one in np.unique(here.pressure[ends])
+        ]
+        here = here.where(~ends)
+        place = f"{here.source}:{here.lines[0]}"
+        properties = {}
+        for column in ("floor_gap", *SAMPLE_PROPERTIES):
+            if column not in here.numbers:
+                continue
+            values = np.unique(here.numbers[column])
+            if values.size > 1:
+                raise ConfigurationError(f"{place}: {name} has more than one {column}")
+            properties[column] = float(values[0])
+        floor_gap = properties.pop("floor_gap", None)
+        numbers = here.numbers.items()
+        uncertainties = {name: one for name, one in numbers if name.endswith("_uncertainty")}
+        lots.append(LiftOffs(
+            name, here.pressure, here.irradiance, place, floor_gap, properties, uncertainties,
+            (*here.notes, *said),
+        ))  # fmt: skip
+    return lots, points.table

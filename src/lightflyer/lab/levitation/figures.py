@@ -8,13 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.core.units import scale_and_offset
-from lightflyer.files.drawing import (
-    INTERVAL,
-    MARKERS,
-    legend_below,
-    new_figure,
-    plain_decades,
-)
+from lightflyer.files import drawing
 from lightflyer.files.palette import GREY, PALETTE
 from lightflyer.lab.estimate import NORMAL_FACTOR
 
@@ -46,7 +40,7 @@ def levitation_curves(
     opacity = _OPACITY / max(1.0, len(curves) / _FEW)
     for number, curve in enumerate(curves):
         colour, points = PALETTE[number % len(PALETTE)], curve.points
-        marker = MARKERS[number % len(MARKERS)]
+        marker = drawing.MARKERS[number % len(drawing.MARKERS)]
         pressure = curve.pressure * per_pascal
         ax.fill_between(pressure, curve.lower * _PER_KILOWATT, curve.upper * _PER_KILOWATT,
                         color=colour, alpha=opacity, lw=0)  # fmt: skip
@@ -63,43 +57,37 @@ def levitation_curves(
         if curve.step:  # the light that suffices lies on these lines
             ax.vlines(points.pressure * per_pascal, light - curve.step * _PER_KILOWATT, light,
                       color=colour, lw=0.8)  # fmt: skip
-        _mark_least(curve, ax, colour, per_pascal)
+        least = curve.optimal_pressure, curve.minimum_irradiance
+        x, y = (
+            np.array([one.value, *one.interval]) * scale
+            for one, scale in zip(least, (per_pascal, _PER_KILOWATT), strict=True)
+        )
+        # an open end is drawn as far as the axes go
+        x, y = (np.where(np.isfinite(z), z, _FAR * z[0]) for z in (x, y))
+        # an interval from resamples may not contain the estimate
+        up, right = (np.maximum([[z[0] - z[1]], [z[2] - z[0]]], 0.0) for z in (y, x))
+        ax.errorbar(x[0], y[0], up, right, color=colour, fmt="*", ms=9, mec="white", mew=0.5,
+                    capsize=2, lw=1.2, zorder=4)  # fmt: skip
         for style, drawn in zip(_MODEL_STYLES, models.values(), strict=False):
             at, needed = drawn[points.name]
             ax.plot(at * per_pascal, needed * _PER_KILOWATT, color=colour, ls=style, lw=1)
     light = np.concatenate([curve.points.irradiance for curve in curves]) * _PER_KILOWATT
-    ax.set(xscale="log", yscale="log")
+    drawing.label_axes(
+        ax, f"pressure [{pressure_unit}]", "irradiance to levitate [kW/m²]", log="xy"
+    )
     ax.set_ylim(light.min() / _ABOVE, light.max() * _ABOVE)
     for style, (name, lines) in zip(_MODEL_STYLES, models.items(), strict=False):
         needed = np.concatenate([drawn[1] for drawn in lines.values()]) * _PER_KILOWATT
         seen = np.any((needed > light.min() / _ABOVE) & (needed < light.max() * _ABOVE))
         label = name if seen else f"{name}: beyond the axes"
         ax.plot([], [], color=GREY, ls=style, lw=1, label=label)
-    plain_decades(ax.xaxis)
-    plain_decades(ax.yaxis)
-    ax.set_xlabel(f"pressure [{pressure_unit}]")
-    ax.set_ylabel("irradiance to levitate [kW/m²]")
-    ax.grid(alpha=0.25, which="both")
-    ax.plot([], [], "*", color=GREY, ms=9, mec="white", mew=0.5, label=f"minimum, {INTERVAL}")
+    ax.plot(
+        [], [], "*", color=GREY, ms=9, mec="white", mew=0.5, label=f"minimum, {drawing.INTERVAL}"
+    )
     ax.fill_between([], [], [], color=GREY, alpha=0.3, lw=0, label="95 % band of a line")
     bars = ", with stated ± (95 %)" * any(curve.points.uncertainties for curve in curves)
-    legend_below(ax, title=f"points: measured{bars}; solid lines: LOESS, twice")
+    drawing.legend_below(ax, title=f"points: measured{bars}; solid lines: LOESS, twice")
     return ax
-
-
-def _mark_least(curve: "LevitationCurve", ax: Axes, colour: str, per_pascal: float) -> None:
-    """Draw the minimum with the intervals of both coordinates."""
-    at, light = curve.optimal_pressure, curve.minimum_irradiance
-    x = np.array([at.value, *at.interval]) * per_pascal
-    y = np.array([light.value, *light.interval]) * _PER_KILOWATT
-    # an open end is drawn as far as the axes go
-    x, y = (np.where(np.isfinite(z), z, _FAR * z[0]) for z in (x, y))
-    # an interval from resamples may not contain the estimate
-    right, up = (np.maximum([[z[0] - z[1]], [z[2] - z[0]]], 0.0) for z in (x, y))
-    ax.errorbar(
-        x[0], y[0], xerr=right, yerr=up,
-        color=colour, fmt="*", ms=9, mec="white", mew=0.5, capsize=2, lw=1.2, zorder=4,
-    )  # fmt: skip
 
 
 def residuals(curves: "Sequence[LevitationCurve]", ax: Axes, pressure_unit: str) -> Axes:
@@ -112,12 +100,10 @@ def residuals(curves: "Sequence[LevitationCurve]", ax: Axes, pressure_unit: str)
         stated = points.uncertainties.get("irradiance_uncertainty", np.zeros(off.size))
         up = _PERCENT * NORMAL_FACTOR * stated * np.exp(-line)
         ax.errorbar(points.pressure * per_pascal, off, up, color=colour, mfc="none", ms=5, lw=0.7,
-                    fmt=MARKERS[number % len(MARKERS)])  # fmt: skip
+                    fmt=drawing.MARKERS[number % len(drawing.MARKERS)])  # fmt: skip
     ax.axhline(0.0, color=GREY, lw=0.8)
-    ax.set_xscale("log")
-    plain_decades(ax.xaxis)
-    ax.set(xlabel=f"pressure [{pressure_unit}]", ylabel="measured over the line, less 1 [%]")
-    ax.grid(alpha=0.25)
+    said = "measured over the line, less 1 [%]"
+    drawing.label_axes(ax, f"pressure [{pressure_unit}]", said, log="x")
     return ax
 
 
@@ -128,7 +114,7 @@ def levitation_figures(
     models: Mapping[str, ModelCurves] | None = None,
 ) -> dict[str, Figure]:
     """Figure of several samples, by file name without suffix."""
-    figure = new_figure(columns=2, height=_HEIGHT)
+    figure = drawing.new_figure(columns=2, height=_HEIGHT)
     levitation_curves(curves, figure.axes[0], pressure_unit=pressure_unit, models=models)
     residuals(curves, figure.axes[1], pressure_unit)
     return {"levitation": figure}

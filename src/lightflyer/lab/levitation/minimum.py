@@ -177,7 +177,10 @@ def minimum(
         spread = np.sqrt(np.maximum(spread**2 - rounded**2, 0.0))[:, None]
     simulated = fitted + np.sqrt(alike) * spread * normal
     if step:
-        simulated = _step_lines(simulated, step, rng)
+        # the middle of the steps in which each is met
+        origin = step * rng.random((draws, 1))
+        met = origin + step * np.ceil((np.exp(simulated) - origin) / step)
+        simulated = np.log(np.maximum(met - CENTRE * step, _LEAST_LIGHT * step))
     curves = simulated @ twice.T
     places, values, edges = _least(grid, curves)
     smoothing = np.abs(place - other) * rng.normal(size=draws)
@@ -190,41 +193,23 @@ def minimum(
         (place,), (value,), (edge,) = _least(grid, curve[None])
         places, values, edges = _least(grid, curves)
     return Minimum(
-        float(place),
-        float(value),
-        int(edge),
-        places,
-        values,
-        edges,
-        grid,
-        curve,
-        curves,
-        (y - fitted) / error,
-        alike,
-        np.nan if stated is None else float(np.sqrt(variance)),
-        np.nan if stated is None else probability,
-        gap,
-    )
-
-
-def _step_lines(y: np.ndarray, step: float, rng: np.random.Generator) -> np.ndarray:
-    """Log-irradiance in the middle of the steps in which each is met."""
-    start = step * rng.random((len(y), 1))
-    first = start + step * np.ceil((np.exp(y) - start) / step)
-    return np.asarray(np.log(np.maximum(first - CENTRE * step, _LEAST_LIGHT * step)))
+        float(place), float(value), int(edge), places, values, edges, grid, curve, curves,
+        (y - fitted) / error, alike, np.nan if stated is None else float(np.sqrt(variance)),
+        np.nan if stated is None else probability, gap,
+    )  # fmt: skip
 
 
 def _least(grid: np.ndarray, curves: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Vertices of parabolas through the least values of curves, shape (b, m), and their edges."""
     lowest, last = np.argmin(curves, axis=1), grid.size - 1
     rows, inside = np.arange(len(curves)), np.clip(lowest, 1, last - 1)
-    before, here, after = (curves[rows, inside + shift] for shift in (-1, 0, 1))
+    before, here, after = (curves[rows, inside + place] for place in (-1, 0, 1))
     edges = np.where(lowest == 0, -1, np.where(lowest == last, 1, 0))
     with np.errstate(divide="ignore", invalid="ignore"):
-        way = 0.5 * (before - after) / (before - 2.0 * here + after)
-    way = np.where(np.isfinite(way), np.clip(way, -1.0, 1.0), 0.0)
-    places = grid[inside] + way * (grid[1] - grid[0])
-    values = here - 0.25 * (before - after) * way
+        shift = 0.5 * (before - after) / (before - 2.0 * here + after)
+    shift = np.where(np.isfinite(shift), np.clip(shift, -1.0, 1.0), 0.0)
+    places = grid[inside] + shift * (grid[1] - grid[0])
+    values = here - 0.25 * (before - after) * shift
     at_edge = edges != 0
     return (
         np.where(at_edge, grid[lowest], places),

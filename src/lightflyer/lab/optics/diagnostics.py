@@ -14,7 +14,7 @@ from lightflyer.lab.optics.data import (
     FilmSpectrum,
     OpticsSample,
 )
-from lightflyer.lab.optics.search import Fit
+from lightflyer.lab.optics.search import FilmFit
 from lightflyer.lab.spectrum_noise import point_noise
 
 TIED = 0.95  # Correlation above which two numbers are said not to be told apart
@@ -36,7 +36,7 @@ def diagnose(
     numbers: Mapping[str, Estimate],
     open_ends: Mapping[str, tuple[bool, bool]],
     correlation: np.ndarray,
-    fit: Fit,
+    fit: FilmFit,
     film: Film,
 ) -> tuple[str, ...]:
     """Warnings of a fit, one line each; ``correlation`` (free, free)."""
@@ -111,7 +111,7 @@ def _about_what_was_stated(sample: OpticsSample, numbers: Mapping[str, Estimate]
             yield f"{one.name} was stated as {known}, which the fit takes into account"
 
 
-def _about_residuals(sample: OpticsSample, fit: Fit) -> Iterator[str]:
+def _about_residuals(sample: OpticsSample, fit: FilmFit) -> Iterator[str]:
     for one, reading in zip(sample.spectra, fit.problem.readings(fit.best), strict=True):
         residual = one.spectrum.value - reading
         deviation, noise = float(np.sqrt(np.mean(residual**2))), point_noise(residual)
@@ -136,7 +136,7 @@ def is_off(one: FilmSpectrum, residual: np.ndarray) -> bool:
     return bool(np.sqrt(np.mean(residual**2)) > limit)
 
 
-def _about_instruments(sample: OpticsSample, fit: Fit) -> Iterator[str]:
+def _about_instruments(sample: OpticsSample, fit: FilmFit) -> Iterator[str]:
     unstated = [one for one in sample.spectra if None in (one.scale_accuracy, one.zero_accuracy)]
     if unstated:
         yield (

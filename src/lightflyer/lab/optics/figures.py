@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from lightflyer.files.drawing import BAND, LINES, legend_below, new_figure
+from lightflyer.files import drawing
 from lightflyer.files.palette import GREY, PALETTE
 from lightflyer.film.media.medium import MICROMETRE
 from lightflyer.lab.optics.ellipsometry import ORDINATES
@@ -27,7 +27,7 @@ def spectra(result: "OpticsFit", ax: Axes) -> Axes:
     for number, one in enumerate(result.spectra):
         colour = PALETTE[number % len(PALETTE)]
         x, fitted = _thinned_points(one, one.reading)
-        ax.plot(x, fitted, ls=LINES[number % len(LINES)], lw=1.2, color=colour,
+        ax.plot(x, fitted, ls=drawing.LINES[number % len(drawing.LINES)], lw=1.2, color=colour,
                 label=one.measured.label)  # fmt: skip
         x, measured = _thinned_points(one, one.measured.spectrum.value, _MARKS)
         ax.plot(x, measured, "o", ms=3, mfc="none", mew=0.7, color=colour, zorder=3)
@@ -36,9 +36,8 @@ def spectra(result: "OpticsFit", ax: Axes) -> Axes:
     values = [part for one in result.spectra for part in (one.reading, one.measured.spectrum.value)]
     ax.set_ylim(min(0.0, *(one.min() for one in values)), max(one.max() for one in values) * 1.05)
     angles = any(one.measured.spectrum.quantity in ORDINATES for one in result.spectra)
-    ax.set_ylabel(f"fraction of the light{', or N, C, S' if angles else ''} [1]")
-    _axis(ax)
-    legend_below(ax, most=2)
+    _axis(ax, f"fraction of the light{', or N, C, S' if angles else ''} [1]")
+    drawing.legend_below(ax, most=2)
     return ax
 
 
@@ -49,10 +48,16 @@ def residuals(result: "OpticsFit", ax: Axes) -> Axes:
         x, residual = _thinned_points(one, one.residual)
         colour = PALETTE[number % len(PALETTE)]
         label = f"{one.measured.label}: as {one.scatter.independent:.0f} independent points"
-        ax.plot(x, residual, lw=0.8, ls=LINES[number % len(LINES)], color=colour, label=label)
-    ax.set_ylabel("measured − fitted [1]")
-    _axis(ax)
-    legend_below(ax, most=1)
+        ax.plot(
+            x,
+            residual,
+            lw=0.8,
+            ls=drawing.LINES[number % len(drawing.LINES)],
+            color=colour,
+            label=label,
+        )
+    _axis(ax, "measured − fitted [1]")
+    drawing.legend_below(ax, most=1)
     return ax
 
 
@@ -63,11 +68,10 @@ def constants(result: "OpticsFit", n_ax: Axes, k_ax: Axes) -> None:
         pairs = ((n_ax, one.n, one.n_band), (k_ax, one.k, one.k_band))
         for ax, value, band in pairs:
             ax.plot(x, value, color=colour, label=one.name)
-            ax.fill_between(x, *band, color=colour, alpha=0.25, lw=0, label=BAND)
+            ax.fill_between(x, *band, color=colour, alpha=0.25, lw=0, label=drawing.BAND)
     for ax, name in ((n_ax, "refractive index n [1]"), (k_ax, "extinction coefficient k [1]")):
-        ax.set_ylabel(name)
-        _axis(ax)
-        legend_below(ax, most=2)
+        _axis(ax, name)
+        drawing.legend_below(ax, most=2)
 
 
 def _thinned_points(
@@ -77,8 +81,7 @@ def _thinned_points(
     return one.measured.spectrum.wavelength[::step] / MICROMETRE, value[::step]
 
 
-def _axis(ax: Axes) -> None:
-    low, high = ax.get_xlim()
+def _axis(ax: Axes, y: str) -> None:
     drawn = [
         line.get_xdata() for line in ax.get_lines() if len(np.atleast_1d(line.get_xdata())) > 2
     ]
@@ -89,17 +92,16 @@ def _axis(ax: Axes) -> None:
         ax.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
         ax.xaxis.set_minor_formatter(NullFormatter())
     ax.set_xlim(low, high)
-    ax.set_xlabel("wavelength [µm]")
-    ax.grid(alpha=0.25)
+    drawing.label_axes(ax, "wavelength [µm]", y)
 
 
 def optics_figures(result: "OpticsFit") -> dict[str, Figure]:
     """Figures of a fit, by file name without suffix."""
-    fits = new_figure(columns=2, height=_HEIGHT)
+    fits = drawing.new_figure(columns=2, height=_HEIGHT)
     spectra(result, fits.axes[0])
     residuals(result, fits.axes[1])
     if not result.indices:
         return {"optics": fits}
-    index = new_figure(columns=2, height=_HEIGHT)
+    index = drawing.new_figure(columns=2, height=_HEIGHT)
     constants(result, *index.axes)
     return {"optics": fits, "optics-constants": index}

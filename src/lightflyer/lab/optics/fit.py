@@ -27,8 +27,8 @@ from lightflyer.film.optics.stack import Film
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate
 from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
 from lightflyer.lab.optics.diagnostics import diagnose, display_unit, is_off
-from lightflyer.lab.optics.model import OpticalModel, Problem, select_covered
-from lightflyer.lab.optics.search import STARTS, Fit, Scatter, intervals, search
+from lightflyer.lab.optics.model import FilmProblem, OpticalModel, select_covered
+from lightflyer.lab.optics.search import STARTS, FilmFit, Scatter, intervals, search
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE
 from lightflyer.lab.result import (
     LabResult,
@@ -182,7 +182,7 @@ def fit_optics(
     seed: int = 0,
     model: OpticalModel | None = None,
 ) -> OpticsFit:
-    """Fit numbers of a film to its spectra.
+    """FilmFit numbers of a film to its spectra.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ def fit_optics(
     points = sum(len(one.spectrum.value) for one in sample.spectra)
     if points <= len(sample.free):
         raise ParameterError(f"{points} points are too few for {len(sample.free)} free numbers")
-    fit, ends = intervals(search(Problem.of(sample, model), starts=starts, seed=seed))
+    fit, ends = intervals(search(FilmProblem.of(sample, model), starts=starts, seed=seed))
     model, names = fit.problem.model, [one.name for one in fit.problem.free]
     # The uncertainty is that of the normal distribution with the same 95 % interval, so that what
     # is computed from it is as sure as the interval.
@@ -280,7 +280,7 @@ def fit_optics(
     )
 
 
-def _other_delta(sample: OpticsSample, fit: Fit, starts: int, seed: int) -> list[Doubt]:
+def _other_delta(sample: OpticsSample, fit: FilmFit, starts: int, seed: int) -> list[Doubt]:
     """What Δ is, where S does not fit as it stands, but with the other sign or without its sign."""
     found = []
     readings = dict(zip(map(id, sample.spectra), fit.problem.readings(fit.best), strict=True))
@@ -291,7 +291,9 @@ def _other_delta(sample: OpticsSample, fit: Fit, starts: int, seed: int) -> list
         turned = replace(one, spectrum=replace(one.spectrum, value=-sine))
         others = tuple(turned if other is one else other for other in sample.spectra)
         again = search(
-            Problem.of(replace(sample, spectra=others), fit.problem.model), starts=starts, seed=seed
+            FilmProblem.of(replace(sample, spectra=others), fit.problem.model),
+            starts=starts,
+            seed=seed,
         )
         at = sample.spectra.index(one)
         if not is_off(one, sine + again.problem.readings(again.best)[at]):
@@ -301,7 +303,7 @@ def _other_delta(sample: OpticsSample, fit: Fit, starts: int, seed: int) -> list
             ))  # fmt: skip
         elif np.all(sine > -one.accuracy):
             without = replace(sample, spectra=tuple(o for o in sample.spectra if o is not one))
-            least = search(Problem.of(without), starts=starts, seed=seed)
+            least = search(FilmProblem.of(without), starts=starts, seed=seed)
             shown = OpticalModel(sample).shares(least.best.position)[0][at]
             if not is_off(one, sine - np.abs(shown)):
                 found.append(Doubt(
@@ -312,7 +314,7 @@ def _other_delta(sample: OpticsSample, fit: Fit, starts: int, seed: int) -> list
     return list(dict.fromkeys(found))
 
 
-def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate], list[str]]:
+def _predictions(fit: FilmFit, covariance: np.ndarray) -> tuple[dict[str, Estimate], list[str]]:
     """Absorptance of sunlight and emittance of the film, where its materials have data."""
     model = fit.problem.model
     film = model.film(fit.best.position)
@@ -354,7 +356,7 @@ def _predictions(fit: Fit, covariance: np.ndarray) -> tuple[dict[str, Estimate],
 
 
 def _indices(
-    sample: OpticsSample, fit: Fit, covariance: np.ndarray, seed: int
+    sample: OpticsSample, fit: FilmFit, covariance: np.ndarray, seed: int
 ) -> tuple[LayerIndex, ...]:
     """Optical constants of layers whose medium has free numbers, with bands from draws."""
     model = fit.problem.model

@@ -109,7 +109,7 @@ class OpticalModel:
 
 
 @dataclass(frozen=True)
-class Solution:
+class FilmSolution:
     """A minimum."""
 
     position: np.ndarray  # Of the free numbers between their bounds, shape (free,)
@@ -119,7 +119,7 @@ class Solution:
 
 
 @dataclass(frozen=True)
-class Problem:
+class FilmProblem:
     """Residuals of all spectra in standard errors."""
 
     model: OpticalModel
@@ -130,7 +130,7 @@ class Problem:
     informed: bool = True  # Whether what is known of the free numbers beforehand counts
 
     @classmethod
-    def of(cls, sample: OpticsSample, model: OpticalModel | None = None) -> "Problem":
+    def of(cls, sample: OpticsSample, model: OpticalModel | None = None) -> "FilmProblem":
         """The problem with the noise of neighbouring points as standard error."""
         model = OpticalModel(sample) if model is None else model
         model.require_fit(sample)
@@ -156,7 +156,7 @@ class Problem:
         """How many numbers are fitted, instruments' errors included."""
         return len(self.free) + 2 * len(self.spectra)
 
-    def readings(self, solution: Solution) -> list[np.ndarray]:
+    def readings(self, solution: FilmSolution) -> list[np.ndarray]:
         """What the instruments read by a solution, without noise."""
         shares, _ = self.model.shares(solution.position)
         scale, zero = (solution.errors * self._accuracy).T
@@ -188,29 +188,29 @@ class Problem:
             block[:, count + 2 * number] = self._accuracy[number, 0] * share
             block[:, count + 2 * number + 1] = self._accuracy[number, 1]
             rows.append(block / self.spread[number])
-        own = np.zeros((self.size - count, self.size))
-        own[:, count:] = np.eye(self.size - count)
+        of_errors = np.zeros((self.size - count, self.size))
+        of_errors[:, count:] = np.eye(self.size - count)
         priors = np.zeros((len(self._known), self.size))
         for row, (number, _, spread) in enumerate(self._known):
             priors[row, number] = 1.0 / spread
-        whole = np.concatenate([*rows, own, priors])
+        whole = np.concatenate([*rows, of_errors, priors])
         return np.where(np.isfinite(whole), whole, 0.0)
 
-    def is_possible(self, solution: Solution) -> bool:
+    def is_possible(self, solution: FilmSolution) -> bool:
         """Whether the film of a solution has optical constants."""
         shares, _ = self.model.shares(solution.position)
         return all(bool(np.all(np.isfinite(one))) for one in shares)
 
-    def _solution(self, vector: np.ndarray, cost: float = np.nan) -> Solution:
+    def _solution(self, vector: np.ndarray, cost: float = np.nan) -> FilmSolution:
         count = len(self.free)
-        return Solution(vector[:count], vector[count:].reshape(-1, 2), cost)
+        return FilmSolution(vector[:count], vector[count:].reshape(-1, 2), cost)
 
     def minimise(
         self,
         position: np.ndarray,
         errors: np.ndarray | None = None,
         held: Mapping[int, float] | None = None,
-    ) -> Solution:
+    ) -> FilmSolution:
         """The minimum near a position; ``position`` (free,); ``errors`` (spectra, 2)."""
         import lmfit  # takes a while
 
@@ -237,20 +237,20 @@ class Problem:
         )  # fmt: skip
         return self._solution(vector(result.params), float(result.chisqr))
 
-    def covariance(self, solution: Solution) -> np.ndarray:
+    def covariance(self, solution: FilmSolution) -> np.ndarray:
         """Covariance of the free numbers' positions, shape (free, free)."""
         # Numbers that the spectra do not tell have a variance that is large, not infinite: that of
         # ten times the distance between their bounds.
         full, _ = self._inverse(solution)
         return np.asarray(full[: len(self.free), : len(self.free)])
 
-    def determined_numbers(self, solution: Solution) -> float:
+    def determined_numbers(self, solution: FilmSolution) -> float:
         """How many numbers the spectra tell, of which some are known beforehand in part."""
         full, jacobian = self._inverse(solution)
         points = jacobian[: sum(len(one.spectrum.value) for one in self.spectra)]
         return float(np.sum((points @ full) * points))
 
-    def _inverse(self, solution: Solution) -> tuple[np.ndarray, np.ndarray]:
+    def _inverse(self, solution: FilmSolution) -> tuple[np.ndarray, np.ndarray]:
         """Covariance of everything that is fitted, and the residuals' derivatives."""
         jacobian = self.jacobian(np.concatenate([solution.position, solution.errors.ravel()]))
         values, vectors = np.linalg.eigh(jacobian.T @ jacobian)

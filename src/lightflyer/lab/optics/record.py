@@ -65,7 +65,7 @@ def update_layers(
             )
     require_no_doubt(path, fit.warnings, insist=insist)
     document: Any = tomlkit.parse(read_text(path))
-    table, told, written = document["film"], [], []
+    table, lines, written = document["film"], [], []
     for name, estimate in fit.numbers.items():
         scale, unit = display_unit(estimate.unit)
         low, high = estimate.interval
@@ -78,17 +78,17 @@ def update_layers(
             for section in sections:
                 part = part[int(section) if section.isdigit() else section]
             part[key] = text
-            told.append(f'film.{alias} = "{text}"')
+            lines.append(f'film.{alias} = "{text}"')
             written += [] if insist else [f"film.{alias}"]
     entries = _correlations(fit, names)
     ours = {alias for name in names for alias in _aliases(fit.sample, name)}
     kept = [one for one in table.get("correlated", []) if ours.isdisjoint(map(str, one["of"]))]
     if kept or entries:
         table["correlated"] = [*kept, *entries]
-    told += [f"film.correlated: {' and '.join(one['of'])} {one['value']:+.3f}" for one in entries]
+    lines += [f"film.correlated: {' and '.join(one['of'])} {one['value']:+.3f}" for one in entries]
     table["layers"].comment(f"fitted: lab optics, {origin}, {datetime.date.today().isoformat()}")
     replace_file(path, document.as_string(), written)
-    return told
+    return lines
 
 
 def require_same_layers(path: str | Path, sample: OpticsSample) -> None:

@@ -9,7 +9,7 @@ from scipy.stats import qmc
 from lightflyer.core.errors import ConvergenceError
 from lightflyer.lab.estimate import student_factor
 from lightflyer.lab.optics.ellipsometry import ORDINATES, SHARED
-from lightflyer.lab.optics.model import LEAST_ERROR, Problem, Solution
+from lightflyer.lab.optics.model import LEAST_ERROR, FilmProblem, FilmSolution
 from lightflyer.numerics.residuals import correlation_length
 
 STARTS = 16  # Points between the bounds from which minima are looked for
@@ -43,13 +43,13 @@ class Scatter:
 
 
 @dataclass(frozen=True)
-class Fit:
+class FilmFit:
     """The best minimum with what else there is."""
 
-    problem: Problem  # With the points' errors that the residuals show
-    best: Solution
+    problem: FilmProblem  # With the points' errors that the residuals show
+    best: FilmSolution
     # Other minima, and by how much their cost exceeds the best
-    rivals: tuple[tuple[Solution, float], ...]
+    rivals: tuple[tuple[FilmSolution, float], ...]
     scatter: tuple[Scatter, ...]  # One per spectrum
     freedom: float  # Degrees of freedom
 
@@ -59,7 +59,7 @@ class Fit:
         return student_factor(self.freedom)
 
 
-def scatter_of(problem: Problem, solution: Solution) -> tuple[Scatter, ...]:
+def scatter_of(problem: FilmProblem, solution: FilmSolution) -> tuple[Scatter, ...]:
     """Scatter of each spectrum about a solution."""
     whole = {one.where for one in problem.spectra if one.spectrum.quantity == ORDINATES[-1]}
     found = []
@@ -77,14 +77,14 @@ def scatter_of(problem: Problem, solution: Solution) -> tuple[Scatter, ...]:
     )
 
 
-def search(problem: Problem, *, starts: int = STARTS, seed: int = 0) -> Fit:
+def search(problem: FilmProblem, *, starts: int = STARTS, seed: int = 0) -> FilmFit:
     """Find the minima from several starts, and the points' errors from the residuals."""
     # The first start is the numbers' own.
-    own = problem.model.positions(np.array([one.start for one in problem.free]))
-    others = qmc.LatinHypercube(len(own), rng=np.random.default_rng(seed)).random(starts - 1)
+    nominal = problem.model.positions(np.array([one.start for one in problem.free]))
+    others = qmc.LatinHypercube(len(nominal), rng=np.random.default_rng(seed)).random(starts - 1)
     # what is known beforehand may be wrong: it has no say in how well the spectra can be fitted
     alone = replace(problem, informed=False)
-    found = [alone.minimise(start) for start in (_inside(own), *others)]
+    found = [alone.minimise(start) for start in (_inside(nominal), *others)]
     found = [one for one in found if alone.is_possible(one)]
     if not found:
         raise ConvergenceError(
@@ -101,16 +101,19 @@ def search(problem: Problem, *, starts: int = STARTS, seed: int = 0) -> Fit:
     scatter, number = scatter_of(alone, minima[0]), alone.determined_numbers(minima[0])
     problem = replace(alone, informed=True)
     if any(one.prior is not None for one in problem.free):
-        minima = _refit(problem, [*minima, replace(minima[0], position=own)])
+        minima = _refit(problem, [*minima, replace(minima[0], position=nominal)])
     return _fit(problem, minima, scatter, number)
 
 
 def _fit(
-    problem: Problem, minima: Sequence[Solution], scatter: tuple[Scatter, ...], determined: float
-) -> Fit:
+    problem: FilmProblem,
+    minima: Sequence[FilmSolution],
+    scatter: tuple[Scatter, ...],
+    determined: float,
+) -> FilmFit:
     best, *others = minima
     known = sum(min(one.freedom, one.independent) for one in scatter)
-    return Fit(
+    return FilmFit(
         problem=problem,
         best=best,
         rivals=tuple((one, one.cost - best.cost) for one in others),
@@ -119,7 +122,7 @@ def _fit(
     )
 
 
-def _refit(problem: Problem, minima: Sequence[Solution]) -> list[Solution]:
+def _refit(problem: FilmProblem, minima: Sequence[FilmSolution]) -> list[FilmSolution]:
     return _distinct([problem.minimise(_inside(one.position), one.errors) for one in minima])
 
 
@@ -128,16 +131,16 @@ def _inside(position: np.ndarray) -> np.ndarray:
     return np.clip(position, _SAME, 1.0 - _SAME)
 
 
-def _distinct(minima: Sequence[Solution]) -> list[Solution]:
+def _distinct(minima: Sequence[FilmSolution]) -> list[FilmSolution]:
     """Minima without those that are the same, the best first."""
-    kept: list[Solution] = []
+    kept: list[FilmSolution] = []
     for one in sorted(minima, key=lambda one: one.cost):
         if all(np.max(np.abs(one.position - other.position)) > _SAME for other in kept):
             kept.append(one)
     return kept
 
 
-def intervals(fit: Fit) -> tuple[Fit, list[tuple[float, float]]]:
+def intervals(fit: FilmFit) -> tuple[FilmFit, list[tuple[float, float]]]:
     """Ends of the 95 % intervals of the free numbers, where the profile of the cost tells."""
     for _ in range(_ROUNDS):
         spreads = np.sqrt(np.diag(fit.problem.covariance(fit.best)))
@@ -157,11 +160,11 @@ def intervals(fit: Fit) -> tuple[Fit, list[tuple[float, float]]]:
 class _Profile:
     """The least cost with one number held."""
 
-    def __init__(self, fit: Fit):
+    def __init__(self, fit: FilmFit):
         self._fit = fit
-        self.better: Solution | None = None
+        self.better: FilmSolution | None = None
 
-    def _excess(self, number: int, at: float, near: Solution) -> tuple[float, Solution]:
+    def _excess(self, number: int, at: float, near: FilmSolution) -> tuple[float, FilmSolution]:
         start = near.position.copy()
         start[number] = at
         inside = _inside(start)

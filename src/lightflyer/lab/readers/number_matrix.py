@@ -7,14 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.files.number_marks import (
-    COMMA,
-    POINT,
-    Marks,
-    find_marks,
-    shows_decimal,
-    stated_mark,
-)
+from lightflyer.files import number_marks as marks_of
 from lightflyer.files.table_file import read_lines
 from lightflyer.files.table_layout import is_comment, split_cells
 
@@ -143,15 +136,19 @@ def _numbers(
                 "the file with another delimiter"
             )
     elif any("," in cell for cell in cells):
-        stated = stated_mark(comments)
+        stated = marks_of.stated_mark(comments)
         only_commas = not any("." in cell for cell in cells)
-        if stated is None and only_commas and shows_decimal(cells[:_HEAD], COMMA):
+        if stated is None and only_commas and marks_of.shows_decimal(cells[:_HEAD], marks_of.COMMA):
             cells = [cell.replace(",", ".") for cell in cells]
         else:
             marks = (
-                find_marks(str(path), {what: placed}, lambda _name, _value: True, say=False)
+                marks_of.find_marks(
+                    str(path), {what: placed}, lambda _name, _value: True, say=False
+                )
                 if stated is None
-                else Marks(stated, POINT if stated == COMMA else COMMA)
+                else marks_of.Marks(
+                    stated, marks_of.POINT if stated == marks_of.COMMA else marks_of.COMMA
+                )
             )
             numbers = [marks.number(cell) for cell in cells]
             cells = [

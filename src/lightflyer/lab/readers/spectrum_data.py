@@ -13,18 +13,7 @@ from lightflyer.core.errors import ConfigurationError, MissingExtraError
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
-from lightflyer.lab.readers.formats import (
-    Collection,
-    Format,
-    Ordinate,
-    RawSpectrum,
-    Source,
-    SpectrumMetadata,
-    find_format,
-    one_line,
-    read_source,
-    starts_with,
-)
+from lightflyer.lab.readers import formats
 from lightflyer.lab.readers.spectra import (
     jasco,
     jcamp_dx,
@@ -43,14 +32,14 @@ from lightflyer.lab.readers.spectra.interpretation import (
 )
 
 SPECTRUM_FORMATS = [
-    Format(opus.FORMAT, starts_with(opus.MAGIC), opus.read_opus),
-    Format(omnic.FORMAT, starts_with(omnic.MAGIC), omnic.read_omnic),
-    Format(perkin_elmer.SP, starts_with(perkin_elmer.MAGIC), perkin_elmer.read_sp),
-    Format(jasco.JWS, jasco.is_jws, jasco.read_jws),
-    Format(spc.FORMAT, spc.is_spc, spc.read_spc),
-    Format(jcamp_dx.FORMAT, jcamp_dx.is_jcamp, jcamp_dx.read_jcamp),
-    Format(perkin_elmer.ASC, perkin_elmer.is_asc, perkin_elmer.read_asc),
-    Format(jasco.TEXT, jasco.is_jasco_text, jasco.read_jasco_text),
+    formats.Format(opus.FORMAT, formats.starts_with(opus.MAGIC), opus.read_opus),
+    formats.Format(omnic.FORMAT, formats.starts_with(omnic.MAGIC), omnic.read_omnic),
+    formats.Format(perkin_elmer.SP, formats.starts_with(perkin_elmer.MAGIC), perkin_elmer.read_sp),
+    formats.Format(jasco.JWS, jasco.is_jws, jasco.read_jws),
+    formats.Format(spc.FORMAT, spc.is_spc, spc.read_spc),
+    formats.Format(jcamp_dx.FORMAT, jcamp_dx.is_jcamp, jcamp_dx.read_jcamp),
+    formats.Format(perkin_elmer.ASC, perkin_elmer.is_asc, perkin_elmer.read_asc),
+    formats.Format(jasco.TEXT, jasco.is_jasco_text, jasco.read_jasco_text),
 ]
 """All formats; binary ones, whose first bytes tell, before text. A plug-in adds its own."""
 
@@ -89,9 +78,9 @@ _AS_WRITTEN = tuple(
 )  # fmt: skip
 
 
-def format_of(source: Source) -> Format | None:
+def format_of(source: formats.Source) -> formats.Format | None:
     """Format of a file."""
-    found = find_format(source, SPECTRUM_FORMATS)
+    found = formats.find_format(source, SPECTRUM_FORMATS)
     named = _BINARY.get(source.suffix)
     if found is None and named is not None:
         source.refuse(f"is damaged or not {named}, which its name says")
@@ -101,7 +90,9 @@ def format_of(source: Source) -> Format | None:
     return found
 
 
-def read_raw(source: Source, kind: Format, options: ReadOptions) -> RawSpectrum:
+def read_raw(
+    source: formats.Source, kind: formats.Format, options: ReadOptions
+) -> formats.RawSpectrum:
     """The spectrum of a file, or the one of several that is asked for."""
     try:
         with np.errstate(all="ignore"):  # what is not finite is refused or left out later
@@ -110,7 +101,7 @@ def read_raw(source: Source, kind: Format, options: ReadOptions) -> RawSpectrum:
         raise
     # readers of binary formats go beyond the end of a damaged file in many ways
     except (ArithmeticError, LookupError, OSError, TypeError, ValueError, struct.error) as error:
-        said = one_line(str(error))[:100]
+        said = formats.one_line(str(error))[:100]
         raise ConfigurationError(
             f"{source.path}: is damaged and cannot be read as {kind.name}: {said}"
         ) from None
@@ -144,7 +135,7 @@ def read_raw(source: Source, kind: Format, options: ReadOptions) -> RawSpectrum:
     return fit[0]
 
 
-def _list_names(spectra: list[RawSpectrum], fit: list[RawSpectrum]) -> str:
+def _list_names(spectra: list[formats.RawSpectrum], fit: list[formats.RawSpectrum]) -> str:
     names = [
         f"{number} {one.ordinate_name} of {one.metadata.sample[:_TITLE] or 'no title'}"
         for number, one in enumerate(spectra, start=1)
@@ -165,10 +156,10 @@ def read_spectrum(
     path: str | Path,
     *,
     columns: str | None = None,
-    quantity: Ordinate | None = None,
+    quantity: formats.Ordinate | None = None,
     scale: str | None = None,
     spectrum: str | None = None,
-    collection: Collection | None = None,
+    collection: formats.Collection | None = None,
 ) -> MeasuredSpectrum:
     r"""Read a spectrum of transmittance or reflectance, infrared or UV-visible.
 
@@ -222,7 +213,7 @@ def read_spectrum(
     options = ReadOptions(quantity, scale, spectrum, collection)
     options.check()
     workbook = str(path).partition("#")[0].lower().endswith(_WORKBOOKS)
-    source = Source(Path(path), b"") if workbook else read_source(Path(path))
+    source = formats.Source(Path(path), b"") if workbook else formats.read_source(Path(path))
     kind = None if workbook else format_of(source)
     if kind is None:
         if spectrum not in (None, "1"):
@@ -243,15 +234,11 @@ def read_spectrum(
             )
         value, written = numbers[chosen[0]], as_written.numbers[chosen[0]]
         marked = not np.array_equal(value, written) and np.allclose(100.0 * value, written)
-        raw = RawSpectrum(
-            AXES[axes[0]](numbers[axes[0]]) / PER_CENTIMETRE,
-            written if marked else value,
-            "cm-1",
-            f"{chosen[0]} [%]" if marked else chosen[0],
-            SpectrumMetadata("table"),
-            notes=tuple(table.notes),
-            rejected=tuple(table.rejected),
-        )
+        raw = formats.RawSpectrum(
+            AXES[axes[0]](numbers[axes[0]]) / PER_CENTIMETRE, written if marked else value, "cm-1",
+            f"{chosen[0]} [%]" if marked else chosen[0], formats.SpectrumMetadata("table"),
+            notes=tuple(table.notes), rejected=tuple(table.rejected),
+        )  # fmt: skip
     else:
         raw = read_raw(source, kind, options)
         if columns is not None:

@@ -13,12 +13,7 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Patch
 from scipy import ndimage
 
-from lightflyer.files.drawing import (
-    new_figure,
-    outline_effects,
-    series_style,
-    shared_legend,
-)
+from lightflyer.files import drawing
 from lightflyer.files.palette import GREY, SKY, VERMILION
 from lightflyer.lab.readers.height_map import NANOMETRE
 
@@ -103,7 +98,7 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     """
     count = len(results)
     longest = max(one.source.length / one.source.width for one in results)
-    figure = new_figure(columns=count, width=_WIDTH, rows=2)
+    figure = drawing.new_figure(columns=count, width=_WIDTH, rows=2)
     # laid out here: Matplotlib's engine would draw everything three times to measure it
     figure.set_layout_engine("none")
     scale = mpl.rcParams["font.size"] / mpl.rcParamsDefault["font.size"]
@@ -125,7 +120,7 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
             ax.set_ylabel("y [µm]" if ax is row[0] else "")
             letter = ascii_lowercase[number % len(ascii_lowercase)]
             ax.text(0.02, 0.98, f"({letter})", transform=ax.transAxes, va="top", color="white",
-                    weight="bold", path_effects=outline_effects())  # fmt: skip
+                    weight="bold", path_effects=drawing.outline_effects())  # fmt: skip
         label = "height of the surface [nm]" if masked else "height [nm]"
         extend = "both" if masked else "neither"
         left, bottom = width - bar + scale * _BAR_LEFT, bottom + 0.5 * (1.0 - _BAR_HEIGHT) * up
@@ -133,16 +128,16 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
         cax = figure.add_axes((left / width, bottom / height, *size))
         figure.colorbar(image, cax=cax, label=label, extend=extend)
     handles = [Patch(color=colour, label=name) for name, _, colour in _masks(results[0])]
-    shared_legend(figure, handles)
+    drawing.shared_legend(figure, handles)
     return {"roughness": figure}
 
 
 def texture_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     """Figure of distributions, autocorrelations and power spectra, by file name without suffix."""
-    figure = new_figure(columns=3)
+    figure = drawing.new_figure(columns=3)
     left, middle, right = figure.axes
     for number, one in enumerate(results):
-        found, colour = one.texture, series_style(number)["color"]
+        found, colour = one.texture, drawing.series_style(number)["color"]
         heights = one.height[~one.mask] / NANOMETRE
         shares, edges = np.histogram(heights, _BINS, density=True)
         left.stairs(shares, edges, color=colour, label=one.source.source)
@@ -152,12 +147,13 @@ def texture_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     middle.axhline(np.exp(-1.0), color=GREY, ls=":", lw=1)
     middle.annotate("1/e", (0.98, np.exp(-1.0)), (0, 3), ("axes fraction", "data"),
                     "offset points", ha="right", color=GREY, fontsize="small")  # fmt: skip
-    left.set(xlabel="height of the surface [nm]", ylabel="probability density [1/nm]")
-    middle.set(xlabel="distance [µm]", ylabel="autocorrelation [1]")
-    right.set(xlabel="spatial frequency [1/µm]", ylabel="power spectral density [nm² µm²]")
-    for ax in figure.axes:
-        ax.grid(alpha=0.25)
-    shared_legend(figure, left.get_legend_handles_labels()[0])
+    for ax, x, y in (
+        (left, "height of the surface [nm]", "probability density [1/nm]"),
+        (middle, "distance [µm]", "autocorrelation [1]"),
+        (right, "spatial frequency [1/µm]", "power spectral density [nm² µm²]"),
+    ):
+        drawing.label_axes(ax, x, y)
+    drawing.shared_legend(figure, left.get_legend_handles_labels()[0])
     return {"roughness-texture": figure}
 
 

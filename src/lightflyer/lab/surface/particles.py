@@ -252,9 +252,9 @@ def _ring_median(height: np.ndarray, radius: int) -> np.ndarray:
         (radius + round(radius * np.sin(one)), radius + round(radius * np.cos(one)))
         for one in angles
     }
-    around = [padded[i : i + rows, j : j + columns] for i, j in sorted(ring)]
-    middle = len(around) // 2
-    ranked = np.partition(np.stack(around, axis=-1), (middle - 1, middle), axis=-1)
+    heights = [padded[i : i + rows, j : j + columns] for i, j in sorted(ring)]
+    middle = len(heights) // 2
+    ranked = np.partition(np.stack(heights, axis=-1), (middle - 1, middle), axis=-1)
     return 0.5 * (ranked[..., middle - 1] + ranked[..., middle])
 
 

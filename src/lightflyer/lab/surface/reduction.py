@@ -33,18 +33,7 @@ from lightflyer.lab.result import (
     plain,
     variables,
 )
-from lightflyer.lab.surface.particles import (
-    MOST_MASKED,
-    THRESHOLD,
-    Flatten,
-    Objects,
-    count_objects,
-    fill_missing,
-    find_particles,
-    flatten_rows,
-    kept_power,
-    level,
-)
+from lightflyer.lab.surface import particles
 from lightflyer.lab.surface.statistics import DRAWS, SPECTRUM, Texture, spread, texture_of
 
 if TYPE_CHECKING:
@@ -115,7 +104,7 @@ class Roughness(LabResult):
         channel = f", {source.channel}" if source.channel else ""
         sides = " x ".join(f"{side / _MICROMETRE:.4g}" for side in (source.width, source.length))
         masked = ", ".join(
-            f"{count_objects(mask)} {name} ({_PERCENT * mask.mean():.2f} %)"
+            f"{particles.count_objects(mask)} {name} ({_PERCENT * mask.mean():.2f} %)"
             for name, mask in (("particles", self.particles), ("holes", self.holes))
         )
         yield (
@@ -138,9 +127,9 @@ class Roughness(LabResult):
         """The result as a JSON object."""
         of_all = {f"{name}_all": one for name, one in self.parameters_all.items()}
         counts = {
-            "particles": count_objects(self.particles),
+            "particles": particles.count_objects(self.particles),
             "particle_fraction": float(self.particles.mean()),
-            "holes": count_objects(self.holes),
+            "holes": particles.count_objects(self.holes),
             "hole_fraction": float(self.holes.mean()),
             "missing_fraction": float(self.source.missing.mean()),
             **self.texture.summary(),
@@ -168,9 +157,9 @@ def roughness(
     source: HeightMap,
     *,
     mask: Mask = "auto",
-    threshold: float = THRESHOLD,
+    threshold: float = particles.THRESHOLD,
     order: int = 2,
-    flatten: Flatten = "none",
+    flatten: particles.Flatten = "none",
     flatten_order: int = 0,
     height_accuracy: Fraction | None = None,
     seed: int = 0,
@@ -214,7 +203,7 @@ def roughness(
     for name, value in (("order", order), ("flatten_order", flatten_order)):
         if not isinstance(value, int | np.integer):
             raise ParameterError(f"{name} = {value!r} is not a whole number")
-    if flatten not in get_args(Flatten):
+    if flatten not in get_args(particles.Flatten):
         raise ParameterError(f'flatten = "{flatten}" is unknown; choose none or rows')
     require_range("threshold", threshold, 1.0)
     require_range("order", order, 0, 5)
@@ -222,14 +211,14 @@ def roughness(
     require_range("height_accuracy", height_accuracy, 0.0, 0.5)
     rows = None if flatten == "none" else flatten_order
     missing = source.missing
-    raw = fill_missing(source.height)
+    raw = particles.fill_missing(source.height)
     if np.ptp(raw) == 0.0:
         raise ConfigurationError(
             f"{source.source}: all heights are equal: this is no map of a surface"
         )
     if rows is not None:
-        raw = flatten_rows(raw, rows)
-    whole = level(raw, missing, order)
+        raw = particles.flatten_rows(raw, rows)
+    whole = particles.level(raw, missing, order)
     nothing = np.zeros(raw.shape, bool)
     if not isinstance(mask, str):
         mask = np.asarray(mask)
@@ -240,27 +229,29 @@ def roughness(
             raise ConfigurationError(
                 f"{source.source}: the mask has {' and the map '.join(sizes)} pixels"
             )
-        if mask.mean() > MOST_MASKED:
+        if mask.mean() > particles.MOST_MASKED:
             raise ConfigurationError(
-                f"{source.source}: the mask given leaves out more than {MOST_MASKED:.0%} of the "
-                "map; what is 1, or not black, is left out"
+                f"{source.source}: the mask given leaves out more than {particles.MOST_MASKED:.0%} "
+                "of the map; what is 1, or not black, is left out"
             )
-        found = Objects(level(raw, mask | missing, order), mask, nothing)
+        found = particles.Objects(particles.level(raw, mask | missing, order), mask, nothing)
     elif mask == "none":
-        found = Objects(whole, nothing, nothing)
+        found = particles.Objects(whole, nothing, nothing)
     elif mask != "auto":
         raise ParameterError(f'mask = "{mask}" is unknown; choose auto, none, or give an array')
     else:
         try:
-            found = find_particles(raw, threshold=threshold, order=order)
+            found = particles.find_particles(raw, threshold=threshold, order=order)
         except ConfigurationError as error:
             raise ConfigurationError(f"{source.source}: {error}") from None
     if missing.any():
         holes = (found.holes | missing) & ~found.particles
-        found = Objects(level(raw, found.particles | holes, order), found.particles, holes)
+        found = particles.Objects(
+            particles.level(raw, found.particles | holes, order), found.particles, holes
+        )
     masked = found.particles | found.holes
     accuracy = HEIGHT_ACCURACY if height_accuracy is None else height_accuracy
-    kept = kept_power(raw.shape, min(*raw.shape, SPECTRUM), order, rows)
+    kept = particles.kept_power(raw.shape, min(*raw.shape, SPECTRUM), order, rows)
     common = (kept, accuracy, seed, source.pixel_aspect)
     inside, lost, patches = _estimates(found.height, masked, *common)
     everything = _estimates(whole, missing, *common)[0]

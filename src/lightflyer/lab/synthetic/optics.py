@@ -71,8 +71,8 @@ def optics_files(seed: int = 0) -> dict[str, str]:
         "infrared-transmittance.csv": ("wavenumber [cm^-1]", "transmittance [%]", _INFRARED,
                                        infrared.transmittance),
     }  # fmt: skip
-    told = ", ".join(f"{name} {value:g}" for name, value in TRUTH.items())
-    lines = label("optics", f"truth: {told} (m, 1, m)")
+    truth = ", ".join(f"{name} {value:g}" for name, value in TRUTH.items())
+    lines = label("optics", f"truth: {truth} (m, 1, m)")
     files = {"sample.toml": _SAMPLE}
     for name, (axis, ordinate, points, share) in made.items():
         value = share.mean(axis=0) * (1.0 + _SCALE * rng.normal()) + _noise(rng, points.size)

@@ -1,7 +1,7 @@
 """Runs of a heater in thin gas, their files, and the accuracies of its instruments."""
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -104,27 +104,23 @@ class TacAccuracy(ShortRepr):
 
     def errors(self, difference: np.ndarray, diameter: float) -> "CommonErrors":
         r"""What one standard error of each does to the rows; ``difference`` (m,)."""
-        wider = self.diameter / diameter
-        same = np.ones_like(difference)
+        wider, same, none = self.diameter / diameter, np.ones_like(difference), 0.0 * difference
         late = np.linspace(-0.5, 0.5, difference.size)
         effects = {
-            "gauge": (self.gauge, 0.0, 0.0 * same, 0.0 * same),
-            "gauge_zero": (0.0, self.gauge_zero, 0.0 * same, 0.0 * same),
-            "power": (0.0, 0.0, 0.0 * same, self.power * same),
-            "temperature": (0.0, 0.0, 0.0 * same, self.temperature / difference),
+            "gauge": (self.gauge, 0.0, none, none),
+            "gauge_zero": (0.0, self.gauge_zero, none, none),
+            "power": (0.0, 0.0, none, self.power * same),
+            "temperature": (0.0, 0.0, none, self.temperature / difference),
             # an area grows with the square; the plateau per area falls with the diameter
             "diameter": (0.0, 0.0, -wider * same, 2.0 * wider * same),
-            "plateau": (0.0, 0.0, self.plateau * same, 0.0 * same),
-            DRIFT: (0.0, 0.0, self.plateau_drift * late, 0.0 * same),
+            "plateau": (0.0, 0.0, self.plateau * same, none),
+            DRIFT: (0.0, 0.0, self.plateau_drift * late, none),
         }
-        kept = {
-            field.name: effects[field.name] for field in fields(self) if getattr(self, field.name)
-        }
-        if not kept:
+        names = tuple(name for name in effects if getattr(self, name))
+        if not names:
             return CommonErrors.none(difference.size)
-        columns = zip(*kept.values(), strict=True)
-        pressure, zero, continuum, amplitude = (np.array(column, float) for column in columns)
-        return CommonErrors(tuple(kept), pressure, zero, continuum, amplitude)
+        columns = zip(*(effects[name] for name in names), strict=True)
+        return CommonErrors(names, *(np.array(column, float) for column in columns))
 
 
 def unstated_accuracies(stated: Iterable[str]) -> list[str]:

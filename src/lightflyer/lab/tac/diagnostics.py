@@ -10,7 +10,7 @@ from lightflyer.core.quantity import AccommodationCoefficient, Quantity, quantit
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.result import AREA_RATIO, doubts_of
 from lightflyer.lab.tac.data import IN_WORDS
-from lightflyer.lab.tac.problem import PARAMETERS, Problem
+from lightflyer.lab.tac.problem import PARAMETERS, HeaterProblem
 
 POSSIBLE_TAC = 1.0  # Largest accommodation coefficient of any surface
 
@@ -39,7 +39,7 @@ _FEWEST = 8  # rows of a direction
 _TIED = 0.9  # correlation of time and pressure, above which drift cannot be told from the law
 
 
-def why_undetermined(estimate: Estimate, problem: Problem, scatter: float) -> str | None:
+def why_undetermined(estimate: Estimate, problem: HeaterProblem, scatter: float) -> str | None:
     """Why a run does not determine its coefficient, in one line; None if it does."""
     low, high = estimate.interval
     spread = estimate.uncertainty or 0.0

@@ -224,15 +224,11 @@ def fit_tac_difference(
     spreads = (tac_top.uncertainty or 0.0) * (tac_bottom.uncertainty or 0.0)
     alone = [ONE_RUN] if len(fits) == len(faces) else []
     return TacDifference(
-        top=of_top,
-        bottom=of_bottom,
-        tac_top=tac_top,
-        tac_bottom=tac_bottom,
+        top=of_top, bottom=of_bottom, tac_top=tac_top, tac_bottom=tac_bottom,
         difference=Estimate.covering(float(_APART @ means), NORMAL_FACTOR * apart),
         tac_correlation=float(joint[0, 1] / spreads) if spreads else 0.0,
-        warnings=(*warnings_of(fits), *alone),
-        other_face=other_face,
-    )
+        warnings=(*warnings_of(fits), *alone), other_face=other_face,
+    )  # fmt: skip
 
 
 def _means(
@@ -247,15 +243,15 @@ def _means(
     by_rows = [with_spread(fit.statistical["tac"]) for fit in fits]
     # uncertainties that carry Student's interval of the rows' scatter on
     half = 0.5 * np.array([np.ptp(one.interval) for one in by_rows])
-    own = np.maximum(half / NORMAL_FACTOR, [one.uncertainty or 0.0 for one in by_rows])
+    spreads = np.maximum(half / NORMAL_FACTOR, [one.uncertainty or 0.0 for one in by_rows])
     face = np.repeat(np.eye(2), [len(top), len(bottom)], axis=1)
-    precision = face / own**2
+    precision = face / spreads**2
     weights = precision / precision.sum(axis=1, keepdims=True)
     means = weights @ values
     freedom = len(fits) - len(FACES)
     wider = 1.0
     if freedom:
-        scatter = float(np.sum(((values - means @ face) / own) ** 2)) / freedom
+        scatter = float(np.sum(((values - means @ face) / spreads) ** 2)) / freedom
         wider = max((student_factor(freedom) / NORMAL_FACTOR) ** 2 * scatter, 1.0)
     rows = np.diag([one.uncertainty or 0.0 for one in by_rows]) ** 2
     shared = weights @ (covariance - rows) @ weights.T

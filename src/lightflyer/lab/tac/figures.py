@@ -7,12 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.files.drawing import (
-    legend_below,
-    new_figure,
-    plain_decades,
-    series_style,
-)
+from lightflyer.files import drawing
 from lightflyer.files.palette import BLUE, GREY, MEASURED
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate
 
@@ -38,7 +33,7 @@ def effective_conductance(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
     """Draw the conductance per effective area against pressure, with the fit."""
     _shade(fits[0], ax)
     for number, fit in enumerate(fits):
-        rows, style = _order(fit), series_style(number)
+        rows, style = _order(fit), drawing.series_style(number)
         ratio = fit.area_ratio.value
         ax.plot(fit.pressure[rows], fit.conductance[rows] / ratio, ls="", mfc="none", ms=4,
                 rasterized=len(rows) > 1000, **style)  # fmt: skip
@@ -54,11 +49,8 @@ def effective_conductance(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
         whole = (limit + first.offset.value + first.radiation)[rows]
         ax.plot(first.pressure[rows], whole, color=colour, ls=dashes, lw=1, label=name)
     ax.set_ylim(*ends)
-    ax.set_xscale("log")
-    plain_decades(ax.xaxis)
-    ax.set_xlabel("pressure [Pa]")
-    ax.set_ylabel("power / effective area / ΔT [W/(m² K)]")
-    legend_below(ax, most=2, title=_TITLE)
+    drawing.label_axes(ax, "pressure [Pa]", "power / effective area / ΔT [W/(m² K)]", log="x")
+    drawing.legend_below(ax, most=2, title=_TITLE)
     return ax
 
 
@@ -81,25 +73,21 @@ def _shade(fit: "TacFit", ax: Axes) -> None:
 def residuals(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
     """Draw measured over fitted conductance against pressure, with the scatter of the first run."""
     for number, fit in enumerate(fits):
-        rows, style = _order(fit), series_style(number)
+        rows, style = _order(fit), drawing.series_style(number)
         off = _PERCENT * (fit.conductance[rows] / fit.fitted[rows] - 1.0)
         ax.plot(fit.pressure[rows], off, ls="", mfc="none", ms=4, rasterized=len(rows) > 1000,
                 **style)  # fmt: skip
     ends = NORMAL_FACTOR * _PERCENT * fits[0].scatter
     ax.axhspan(-ends, ends, color="0.85", lw=0, zorder=0, label="95 % of independent rows")
     ax.axhline(0.0, color=GREY, lw=0.8)
-    ax.set_xscale("log")
-    plain_decades(ax.xaxis)
-    ax.set_xlabel("pressure [Pa]")
-    ax.set_ylabel("measured over fitted, less 1 [%]")
-    ax.grid(alpha=0.25)
-    legend_below(ax)
+    drawing.label_axes(ax, "pressure [Pa]", "measured over fitted, less 1 [%]", log="x")
+    drawing.legend_below(ax)
     return ax
 
 
 def tac_figures(fits: "Sequence[TacFit]") -> dict[str, Figure]:
     """Figure of one or several runs, by file name without suffix."""
-    figure = new_figure(columns=2, height=_HEIGHT)
+    figure = drawing.new_figure(columns=2, height=_HEIGHT)
     left, right = figure.axes
     effective_conductance(fits, left)
     residuals(fits, right)
@@ -121,8 +109,8 @@ def both_faces(found: "TacDifference", ax: Axes) -> Axes:
     along = np.array(
         [np.cos(turn), related * np.cos(turn) + np.sqrt(1 - related**2) * np.sin(turn)]
     )
-    around = np.array([[x.value], [y.value]]) + NORMAL_FACTOR * spread[:, None] * along
-    ax.plot(*around, color=MEASURED, lw=1.2, label="both together; its extents are 95 % intervals")
+    ellipse = np.array([[x.value], [y.value]]) + NORMAL_FACTOR * spread[:, None] * along
+    ax.plot(*ellipse, color=MEASURED, lw=1.2, label="both together; its extents are 95 % intervals")
     ax.errorbar(
         x.value, y.value, xerr=_arms(x), yerr=_arms(y), color=MEASURED, marker="o", ms=4, lw=0.8,
         capsize=3, ls="", label="each face, 95 % interval",
@@ -139,10 +127,8 @@ def both_faces(found: "TacDifference", ax: Axes) -> Axes:
     ax.set_xlim(*ends)
     ax.set_ylim(y.value - half, y.value + half)
     ax.set_aspect("equal")
-    ax.set_xlabel("TAC of the bottom face")
-    ax.set_ylabel("TAC of the top face")
-    ax.grid(alpha=0.25)
-    legend_below(ax, most=1)
+    drawing.label_axes(ax, "TAC of the bottom face", "TAC of the top face")
+    drawing.legend_below(ax, most=1)
     return ax
 
 

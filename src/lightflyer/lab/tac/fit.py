@@ -41,17 +41,8 @@ from lightflyer.lab.result import (
     plain,
     variables,
 )
+from lightflyer.lab.tac import diagnostics
 from lightflyer.lab.tac.data import IN_WORDS, TacAccuracy, TacRun
-from lightflyer.lab.tac.diagnostics import (
-    BOUNDS,
-    POSSIBLE_TAC,
-    cut,
-    drift_warnings,
-    misfit_warnings,
-    require_possible,
-    result_warnings,
-    why_undetermined,
-)
 from lightflyer.lab.tac.heat_law import (
     KINETIC,
     KINETIC_LAW,
@@ -59,7 +50,7 @@ from lightflyer.lab.tac.heat_law import (
     Limits,
     nominal_area,
 )
-from lightflyer.lab.tac.intervals import Solution, positive_estimate, solve
+from lightflyer.lab.tac.intervals import HeaterSolution, positive_estimate, solve
 from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, Bench, Prepared, prepare
 from lightflyer.lab.tac.problem import PARAMETERS
 
@@ -70,7 +61,7 @@ _PERCENT = 100.0
 _ROUNDING = 1e-12  # relative
 _MOST_LINES = 8  # of a file, that a message lists
 _PARAMETERS = ("", "value", "95 % interval", "of the scatter alone", "unit")
-_ERRORS = ("error by the fit", "in stated ±", "stated ±", "unit")
+_ERRORS = ("error by the fit", "in standard errors", "standard error", "unit")
 _RUNS = ("run", "TAC α", "95 % interval", "area ratio δ", "offset C\n[W/(m² K)]")
 
 
@@ -337,11 +328,11 @@ def fit_together(runs: Sequence[TacRun], bench: Bench) -> tuple[list[TacFit], np
     return fits, covariance
 
 
-def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
+def _result(prepared: Prepared, solution: HeaterSolution, bench: Bench) -> TacFit:
     run, problem, reading = prepared.run, prepared.problem, bench.law.name
-    require_possible(run.source, solution.total, reading)
-    undetermined = why_undetermined(solution.total["tac"], problem, solution.scatter)
-    estimates, texts = cut(solution.total)
+    diagnostics.require_possible(run.source, solution.total, reading)
+    undetermined = diagnostics.why_undetermined(solution.total["tac"], problem, solution.scatter)
+    estimates, texts = diagnostics.cut(solution.total)
     fitted = problem.model(*solution.values.values())
     off = [int(line) for line in run.table.lines[prepared.off_curve]]
     if off:
@@ -351,7 +342,7 @@ def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
     texts += [
         *run.notes,
         *ambient_doubts(run.ambient_temperature),
-        *result_warnings(estimates, reading),
+        *diagnostics.result_warnings(estimates, reading),
     ]
     kinetic = prepared.others.get(KINETIC)
     if kinetic is not None:  # by the paper's formulas
@@ -360,8 +351,10 @@ def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
             f"the reading {reading} gives a coefficient {error:+.0f} % from that of the kinetic "
             f"equation ({kinetic:.3g}); the interval leaves this error of the formula out"
         )
-    texts += misfit_warnings(solution.alike, len(fitted), solution.values)
-    texts += drift_warnings(problem.conductance / fitted - 1.0, problem.pressure, solution.alike)
+    texts += diagnostics.misfit_warnings(solution.alike, len(fitted), solution.values)
+    texts += diagnostics.drift_warnings(
+        problem.conductance / fitted - 1.0, problem.pressure, solution.alike
+    )
     if undetermined:
         texts.append(undetermined)
     return TacFit(
@@ -373,9 +366,9 @@ def _result(prepared: Prepared, solution: Solution, bench: Bench) -> TacFit:
         gas=bench.gas.name,
         accuracy=bench.accuracy,
         **estimates,
-        statistical=cut(solution.statistical)[0],
+        statistical=diagnostics.cut(solution.statistical)[0],
         covariance_intervals={
-            name: one.interval for name, one in cut(solution.total_normal)[0].items()
+            name: one.interval for name, one in diagnostics.cut(solution.total_normal)[0].items()
         },
         covariance=solution.covariance,
         common_errors={name: solution.values[name] for name in problem.errors.names},
@@ -411,7 +404,7 @@ def mean_tac(fits: Sequence[TacFit], name: str = "tac") -> Estimate:
         return fits[0].estimates()[name]
     common = float(np.mean([_common_part(fit, name) for fit in fits]))
     mean = weighted_mean([with_spread(fit.statistical[name]) for fit in fits], common=common)
-    low, high = BOUNDS[name]
+    low, high = diagnostics.BOUNDS[name]
     return replace(mean, interval=(max(mean.interval[0], low), min(mean.interval[1], high)))
 
 
@@ -440,7 +433,7 @@ def why_no_property(fits: Sequence[TacFit]) -> str | None:
         if fit.undetermined:
             return fit.undetermined
     mean, first = mean_tac(fits), fits[0]
-    if mean.interval[0] <= POSSIBLE_TAC:
+    if mean.interval[0] <= diagnostics.POSSIBLE_TAC:
         return None
     return (
         f"{first.run.source}: accommodation coefficient {mean.value:.3g} by the reading "

@@ -188,15 +188,9 @@ def _lu2023(
     gas: AbstractGas,
 ) -> tuple[Any, Any]:  # fmt: skip
     free_molecular, continuum = heat_conductances(
-        (heater - ambient) / ambient,
-        radius=0.5 * diameter,
-        tac_mean=1.0,
-        pressure=pressure,
-        temperature=ambient,
-        gravity=constants.STANDARD_GRAVITY,
-        gas=gas,
-        reading=reading,
-    )
+        (heater - ambient) / ambient, radius=0.5 * diameter, tac_mean=1.0, pressure=pressure,
+        temperature=ambient, gravity=constants.STANDARD_GRAVITY, gas=gas, reading=reading,
+    )  # fmt: skip
     per_kelvin = nominal_area(diameter) * ambient
     return free_molecular / per_kelvin, continuum / per_kelvin
 

@@ -14,7 +14,7 @@ from scipy.optimize import brentq, leastsq
 
 from lightflyer.lab.estimate import Estimate, student_factor
 from lightflyer.lab.tac.data import DRIFT, CommonErrors
-from lightflyer.lab.tac.problem import PARAMETERS, TAC_BOUNDS, JointProblem, Problem, minimise
+from lightflyer.lab.tac.problem import PARAMETERS, TAC_BOUNDS, HeaterProblem, JointProblem, minimise
 from lightflyer.numerics.residuals import alike_points
 
 POSITIVE = ("tac", "area_ratio")  # Parameters whose logarithms have the more nearly normal errors
@@ -91,12 +91,8 @@ def profile_interval(
     for side, furthest in zip((-1.0, 1.0), _FURTHEST[one], strict=True):
         inner = best.copy()
         inner[positive] = np.log(np.maximum(inner[positive], np.finfo(float).tiny))
-        start, inside, step, end = (
-            inner[others],
-            best[held],
-            side * spread * distance,
-            side * np.inf,
-        )
+        start, inside, end = inner[others], best[held], side * np.inf
+        step = side * spread * distance
         for _ in range(_MOST_STEPS):
             outside = best[held] + step
             if (outside - furthest) * step >= 0.0:
@@ -113,7 +109,7 @@ def profile_interval(
 
 
 @dataclass(frozen=True)
-class Solution:
+class HeaterSolution:
     """A fit with its intervals."""
 
     # The three parameters and the common errors in standard errors, by name
@@ -128,8 +124,8 @@ class Solution:
 
 
 def solve(
-    problems: Sequence[Problem], guesses: Sequence[Sequence[float]]
-) -> tuple[list[Solution], np.ndarray]:
+    problems: Sequence[HeaterProblem], guesses: Sequence[Sequence[float]]
+) -> tuple[list[HeaterSolution], np.ndarray]:
     """Minimise runs on one bench together, and find all intervals.
 
     ``guesses``: the three parameters of each run near the minimum. Returns a solution for each
@@ -141,7 +137,7 @@ def solve(
                                                      found.scatter, strict=True)]  # fmt: skip
     if found.total is None:
         alone = [
-            Solution(
+            HeaterSolution(
                 dict(zip(PARAMETERS, _values(plain, PARAMETERS), strict=True)), scatter, alike,
                 alike * np.asarray(plain.covar), profiled, profiled, normal,
             )
@@ -155,8 +151,8 @@ def solve(
     common = dict(zip(joint.names, values, strict=True))
     solutions, width = [], len(PARAMETERS)
     for number, (problem, (normal, profiled)) in enumerate(zip(given, statistical, strict=True)):
-        own = slice(number * width, (number + 1) * width)
-        covariance = whole[own, own]
+        place = slice(number * width, (number + 1) * width)
+        covariance = whole[place, place]
         # by Welch's formula; those of common errors are infinite
         shares = {
             name: normal[name].uncertainty / one
@@ -164,26 +160,21 @@ def solve(
         }
         rows = len(problem.conductance) - width
         freedoms = {name: rows / min(share, 1.0) ** 4 for name, share in shares.items()}
-        total_normal = _normal(values[own], covariance, freedoms)
-        solutions.append(
-            Solution(
-                values=dict(zip(PARAMETERS, values[own], strict=True))
-                | {
-                    name: common[name if name in common else f"{name}_{number}"]
-                    for name in problem.errors.names
-                },
-                scatter=found.scatter[number],
-                alike=found.alike[number],
-                covariance=covariance,
-                total=_profiles(joint, values, number, total_normal, freedoms),
-                statistical=profiled,
-                total_normal=total_normal,
-            )
-        )
+        total_normal = _normal(values[place], covariance, freedoms)
+        errors = {
+            name: common[name if name in common else f"{name}_{number}"]
+            for name in problem.errors.names
+        }
+        solutions.append(HeaterSolution(
+            dict(zip(PARAMETERS, values[place], strict=True)) | errors, found.scatter[number],
+            found.alike[number], covariance,
+            total=_profiles(joint, values, number, total_normal, freedoms),
+            statistical=profiled, total_normal=total_normal,
+        ))  # fmt: skip
     return solutions, whole[: width * len(problems) : width, : width * len(problems) : width]
 
 
-def best_tac(problem: Problem, guess: Sequence[float]) -> float:
+def best_tac(problem: HeaterProblem, guess: Sequence[float]) -> float:
     """Coefficient at the minimum of :func:`solve`, without its intervals."""
     found = _minimise_all([problem], [guess])
     result = found.plain[0] if found.total is None else found.total
@@ -191,10 +182,10 @@ def best_tac(problem: Problem, guess: Sequence[float]) -> float:
 
 
 @dataclass(frozen=True)
-class _Minimum:
+class _JointMinimum:
     """Fits with the common errors held at their best, and with them free if there are any."""
 
-    held: list[Problem]  # The runs with the common errors held
+    held: list[HeaterProblem]  # The runs with the common errors held
     plain: list[Any]  # Their fits by lmfit
     scatter: list[float]
     alike: list[float]
@@ -202,7 +193,9 @@ class _Minimum:
     total: Any | None  # Its fit by lmfit, of all unknowns
 
 
-def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]]) -> _Minimum:
+def _minimise_all(
+    problems: Sequence[HeaterProblem], guesses: Sequence[Sequence[float]]
+) -> _JointMinimum:
     # Rows that deviate from the fit together count as fewer, or very many would move the common
     # errors far for what the law leaves out. The law's own errors are no part of what is held, or
     # they would take up scatter.
@@ -212,8 +205,8 @@ def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]
     # what is straight of it goes into area ratio and offset
     sharing, law_error = problems, LAW_ERROR * min(max(map(_decades, problems)), 1.0) ** 2
     if len(problems) > 1 and instruments:
-        own = LAW_OWN if min(guess[0] for guess in guesses) > _ALIKE_TAC else 1.0
-        sharing, law_error = _with_shared_law(problems, law_error, own), own * law_error
+        unshared = LAW_OWN if min(guess[0] for guess in guesses) > _ALIKE_TAC else 1.0
+        sharing, law_error = _with_shared_law(problems, law_error, unshared), unshared * law_error
     joint = JointProblem(tuple(sharing))
     of_law = [0.0] * (len(joint.names) - last - instruments)
     common = [0.0] * instruments
@@ -246,10 +239,10 @@ def _minimise_all(problems: Sequence[Problem], guesses: Sequence[Sequence[float]
         ]  # fmt: skip
         if np.allclose(before, common, atol=_SAME) and alike == known:
             break
-    return _Minimum(held, plain, scatter, alike, joint, total)
+    return _JointMinimum(held, plain, scatter, alike, joint, total)
 
 
-def _with_own_drifts(problems: Sequence[Problem]) -> Sequence[Problem]:
+def _with_own_drifts(problems: Sequence[HeaterProblem]) -> Sequence[HeaterProblem]:
     """Runs whose plateaus drift each by itself: as many unknowns as runs, each of one run."""
     names = problems[0].errors.names
     if len(problems) == 1 or DRIFT not in names:
@@ -257,7 +250,7 @@ def _with_own_drifts(problems: Sequence[Problem]) -> Sequence[Problem]:
     shared = [place for place, name in enumerate(names) if name != DRIFT]
     places = [*shared, *[names.index(DRIFT)] * len(problems)]
     words = *(names[place] for place in shared), *(f"{DRIFT}_{n}" for n in range(len(problems)))
-    own = np.concatenate([np.ones((len(problems), len(shared))), np.eye(len(problems))], axis=1)
+    whose = np.concatenate([np.ones((len(problems), len(shared))), np.eye(len(problems))], axis=1)
     return [
         replace(
             problem,
@@ -267,11 +260,13 @@ def _with_own_drifts(problems: Sequence[Problem]) -> Sequence[Problem]:
                 problem.errors.log_conductance[places],
             ),
         )
-        for problem, has in zip(problems, own, strict=True)
+        for problem, has in zip(problems, whose, strict=True)
     ]  # fmt: skip
 
 
-def _with_shared_law(problems: Sequence[Problem], law_error: float, own: float) -> list[Problem]:
+def _with_shared_law(
+    problems: Sequence[HeaterProblem], law_error: float, own: float
+) -> list[HeaterProblem]:
     """Runs with the law's error of shape, which they share, as unknowns over pressure."""
     # Several a decade, whose mean over it keeps the law's error: one a decade would leave the shape
     # within a decade exact, and by that very good rows would seem to measure the gauge's error.
@@ -291,7 +286,7 @@ def _with_shared_law(problems: Sequence[Problem], law_error: float, own: float) 
 
 
 def _statistical(
-    held: Problem, plain: Any, alike: float, scatter: float
+    held: HeaterProblem, plain: Any, alike: float, scatter: float
 ) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
     """Parameters of a run with the intervals of its scatter, by covariance and by profile."""
     freedoms = dict.fromkeys(PARAMETERS, float(len(held.conductance) - len(PARAMETERS)))
@@ -304,19 +299,19 @@ def _statistical(
     return normal, _profiles(JointProblem((rows,)), values, 0, normal, freedoms)
 
 
-def _scaled(problem: Problem, factor: float) -> Problem:
+def _scaled(problem: HeaterProblem, factor: float) -> HeaterProblem:
     """Groups of rows, their weights multiplied by a factor."""
     rows = problem.group()
     return replace(rows, weight=factor * rows.weight)
 
 
-def _alike(problem: Problem, values: Sequence[float]) -> float:
+def _alike(problem: HeaterProblem, values: Sequence[float]) -> float:
     """Rows of neighbouring pressures that deviate from a fit together, in effect."""
     residuals = (problem.model(*values) - problem.conductance) * problem.weight
     return alike_points(residuals[np.argsort(problem.pressure, kind="stable")])
 
 
-def _decades(problem: Problem) -> float:
+def _decades(problem: HeaterProblem) -> float:
     return float(np.log10(problem.pressure.max() / problem.pressure.min()))
 
 

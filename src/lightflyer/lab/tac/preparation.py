@@ -15,7 +15,13 @@ from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.tac.data import TacAccuracy, TacRun
 from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC_LAW, AbstractHeatLaw, nominal_area
 from lightflyer.lab.tac.intervals import best_tac
-from lightflyer.lab.tac.problem import PARAMETERS, Problem, first_guess, minimise, require_distinct
+from lightflyer.lab.tac.problem import (
+    PARAMETERS,
+    HeaterProblem,
+    first_guess,
+    minimise,
+    require_distinct,
+)
 
 LU2023_HEATER_DIAMETER = 24e-3  # Diameter of the paper's heater [m]; [Lu2023]_ supplement
 
@@ -60,7 +66,7 @@ class Prepared:
     run: TacRun
     kept: np.ndarray  # Rows that are fitted, shape (n,)
     off_curve: np.ndarray  # Rows that belong to no curve through the others, shape (n,)
-    problem: Problem
+    problem: HeaterProblem
     guess: tuple[float, float, float]
     others: dict[str, float | None]  # Coefficient by each of the other laws
 
@@ -103,7 +109,7 @@ def prepare(run: TacRun, bench: Bench) -> Prepared:
 
 def make_problem(
     run: TacRun, kept: np.ndarray, bench: Bench, law: AbstractHeatLaw | None = None
-) -> Problem:
+) -> HeaterProblem:
     """Rows of a run that are kept, shape (n,); by the bench's law or another."""
     heater, ambient = run.heater_temperature[kept], run.ambient_temperature[kept]
     pressure, diameter = run.pressure[kept], bench.diameter
@@ -114,10 +120,12 @@ def make_problem(
     conductance = run.power[kept] / (nominal_area(diameter) * (heater - ambient))
     limits = (law or bench.law).limits(pressure, ambient, heater, diameter, bench.gas)
     errors = bench.accuracy.errors(heater - ambient, diameter)
-    return Problem(run.source, conductance, pressure, limits, radiation, 1.0 / conductance, errors)
+    return HeaterProblem(
+        run.source, conductance, pressure, limits, radiation, 1.0 / conductance, errors
+    )
 
 
-def _weigh(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
+def _weigh(problem: HeaterProblem) -> tuple[HeaterProblem, tuple[float, float, float]]:
     """The problem with its residuals over the conductance of a first fit, and that fit."""
     guess = first_guess(problem.group())
     for _ in range(_WEIGHTINGS):
@@ -128,7 +136,7 @@ def _weigh(problem: Problem) -> tuple[Problem, tuple[float, float, float]]:
     return problem, guess
 
 
-def _coefficient(problem: Problem) -> float | None:
+def _coefficient(problem: HeaterProblem) -> float | None:
     """Coefficient by another law; None where the fit fails."""
     try:
         return best_tac(*_weigh(problem.group()))
@@ -144,7 +152,7 @@ def _require_rows(run: TacRun, count: int) -> None:
         )
 
 
-def rows_off_the_curve(problem: Problem, lines: np.ndarray) -> np.ndarray:
+def rows_off_the_curve(problem: HeaterProblem, lines: np.ndarray) -> np.ndarray:
     """Rows that belong to no curve through the others, such as one with a repeated fragment."""
     # A robust fit (soft L1 of the logarithms, from a running median) finds suspects. A suspect is
     # off if its deviation from the least-squares fit of the others is significant at 0.001 for the
@@ -189,6 +197,6 @@ def rows_off_the_curve(problem: Problem, lines: np.ndarray) -> np.ndarray:
     return suspects & (deviations > limits) & (deviations > _LEAST_DEVIATION)
 
 
-def _log_deviations(problem: Problem, values: np.ndarray) -> np.ndarray:
+def _log_deviations(problem: HeaterProblem, values: np.ndarray) -> np.ndarray:
     model = np.maximum(problem.model(*values), np.finfo(float).tiny)
     return np.log(problem.conductance) - np.log(model)

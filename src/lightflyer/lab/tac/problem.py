@@ -21,7 +21,7 @@ _GROUPS = 5_000  # of rows of neighbouring pressure that replace a very long run
 
 
 @dataclass(frozen=True)
-class Problem:
+class HeaterProblem:
     """Conductances of a run, measured and modelled."""
 
     # The unknowns are the three of :data:`PARAMETERS` and, where ``errors`` has any, as many
@@ -36,7 +36,7 @@ class Problem:
     weight: np.ndarray  # Factor of the residuals [m² K/W], shape (m,)
     errors: CommonErrors
 
-    def with_common_errors(self, common: Sequence[float]) -> "Problem":
+    def with_common_errors(self, common: Sequence[float]) -> "HeaterProblem":
         """The problem of the three parameters alone, at given errors of all rows."""
         given = np.array(common, float)
         shift = float(given @ self.errors.log_pressure)
@@ -54,10 +54,12 @@ class Problem:
             weight=self.weight * amplitude, errors=CommonErrors.none(len(self.conductance)),
         )  # fmt: skip
 
-    def without_common_errors(self) -> "Problem":
+    def without_common_errors(self) -> "HeaterProblem":
         return self.with_common_errors([0.0] * len(self.errors.names))
 
-    def with_errors_of_conductance(self, names: Sequence[str], effects: np.ndarray) -> "Problem":
+    def with_errors_of_conductance(
+        self, names: Sequence[str], effects: np.ndarray
+    ) -> "HeaterProblem":
         """The same problem with further common errors; effects of shape (names, m)."""
         nothing = np.zeros(len(names))
         errors = CommonErrors(
@@ -112,7 +114,7 @@ class Problem:
             columns.append(amplitude * (of_gas + errors.log_conductance[number] * inside))
         return np.stack(columns) * self.weight
 
-    def group(self) -> "Problem":
+    def group(self) -> "HeaterProblem":
         """Rows of neighbouring pressure averaged, each group weighted by its size."""
         # A profile of very many rows would take long. Within a group the model hardly changes, and
         # the scatter within it does not depend on the parameters.
@@ -125,11 +127,11 @@ class Problem:
         means = self._each(lambda one: np.add.reduceat(one[..., order], first, axis=-1) / sizes)
         return replace(means, weight=means.weight * np.sqrt(sizes))
 
-    def rows(self, kept: np.ndarray) -> "Problem":
+    def rows(self, kept: np.ndarray) -> "HeaterProblem":
         """The same problem with some of its rows; ``kept`` is boolean, shape (m,)."""
         return self._each(lambda one: one[..., kept])
 
-    def _each(self, change: Callable[[np.ndarray], np.ndarray]) -> "Problem":
+    def _each(self, change: Callable[[np.ndarray], np.ndarray]) -> "HeaterProblem":
         """The problem with changed arrays, of shape (m,) or (k, m)."""
         limits, errors = self.limits, self.errors
         return replace(
@@ -153,7 +155,7 @@ class JointProblem:
     The unknowns are the parameters of each run in turn, and then the errors.
     """
 
-    runs: tuple[Problem, ...]
+    runs: tuple[HeaterProblem, ...]
 
     @property
     def source(self) -> str:
@@ -172,7 +174,7 @@ class JointProblem:
         """Names of the unknowns."""
         return (*self.parameters, *self.runs[0].errors.names)
 
-    def _parts(self, unknowns: Sequence[float]) -> list[tuple[Problem, Sequence[float]]]:
+    def _parts(self, unknowns: Sequence[float]) -> list[tuple[HeaterProblem, Sequence[float]]]:
         last, width = len(self.parameters), len(PARAMETERS)
         return [
             (run, [*unknowns[number * width : (number + 1) * width], *unknowns[last:]])
@@ -189,15 +191,15 @@ class JointProblem:
         last, width = len(self.parameters), len(PARAMETERS)
         blocks = []
         for number, (run, part) in enumerate(self._parts(unknowns)):
-            own = run.jacobian(*part)
-            block = np.zeros((len(unknowns), own.shape[1]))
-            block[number * width : (number + 1) * width] = own[:width]
-            block[last:] = own[width:]
+            of_run = run.jacobian(*part)
+            block = np.zeros((len(unknowns), of_run.shape[1]))
+            block[number * width : (number + 1) * width] = of_run[:width]
+            block[last:] = of_run[width:]
             blocks.append(block)
         return np.concatenate([*blocks, np.eye(len(unknowns))[:, last:]], axis=1)
 
 
-def first_guess(problem: Problem) -> tuple[float, float, float]:
+def first_guess(problem: HeaterProblem) -> tuple[float, float, float]:
     """Best of many coefficients; area ratio and offset by linear least squares for each."""
     weight = problem.weight
     best, least = (1.0, 1.0, 0.0), np.inf
@@ -211,7 +213,7 @@ def first_guess(problem: Problem) -> tuple[float, float, float]:
     return best
 
 
-def require_distinct(problem: Problem, values: Sequence[float]) -> None:
+def require_distinct(problem: HeaterProblem, values: Sequence[float]) -> None:
     """Raise unless the pressures determine all three parameters."""
     jacobian = problem.without_common_errors().jacobian(*values)
     scaled = jacobian / np.maximum(np.linalg.norm(jacobian, axis=1, keepdims=True), 1e-300)
@@ -223,11 +225,13 @@ def require_distinct(problem: Problem, values: Sequence[float]) -> None:
         )
 
 
-def minimise(problem: Problem | JointProblem, start: Sequence[float], *, scale: bool = True) -> Any:
+def minimise(
+    problem: HeaterProblem | JointProblem, start: Sequence[float], *, scale: bool = True
+) -> Any:
     """Minimise the sum of squares by lmfit; its result."""
     import lmfit  # takes a while
 
-    joint = JointProblem((problem,)) if isinstance(problem, Problem) else problem
+    joint = JointProblem((problem,)) if isinstance(problem, HeaterProblem) else problem
     parameters, last = lmfit.Parameters(), len(joint.parameters)
     bounds = (TAC_BOUNDS, (0.0, np.inf), (-np.inf, np.inf))
     for number, (name, value) in enumerate(zip(joint.names, start, strict=True)):

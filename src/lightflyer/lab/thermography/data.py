@@ -185,12 +185,10 @@ def read_readings(
             table.not_used(f"--{name.removesuffix('_temperature')}", name)
         one = given.get(name, Measured(0.0))
         values.append(table.numbers.get(name, np.full(len(table), one.value)))
-        own = table.numbers.get(f"{name}_uncertainty")
-        stated.append(one.uncertainty if own is None else float(own.max()))
-    readings = _complete(method, np.stack(values), stated, accuracy, scene)
+        stated_column = table.numbers.get(f"{name}_uncertainty")
+        stated.append(one.uncertainty if stated_column is None else float(stated_column.max()))
     places = tuple(f"{path}:{line}" for line in table.lines)
-    _require_possible(readings, places)
-    return dataclasses.replace(readings, places=places), table
+    return _complete(method, np.stack(values), stated, accuracy, scene, places), table
 
 
 def given_readings(
@@ -226,9 +224,8 @@ def given_readings(
     checked = _check(given, method)
     picked = [checked[name] for name in method.readings]
     values = np.array([[one.value] for one in picked])
-    readings = _complete(method, values, [one.uncertainty for one in picked], accuracy, scene)
-    _require_possible(readings, ("",))
-    return readings
+    stated = [one.uncertainty for one in picked]
+    return _complete(method, values, stated, accuracy, scene, ("",))
 
 
 def standard_uncertainties(
@@ -286,46 +283,42 @@ def _check(given: Mapping[str, Measured], method: Method) -> dict[str, Measured]
 
 def _complete(
     method: Method, values: np.ndarray, stated: list[float | None], accuracy: float | None,
-    scene: Scene | None,
+    scene: Scene | None, places: tuple[str, ...],
 ) -> Readings:  # fmt: skip
+    """Readings with the uncertainties that are not stated; refuses those that are impossible."""
     assumed = standard_uncertainties(method, values.mean(axis=1), accuracy)
     known = [one if one is not None else other for one, other in zip(stated, assumed, strict=True)]
     said = accuracy_warnings(method, accuracy) if None in stated else ()
-    return Readings(method, values, np.array(known, float), scene or Scene(), warnings=said)
-
-
-def _require_possible(readings: Readings, places: tuple[str, ...]) -> None:
-    """Refuse rows in any of which the readings are out of order, and useless uncertainties."""
-    method, spread, values = readings.method, readings.uncertainties, readings.values
-    source, background = values[0], values[3]
+    spread, source, background = np.array(known, float), values[0], values[3]
     for name, mean, one in zip(method.readings, values.mean(axis=1), spread, strict=True):
         if method == THERMAL and one > _LARGEST * mean:
             raise ConfigurationError(
                 f"{name}: a standard uncertainty of {one:g} K leaves {mean:.4g} K without meaning"
             )
-    _require_order(source > background, places, method.readings[0], method.readings[3])
+
+    def require_order(right: np.ndarray, high: str, low: str) -> None:
+        """Refuse the first row in which a reading is not above another that has to be lower."""
+        for row in np.flatnonzero(~right):
+            place = f"{places[row]}: " if places[row] else ""
+            raise ConfigurationError(f"{place}{high} is not above {low}; are columns exchanged?")
+
+    first, _, _, last = method.readings
+    require_order(source > background, first, last)
     least = _CLEAR * float(np.hypot(spread[0], spread[3]))
     if source.mean() - background.mean() < least:
         raise ConfigurationError(
-            f"{places[0].rpartition(':')[0]}{': ' * bool(places[0])}{method.readings[0]} exceeds "
-            f"{method.readings[3]} by less than {_CLEAR:g} standard uncertainties, {least:.3g} "
-            f"{method.unit}".rstrip()
+            f"{places[0].rpartition(':')[0]}{': ' * bool(places[0])}{first} exceeds {last} by less "
+            f"than {_CLEAR:g} standard uncertainties, {least:.3g} {method.unit}".rstrip()
         )
     if method == LIGHT and np.any(background < -_BEYOND * source):
         row = int(np.argmin(background / source))
         raise ConfigurationError(
-            f"{places[row]}: {method.readings[3]} = {background[row]:g} is far below zero beside "
-            f"{method.readings[0]} = {source[row]:g}; is its sign right?"
+            f"{places[row]}: {last} = {background[row]:g} is far below zero beside {first} = "
+            f"{source[row]:g}; is its sign right?"
         )
     noise = _BEYOND * (source - background)
-    for number in (1, 2):
-        name = method.readings[number]
-        _require_order(source > values[number] - noise, places, method.readings[0], name)
-        _require_order(values[number] > background - noise, places, name, method.readings[3])
-
-
-def _require_order(right: np.ndarray, places: tuple[str, ...], high: str, low: str) -> None:
-    """Refuse the first row in which a reading is not above another that has to be lower."""
-    for row in np.flatnonzero(~right):
-        place = f"{places[row]}: " if places[row] else ""
-        raise ConfigurationError(f"{place}{high} is not above {low}; are columns exchanged?")
+    for name, one in zip(method.readings[1:3], values[1:3], strict=True):
+        require_order(source > one - noise, first, name)
+        require_order(one > background - noise, name, last)
+    shown = () if places == ("",) else places
+    return Readings(method, values, spread, scene or Scene(), shown, warnings=said)

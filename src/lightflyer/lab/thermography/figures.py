@@ -31,33 +31,31 @@ def draw_property(result: "RadiativeProperties", name: str, ax: Axes) -> Axes:
     # side by side, so that equal rows stay apart
     spread = np.linspace(-_SPREAD, _SPREAD, each.size) if each.size > 1 else np.zeros(1)
     ax.plot(spread, each, "o", color=GREY, mfc="none", ms=5, label="rows")
-    ways = [(result.first_order, BLUE, "s", "first order")]
-    if _differ(result):
-        ways.append((result.monte_carlo, VERMILION, "D", "Monte Carlo"))
-    for place, (estimates, colour, marker, label) in enumerate(ways, start=1):
+    methods = [(result.first_order, BLUE, "s", "")]
+    if any(  # differ to the eye
+        np.abs(np.subtract(one.interval, result.monte_carlo[other].interval)).max()
+        > _VISIBLE * np.ptp(one.interval)
+        for other, one in result.first_order.items()
+    ):
+        methods = [(result.first_order, BLUE, "s", ", first order"),
+                   (result.monte_carlo, VERMILION, "D", ", Monte Carlo")]  # fmt: skip
+    for place, (estimates, colour, marker, label) in enumerate(methods, start=1):
         one = estimates[name]
         low, high = one.interval
         ends = np.maximum([[one.value - low], [high - one.value]], 0.0)  # rounding errors
         ax.errorbar(
             place, one.value, yerr=ends,
-            fmt=marker, color=colour, capsize=5, ms=6, lw=1.6, label=f"mean, {INTERVAL}, {label}",
+            fmt=marker, color=colour, capsize=5, ms=6, lw=1.6, label=f"mean, {INTERVAL}{label}",
         )  # fmt: skip
         said = f"{one.value:.3f}"
         ax.annotate(said, (place, high), (0, 6), textcoords="offset points", ha="center",
                     fontsize="small")  # fmt: skip
-    ax.set_xlim(-0.6, len(ways) + 0.7)
+    ax.set_xlim(-0.6, len(methods) + 0.7)
     ax.set_xticks([])
     ax.margins(y=0.25)
     ax.set_xlabel(next(iter(result.name_properties({name: None}))))
     ax.grid(alpha=0.25, axis="y")
     return ax
-
-
-def _differ(result: "RadiativeProperties") -> bool:
-    """Whether both intervals of any property differ to the eye."""
-    pairs = [(one.interval, result.monte_carlo[name].interval)
-             for name, one in result.first_order.items()]  # fmt: skip
-    return any(np.abs(np.subtract(a, b)).max() > _VISIBLE * np.ptp(a) for a, b in pairs)
 
 
 def plot_properties(result: "RadiativeProperties") -> Figure:

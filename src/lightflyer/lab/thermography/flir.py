@@ -58,21 +58,20 @@ class CameraSettings:
     window_transmittance: float  # [1]
     humidity: float  # [1]
     r1: float  # Constants of the camera; b in kelvin
-    b: float  # Constants of the camera; b in kelvin
-    f: float  # Constants of the camera; b in kelvin
-    o: float  # Constants of the camera; b in kelvin
-    r2: float  # Constants of the camera; b in kelvin
+    b: float
+    f: float
+    o: float
+    r2: float
     alpha: tuple[float, float]  # Attenuation by air [m^-1/2] and by water in it
     beta: tuple[float, float]
     share: float  # Weight of the first of the two attenuations [1]
 
     def problem(self) -> str:
         """What is impossible in them, or nothing."""
-        shares = {
-            "emissivity": self.emissivity,
-            "transmittance of the window": self.window_transmittance,
-        }
-        for name, value in shares.items():
+        for name, value in (
+            ("emissivity", self.emissivity),
+            ("transmittance of the window", self.window_transmittance),
+        ):
             if not 0.0 < value <= 1.0:
                 return f"its {name}, {value:g}, is not between 0 and 1"
         temperatures = (self.reflected_temperature, self.air_temperature, self.window_temperature)
@@ -80,9 +79,8 @@ class CameraSettings:
             said = ", ".join(f"{one:.4g}" for one in temperatures)
             return f"temperatures of its surroundings, {said} K, are impossible"
         if not 0.0 <= self.humidity <= 1.0 or not 0.0 <= self.distance <= _FARTHEST:
-            return (
-                f"its humidity, {self.humidity:g}, or distance, {self.distance:g} m, is impossible"
-            )
+            said = f"its humidity, {self.humidity:g}, or distance, {self.distance:g} m"
+            return f"{said}, is impossible"
         constants = (self.r1, self.r2, self.b, self.f)
         if not all(math.isfinite(one) and one > 0.0 for one in constants):
             return "a constant of its calibration is not positive"
@@ -156,8 +154,7 @@ def read_flir(path: Path, content: bytes) -> tuple[np.ndarray, CameraSettings]:
         for kind, what in ((_RAW, "raw signal"), (_CAMERA, "settings of the camera")):
             if kind not in found:
                 raise _WrongError(f"it has no {what}")
-        records = found
-        counts, settings = _raw(records[_RAW]), _settings(records[_CAMERA])
+        counts, settings = _raw(found[_RAW]), _settings(found[_CAMERA])
         if wrong := settings.problem():
             raise _WrongError(wrong)
     except _WrongError as error:
@@ -181,10 +178,8 @@ def _records_of_jpeg(content: bytes) -> bytes:
             break
         place += 2 + size
     if not pieces:
-        of_dji = b"DJI" in content[:4096]
-        said = "it has no FLIR data"
-        more = "; DJI's own format needs DJI's Thermal SDK: convert it to TIFF" if of_dji else ""
-        raise _WrongError(said + more)
+        more = "; DJI's own format needs DJI's Thermal SDK: convert it to TIFF"
+        raise _WrongError("it has no FLIR data" + more * (b"DJI" in content[:4096]))
     if sorted(pieces) != list(range(count)):
         raise _WrongError(
             f"pieces of its FLIR data are missing: it has {sorted(pieces)}, {count} are due"
@@ -206,34 +201,30 @@ def _raw(record: bytes) -> np.ndarray:
     body = record[_PIXELS_AT:]
     if not rows * columns:
         raise _WrongError("its image has no pixels")
-    if body.startswith(_PNG):
-        return _png(body, rows, columns)
     size = 2 * rows * columns
-    if len(body) < size:
-        raise _WrongError(f"{columns} x {rows} pixels are more than its raw signal holds")
-    return np.frombuffer(body[:size], order + "u2").reshape(rows, columns).astype(float)
-
-
-def _png(body: bytes, rows: int, columns: int) -> np.ndarray:
-    """Signal in a PNG, whose bytes FLIR writes in the reverse order."""
+    if not body.startswith(_PNG):
+        if len(body) < size:
+            raise _WrongError(f"{columns} x {rows} pixels are more than its raw signal holds")
+        return np.frombuffer(body[:size], order + "u2").reshape(rows, columns).astype(float)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             with Image.open(io.BytesIO(body), formats=["PNG"]) as image:
-                size, mode = image.size, image.mode
-                if size != (columns, rows):
+                wide, high = image.size
+                if (wide, high) != (columns, rows):
                     raise _WrongError(
-                        f"its header states {columns} x {rows} pixels, its PNG has {size[0]} x "
-                        f"{size[1]}"
+                        f"its header states {columns} x {rows} pixels, its PNG has {wide} x {high}"
                     )
-                if not mode.startswith("I"):
-                    raise _WrongError(f"its PNG holds colours ({mode}), not a signal of 16 bits")
+                if not image.mode.startswith("I"):
+                    raise _WrongError(
+                        f"its PNG holds colours ({image.mode}), not a signal of 16 bits"
+                    )
                 values = np.asarray(image).astype(np.uint16)
     except _WrongError:
         raise
     except Exception as error:  # Pillow raises many kinds
         raise _WrongError(f"its PNG cannot be read: {error}") from None
-    return values.byteswap().astype(float)
+    return values.byteswap().astype(float)  # FLIR writes the bytes in the reverse order
 
 
 def _settings(record: bytes) -> CameraSettings:

@@ -101,7 +101,10 @@ def _read_matrix(source: Source, scale: Scale | None = None) -> "ThermalImage":
     matrix = read_number_matrix(path, "temperatures")
     above = "\n".join(matrix.above)
     if scale is None:
-        found = {_spell(text) for text in _IN_HEADING.findall(above)}
+        found = set()
+        for text in _IN_HEADING.findall(above):
+            letters = re.sub(r"deg|[^a-z℃℉]", "", text.lower()).replace("℃", "c").replace("℉", "f")
+            found.add(_UNITS[letters[0]])
         if len(found) != 1:
             said = f"its heading names {' and '.join(sorted(found))}" if found else "it has no unit"
             raise ConfigurationError(f'{path}: {said}; state the unit by --image-unit "°C"')
@@ -110,11 +113,6 @@ def _read_matrix(source: Source, scale: Scale | None = None) -> "ThermalImage":
     stated = None if emissivity is None else float(emissivity[1].replace(",", "."))
     kelvin = matrix.values * scale.step + scale.zero
     return ThermalImage(str(path), kelvin, stated, notes=matrix.notes)
-
-
-def _spell(text: str) -> str:
-    letters = re.sub(r"deg|[^a-z℃℉]", "", text.lower()).replace("℃", "c").replace("℉", "f")
-    return _UNITS[letters[0]]
 
 
 def _read_tiff(source: Source, scale: Scale | None = None) -> "ThermalImage":
@@ -144,7 +142,10 @@ def _read_tiff(source: Source, scale: Scale | None = None) -> "ThermalImage":
         )
     kelvin = values * scale.step + scale.zero
     if isinstance(text := tags.get(_GDAL_NO_DATA), str):
-        kelvin = np.where(values == _gdal_no_data(path, text), np.nan, kelvin)
+        try:
+            kelvin = np.where(values == float(text.strip("\0 ")), np.nan, kelvin)
+        except ValueError:
+            raise ConfigurationError(f"{path}: its tag of GDAL for no data is no number") from None
     notes = (f"the first of {count} images in the file is read",) if count > 1 else ()
     return ThermalImage(str(path), kelvin, notes=notes)
 
@@ -166,13 +167,6 @@ def _gdal_scale(path: Path, tags: dict[int, Any]) -> Scale | None:
     except (ElementTree.ParseError, ValueError, ConfigurationError) as error:
         raise ConfigurationError(f"{path}: its tag of GDAL cannot be read: {error}") from None
     return Scale(factor * step, offset * step + zero)
-
-
-def _gdal_no_data(path: Path, text: str) -> float:
-    try:
-        return float(text.strip("\0 "))
-    except ValueError:
-        raise ConfigurationError(f"{path}: its tag of GDAL for no data is no number") from None
 
 
 @dataclass(frozen=True)
@@ -208,13 +202,12 @@ class ThermalImage(ShortRepr):
     def description(self) -> str:
         """What was read, in one line."""
         rows, columns = self.temperature.shape
-        words = [f"read {self.source}: {columns} x {rows} pixels"]
+        said = f"read {self.source}: {columns} x {rows} pixels"
         if self.emissivity is not None:
-            words.append(f"for an emissivity of {self.emissivity:.4g}")
+            said += f", for an emissivity of {self.emissivity:.4g}"
         if self.reflected_temperature is not None:
-            reflected = self.reflected_temperature - ZERO_CELSIUS
-            words.append(f"reflected temperature {reflected:.4g} °C")
-        return ", ".join(words)
+            said += f", reflected temperature {self.reflected_temperature - ZERO_CELSIUS:.4g} °C"
+        return said
 
 
 @reads_units
@@ -284,23 +277,20 @@ def is_thermal_image(path: Path) -> bool:
 def _read_flir(
     source: Source, emissivity: float | None = None, reflected_temperature: float | None = None
 ) -> ThermalImage:
-    reflected = reflected_temperature
     counts, camera = flir.read_flir(*source)
+    require_range("emissivity", emissivity, 0.0, 1.0, open_below=True)
+    stated = {"emissivity": emissivity, "reflected_temperature": reflected_temperature}
+    stated = {name: value for name, value in stated.items() if value is not None}
     notes: tuple[str, ...] = ()
-    if emissivity is not None or reflected is not None:
+    if stated:
         notes = (
             f"the camera was set to an emissivity of {camera.emissivity:.4g} and a reflected "
             f"temperature of {camera.reflected_temperature - ZERO_CELSIUS:.4g} °C, which are "
             "replaced as stated",
         )
-    require_range("emissivity", emissivity, 0.0, 1.0, open_below=True)
-    camera = dataclasses.replace(
-        camera,
-        emissivity=camera.emissivity if emissivity is None else emissivity,
-        reflected_temperature=camera.reflected_temperature if reflected is None else reflected,
-    )
-    if wrong := camera.problem():
-        source.refuse(wrong)
+        camera = dataclasses.replace(camera, **stated)  # type: ignore[arg-type]
+        if wrong := camera.problem():
+            source.refuse(wrong)
     kelvin = flir.temperatures(counts, camera)
     return ThermalImage(
         str(source.path), kelvin, camera.emissivity, camera.reflected_temperature, notes
@@ -323,28 +313,22 @@ _MATRIX = Format("text", lambda _: True, _read_matrix, ("scale",))
 
 def setting_warnings(image: ThermalImage, ambient: float) -> tuple[str, ...]:
     """What the camera's setting of emissivity does to readings that are compared."""
-    said = list(image.notes)
-    one = image.emissivity
+    one, reflected = image.emissivity, image.reflected_temperature
+    said = f"temperatures of {image.source} are for an emissivity of {one or 1.0:.3g}"
+    cancels = "; it cancels only if the reflected temperature was that of the surroundings"
     if one is None:
-        said.append(
-            f"{image.source} does not state the emissivity that the camera was set to; it cancels "
-            "only if the reflected temperature was that of the surroundings"
+        text = f"{image.source} does not state the emissivity that the camera was set to{cancels}"
+    elif one < 1.0 and reflected is None:
+        text = said + cancels
+    elif one < 1.0 and reflected is not None and abs(reflected - ambient) > _AGREE:
+        text = (
+            f"{said} and a reflected temperature of {reflected - ZERO_CELSIUS:.4g} °C; they cancel "
+            f"only if that is the temperature of the surroundings, {ambient - ZERO_CELSIUS:.4g} "
+            "°C; take apparent temperatures by --image-emissivity 1"
         )
-    elif one < 1.0:
-        reflected = image.reflected_temperature
-        if reflected is None:
-            said.append(
-                f"temperatures of {image.source} are for an emissivity of {one:.3g}; it cancels "
-                "only if the reflected temperature was that of the surroundings"
-            )
-        elif abs(reflected - ambient) > _AGREE:
-            said.append(
-                f"temperatures of {image.source} are for an emissivity of {one:.3g} and a "
-                f"reflected temperature of {reflected - ZERO_CELSIUS:.4g} °C; they cancel only if "
-                f"that is the temperature of the surroundings, {ambient - ZERO_CELSIUS:.4g} °C; "
-                "take apparent temperatures by --image-emissivity 1"
-            )
-    return tuple(said)
+    else:
+        return image.notes
+    return (*image.notes, text)
 
 
 def parse_regions(text: str) -> dict[str, tuple[slice, slice]]:

@@ -50,7 +50,7 @@ class Fault(Exception):  # noqa: N818
         self.row = row
 
 
-class Rows(NamedTuple):
+class OrdinateRows(NamedTuple):
     """A table of ordinates."""
 
     ordinate: np.ndarray  # shape (n,)
@@ -59,7 +59,7 @@ class Rows(NamedTuple):
     digit: np.ndarray  # shape (m,); unit of the last digit of the abscissa
 
 
-def read_rows(lines: Sequence[str]) -> Rows:
+def read_rows(lines: Sequence[str]) -> OrdinateRows:
     """Read a table ``(X++(Y..Y))``."""
     values: list[float] = []
     step: float | None = None  # the last difference
@@ -107,7 +107,7 @@ def read_rows(lines: Sequence[str]) -> Rows:
                     raise Fault("repeats a value too often", row)
                 last = values[-1]
                 values += [last + (step or 0.0) * (one + 1) for one in range(times - 1)]
-    return Rows(np.array(values), np.array(starts), np.array(places, int), np.array(digits))
+    return OrdinateRows(np.array(values), np.array(starts), np.array(places, int), np.array(digits))
 
 
 def last_digit(number: str) -> float:
@@ -137,7 +137,7 @@ def read_pairs(lines: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
     return pairs[:, 0], pairs[:, 1]
 
 
-class _Entry(NamedTuple):
+class _Label(NamedTuple):
     """Text of a label, with its line in the file counted from 1."""
 
     line: int
@@ -146,13 +146,48 @@ class _Entry(NamedTuple):
 
 
 @dataclass
-class _Block:
-    line: int
-    entries: dict[str, _Entry] = field(default_factory=dict)
+class _DataBlock:
+    source: Source
+    entries: dict[str, _Label] = field(default_factory=dict)
 
     def entry_of(self, label: str) -> str:
         entry = self.entries.get(label)
         return one_line(entry.text) if entry else ""
+
+    def number(self, label: str) -> float | None:
+        """Number of a label, None if the label is missing."""
+        text = self.entry_of(label)
+        if not text:
+            return None
+        try:
+            value = float(text.split()[0].replace(",", "."))
+        except ValueError:
+            value = np.nan
+        if not np.isfinite(value):
+            self.source.refuse(
+                f'##{label}= "{text[:20]}" is not a number', self.entries[label].line
+            )
+        return value
+
+    def factor(self, label: str) -> float:
+        value = self.number(label)
+        if value == 0.0:
+            self.source.refuse(f"##{label}= 0 is not a factor", self.entries[label].line)
+        return 1.0 if value is None else value
+
+    def require_count(self, count: int) -> None:
+        """The stated number of points, if any, is that of the table."""
+        text = self.entry_of("NPOINTS")
+        if not text:
+            return
+        line = self.entries["NPOINTS"].line
+        stated = float(text) if re.fullmatch(r"\d{1,12}(?:\.0*)?", text) else np.nan
+        if not 0 <= stated <= MOST_POINTS:
+            self.source.refuse(f'##NPOINTS= "{text[:20]}" is not a number of points', line)
+        if stated != count:
+            self.source.refuse(
+                f"is damaged: ##NPOINTS= {stated:g}, but its table has {count} points", line
+            )
 
 
 def is_jcamp(source: Source) -> bool:
@@ -185,10 +220,10 @@ def read_jcamp(source: Source) -> list[RawSpectrum]:
     return [replace(one, notes=one.notes + note) for one in found]
 
 
-def _blocks(source: Source, lines: list[str]) -> Iterator[_Block]:
+def _blocks(source: Source, lines: list[str]) -> Iterator[_DataBlock]:
     """Blocks that hold data, each closed by its ``##END=``."""
-    opened: list[_Block] = []
-    entry: _Entry | None = None
+    opened: list[_DataBlock] = []
+    entry: _Label | None = None
     ended = False
     for number, line in enumerate(lines, start=1):
         match = _LABEL.match(line)
@@ -199,9 +234,9 @@ def _blocks(source: Source, lines: list[str]) -> Iterator[_Block]:
                 entry.rows.append("")  # keeps the lines' numbers
             continue
         label = re.sub(r"[\s\-/_.]", "", match[1]).upper()
-        entry = _Entry(number, match[2].partition("$$")[0].strip(), [])
+        entry = _Label(number, match[2].partition("$$")[0].strip(), [])
         if label == "TITLE" or not opened:
-            opened.append(_Block(number))
+            opened.append(_DataBlock(source))
         if label == "END":
             yield opened.pop()
             ended, entry = not opened, None
@@ -211,24 +246,39 @@ def _blocks(source: Source, lines: list[str]) -> Iterator[_Block]:
         source.refuse("ends without ##END=", len(lines))
 
 
-def _spectrum(source: Source, block: _Block) -> RawSpectrum:
+def _spectrum(source: Source, block: _DataBlock) -> RawSpectrum:
     label = "XYDATA" if "XYDATA" in block.entries else "XYPOINTS"
     table = block.entries[label]
     form = re.sub(r"\s", "", table.text).upper()
     try:
         if re.fullmatch(r"\(X\+\+\(Y\.\.Y\)+", form):
             rows = read_rows(table.rows)
-            y = rows.ordinate * _factor(source, block, "YFACTOR")
+            y = rows.ordinate * block.factor("YFACTOR")
             x = _even(source, block, rows, table.line)
         elif form == "(XY..XY)":
             x, y = read_pairs(table.rows)
-            x, y = x * _factor(source, block, "XFACTOR"), y * _factor(source, block, "YFACTOR")
-            _count(source, block, len(x))
+            x, y = x * block.factor("XFACTOR"), y * block.factor("YFACTOR")
+            block.require_count(len(x))
         else:
-            said = one_line(table.text)[:40]
-            source.refuse(f'"{said}" is not (X++(Y..Y)) or (XY..XY)', table.line)
+            source.refuse(
+                f'"{one_line(table.text)[:40]}" is not (X++(Y..Y)) or (XY..XY)', table.line
+            )
     except Fault as fault:
         source.refuse(str(fault), table.line + 1 + fault.row)
+    notes = []
+    for name, values in (
+        {
+            "FIRSTY": (y[0],),
+            "MAXY": (np.nanmax(y), np.nanmin(y)),
+            "MINY": (np.nanmin(y), np.nanmax(y)),
+        }.items()
+        if len(y)
+        else ()
+    ):
+        said = block.number(name)
+        tolerance = _ROUNDED * float(np.nanmax(np.abs(y))) + last_digit(block.entry_of(name))
+        if said is not None and not any(abs(said - value) <= tolerance for value in values):
+            notes.append(f"it says ##{name}= {said:g}, the data {values[0]:g}: was it edited?")
     unit = block.entry_of("XUNITS")
     resolution = block.entry_of("RESOLUTION")[:40]
     if resolution.replace(".", "").isdigit():
@@ -243,60 +293,23 @@ def _spectrum(source: Source, block: _Block) -> RawSpectrum:
             sample=block.entry_of("TITLE")[:80],
             measured=(block.entry_of("LONGDATE") or block.entry_of("DATE"))[:40],
         ),
-        notes=tuple(_extremes(source, block, y)),
+        notes=tuple(notes),
     )  # fmt: skip
 
 
-def _number(source: Source, block: _Block, label: str) -> float | None:
-    """Number of a label, None if the label is missing."""
-    text = block.entry_of(label)
-    if not text:
-        return None
-    try:
-        value = float(text.split()[0].replace(",", "."))
-    except ValueError:
-        value = np.nan
-    if not np.isfinite(value):
-        source.refuse(f'##{label}= "{text[:20]}" is not a number', block.entries[label].line)
-    return value
-
-
-def _factor(source: Source, block: _Block, label: str) -> float:
-    value = _number(source, block, label)
-    if value == 0.0:
-        source.refuse(f"##{label}= 0 is not a factor", block.entries[label].line)
-    return 1.0 if value is None else value
-
-
-def _count(source: Source, block: _Block, count: int) -> None:
-    """The stated number of points, if any, is that of the table."""
-    text = block.entry_of("NPOINTS")
-    if not text:
-        return
-    stated = float(text) if re.fullmatch(r"\d{1,12}(?:\.0*)?", text) else np.nan
-    if not 0 <= stated <= MOST_POINTS:
-        source.refuse(f'##NPOINTS= "{text[:20]}" is not a number of points',
-                      block.entries["NPOINTS"].line)  # fmt: skip
-    if stated != count:
-        source.refuse(
-            f"is damaged: ##NPOINTS= {stated:g}, but its table has {count} points",
-            block.entries["NPOINTS"].line,
-        )
-
-
-def _even(source: Source, block: _Block, rows: Rows, line: int) -> np.ndarray:
+def _even(source: Source, block: _DataBlock, rows: OrdinateRows, line: int) -> np.ndarray:
     """Abscissae at equal distances, which the first one of each line confirms."""
     count = len(rows.ordinate)
-    _count(source, block, count)
+    block.require_count(count)
     if count < 2:
         source.refuse(f"has {count} points; a spectrum needs two or more", line)
-    factor = _factor(source, block, "XFACTOR")
-    first, last = _number(source, block, "FIRSTX"), _number(source, block, "LASTX")
+    factor = block.factor("XFACTOR")
+    first, last = block.number("FIRSTX"), block.number("LASTX")
     stated = rows.abscissa * factor
     if first is None:
         first = float(stated[0])
     if last is None:
-        step = _number(source, block, "DELTAX")
+        step = block.number("DELTAX")
         if step is None and len(stated) > 1 and rows.place[-1] > 0:
             step = float((stated[-1] - stated[0]) / rows.place[-1])
         if step is None:
@@ -313,18 +326,3 @@ def _even(source: Source, block: _Block, rows: Rows, line: int) -> np.ndarray:
             f"say {x[rows.place[at]]:g}", line
         )  # fmt: skip
     return x
-
-
-def _extremes(source: Source, block: _Block, y: np.ndarray) -> list[str]:
-    """Notes where stated ordinates are not those of the data."""
-    if not len(y):
-        return []
-    found = []
-    ends = {"FIRSTY": (y[0],), "MAXY": (np.nanmax(y), np.nanmin(y)),
-            "MINY": (np.nanmin(y), np.nanmax(y))}  # fmt: skip
-    for label, values in ends.items():
-        said = _number(source, block, label)
-        tolerance = _ROUNDED * float(np.nanmax(np.abs(y))) + last_digit(block.entry_of(label))
-        if said is not None and not any(abs(said - value) <= tolerance for value in values):
-            found.append(f"it says ##{label}= {said:g}, the data {values[0]:g}: was it edited?")
-    return found

@@ -29,7 +29,7 @@ _AMBIGUOUS = 12  # log(1/R) or Kubelka-Munk: sources differ
 _RESOLUTION = re.compile(r"Resolution:?\s*([\d.]+)")
 
 
-class _Entry(NamedTuple):
+class _Item(NamedTuple):
     key: int
     place: int
     size: int
@@ -39,10 +39,10 @@ def read_omnic(source: Source) -> list[RawSpectrum]:
     """Read all spectra of an OMNIC file; in the order of the file."""
     content = source.content
     (count,) = struct.unpack_from("<H", content, _AT_COUNT)
-    entries: list[_Entry] = []  # whose number stands before them; 0 or 1 ends them too
+    entries: list[_Item] = []  # whose number stands before them; 0 or 1 ends them too
     at = _AT_ENTRIES
     while at + _ENTRY.size <= len(content) and (len(entries) < count or not count):
-        entry = _Entry(*_ENTRY.unpack_from(content, at))
+        entry = _Item(*_ENTRY.unpack_from(content, at))
         if not count and entry.key in _END:
             break
         entries.append(entry)

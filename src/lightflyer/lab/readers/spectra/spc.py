@@ -123,11 +123,11 @@ def _curves(source: Source, header: _Header) -> Iterator[tuple[np.ndarray, np.nd
     """Abscissae and ordinates of each spectrum, and where they end."""
     data, at = source.content, header.size
     order = "<" if header.order == "old" else header.order
-    own = header.flags & _X and header.flags & _OWN_X
-    if not own:
+    with_x = header.flags & _X and header.flags & _OWN_X
+    if not with_x:
         _require_count(source, header.points)
         x = np.linspace(header.first, header.last, header.points)
-    if header.flags & _X and not own:
+    if header.flags & _X and not with_x:
         x, at = _take(source, at, order + "f4", header.points)
     for _ in range(header.spectra):
         exponent, points = header.exponent, header.points
@@ -135,11 +135,11 @@ def _curves(source: Source, header: _Header) -> Iterator[tuple[np.ndarray, np.nd
             source.refuse("is damaged: it ends before its last spectrum")
         if header.flags & _SEVERAL and exponent != _FLOATS:
             (exponent,) = struct.unpack_from("b", data, at + 1)
-        if own:
+        if with_x:
             (points,) = struct.unpack_from(order + "I", data, at + _SUB_COUNT)
             _require_count(source, points)
         at += _SUB_SIZE
-        if own:
+        if with_x:
             x, at = _take(source, at, order + "f4", points)
         y, at = _values(source, header, at, exponent, points)
         yield x.astype(float), y, at

@@ -9,7 +9,7 @@ import pandas as pd
 import lightflyer as lf
 
 mission = lf.mission.read_mission_file(Path(__file__).parent / "mission.toml")
-flown = lf.fly(mission.design, **mission.arguments())
+flown = lf.fly(mission.design, mission=mission.mission)
 track = pd.read_csv(sys.argv[1], parse_dates=["time"])
 track = track[track.time.between(flown.time.values[0], flown.time.values[-1])]
 beside = flown.swap_dims(elapsed="time").interp(time=track.time.to_numpy())

@@ -22,7 +22,7 @@ from lightflyer.files import palette
 from lightflyer.mission import ChooseWind, Circle, Level, Shaded, TowardsStation
 from lightflyer.mission.fleet import Flights, fly_all
 from lightflyer.mission.path.integration import Accuracy, Limits, Start
-from lightflyer.mission.path.motion import Craft
+from lightflyer.mission.path.motion import Vehicle
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results.json"
@@ -51,7 +51,7 @@ def hours_near(rule, disk, environment):
     steered = Shaded(chosen, tilted) if rule in ("shaded", "both") else tilted
     north = np.radians(latitude)
     place = Place(north, np.zeros(date.size), date + MORNING)
-    flights = Flights(Craft(setup, steered), Start(np.full(date.size, ALTITUDE), place))
+    flights = Flights(Vehicle(setup, steered), Start(np.full(date.size, ALTITUDE), place))
     accuracy = Accuracy.for_duration(float(ELAPSED[-1]), 1e-6)
     flown = fly_all(flights, Limits(20e3, 110e3), ELAPSED, accuracy)
     flies = np.isfinite(flown.altitude)

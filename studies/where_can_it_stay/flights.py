@@ -17,7 +17,7 @@ from lightflyer.environment import Daylight, Place, UniformGround, UniformWind
 from lightflyer.mission.fleet import Flights, fly_all
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Level
 from lightflyer.mission.path.integration import Accuracy, Limits, Start
-from lightflyer.mission.path.motion import Craft
+from lightflyer.mission.path.motion import Vehicle
 
 DAY = 86_400.0
 LIMITS = Limits(20e3, 149e3)
@@ -82,12 +82,12 @@ def fly(case, flown, days=1, every=None):
     diameter, latitude, date, altitude, density, payload = map(np.ravel, vars(flown).values())
     film = replace(case.film, areal_density=density[:, None])
     flyer = lf.Disk(film, radius=0.5 * diameter[:, None], payload=payload[:, None])
-    craft = Craft(lf.Setup(flyer, case.environment, case.model), case.rule)
+    vehicle = Vehicle(lf.Setup(flyer, case.environment, case.model), case.rule)
     start = Start(altitude, Place(np.radians(latitude), 0.0 * latitude, date))
     length = days * DAY
     elapsed = np.linspace(0.0, length, round(length / (every or length)) + 1)
     accuracy = Accuracy.for_duration(length, TOLERANCE)
-    found = fly_all(Flights(craft, start), LIMITS, elapsed, accuracy)
+    found = fly_all(Flights(vehicle, start), LIMITS, elapsed, accuracy)
     altitude = np.column_stack([found.altitude[:, :-1], found.end_altitude])
     return np.where(np.isfinite(altitude), altitude, np.nan).reshape(*flown.diameter.shape, -1)
 

@@ -24,7 +24,7 @@ from lightflyer.core import atomic_files, cache
 from lightflyer.core.text import cell_text
 from lightflyer.environment.wind import layouts
 from lightflyer.explorer import server
-from lightflyer.mission.telemetry import write_passes_csv
+from lightflyer.mission.report.ground import write_passes_csv
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="of POSIX")
 

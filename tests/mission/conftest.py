@@ -12,7 +12,7 @@ import lightflyer as lf
 from lightflyer.array.namespace import xp
 from lightflyer.environment import EARTH_PLANET, EnvironmentState, Planet, Wind
 from lightflyer.environment.base import AbstractEnvironment
-from lightflyer.mission.path.position import directions, unit_vector
+from lightflyer.mission.areas import directions, unit_vector
 
 DAY = 86_400.0
 

@@ -11,7 +11,7 @@ from lightflyer.core.progress import report, report_to, reported_as_part
 from lightflyer.mission import fleet, kept
 from lightflyer.mission.kept import forget_flights, keeps_flights
 from lightflyer.mission.path import integration
-from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.mission.path.integration import TerminationReason
 from lightflyer.mission.report.summary import summarise
 
 LIMIT = 480.0

@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 import lightflyer as lf
 from lightflyer.environment.base import Wind
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.mission.report.geojson import rings_of, write_geojson
 from lightflyer.mission.report.landing import (
     Landings,
     Map,
@@ -20,6 +19,7 @@ from lightflyer.mission.report.landing import (
     outline,
     size_holding,
 )
+from lightflyer.mission.report.maps import rings_of, write_geojson
 
 pytestmark = pytest.mark.slow
 

@@ -5,18 +5,47 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
+from lightflyer.cli.commands.init import templates
 from lightflyer.environment import EARTH_PLANET, Attitude, Place, Radiation, Wind
 from lightflyer.mission import FollowSun, Moment, Own
+from lightflyer.mission.areas import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.mission import times_of
+from lightflyer.mission.path.air import WindError, draw_wind_errors
 from lightflyer.mission.path.dynamics import rate_of
-from lightflyer.mission.path.integration import Way
-from lightflyer.mission.path.motion import Craft, steady_speeds, velocity
-from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
-from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
+from lightflyer.mission.path.integration import Trajectory
+from lightflyer.mission.path.motion import Vehicle, steady_speeds, velocity
 from lightflyer.mission.report import events
 from lightflyer.mission.report.figures import coastline
-from lightflyer.mission.report.kml import pieces_of
+from lightflyer.mission.report.maps import pieces_of
 from lightflyer.mission.report.summary import day_and_night
+
+RELEASE = lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z")
+
+
+def test_a_mission_flies_as_its_fields_do(disk, tmp_path):
+    setup = lf.Setup(disk, lf.Earth(), lf.FreeMolecular())
+    mission = lf.mission.Mission(RELEASE, "1 h", launches=[600.0])
+    given = {"release": RELEASE, "duration": 3600.0, "launches": [600.0]}
+    xr.testing.assert_identical(lf.fly(setup, mission=mission), lf.fly(setup, **given))
+    later = lf.fly(setup, mission=mission, duration="2 h")
+    assert float(later.elapsed[-1]) == 7200.0
+    assert mission.duration == 3600.0
+
+
+def test_a_mission_file_is_a_mission(tmp_path):
+    path = tmp_path / "mission.toml"
+    path.write_text(templates()["mission"].read(), encoding="utf-8")
+    file = lf.mission.read_mission_file(path)
+    assert isinstance(file.mission, lf.mission.Mission)
+    assert file.mission.lowest == 50e3
+    assert lf.mission.Mission(**file.arguments()) == file.mission
+
+
+def test_a_mission_of_other_parts_is_refused():
+    with pytest.raises(lf.ParameterError, match="release must be of class Release, not Circle"):
+        lf.mission.Mission(lf.mission.Circle(45.0, 0.0, 1e5), "1 h")
+    with pytest.raises(lf.ParameterError, match="duration"):
+        lf.mission.Mission(RELEASE, "1 kg")
 
 
 def test_positions_come_back_and_directions_are_at_right_angles(rng):
@@ -86,18 +115,18 @@ def test_day_and_night_change_where_half_of_the_light_is_left():
     """The light of an hour's triangle, by the moments at which it is looked at."""
 
     class Moments:
-        def __call__(self, craft, course):
+        def __call__(self, vehicle, course):
             light = np.maximum(1000.0 - np.abs(course.elapsed - 1800.0), 0.0)
             return {"irradiance": light, "temperature": 300.0 + course.elapsed}
 
     times = np.array([0.0, 1500.0, 3600.0])
-    way = Way(
+    way = Trajectory(
         times,
         lambda at: np.stack([1.0 + 0.0 * at, 0.0 * at, 0.0 * at, 0.7 + at / 1e5], axis=-1),
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(events, "moments", Moments())
-        found = events.events_of(None, way, *events.close_look(None, way, 0.0))
+        found = events.events_of(None, way, *events.sample_flight(None, way, 0.0))
     flight = xr.Dataset({"end_elapsed": 3600.0})
     events.add_events(flight, found)
     spans = day_and_night(flight)
@@ -169,11 +198,11 @@ def test_a_tilted_disk_glides_so_that_all_forces_vanish(isothermal_air, closed_f
     down /= np.linalg.norm(down)
     disk = closed_form_disk(5e-3)
     flyer = type(disk)(disk.film, disk.radius, attitude=Attitude(tilt, azimuth))
-    craft = Craft(lf.Setup(flyer, isothermal_air, lf.FreeMolecular()), Own())
+    vehicle = Vehicle(lf.Setup(flyer, isothermal_air, lf.FreeMolecular()), Own())
     with lf.float64():
-        around = craft.surroundings(70e3, Place(0.3, 0.2, 835_030_000.0), 0.0)
-        unknowns = craft.heat(around).unknowns
-        forces = craft.forces(around, unknowns)
+        around = vehicle.surroundings(70e3, Place(0.3, 0.2, 835_030_000.0), 0.0)
+        unknowns = vehicle.heat(around).unknowns
+        forces = vehicle.forces(around, unknowns)
         axial, slope = steady_speeds(around, forces, unknowns)
         moving = np.array([float(part) for part in velocity(around, axial, slope)])
         pushed = float(lf.FreeMolecular().force(flyer, around.state, unknowns))

@@ -10,9 +10,14 @@ import lightflyer as lf
 from lightflyer.array.namespace import by_numpy, float64
 from lightflyer.mission.path.attitude import Own
 from lightflyer.mission.path.dynamics import Balanced, Inertia, Moving, follow, scale
-from lightflyer.mission.path.integration import Accuracy, Limits, Start, integrate
-from lightflyer.mission.path.motion import Craft
-from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.mission.path.integration import (
+    Accuracy,
+    Limits,
+    Start,
+    TerminationReason,
+    integrate,
+)
+from lightflyer.mission.path.motion import Vehicle
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 RELEASE = lf.Release("75 km", latitude=45.0, longitude=10.0, time="2026-06-21T12:00Z")
@@ -38,10 +43,10 @@ def by_scipy(law, begin, times, **how):
 @pytest.mark.slow
 def test_a_flight_through_a_night_is_that_of_scipy(disk):
     earth, times = lf.Earth(sky=lf.environment.Daylight(), wind=WIND), np.linspace(0.0, 64.8e3, 13)
-    craft = Craft(lf.Setup(disk, earth, lf.FreeMolecular()), Own())
+    vehicle = Vehicle(lf.Setup(disk, earth, lf.FreeMolecular()), Own())
     start, limits = RELEASE.start(), Limits(2e4, 1.2e5)
-    ours, way = follow(craft, start, limits, times, Accuracy.for_duration(times[-1]))
-    law = Balanced(craft, np.reshape(start.place.time, (1, 1)), limits)
+    ours, way = follow(vehicle, start, limits, times, Accuracy.for_duration(times[-1]))
+    law = Balanced(vehicle, np.reshape(start.place.time, (1, 1)), limits)
     theirs = by_scipy(law, scale(start), times, method="LSODA", rtol=1e-11, atol=1e-11)
     assert np.ptp(ours.altitude) > 5e3
     np.testing.assert_allclose(ours.altitude, 1e5 * theirs[:, 3], atol=0.05)
@@ -52,9 +57,9 @@ def test_a_flight_through_a_night_is_that_of_scipy(disk):
 def test_a_steady_flight_takes_few_calls_of_the_rate(disk, monkeypatch):
     calls, rate = [], Balanced.rate
     monkeypatch.setattr(Balanced, "rate", lambda *args: calls.append(1) or rate(*args))
-    craft = Craft(lf.Setup(disk, EARTH, lf.FreeMolecular()), Own())
+    vehicle = Vehicle(lf.Setup(disk, EARTH, lf.FreeMolecular()), Own())
     times = np.linspace(0.0, 48 * 3600.0, 25)
-    follow(craft, RELEASE.start(), Limits(2e4, 1.2e5), times, Accuracy.for_duration(times[-1]))
+    follow(vehicle, RELEASE.start(), Limits(2e4, 1.2e5), times, Accuracy.for_duration(times[-1]))
     assert len(calls) <= 80
 
 
@@ -86,17 +91,17 @@ def test_an_ensemble_changes_no_flight(disk):
 def test_members_fly_as_each_does_alone():
     """In one array, though some end earlier than others."""
     disk = lf.Disk(FILM, radius=0.005)
-    craft = Craft(lf.Setup(disk, EARTH, lf.FreeMolecular()), Own())
+    vehicle = Vehicle(lf.Setup(disk, EARTH, lf.FreeMolecular()), Own())
     start, times = RELEASE.start(), np.linspace(0.0, 18 * 3600.0, 19)
     limits, accuracy = Limits(66e3, 1.2e5), Accuracy.for_duration(times[-1])
     released = start.place.time + 3600.0 * np.array([0.0, 3.0, 5.0, 14.0])
     starts = [Start(75e3, start.place._replace(time=time)) for time in released]
-    law = Balanced(craft, released[:, None], limits)
+    law = Balanced(vehicle, released[:, None], limits)
     together = integrate(law, np.stack([scale(one) for one in starts]), times, accuracy).track
     reasons = [TerminationReason.LOWEST_ALTITUDE] * 3 + [TerminationReason.STILL_FLYING]
     np.testing.assert_array_equal(together.termination, reasons)
     for row, one in enumerate(starts):
-        alone, _ = follow(craft, one, limits, times, accuracy)
+        alone, _ = follow(vehicle, one, limits, times, accuracy)
         assert together.end_elapsed[row] == pytest.approx(alone.end_elapsed, abs=0.05)
         np.testing.assert_allclose(together.altitude[row], alone.altitude, atol=0.01)
     assert np.ptp(together.end_elapsed[:3]) > 3600.0
@@ -120,32 +125,33 @@ def test_a_flight_ends_at_a_pole_where_a_wind_comes_from_all_sides(disk):
 def test_the_first_seconds_are_those_of_scipy(disk, inertia):
     moving = np.array([0.0, 120.0, 350.0])  # in air so thin that it goes on for seconds
     start = dataclasses.replace(RELEASE, altitude=95e3, velocity=moving).start()
-    craft, times = Craft(lf.Setup(disk, EARTH, lf.FreeMolecular()), Own()), np.linspace(0, 30, 16)
+    vehicle = Vehicle(lf.Setup(disk, EARTH, lf.FreeMolecular()), Own())
+    times = np.linspace(0.0, 30.0, 16)
     numbers = Start(*(np.reshape(one, (1, 1)) for one in (start.altitude,)),
                     type(start.place)(*(np.reshape(one, (1, 1)) for one in start.place)),
                     moving[None, None])  # fmt: skip
-    law = Moving(craft, numbers.place.time, Limits(0.0, 2e5), inertia)
+    law = Moving(vehicle, numbers.place.time, Limits(0.0, 2e5), inertia)
     with by_numpy():
         begin = law.at_release(numbers)[:, 0]
     ours = integrate(law, begin, times, Accuracy(100_000))
     theirs = by_scipy(law, begin[0], times, method="Radau", rtol=1e-10, atol=1e-11)
     assert np.ptp(theirs[:, 3]) * 1e5 > 100.0
-    np.testing.assert_allclose(ours.way.states(times), theirs, atol=2e-7)
+    np.testing.assert_allclose(ours.trajectory.states(times), theirs, atol=2e-7)
 
 
 def test_the_end_is_where_a_limit_is_reached(disk):
-    craft = Craft(lf.Setup(disk, lf.Earth(), lf.FreeMolecular()), Own())
+    vehicle = Vehicle(lf.Setup(disk, lf.Earth(), lf.FreeMolecular()), Own())
     with float64():
         start = RELEASE.start()
     limits = Limits(74.9e3, 80e3)
     dark = lf.Setup(disk, lf.Earth(radiation=lf.environment.Radiation(0.0)), lf.FreeMolecular())
     elapsed = np.linspace(0.0, 7200.0, 5)
-    sunk, way = follow(Craft(dark, Own()), start, limits, elapsed, Accuracy(1000))
+    sunk, way = follow(Vehicle(dark, Own()), start, limits, elapsed, Accuracy(1000))
     assert way(np.array([sunk.end_elapsed]))[0] == sunk.end_altitude
     assert sunk.termination == TerminationReason.LOWEST_ALTITUDE
     assert sunk.end_altitude == pytest.approx(limits.lowest, abs=1e-3)
     assert np.isinf(sunk.altitude[elapsed > sunk.end_elapsed]).all()
     short = Accuracy(3, longest=600.0)
-    few, _ = follow(craft, Start(75e3, start.place), Limits(2e4, 1.2e5), elapsed, short)
+    few, _ = follow(vehicle, Start(75e3, start.place), Limits(2e4, 1.2e5), elapsed, short)
     assert few.termination == TerminationReason.STEP_LIMIT
     assert few.steps == 3

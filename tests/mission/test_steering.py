@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.integrate import solve_ivp
 from scipy.interpolate import RectBivariateSpline
 
@@ -12,12 +13,12 @@ from lightflyer.config.designs import as_design
 from lightflyer.environment import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.mission import Circle, Release
+from lightflyer.mission.areas import angles_towards, unit_vector
 from lightflyer.mission.fleet import flights_of
 from lightflyer.mission.path.dynamics import follow
-from lightflyer.mission.path.integration import Accuracy, Limits, Way
-from lightflyer.mission.path.motion import Craft
-from lightflyer.mission.path.position import angles_towards, unit_vector
-from lightflyer.mission.report.station import stay_of
+from lightflyer.mission.path.integration import Accuracy, Limits, Trajectory
+from lightflyer.mission.path.motion import Vehicle
+from lightflyer.mission.report.ground import add_station
 
 EQUATOR, FLATTENING = 6_378_137.0, 1.0 / 298.257223563  # WGS 84
 RADIUS = 6_371e3
@@ -154,12 +155,12 @@ def test_shading_that_changes_nothing_is_said(closed_form_disk, lit_air, altitud
 
 def test_more_drag_makes_the_same_flight_slower(closed_form_disk, lit_air):
     disk, hours, more = closed_form_disk(2e-3, inertia=0.0), 4.0, 1.25
-    craft = Craft(lf.Setup(disk, lit_air(), lf.FreeMolecular()), lf.mission.Level())
+    vehicle = Vehicle(lf.Setup(disk, lit_air(), lf.FreeMolecular()), lf.mission.Level())
     start, limits = Release("60 km", **RELEASE).start(), Limits(0.0, 120e3)
     times = np.linspace(0.0, 3600.0 * hours, 9)
     accuracy = Accuracy.for_duration(times[-1])
-    stated, _ = follow(craft, start, limits, times / more, accuracy)
-    slower, _ = follow(replace(craft, drag=more), start, limits, times, accuracy)
+    stated, _ = follow(vehicle, start, limits, times / more, accuracy)
+    slower, _ = follow(replace(vehicle, drag=more), start, limits, times, accuracy)
     assert np.ptp(stated.altitude) > 1e3
     np.testing.assert_allclose(slower.altitude, stated.altitude, atol=0.5)
 
@@ -168,11 +169,11 @@ def test_members_have_a_drag_of_their_own(closed_form_disk, lit_air):
     design = as_design(closed_form_disk(2e-3), lit_air(), lf.FreeMolecular())
     start = Release("75 km", **RELEASE).start()
     members = lf.mission.Ensemble(4000, drag=0.05)
-    drags = flights_of(design, lf.mission.Level(), start, members, [3600.0]).craft.drag[:, 0]
+    drags = flights_of(design, lf.mission.Level(), start, members, [3600.0]).vehicle.drag[:, 0]
     assert drags[0] == drags[-1] == 1.0
     assert np.log(drags[1:-1]).std() == pytest.approx(0.05, rel=0.03)
     still = lf.mission.Ensemble(3, drag=0.0, waves=0.0)
-    assert flights_of(design, lf.mission.Level(), start, still).craft.drag is None
+    assert flights_of(design, lf.mission.Level(), start, still).vehicle.drag is None
 
 
 @pytest.mark.parametrize("bearing", [0.0, 1.5, 3.0, 4.5])
@@ -234,12 +235,13 @@ def test_a_stay_lasts_as_long_as_the_way_through_the_station(begin, speed, withi
             unit = unit_vector(0.0 * at, (begin + speed * at) / RADIUS)
         return np.column_stack([unit, 0.0 * at])
 
-    way = Way(np.array([0.0, duration]), along)
-    stay = stay_of(way, Circle(0.0, 0.0, 100e3), RADIUS)
-    assert stay.within == pytest.approx(within, abs=0.02)
-    assert stay.left == pytest.approx(left, abs=0.02)
+    way = Trajectory(np.array([0.0, duration]), along)
+    stay = xr.Dataset(attrs={"planet_radius_km": RADIUS / 1e3})
+    add_station(stay, Circle(0.0, 0.0, 100e3), way)
+    assert float(stay.station_within) == pytest.approx(within, abs=0.02)
+    assert float(stay.station_left) == pytest.approx(left, abs=0.02)
     farthest = max(abs(begin), abs(begin + speed * duration))
-    assert stay.farthest == pytest.approx(farthest, rel=1e-9)
+    assert float(stay.station_farthest) == pytest.approx(farthest, rel=1e-9)
 
 
 class Daytime(lf.mission.AbstractAttitudeRule):

@@ -11,7 +11,7 @@ from scipy.stats import binomtest
 import lightflyer as lf
 from lightflyer.mission import Circle, Polygon, Tether
 from lightflyer.mission.report.figures import plot_spread
-from lightflyer.mission.report.shares import binomial_interval
+from lightflyer.mission.report.landing import binomial_interval
 from lightflyer.mission.swarms import spreading
 from lightflyer.mission.swarms.tethers import _Hung
 

@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.budget.link import RadioLink
-from lightflyer.mission.path.integration import ALTITUDE_SCALE, Way
-from lightflyer.mission.telemetry import Receiver, margin, passes_of, write_passes_csv
+from lightflyer.mission.path.integration import ALTITUDE_SCALE, Trajectory
+from lightflyer.mission.report.ground import Receiver, margin, passes_of, write_passes_csv
 
 RADIUS, HEIGHT, SPEED, END = 6.371e6, 70e3, 100.0, 4e4
 LINK = RadioLink(300e3, 434e6, 50.0, 300.0, duty=0.1)
@@ -23,7 +23,7 @@ def eastward(times):
     return np.stack([np.cos(angle), np.sin(angle), 0.0 * angle, height], axis=-1)
 
 
-WAY = Way(np.array([0.0, 0.5 * END, END]), eastward)
+WAY = Trajectory(np.array([0.0, 0.5 * END, END]), eastward)
 
 
 def elevation(arc):
@@ -65,7 +65,7 @@ def test_a_pass_follows_spherical_trigonometry():
 def test_what_is_never_seen_or_always():
     far = Receiver("far", 60.0, 100.0)
     near = Receiver("near", 0.0, 18.0, lowest_elevation=0.0)
-    slow = Way(np.array([0.0, 100.0]), lambda times: eastward(times + 2e4))
+    slow = Trajectory(np.array([0.0, 100.0]), lambda times: eastward(times + 2e4))
     assert passes_of(WAY, [far], LINK, RADIUS) == []
     (found,) = passes_of(slow, [far, near], None, RADIUS)
     assert (found.receiver, found.begin, found.end) == (1, 0.0, 100.0)

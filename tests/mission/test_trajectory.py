@@ -8,13 +8,18 @@ from scipy.spatial.transform import Rotation
 import lightflyer as lf
 from lightflyer.array.namespace import by_numpy as computed
 from lightflyer.environment import Place
+from lightflyer.mission.areas import unit_vector
 from lightflyer.mission.mission import trajectory
 from lightflyer.mission.path.attitude import FollowSun, Level
 from lightflyer.mission.path.dynamics import Balanced, Inertia, Moving, follow, scale
-from lightflyer.mission.path.integration import Accuracy, Limits, Start, integrate
-from lightflyer.mission.path.motion import Craft
-from lightflyer.mission.path.position import unit_vector
-from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.mission.path.integration import (
+    Accuracy,
+    Limits,
+    Start,
+    TerminationReason,
+    integrate,
+)
+from lightflyer.mission.path.motion import Vehicle
 
 HALF_DAY = 43_200.0
 SIZES = {1e-3: 65.3, 2e-3: 63.3, 5e-3: 57.0, 1e-2: 46.7, 2e-2: 31.4, 3e-2: 24.9}
@@ -54,8 +59,8 @@ def flown(sky, closed_form_disk):
     times, accuracy = np.linspace(0.0, HALF_DAY, 25), Accuracy.for_duration(HALF_DAY)
 
     def fly(disk, around, start):
-        craft = Craft(lf.Setup(disk, around, lf.Lu2023()), Level())
-        return follow(craft, start, Limits(0.0, 200e3), times, accuracy)[0]
+        vehicle = Vehicle(lf.Setup(disk, around, lf.Lu2023()), Level())
+        return follow(vehicle, start, Limits(0.0, 200e3), times, accuracy)[0]
 
     return {name: fly(*case) for name, case in cases.items()}
 
@@ -95,7 +100,7 @@ def test_no_place_is_special_when_sun_and_air_are_turned_as_well(sky, closed_for
     starts = [released(place_of(turn @ vector(*here))) for turn in turns]
     laws = [
         Balanced(
-            Craft(
+            Vehicle(
                 lf.Setup(closed_form_disk(2e-3), sky(turn=turn), lf.FreeMolecular()), FollowSun()
             ),
             np.zeros((1, 1)),
@@ -152,8 +157,8 @@ def test_velocity_and_temperature_follow_at_once(isothermal_air, closed_form_dis
     numbers = Start(
         np.reshape(altitude, (1, 1)), Place(*(np.reshape(part, (1, 1)) for part in start.place))
     )
-    craft = Craft(lf.Setup(disk, isothermal_air, lf.FreeMolecular()), Level())
-    law = Moving(craft, numbers.place.time, Limits(0.0, 200e3), Inertia())
+    vehicle = Vehicle(lf.Setup(disk, isothermal_air, lf.FreeMolecular()), Level())
+    law = Moving(vehicle, numbers.place.time, Limits(0.0, 200e3), Inertia())
     with computed():
         state = law.at_release(numbers)[:, 0]
     found = integrate(law, state, np.array([0.0, duration]), Accuracy.for_duration(duration)).track

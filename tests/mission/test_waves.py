@@ -9,8 +9,8 @@ from scipy.integrate import cumulative_trapezoid, quad
 import lightflyer as lf
 from lightflyer.environment.base import Place
 from lightflyer.mission.fleet import tides_of
-from lightflyer.mission.path import waves
-from lightflyer.mission.path.waves import Tides, Waves, draw_waves
+from lightflyer.mission.path import air
+from lightflyer.mission.path.air import Tides, Waves, draw_waves
 from lightflyer.mission.report.assumptions import assumptions_of
 from lightflyer.mission.swarms import spreading
 from lightflyer.numerics.spline import Spline
@@ -61,7 +61,7 @@ def test_a_wave_moves_along_the_ground_as_linear_theory_has_it(single, lit_air):
 
 def test_pressure_carries_the_warmer_air_above(single, lit_air, monkeypatch):
     """dp'/p = τ dz/H, for a wave that does not grow."""
-    monkeypatch.setattr(waves, "temperature_by_gravity_waves", lambda altitude: 4.0)
+    monkeypatch.setattr(air, "temperature_by_gravity_waves", lambda altitude: 4.0)
     heights = np.linspace(70e3, 70e3 + LENGTH, 401)
     found = [disturbed(single, lit_air(), height, 500.0) for height in heights]
     warmer = np.array([state.temperature / still.temperature - 1.0 for state, still in found])

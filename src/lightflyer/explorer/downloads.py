@@ -69,7 +69,7 @@ def python_lines(document: Document) -> str:
         lines += (
             "\n# mission.toml is another download of the explorer\n"
             'mission = lf.mission.read_mission_file("mission.toml")\n'
-            "flown = lf.fly(mission.design, **mission.arguments())\n"
+            "flown = lf.fly(mission.design, mission=mission.mission)\n"
             'print(flown.attrs["end"])\n'
         )
     return lines

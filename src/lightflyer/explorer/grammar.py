@@ -20,7 +20,7 @@ from lightflyer.film.media.catalogue import material_names
 from lightflyer.film.section import FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
-from lightflyer.mission.section import MissionSection
+from lightflyer.mission.mission_file import MissionSection
 
 MISSION = "mission"  # Part of a document that a mission file has beside those of a flyer file
 

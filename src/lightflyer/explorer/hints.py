@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from lightflyer.config.flyer_file import section_at
 from lightflyer.files.section import Alternative, Section
-from lightflyer.mission.section import EnsembleSection, LaunchesSection, MissionSection
+from lightflyer.mission.mission_file import EnsembleSection, LaunchesSection, MissionSection
 
 _HEADER = re.compile(r"^\s*(?:# )?\[([\w.]+)\]")
 _ENTRY = re.compile(r"^\s*(?:# )?(\w+) = (.+?)(?:\s{2,}# (.*))?$")

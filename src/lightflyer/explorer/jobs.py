@@ -313,7 +313,7 @@ def flown(workplace: Workplace, document: Document) -> tuple[FileDesign, Any]:
 
     flight = workplace.mission(document)
     report("flying")
-    return flight.design, fly(flight.design, **flight.arguments())
+    return flight.design, fly(flight.design, mission=flight.mission)
 
 
 def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:

@@ -170,7 +170,7 @@ def _move(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
         return answer | {"errors": wrong}
     where = design.setup.environment.coordinate
     found = quick(design)
-    mission = workplace.mission(shown.document).mission if MISSION in shown.document else None
+    mission = workplace.mission(shown.document).section if MISSION in shown.document else None
     ends = sliders(design, shown.document, mission)
     answer |= {
         "errors": [],

@@ -19,18 +19,28 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import asked_to_end, report
 from lightflyer.core.quantity import Checked, Distance, Duration, Fraction, Multiple, Speed
 from lightflyer.design.design import AbstractDesign
-from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.environment.planet import EARTH_PLANET
-from lightflyer.mission.kept import Keep, keep_nothing
+from lightflyer.mission.areas import (
+    directions,
+    geographic,
+    latitude_and_longitude,
+    unit_vector,
+    unit_vectors,
+)
+from lightflyer.mission.kept import WorkFolder
+from lightflyer.mission.path.air import Tides, draw_waves, draw_wind_errors
 from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.dynamics import Balanced, follow, scale
-from lightflyer.mission.path.integration import Accuracy, Limits, Start, Track, integrate
-from lightflyer.mission.path.motion import Craft, planet_of
-from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
-from lightflyer.mission.path.termination import TerminationReason
-from lightflyer.mission.path.waves import Tides, Waves, draw_waves
-from lightflyer.mission.path.wind_error import WindError, draw_wind_errors
+from lightflyer.mission.path.integration import (
+    Accuracy,
+    Limits,
+    Start,
+    TerminationReason,
+    Track,
+    integrate,
+)
+from lightflyer.mission.path.motion import Vehicle, planet_of
 from lightflyer.numerics.spline import Spline
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 
@@ -41,8 +51,6 @@ MEMBERS = 200  # of an ensemble, unless it says otherwise
 _A_DAY = 86_400.0
 _WIND, _RELEASE, _DRAG, _WAVES = 1, 2, 3, 4
 """Added to the seed, so that one does not follow the other."""
-
-_places, _unit_vector = entry_point(latitude_and_longitude), entry_point(unit_vector)
 
 
 class Ensemble(Checked):
@@ -106,7 +114,7 @@ class Ensemble(Checked):
 class Flights(Module):
     """Flights that are computed together."""
 
-    craft: Craft  # Numbers that differ from flight to flight have the shape (flights, 1, ...)
+    vehicle: Vehicle  # Numbers that differ from flight to flight have the shape (flights, 1, ...)
     starts: Start  # Numbers have the shape (flights, ...)
     together: bool = field(static=True, default=False)  # Whether members are one swarm
 
@@ -116,9 +124,9 @@ class Flights(Module):
 
     @property
     def varied(self) -> list[Array]:
-        """Numbers of the craft that differ from flight to flight."""
+        """Numbers of the vehicle that differ from flight to flight."""
         shape = self.count, 1
-        return [leaf for leaf in tree.leaves(self.craft) if np.shape(leaf)[:2] == shape]
+        return [leaf for leaf in tree.leaves(self.vehicle) if np.shape(leaf)[:2] == shape]
 
 
 def flights_of(
@@ -134,116 +142,73 @@ def flights_of(
 
     ``air_seed``: of the air that members meet together, unless it is the ensemble's.
     """
-    radius = float(planet_of(design.setup.environment).radius)
-    met = ensemble
-    if ensemble is not None and ensemble.together and air_seed is not None:
-        met = replace(ensemble, seed=air_seed)
-    craft = Craft(
-        _setups(design, ensemble, len(delays)),
-        rule,
-        _wind_errors(met, len(delays)),
-        _waves(met, len(delays), design.setup.environment),
-        _drags(ensemble, len(delays)),
+    launches, environment = len(delays), design.setup.environment
+    altitude, time = float(start.altitude), float(start.place.time)
+    if ensemble is None:
+        later = np.array([0.0, *delays])
+        place = _move(start.place, 0.0 * later, 0.0 * later)
+        moving = start.velocity
+        if moving is not None:
+            moving = np.broadcast_to(moving, (later.size, 3))
+        starts = Start(altitude + 0.0 * later, Place(*place, time + later), moving)
+        return Flights(Vehicle(design.setup, rule), starts)
+    if start.velocity is None and np.any(ensemble.velocity):
+        raise ParameterError(
+            "a velocity that is uncertain needs one of the release; add [mission.release]"
+        )
+    members, seed = ensemble.members, ensemble.seed
+    setup = design.setup
+    inputs = uncertain_inputs(design)
+    if inputs is not None:
+        stated, drawn = inputs.values[None], draw(inputs, members, seed)
+        setup = inputs.setup_of(
+            np.concatenate([stated, drawn, np.repeat(stated, launches, axis=0)])
+        )
+
+    def among_others(drawn: np.ndarray) -> np.ndarray:
+        """With zeros for the flyer as it is stated and for the launches."""
+        return np.pad(drawn, [(1, launches)] + [(0, 0)] * (drawn.ndim - 1))
+
+    # members meet the air one by one, or all the same
+    count, times = (1, members) if ensemble.together else (members, 1)
+    of_air = seed if air_seed is None or not ensemble.together else air_seed
+
+    def met(drawn: Any) -> Any:
+        return tree.map_leaves(
+            lambda part: among_others(np.repeat(part, times, axis=0))[:, None], drawn
+        )
+
+    wind, vertical, hours = map(
+        float, (ensemble.wind, ensemble.vertical_wind, ensemble.wind_correlation_time)
     )
-    together = ensemble is not None and ensemble.together
-    return Flights(craft, _starts(start, ensemble, delays, radius), together)
-
-
-def _setups(design: AbstractDesign, ensemble: Ensemble | None, launches: int) -> Setup:
-    """The setup, whose uncertain numbers differ from flight to flight."""
-    inputs = None if ensemble is None else uncertain_inputs(design)
-    if ensemble is None or inputs is None:
-        return design.setup
-    stated = inputs.values[None]
-    drawn = draw(inputs, ensemble.members, ensemble.seed)
-    found: Setup = inputs.setup_of(
-        np.concatenate([stated, drawn, np.repeat(stated, launches, axis=0)])
-    )
-    return found
-
-
-def _wind_errors(ensemble: Ensemble | None, launches: int) -> WindError | None:
-    """Errors of the members' wind, none in the other flights."""
-    if ensemble is None or not (np.any(ensemble.wind) or np.any(ensemble.vertical_wind)):
-        return None
-    errors = draw_wind_errors(
-        1 if ensemble.together else ensemble.members,
-        float(ensemble.wind),
-        float(ensemble.vertical_wind),
-        float(ensemble.wind_correlation_time),
-        ensemble.seed + _WIND,
-    )
-    return _of_members(errors, ensemble, launches)
-
-
-def _of_members(drawn: Any, ensemble: Ensemble, launches: int) -> Any:
-    """What members meet, one by one or all the same, and the other flights do not."""
-    times = ensemble.members if ensemble.together else 1
-    return tree.map_leaves(
-        lambda part: _among_others(np.repeat(part, times, axis=0), launches)[:, None], drawn
-    )
-
-
-def _waves(
-    ensemble: Ensemble | None, launches: int, environment: AbstractEnvironment
-) -> Waves | None:
-    """Waves of the members' air, none in the other flights."""
-    scale = 0.0 if ensemble is None else ensemble.waves_over(environment)
-    if ensemble is None or scale == 0.0:
-        return None
-    count = 1 if ensemble.together else ensemble.members
-    waves = draw_waves(count, scale, ensemble.seed + _WAVES, tides_of(environment))
-    found: Waves = _of_members(waves, ensemble, launches)
-    return found
+    errors = waves = drag = None
+    if wind or vertical:
+        errors = met(draw_wind_errors(count, wind, vertical, hours, of_air + _WIND))
+    size = ensemble.waves_over(environment)
+    if size:
+        waves = met(draw_waves(count, size, of_air + _WAVES, tides_of(environment)))
+    if np.any(ensemble.drag):
+        normal = np.random.default_rng(seed + _DRAG).standard_normal(members)
+        drag = np.exp(among_others(float(ensemble.drag) * normal))[:, None]
+    vehicle = Vehicle(setup, rule, errors, waves, drag)
+    generator = np.random.default_rng(seed + _RELEASE)
+    away = float(ensemble.distance) / float(planet_of(environment).radius)
+    spread = np.array([away, away, float(ensemble.altitude), float(ensemble.time)])
+    normal = spread * generator.standard_normal((members, 4))
+    kicks = float(ensemble.velocity) * generator.standard_normal((members, 3))
+    north, east, higher, later = among_others(normal).T
+    later[later.size - launches :] = delays
+    place, moving = _move(start.place, north, east), start.velocity
+    if moving is not None:
+        moving = np.asarray(moving) + among_others(kicks)
+    starts = Start(altitude + higher, Place(*place, time + later), moving)
+    return Flights(vehicle, starts, ensemble.together)
 
 
 def tides_of(environment: AbstractEnvironment) -> Tides:
     """What an environment has of the tides itself."""
     parts = (getattr(environment, name, None) for name in ("wind", "atmosphere"))
     return Tides(*(bool(getattr(part, "has_tides", False)) for part in parts))
-
-
-def _drags(ensemble: Ensemble | None, launches: int) -> Any:
-    """The members' drag over that of the law, 1 in the other flights."""
-    if ensemble is None or not np.any(ensemble.drag):
-        return None
-    normal = np.random.default_rng(ensemble.seed + _DRAG).standard_normal(ensemble.members)
-    return np.exp(_among_others(float(ensemble.drag) * normal, launches))[:, None]
-
-
-def _among_others(members: np.ndarray, launches: int) -> np.ndarray:
-    """Values of the members, with zeros for the flyer as it is stated and for the launches."""
-    return np.pad(members, [(1, launches)] + [(0, 0)] * (members.ndim - 1))
-
-
-def _starts(
-    start: Start, ensemble: Ensemble | None, delays: Sequence[float], radius: float
-) -> Start:
-    """Releases within their uncertainties, on a planet of some radius [m], and the later ones."""
-    normal, kicks, moving = np.empty((0, 4)), np.empty((0, 3)), start.velocity
-    if ensemble is not None:
-        if moving is None and np.any(ensemble.velocity):
-            raise ParameterError(
-                "a velocity that is uncertain needs one of the release; add [mission.release]"
-            )
-        generator = np.random.default_rng(ensemble.seed + _RELEASE)
-        spread = np.array(
-            [
-                float(ensemble.distance) / radius,
-                float(ensemble.distance) / radius,
-                float(ensemble.altitude),
-                float(ensemble.time),
-            ]
-        )
-        normal = spread * generator.standard_normal((ensemble.members, 4))
-        kicks = float(ensemble.velocity) * generator.standard_normal((ensemble.members, 3))
-    north, east, higher, later = _among_others(normal, len(delays)).T
-    later[later.size - len(delays) :] = delays
-    place = _move(start.place, north, east)
-    altitude, time = float(start.altitude), float(start.place.time)
-    if moving is not None:
-        moving = np.asarray(moving) + _among_others(kicks, len(delays))
-    return Start(altitude + higher, Place(*place, time + later), moving)
 
 
 @entry_point
@@ -260,18 +225,19 @@ def fly_all(
     elapsed: np.ndarray,
     accuracy: Accuracy,
     first: Track | None = None,
-    keep: Keep = keep_nothing,
+    work: WorkFolder | None = None,
 ) -> Track:
-    """Trajectories of flights; ``elapsed``: times to keep, shape (times,)."""
-    if flights.together and flights.craft.waves is not None:
-        guide, _ = follow(*guide_of(flights), limits, elapsed, accuracy)
-        flights = around_guide(flights, guide, elapsed)
-    # Fewer than there are flights where a user asks for an early end. ``first``: that of the first
-    # flight, where it is known. ``keep``: has those of an interrupted call.
-    count, alone = flights.count, int(first is not None)
-    states, law = scale(flights.starts), law_of(flights, limits)
+    """Trajectories of flights in balance; ``elapsed``: times to keep, shape (times,).
 
-    flown = {}  # of each batch, in flights
+    Fewer than there are flights where a user asks for an early end. ``first``: that of the first
+    flight, where it is known. ``work``: has those of an interrupted call.
+    """
+    if flights.together and flights.vehicle.waves is not None:
+        flights = _around_guide(flights, limits, elapsed, accuracy)
+    count, alone = flights.count, int(first is not None)
+    states = scale(flights.starts)
+    law = Balanced(flights.vehicle, np.reshape(flights.starts.place.time, (-1, 1)), limits)
+    flown: dict[int, float] = {}  # of each batch, in flights
 
     def fly_some(begin: int) -> Track:
         rows = np.arange(begin, min(begin + BATCH, count))
@@ -283,12 +249,14 @@ def fly_all(
         return integrate(law.take(rows), states[rows], elapsed, accuracy, tell).track
 
     def compute(begin: int) -> Track | None:
-        return None if asked_to_end() else keep(begin, partial(fly_some, begin))
+        if asked_to_end():
+            return None
+        fly = partial(fly_some, begin)
+        return fly() if work is None else work.tracks(begin, fly)
 
     def whole(track: Track | None) -> bool:
-        return track is not None and not np.any(
-            np.equal(track.termination, TerminationReason.INTERRUPTED)
-        )
+        interrupted = TerminationReason.INTERRUPTED
+        return track is not None and not np.any(np.equal(track.termination, interrupted))
 
     begins = range(alone, count, BATCH)
     tracks = [] if first is None else [tree.map_leaves(lambda leaf: np.asarray(leaf)[None], first)]
@@ -310,7 +278,7 @@ def unflown(flights: Flights, elapsed: np.ndarray) -> Track:
         "position": np.full((count, elapsed.size, 3), np.inf),
         "end_elapsed": np.zeros(count),
         "end_altitude": np.array(starts.altitude),
-        "end_position": np.array(_unit_vector(starts.place.latitude, starts.place.longitude)),
+        "end_position": np.array(unit_vectors(starts.place.latitude, starts.place.longitude)),
         "termination": np.full(count, int(TerminationReason.STILL_FLYING)),
         "steps": np.zeros(count, int),
     }
@@ -334,40 +302,36 @@ def note(
     tracks.steps[rows] += found.steps
 
 
-def law_of(flights: Flights, limits: Limits) -> Balanced:
-    """What flights in balance follow."""
-    return Balanced(flights.craft, np.reshape(flights.starts.place.time, (-1, 1)), limits)
-
-
 def take(flights: Flights, rows: np.ndarray) -> Flights:
     """Some of the flights."""
-    craft = tree.take_rows(flights.craft, (flights.count, 1), rows)
+    vehicle = tree.take_rows(flights.vehicle, (flights.count, 1), rows)
     starts = tree.map_leaves(lambda leaf: np.asarray(leaf)[rows], flights.starts)
-    return replace(flights, craft=craft, starts=starts)
+    return replace(flights, vehicle=vehicle, starts=starts)
 
 
-def one_of(flights: Flights, row: int) -> tuple[Craft, Start]:
-    """Who flies one of the flights, and from where; the craft's numbers have the shape (1, 1)."""
+def flight_of(flights: Flights, row: int) -> tuple[Vehicle, Start]:
+    """Who flies one of the flights, and from where; the vehicle's numbers have the shape (1, 1)."""
     one = take(flights, np.array([row]))
-    return one.craft, tree.map_leaves(lambda leaf: leaf[0], one.starts)
+    return one.vehicle, tree.map_leaves(lambda leaf: leaf[0], one.starts)
 
 
-def guide_of(flights: Flights) -> tuple[Craft, Start]:
-    """The flyer as it is stated, in the weather of the swarm; it meets waves as they are drawn."""
-    craft, start = one_of(flights, 0)
-    member, _ = one_of(flights, 1)
-    return replace(craft, wind_error=member.wind_error, waves=member.waves), start
+def _around_guide(
+    flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Accuracy
+) -> Flights:
+    """The flights of a swarm, in waves whose phases follow from the distance to its guide.
 
-
-def around_guide(flights: Flights, guide: Track, elapsed: np.ndarray) -> Flights:
-    """The flights of a swarm, in waves whose phases follow from the distance to its guide."""
+    The guide is the flyer as it is stated, in the weather of the swarm and in waves as drawn.
+    """
+    (vehicle, start), (member, _) = flight_of(flights, 0), flight_of(flights, 1)
+    guiding = replace(vehicle, wind_error=member.wind_error, waves=member.waves)
+    guide, _ = follow(guiding, start, limits, elapsed, accuracy)
     last = int(np.flatnonzero(np.isfinite(guide.altitude))[-1])
-    latitude, longitude = _places(np.asarray(guide.position)[: last + 1])
+    latitude, longitude = geographic(np.asarray(guide.position)[: last + 1])
     turned = np.unwrap(longitude)
     # after its end a flight goes on along the parallel, as it did at last
     rate = (turned[last] - turned[last - 1]) / (elapsed[last] - elapsed[last - 1]) if last else 0.0
     at = np.minimum(np.arange(elapsed.size), last)
-    middle = _unit_vector(latitude[at], turned[at] + rate * (elapsed - elapsed[at]))
-    assert flights.craft.waves is not None
-    waves = replace(flights.craft.waves, middle=Spline.through(elapsed, np.asarray(middle)))
-    return replace(flights, craft=replace(flights.craft, waves=waves))
+    middle = unit_vectors(latitude[at], turned[at] + rate * (elapsed - elapsed[at]))
+    assert flights.vehicle.waves is not None
+    waves = replace(flights.vehicle.waves, middle=Spline.through(elapsed, np.asarray(middle)))
+    return replace(flights, vehicle=replace(flights.vehicle, waves=waves))

@@ -1,4 +1,4 @@
-"""What was flown, kept in a folder: the same call goes on where it was interrupted."""
+"""What was computed, kept in a folder: the same call goes on where it was interrupted."""
 
 import json
 import zipfile
@@ -15,24 +15,22 @@ from lightflyer.core.atomic_files import output_directory
 from lightflyer.core.errors import OutputError
 from lightflyer.design.design import AbstractDesign, digest
 from lightflyer.environment.wind.gridded import winds_in_files
-from lightflyer.mission.path.integration import Track
-from lightflyer.mission.path.termination import TerminationReason
-
-_FLIGHTS = "flights.json"
+from lightflyer.mission.path.integration import TerminationReason, Track
 
 
 def describe_work(design: AbstractDesign, parts: Mapping[str, Any]) -> dict[str, str]:
     """Everything that decides results, in words that can be compared; ``parts``: pytrees."""
-    told = dict(design.description()) | versions()
+    described = dict(design.description()) | versions()
     winds = winds_in_files(design.setup)  # whose data are no numbers of the design
     if winds:
-        told["files of the wind"] = ", ".join(str(wind.store.key) for wind in winds if wind.store)
+        stores = (str(wind.store.key) for wind in winds if wind.store)
+        described["files of the wind"] = ", ".join(stores)
     for name, part in parts.items():
-        told[name] = f"{tree.structure(part)} {digest(*tree.leaves(part))}"
-    return told
+        described[name] = f"{tree.structure(part)} {digest(*tree.leaves(part))}"
+    return described
 
 
-class Kept:
+class WorkFolder:
     """Parts of one work in a folder, which is made if there is none; ``kind``: what it is."""
 
     def __init__(self, folder: Path, record: str, kind: str, described: dict[str, str]) -> None:
@@ -58,48 +56,28 @@ class Kept:
 
     def read(self, name: str) -> dict[str, Any] | None:
         """Arrays of a part by name; None where there is none, or not a whole one."""
-        return _read(self._folder / f"{name}.npz")
+        try:
+            with np.load(self._folder / f"{name}.npz") as content:
+                return dict(content)
+        except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
+            return None
 
     def write(self, name: str, arrays: Mapping[str, Any]) -> None:
         """Keep the arrays of a part."""
         with output_directory(self._folder, shared=True) as stage:
             np.savez(stage(f"{name}.npz"), **arrays)
 
-
-def _read(path: Path) -> dict[str, Any] | None:
-    try:
-        with np.load(path) as content:
-            return dict(content)
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
-        return None
-
-
-Keep = Callable[[int, Callable[[], Track]], Track]
-"""Tracks of flights, by a number: those that are kept, or those flown now."""
-
-
-def keep_nothing(number: int, fly: Callable[[], Track]) -> Track:
-    """Tracks that are flown now."""
-    del number
-    return fly()
-
-
-def keep_in(folder: Path, described: dict[str, str]) -> Keep:
-    """What keeps the flights of a mission in a folder."""
-    kept = Kept(folder, _FLIGHTS, "mission", described)
-
-    def keep(number: int, fly: Callable[[], Track]) -> Track:
+    def tracks(self, number: int, fly: Callable[[], Track]) -> Track:
+        """Tracks of flights, by a number: those that are kept, or those flown now."""
         name = f"flights-{number:06d}"
-        stored = kept.read(name)
+        stored = self.read(name)
         if stored is not None:
             return Track(**stored)
         track = fly()
         interrupted = np.equal(track.termination, TerminationReason.INTERRUPTED)
         if np.size(interrupted) and not np.any(interrupted):
-            kept.write(name, vars(track))
+            self.write(name, vars(track))
         return track
-
-    return keep
 
 
 def keeps_flights(folder: Path) -> bool:
@@ -109,7 +87,7 @@ def keeps_flights(folder: Path) -> bool:
 
 def forget_flights(folder: Path) -> None:
     """Remove the flights that a folder has kept, and the folder where it has nothing else."""
-    for path in (*folder.glob("flights-*.npz"), folder / _FLIGHTS):
+    for path in (*folder.glob("flights-*.npz"), folder / "flights.json"):
         path.unlink(missing_ok=True)
     with suppress(OSError):
         folder.rmdir()

@@ -50,7 +50,7 @@ def fly_command(
     folder = None if asked is None else asked / "flights"
     known = folder is not None and keeps_flights(folder)
     with ends_early(), named(mission_file):
-        dataset = fly(mission.design, **mission.arguments(), folder=folder)
+        dataset = fly(mission.design, mission=mission.mission, folder=folder)
         interrupted = asked_to_end()
     found = summarise(dataset)
     dataset.attrs |= {"configuration": mission.design.text, "summary": json.dumps(found)}
@@ -79,10 +79,13 @@ def fly_command(
 
 def _files(dataset: "xr.Dataset", found: dict[str, Any]) -> dict[str, Any]:
     """What is written, by name."""
-    from lightflyer.mission.report.geojson import write_geojson
-    from lightflyer.mission.report.kml import write_kml
-    from lightflyer.mission.report.netcdf import write_netcdf
-    from lightflyer.mission.report.tables import has_several, write_csv, write_ends_csv
+    from lightflyer.mission.report.dataset import (
+        has_several,
+        write_csv,
+        write_ends_csv,
+        write_netcdf,
+    )
+    from lightflyer.mission.report.maps import write_geojson, write_kml
 
     files = {
         "mission.nc": partial(write_netcdf, dataset),
@@ -94,7 +97,7 @@ def _files(dataset: "xr.Dataset", found: dict[str, Any]) -> dict[str, Any]:
     if has_several(dataset):
         files["mission-ends.csv"] = partial(write_ends_csv, dataset)
     if "telemetry" in found:
-        from lightflyer.mission.telemetry import write_passes_csv
+        from lightflyer.mission.report.ground import write_passes_csv
 
         files["mission-passes.csv"] = partial(write_passes_csv, found["telemetry"])
     return files

@@ -45,7 +45,7 @@ class AltitudeOptions(ResultOptions):
         name = told.partition(" ")[0]
         out = self.folder(self.out)
         from lightflyer.config.reader import read_design
-        from lightflyer.mission.swarms.figures import plot_over_altitude
+        from lightflyer.mission.report.figures import plot_over_altitude
         from lightflyer.mission.swarms.over_altitude import summary_of, table_parts, write_csv
 
         design, ends = read_design(flyer_file), None

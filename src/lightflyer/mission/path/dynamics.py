@@ -18,27 +18,28 @@ from lightflyer.core.progress import report
 from lightflyer.core.quantity import Checked, SpecificHeat
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.planet import Planet
-from lightflyer.mission.path.failure import failures_of, loads
+from lightflyer.mission.areas import directions, latitude_and_longitude, unit_vector
 from lightflyer.mission.path.integration import (
     ALTITUDE_SCALE,
     Accuracy,
     Limits,
     Start,
+    TerminationReason,
     Track,
-    Way,
+    Trajectory,
     integrate,
 )
 from lightflyer.mission.path.motion import (
     INERTIA,
-    Craft,
     Surroundings,
+    Vehicle,
+    failures_of,
     in_balance,
+    loads,
     settle,
     steady_speeds,
     velocity,
 )
-from lightflyer.mission.path.position import directions, latitude_and_longitude, unit_vector
-from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.statics.equations import FlightEquations
 
 _HOUR = 3600.0  # [s]
@@ -107,7 +108,9 @@ scale = entry_point(scale_state)
 class Balanced:
     """Flyers in balance at each moment, as a :class:`~.integration.Law`."""
 
-    craft: Craft  # Numbers have the shape (members, 1, ...), or none where they are all members'
+    vehicle: (
+        Vehicle  # Numbers have the shape (members, 1, ...), or none where they are all members'
+    )
     released: np.ndarray  # Times of the releases, shape (members, 1)
     limits: Limits
 
@@ -117,14 +120,14 @@ class Balanced:
 
     @property
     def failures(self) -> tuple[TerminationReason, ...]:
-        return failures_of(self.craft.setup.flyer)
+        return failures_of(self.vehicle.setup.flyer)
 
     def take(self, rows: np.ndarray) -> Any:
         members = len(self.released), 1
         if members == (1, 1):
             return self
-        craft = tree.take_rows(self.craft, members, rows)
-        return replace(self, craft=craft, released=self.released[rows])
+        vehicle = tree.take_rows(self.vehicle, members, rows)
+        return replace(self, vehicle=vehicle, released=self.released[rows])
 
     def around(self, elapsed: Any, states: Array) -> tuple[Array, Place, Surroundings]:
         """Altitude [m], place and surroundings of scaled states."""
@@ -134,19 +137,19 @@ class Balanced:
         self, elapsed: Any, states: Array, altitude: Array
     ) -> tuple[Array, Place, Surroundings]:
         place = Place(*latitude_and_longitude(states[..., :3]), self.released + elapsed)
-        around = self.craft.surroundings(self.limits.inside(altitude), place, elapsed)
+        around = self.vehicle.surroundings(self.limits.inside(altitude), place, elapsed)
         return altitude, place, around
 
     def rate(self, elapsed: Any, states: Array) -> Array:
         """Rates [1/s], shape (members, n, 4)."""
-        craft, altitude = self.craft, states[..., 3] * ALTITUDE_SCALE
-        floats = craft.setup.flyer.floats
+        vehicle, altitude = self.vehicle, states[..., 3] * ALTITUDE_SCALE
+        floats = vehicle.setup.flyer.floats
         # a balloon's force a little higher tells how firmly it is held
         higher = _DIFFERENCE * altitude
         heights = np.stack([altitude, altitude + higher]) if floats else altitude
         _, place, around = self._around(elapsed, states, heights)
-        unknowns = craft.heat(around).unknowns
-        forces = craft.forces(around, unknowns)
+        unknowns = vehicle.heat(around).unknowns
+        forces = vehicle.forces(around, unknowns)
         axial, slope = steady_speeds(around, forces, unknowns)
         if floats:
             force = np.broadcast_to(forces.axial, heights.shape)
@@ -155,12 +158,12 @@ class Balanced:
         moving = velocity(around, axial, slope)
         if floats:
             moving = Wind(*(np.broadcast_to(part, heights.shape)[0] for part in moving))
-        return rate_of(moving, place, altitude, craft.planet)
+        return rate_of(moving, place, altitude, vehicle.planet)
 
     def loads(self, elapsed: Any, states: Array) -> Array:
         """Loads as :func:`~.failure.loads` has them, shape (members, n, failures)."""
         _, _, around = self.around(elapsed, states)
-        found = loads(self.craft, around, self.craft.heat(around))
+        found = loads(self.vehicle, around, self.vehicle.heat(around))
         return np.stack([np.broadcast_to(load, states.shape[:-1]) for load in found], axis=-1)
 
 
@@ -177,7 +180,7 @@ class Moving(Balanced):
     shortest: ClassVar[float] = 1e-8
 
     def __post_init__(self) -> None:
-        flyer = self.craft.setup.flyer
+        flyer = self.vehicle.setup.flyer
         if flyer.flows:
             raise ParameterError(
                 f"{type(flyer).__name__} has flows of gas, whose inertia is not known"
@@ -185,7 +188,7 @@ class Moving(Balanced):
 
     @property
     def failures(self) -> tuple[TerminationReason, ...]:
-        found = failures_of(self.craft.setup.flyer)
+        found = failures_of(self.vehicle.setup.flyer)
         if self.inertia is None:
             return found
         # tension depends on the flyer's balance, which is not followed
@@ -193,12 +196,12 @@ class Moving(Balanced):
 
     def at_release(self, start: Start) -> Array:
         """Scaled states of flyers that are released as warm as the gas; numbers (members, 1)."""
-        around = self.craft.surroundings(start.altitude, start.place, xp.zeros(()))
+        around = self.vehicle.surroundings(start.altitude, start.place, xp.zeros(()))
         given = xp.stack(xp.broadcast_arrays(*around.wind, self.released)[:3], axis=-1)
         if start.velocity is not None:
             given = xp.asarray(start.velocity)
         moving = (given[..., None, :] @ _axes(start.place))[..., 0, :] / SPEED_SCALE
-        nodes = 0 if self.inertia is None else len(self.craft.setup.flyer.nodes)
+        nodes = 0 if self.inertia is None else len(self.vehicle.setup.flyer.nodes)
         warmth = xp.broadcast_to(around.state.temperature, self.released.shape)
         heat = xp.repeat(warmth[..., None], nodes, axis=-1) / _TEMPERATURE_SCALE
         return xp.concatenate([scale_state(start), moving, heat], axis=-1)
@@ -206,9 +209,9 @@ class Moving(Balanced):
     def rate(self, elapsed: Any, states: Array) -> Array:
         """Rates [1/s], shape (members, n, components)."""
         altitude, place, around = self.around(elapsed, states)
-        craft, heating = self.craft, []
+        vehicle, heating = self.vehicle, []
         if self.inertia is None:
-            unknowns = craft.heat(around).unknowns
+            unknowns = vehicle.heat(around).unknowns
         else:
             temperatures = xp.moveaxis(states[..., _HEAT], -1, 0) * _TEMPERATURE_SCALE
             unknowns = tuple(temperatures / around.state.temperature - 1.0)
@@ -216,9 +219,9 @@ class Moving(Balanced):
         ground = velocity_over_ground(states, place)
         speeding = self._acceleration(around, unknowns, ground)
         speeding = (speeding[..., None, :] @ _axes(place))[..., 0, :]
-        turning = xp.asarray([0.0, 0.0, 2.0 * craft.planet.rotation_rate])
+        turning = xp.asarray([0.0, 0.0, 2.0 * vehicle.planet.rotation_rate])
         speeding = speeding - xp.cross(turning, states[..., MOVING] * SPEED_SCALE)  # Coriolis
-        moving = rate_of(ground, place, altitude, craft.planet)
+        moving = rate_of(ground, place, altitude, vehicle.planet)
         warming = [xp.broadcast_to(one, altitude.shape)[..., None] for one in heating]
         return xp.concatenate(
             [moving, speeding / SPEED_SCALE, *(one / _TEMPERATURE_SCALE for one in warming)],
@@ -230,20 +233,20 @@ class Moving(Balanced):
         if self.inertia is None:
             return super().loads(elapsed, states)
         hottest = xp.max(states[..., _HEAT], axis=-1) * _TEMPERATURE_SCALE
-        return (hottest / self.craft.setup.flyer.highest_temperature)[..., None]
+        return (hottest / self.vehicle.setup.flyer.highest_temperature)[..., None]
 
     def is_balanced(self, elapsed: Any, states: Array) -> Array:
         """Whether flyers move as they do in balance, and go on doing so."""
         _, place, around = self.around(elapsed, states)
-        axial, slope, inertia = in_balance(self.craft, around)
+        axial, slope, inertia = in_balance(self.vehicle, around)
         balance, ground = velocity(around, axial, slope), velocity_over_ground(states, place)
         missed = _length(*(one - other for one, other in zip(ground, balance, strict=True)))
         share, beside = _CLOSE
         lasts = inertia < xp.minimum(INERTIA, _SLOW * (1.0 + elapsed / _PATIENCE))
         return lasts & (missed < share * xp.hypot(axial, slope) + beside)
 
-    def feel(self, elapsed: Any, states: Array) -> tuple[Array, ...]:
-        """What flyers feel, as :class:`~lightflyer.mission.first_seconds.Felt` has it."""
+    def conditions(self, elapsed: Any, states: Array) -> tuple[Array, ...]:
+        """What flyers feel, as :class:`~lightflyer.mission.transient.FlightConditions` has it."""
         _, place, around = self.around(elapsed, states)
         ground, state = velocity_over_ground(states, place), around.state
         speed = _length(*(one - other for one, other in zip(ground, around.wind, strict=True)))
@@ -268,7 +271,7 @@ class Moving(Balanced):
             east, north = xp.sin(attitude.azimuth), xp.cos(attitude.azimuth)
             normal = sine * east, sine * north, cosine
             down = cosine * east, cosine * north, -sine
-        forces = self.craft.forces(around, unknowns)
+        forces = self.vehicle.forces(around, unknowns)
         through = [one - other for one, other in zip(ground, around.wind, strict=True)]
         axial = sum(one * other for one, other in zip(through, normal, strict=True))
         across = [one - axial * other for one, other in zip(through, normal, strict=True)]
@@ -287,7 +290,7 @@ class Moving(Balanced):
     def _heating(self, around: Surroundings, unknowns: tuple[Array, ...]) -> list[Array]:
         """Rates of the temperatures [K/s]."""
         flyer, state = around.flyer, around.lit
-        equations = FlightEquations(flyer, state, self.craft.setup.model)
+        equations = FlightEquations(flyer, state, self.vehicle.setup.model)
         powers, losses = equations.powers(state.radiation.irradiance), equations.losses(unknowns)
         assert self.inertia is not None
         capacity = self.inertia.specific_heat * flyer.own_mass / len(flyer.nodes)
@@ -295,10 +298,10 @@ class Moving(Balanced):
 
 
 def follow(
-    craft: Craft, start: Start, limits: Limits, elapsed: Any, accuracy: Accuracy
-) -> tuple[Track, Way]:
+    vehicle: Vehicle, start: Start, limits: Limits, elapsed: Any, accuracy: Accuracy
+) -> tuple[Track, Trajectory]:
     """Flight of one flyer in balance; ``elapsed``: times to keep, shape (times,)."""
-    law = Balanced(craft, np.reshape(np.asarray(start.place.time, float), (1, 1)), limits)
+    law = Balanced(vehicle, np.reshape(np.asarray(start.place.time, float), (1, 1)), limits)
     hours = float(np.max(elapsed)) / _HOUR
 
     def tell(share: float) -> None:
@@ -306,7 +309,7 @@ def follow(
             report("flying", int(share * hours), int(hours), "h")
 
     found = integrate(law, np.reshape(scale(start), (1, -1)), elapsed, accuracy, tell)
-    return tree.map_leaves(lambda leaf: leaf[0], found.track), found.way
+    return tree.map_leaves(lambda leaf: leaf[0], found.track), found.trajectory
 
 
 def _length(*components: Array) -> Array:

@@ -1,19 +1,4 @@
-r"""The way of flyers through the air, integrated over time: one or many, by collocation.
-
-Time is cut into intervals. In each the rates of change are a polynomial through their values at
-some moments (Gauss and Radau's, the end of the interval among them), and the states are its
-integral [HairerWanner1996]_. Newton's method finds the states of all moments of several intervals
-at once, so that a model is called a few dozen times with long arrays, in place of thousands of
-times with a number. The method is implicit: what comes to a balance within seconds needs no short
-steps once it is there.
-
-An interval is divided where its polynomial does not follow the rates closely enough, such as at
-the edges of the penumbra. Members have intervals of their own; those whose flight has ended leave
-the arrays.
-
-States are scaled so that one absolute tolerance holds for all their components: no direction on
-the planet is special, and a case that is rotated as a whole gives the rotated trajectory.
-"""
+"""Why a mission ended."""
 
 import math
 from collections.abc import Callable
@@ -26,8 +11,22 @@ from lightflyer.array.namespace import Array, Numeric, by_numpy, xp
 from lightflyer.array.records import Module, field
 from lightflyer.core.progress import asked_to_end
 from lightflyer.environment.base import Place
-from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.numerics.rootfind import Reason
 from lightflyer.statics.grid_refinement import crossing
+
+
+class TerminationReason(Reason):
+    """Why a mission ended."""
+
+    STILL_FLYING = 0, "is still aloft at the end of its time"
+    LOWEST_ALTITUDE = 1, "reached the lowest altitude"
+    HIGHEST_ALTITUDE = 2, "reached the highest altitude"
+    NO_DATA = 3, "met a place or a time without data"
+    STEP_LIMIT = 4, "reached the limit of steps"
+    TOO_HOT = 5, "got hotter than its film bears"
+    TORN = 6, "tore: a layer's tension passed its strength"
+    INTERRUPTED = 7, "was interrupted"
+
 
 ALTITUDE_SCALE = 100e3  # Altitude that counts as much as one radian along the ground [m]
 
@@ -84,7 +83,7 @@ class Track(Module):
     end_elapsed: Array  #: Time since the release at the end [s]
     end_altitude: Array  #: Altitude at the end [m]
     end_position: Array  #: shape (3,)
-    termination: Array  #: A :class:`~lightflyer.mission.path.termination.TerminationReason`
+    termination: Array  #: A :class:`~lightflyer.mission.path.integration.TerminationReason`
     steps: Array  #: Intervals of the integration, those that were divided included
 
 
@@ -115,6 +114,14 @@ class Accuracy(Module):
         """For a mission of some duration."""
         steps = duration / _SECONDS_AN_HOUR * _STEPS_AN_HOUR + 2.0 * duration / longest
         return cls(max(_FEWEST_STEPS, math.ceil(steps)), tolerance, longest)
+
+
+class Plan(NamedTuple):
+    """Between which altitudes flights go on, what times are kept, and how exactly."""
+
+    limits: Limits
+    elapsed: np.ndarray  # shape (times,) [s]
+    accuracy: Accuracy
 
 
 class Law(Protocol):
@@ -151,7 +158,7 @@ class Law(Protocol):
         """The law of some members."""
 
 
-class Way(NamedTuple):
+class Trajectory(NamedTuple):
     """Where a flyer is at any moment of a flight."""
 
     times: np.ndarray  # Between which it is smooth, from the release to the end, shape (n,) [s]
@@ -162,8 +169,14 @@ class Way(NamedTuple):
         states = self.states(elapsed)
         return states[:, 3] * ALTITUDE_SCALE, _directions(states)
 
-    def followed_by(self, later: "Way") -> "Way":
-        """One way after another; states are the components that both have."""
+    def times_within(self, longest: float) -> np.ndarray:
+        """Times of the flight that are apart by no more than some time [s], shape (n,)."""
+        end = float(self.times[-1])
+        evenly = np.linspace(0.0, end, 1 + math.ceil(end / longest))
+        return np.unique([*self.times, *evenly])
+
+    def followed_by(self, later: "Trajectory") -> "Trajectory":
+        """One trajectory after another; states are the components that both have."""
 
         def states(elapsed: np.ndarray) -> np.ndarray:
             before, after = self.states(elapsed), later.states(elapsed)
@@ -171,7 +184,7 @@ class Way(NamedTuple):
             first = (elapsed <= self.times[-1])[:, None]
             return np.where(first, before[:, :shared], after[:, :shared])
 
-        return Way(np.append(self.times, later.times[1:]), states)
+        return Trajectory(np.append(self.times, later.times[1:]), states)
 
 
 class Flown(NamedTuple):
@@ -179,7 +192,7 @@ class Flown(NamedTuple):
 
     track: Track  # Fields have an axis of members in front
     ends: np.ndarray  # Scaled states at the end, shape (members, components)
-    way: Way  # Of the first member
+    trajectory: Trajectory  # Of the first member
 
 
 class _Collocation(NamedTuple):
@@ -595,7 +608,7 @@ def integrate(
             found[here] = _at(series, (at[here] - begin) / (end - begin))
         return found
 
-    return Flown(Track(**track), ends, Way(times, at_times))
+    return Flown(Track(**track), ends, Trajectory(times, at_times))
 
 
 def _directions(states: np.ndarray) -> np.ndarray:

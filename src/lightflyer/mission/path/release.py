@@ -26,7 +26,7 @@ from lightflyer.environment.base import AbstractEnvironment, Place, Wind
 from lightflyer.environment.radiation import Attitude
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Moment
 from lightflyer.mission.path.integration import Limits, Start
-from lightflyer.mission.path.motion import Craft
+from lightflyer.mission.path.motion import Vehicle
 
 _PACKAGE = __name__.partition(".")[0]
 _BY_ONE = "truth value of an array", "only length-1 arrays", "only 0-dimensional arrays"
@@ -134,15 +134,15 @@ def require_release_inside(release: Release, limits: Limits) -> None:
             )
 
 
-def require_rule(craft: Craft, start: Start) -> tuple[str, ...]:
+def require_rule(vehicle: Vehicle, start: Start) -> tuple[str, ...]:
     """Raise unless a rule of attitude serves a flyer; returns what to warn of."""
-    rule, name = craft.rule, type(craft.rule).__name__
-    if rule.tilts and craft.setup.flyer.floats:
+    rule, name = vehicle.rule, type(vehicle.rule).__name__
+    if rule.tilts and vehicle.setup.flyer.floats:
         raise ParameterError(
             f"{name}: a balloon hangs upright; its attitude is its own or level, and shading steers"
         )
-    state = craft.setup.environment.state(start.altitude, start.place)
-    moment = craft.moment(start.altitude, start.place, np.float64(0.0), state)
+    state = vehicle.setup.environment.state(start.altitude, start.place)
+    moment = vehicle.moment(start.altitude, start.place, np.float64(0.0), state)
     if type(rule).__module__.partition(".")[0] != _PACKAGE:
         _require_own(rule, moment)
     return rule.remarks(moment)

@@ -1,4 +1,4 @@
-"""What a mission rests on, in words."""
+"""What a mission rests on, and where a model or the data are beyond their range, in words."""
 
 from dataclasses import fields
 from typing import Any
@@ -6,14 +6,17 @@ from typing import Any
 import numpy as np
 
 from lightflyer.array.records import Module
+from lightflyer.design.diagnostics import diagnose
 from lightflyer.design.setup import Setup
-from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.force.lu2023 import READINGS, Reading
+from lightflyer.mission.areas import geographic
 from lightflyer.mission.fleet import Ensemble, tides_of
+from lightflyer.mission.path.air import describe_waves
 from lightflyer.mission.path.attitude import AbstractAttitudeRule
 from lightflyer.mission.path.dynamics import Inertia
-from lightflyer.mission.path.motion import planet_of
-from lightflyer.mission.path.waves import describe_waves
+from lightflyer.mission.path.integration import TerminationReason
+from lightflyer.mission.path.motion import Course, Vehicle, planet_of, within
 
 _SECONDS_AN_HOUR = 3600.0
 
@@ -103,3 +106,61 @@ def _ensemble_assumptions(
             f"± {spread[2]:g} s, ± {float(ensemble.velocity):g} m/s in each direction"
         )
     return tuple(told)
+
+
+_OWN = object()  # an environment of a user's own may move its sun as it likes
+_AT_A_POLE = 0.5 * np.pi - 1e-3  # radians of latitude; a few kilometres around it
+
+
+def diagnose_flight(vehicle: Vehicle, course: Course, values: dict[str, Any]) -> tuple[str, ...]:
+    """Diagnostics of a flyer along its way; ``values``: of its moments; one line each."""
+    setup = vehicle.setup
+    place = Place(*geographic(course.position), course.released + course.elapsed)
+    state = setup.environment.state(within(vehicle, course).altitude, place)
+    flyer, temperature, slope = setup.flyer, values["temperature"], values["slope_speed"]
+    broadside = flyer.drag_diagnostics(state, values["axial_speed"], "broadside", temperature)
+    edgewise = (
+        flyer.drag_diagnostics(state, slope, "edgewise", temperature)
+        if np.any(slope != 0.0)
+        else ()
+    )
+    return (
+        *diagnose(setup, state, temperature),
+        *dict.fromkeys((*broadside, *edgewise)),
+        *_light_diagnostics(setup.environment, values["irradiance"]),
+        *_shading_diagnostics(values.get("light_share")),
+    )
+
+
+def _light_diagnostics(environment: AbstractEnvironment, irradiance: np.ndarray) -> tuple[str, ...]:
+    if getattr(environment, "sky", _OWN) is None:
+        return (
+            "there is no day and night: the light is the same at all times, as irradiance and "
+            "incidence of [environment], or an environment without a sky, have it",
+        )
+    if np.any(irradiance > 0.0):
+        return ()
+    return ("the mission never finds light: the sun is below the horizon throughout",)
+
+
+def _shading_diagnostics(share: np.ndarray | None) -> tuple[str, ...]:
+    if share is None or np.ptp(share) > 0.0 or share[0] not in (0.0, 1.0):
+        return ()
+    some = "all" if share[0] else "none"
+    return (f"the shading never changes: the flyer lets in {some} of the light throughout",)
+
+
+def termination_text(
+    end: TerminationReason, environment: AbstractEnvironment, altitude: float, place: Place
+) -> str:
+    """Why a mission ended, in words."""
+    if end is TerminationReason.STEP_LIMIT and abs(float(place.latitude)) > _AT_A_POLE:
+        return f"{end.describe()} at a pole, where its wind has no direction"
+    if end is not TerminationReason.NO_DATA:
+        return end.describe()
+    wind = getattr(environment, "wind", None)
+    margins = {} if wind is None else wind.margins(altitude, place)
+    if not margins:
+        return TerminationReason.NO_DATA.describe()
+    nearest = min(margins, key=lambda name: float(margins[name]))
+    return f"met the end of its data: {nearest}"

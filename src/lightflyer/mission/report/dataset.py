@@ -1,25 +1,22 @@
-"""A mission as a dataset with units."""
+"""A mission as a dataset with units, and as files of tables: NetCDF and comma-separated values."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lightflyer.core import atomic_files
 from lightflyer.core.clock import dates_of
-from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import RADIANS_PER_DEGREE
-from lightflyer.mission.path.integration import Track
-from lightflyer.mission.path.moments import Variable
-from lightflyer.mission.path.position import latitude_and_longitude
-from lightflyer.mission.path.termination import TerminationReason
+from lightflyer.mission.areas import geographic
+from lightflyer.mission.path.integration import TerminationReason, Track
+from lightflyer.mission.path.motion import ELAPSED, VARIABLES, Variable, node_variables
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_places_of = entry_point(latitude_and_longitude)
-
-ELAPSED = "elapsed"  # Dimension of time
 
 TRACK = {
     "altitude": Variable("m", "geometric altitude"),
@@ -62,7 +59,7 @@ def degrees_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         some = slice(first, first + _TOGETHER)
         known = np.isfinite(flat[some]).all(axis=-1, keepdims=True)
         safe = np.where(known, flat[some], [1.0, 0.0, 0.0])
-        found[:, some] = np.where(known.T, np.stack(_places_of(safe)) / RADIANS_PER_DEGREE, np.nan)
+        found[:, some] = np.where(known.T, np.stack(geographic(safe)) / RADIANS_PER_DEGREE, np.nan)
     latitude, longitude = found.reshape(2, *np.shape(position)[:-1])
     return latitude, longitude
 
@@ -72,22 +69,22 @@ def dataset_of(
     released: float,
     track: Track,
     values: dict[str, np.ndarray],
-    variables: dict[str, Variable],
+    nodes: tuple[str, ...],
 ) -> "xr.Dataset":
     """A flight over time; ``elapsed`` (times,); ``released`` [s since 2000-01-01 12:00 UTC]."""
     import xarray as xr
 
-    places = {**_places(track), **values}
-    known = TRACK | variables
+    known = TRACK | VARIABLES | node_variables(nodes)
+    columns = {**_places(track), **values}
     dataset = xr.Dataset(
-        {name: (ELAPSED, values, _attributes(known[name])) for name, values in places.items()}
+        {name: (ELAPSED, column, known[name].attributes) for name, column in columns.items()}
     )
     about = {"units": "s", "long_name": "time since the release"}
     dataset.coords[ELAPSED] = (ELAPSED, elapsed, about)
     date = {"long_name": "date (UTC)"}
     dataset.coords["time"] = (ELAPSED, dates_of(released + elapsed), date)
     for name, value in _ends(track).items():
-        dataset[name] = ((), value, _attributes(ENDS[name]) | _flags(name))
+        dataset[name] = ((), value, ENDS[name].attributes | _flags(name))
     return dataset
 
 
@@ -100,12 +97,12 @@ def add_several(dataset: "xr.Dataset", several: Several) -> None:
     released = (several.dimension, dates_of(several.released), date)
     dataset[f"{several.prefix}released"] = released
     for name, (label, variable) in several.labels.items():
-        dataset.coords[name] = (several.dimension, label, _attributes(variable))
+        dataset.coords[name] = (several.dimension, label, variable.attributes)
     for name, values in _places(several.track).items():
         dims = (several.dimension, ELAPSED)
-        dataset[several.prefix + name] = (dims, values, _attributes(TRACK[name]))
+        dataset[several.prefix + name] = (dims, values, TRACK[name].attributes)
     for name, value in _ends(several.track).items():
-        about = _attributes(ENDS[name]) | _flags(name)
+        about = ENDS[name].attributes | _flags(name)
         dataset[several.prefix + name] = (several.dimension, value, about)
 
 
@@ -150,10 +147,6 @@ def _ends(track: Track) -> dict[str, Any]:
     }
 
 
-def _attributes(variable: Variable) -> dict[str, Any]:
-    return {"units": variable.unit, "long_name": variable.long_name}
-
-
 def _flags(name: str) -> dict[str, Any]:
     """What the numbers of a reason mean, as the CF conventions write it."""
     if name != "end_reason":
@@ -162,3 +155,127 @@ def _flags(name: str) -> dict[str, Any]:
         "flag_values": np.array([int(end) for end in TerminationReason], np.int8),
         "flag_meanings": " ".join(end.name.lower() for end in TerminationReason),
     }
+
+
+_FORMAT = "%.10g"
+
+
+def write_csv(dataset: "xr.Dataset", path: Path) -> None:
+    """Write the flight of the flyer as it is stated, a row for each moment until its end."""
+    known = np.isfinite(dataset.altitude.values)
+    names = [name for name, value in dataset.items() if value.dims == (ELAPSED,)]
+    dates = np.datetime_as_string(dataset.time.values[known], unit="ms")
+    columns = {ELAPSED: dataset[ELAPSED], **{str(name): dataset[name] for name in names}}
+    header = ",".join(
+        ["time [UTC]", *(f"{name} [{value.attrs['units']}]" for name, value in columns.items())]
+    )
+    numbers = np.stack([value.values[known] for value in columns.values()], axis=1)
+    with path.open("w", encoding="utf-8", newline="\n") as file:
+        file.write(f"{header}\n")
+        for date, row in zip(dates, numbers, strict=True):
+            file.write(f"{date}Z,{','.join(_FORMAT % number for number in row)}\n")
+
+
+def has_several(dataset: "xr.Dataset") -> bool:
+    """Whether there are flights beside that of the flyer as it is stated."""
+    return any(f"{prefix}end_reason" in dataset for prefix, _ in SEVERAL)
+
+
+def write_ends_csv(dataset: "xr.Dataset", path: Path) -> None:
+    """Write how each flight ended: of the flyer as it is stated, each member and each launch."""
+    below = [str(name) for name in dataset if str(name).startswith("below_")]
+    names = [*(name for name in ENDS if name != "end_reason"), *below]
+    units = [f"{name} [{dataset[name].attrs['units']}]" for name in names]
+    lines = [",".join(["flight", "number", *units, "end_reason"])]
+    for flight, number, end in ends_of(dataset):
+        cells = [_FORMAT % end[name] for name in names]
+        which = "" if number is None else str(number)
+        lines.append(",".join([flight, which, *cells, end["end_reason"]]))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+
+
+_CONVENTIONS = "CF-1.11"
+_AXES: dict[str, dict[str, str]] = {
+    "time": {"axis": "T", "units_metadata": "leap_seconds: none"},
+    "latitude": {"axis": "Y"},
+    "longitude": {"axis": "X"},
+    "altitude": {"axis": "Z", "positive": "up"},
+}
+"""What says where a flyer is, each of which is its own standard name."""
+
+_STANDARD_NAMES = {
+    "pressure": "air_pressure",
+    "gas_temperature": "air_temperature",
+    "wind_east": "eastward_wind",
+    "wind_north": "northward_wind",
+    "wind_up": "upward_air_velocity",
+}
+_FLIGHT = "trajectory"
+_SECOND = 1e9  # nanoseconds
+
+
+def write_netcdf(dataset: "xr.Dataset", path: str | Path) -> None:
+    """Write a mission as NetCDF after the Climate and Forecast conventions.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From :func:`lightflyer.fly`.
+    path : path
+        Of the file. Each flight is a trajectory with its own time, latitude and longitude, missing
+        after its end.
+    """
+    # Source: [CF111]_ chapter 9.
+    written = dataset.copy()
+    written["time"] = dataset.time.where(np.isfinite(dataset.altitude))
+    since = (dataset[ELAPSED].values * _SECOND).round().astype("timedelta64[ns]")
+    for prefix, dimension in SEVERAL:
+        if f"{prefix}released" in dataset:
+            dates = dataset[f"{prefix}released"].values[:, None] + since
+            flying = np.isfinite(dataset[f"{prefix}altitude"].values)
+            dates[~flying] = np.datetime64("NaT")
+            about = {"long_name": "date (UTC)"}
+            written[f"{prefix}time"] = ((dimension, ELAPSED), dates, about, {"zlib": True})
+    stated = {"cf_role": f"{_FLIGHT}_id", "long_name": "which flight"}
+    written.coords[_FLIGHT] = ((), "stated", stated)
+    version = f"lightflyer {dataset.attrs['lightflyer_version']}"
+    written.attrs = {
+        "Conventions": _CONVENTIONS,
+        "featureType": _FLIGHT,
+        "source": f"{version}, {dataset.attrs['force_model']}",
+        "history": f"written by {version}",
+        **dataset.attrs,
+    }
+    release = np.datetime_as_string(dataset.time.values[0], unit="us")
+    dated = {"units": f"seconds since {release}", "dtype": "float64"}
+    for name, variable in written.variables.items():
+        variable.attrs |= _conventions(str(name))
+        if variable.attrs.get("units") == "K":
+            variable.attrs["units_metadata"] = "temperature: on_scale"
+        variable.encoding["coordinates"] = _coordinates(str(name), variable)
+        if np.issubdtype(variable.dtype, np.datetime64):
+            variable.encoding |= dated
+    written[ELAPSED].encoding["_FillValue"] = None
+    atomic_files.write_netcdf(written, Path(path))
+
+
+def _conventions(name: str) -> dict[str, Any]:
+    """Names that the conventions give a variable."""
+    if name in _STANDARD_NAMES:
+        return {"standard_name": _STANDARD_NAMES[name]}
+    before, _, last = name.rpartition("_")
+    if last not in _AXES:
+        return {}
+    about = {"standard_name": last, **_AXES[last]}
+    if before and f"{before}_" not in dict(SEVERAL):
+        del about["axis"]  # where a flight ended, for one, is not along it
+    return about
+
+
+def _coordinates(name: str, variable: "xr.Variable") -> str | None:
+    """Where and when the values of a variable are, by the names of other variables."""
+    prefix = next((prefix for prefix, one in SEVERAL if one in variable.dims), "")
+    known = ["time", "latitude", "longitude", *([] if prefix else ["altitude", _FLIGHT])]
+    along = [prefix + key for key in known]
+    none = ELAPSED not in variable.dims or name in (ELAPSED, "ensemble_flying", *along)
+    return None if none else " ".join(along)

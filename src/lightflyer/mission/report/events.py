@@ -10,19 +10,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lightflyer.core.entry_point import entry_point
 from lightflyer.environment.base import Place
 from lightflyer.environment.wind.beyond import WindBeyondData
-from lightflyer.mission.path.integration import Way
-from lightflyer.mission.path.moments import Course, moments
-from lightflyer.mission.path.motion import Craft
-from lightflyer.mission.path.position import latitude_and_longitude
+from lightflyer.mission.areas import geographic
+from lightflyer.mission.path.integration import Trajectory
+from lightflyer.mission.path.motion import Course, Vehicle, moments
 from lightflyer.statics.grid_refinement import crossing, peak
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_places = entry_point(latitude_and_longitude)
+Function = Callable[[np.ndarray], np.ndarray]
+"""A value over time, at times of any shape."""
 
 EVENT = "event"  # Dimension of events, and how their variables begin
 
@@ -53,97 +52,106 @@ class Events(NamedTuple):
     temperature: np.ndarray  # Of the flyer [K]
 
 
-def close_look(craft: Craft, way: Way, released: float) -> tuple[Course, dict[str, np.ndarray]]:
-    """A flight at moments that do not depend on what is kept of it, and what it is like then."""
-    return _look(craft, way, released, close_times(way))
-
-
-def close_times(way: Way) -> np.ndarray:
-    """Times of a :func:`close_look` [s]."""
-    end = way.times[-1]
-    evenly = np.linspace(0.0, end, 1 + int(np.ceil(end / _APART)))
-    return np.unique([*way.times, *evenly])
-
-
-def _look(
-    craft: Craft, way: Way, released: float, elapsed: np.ndarray
+def sample_flight(
+    vehicle: Vehicle, trajectory: Trajectory, released: float, elapsed: np.ndarray | None = None
 ) -> tuple[Course, dict[str, np.ndarray]]:
-    course = Course(elapsed, *way(elapsed), released)
-    return course, moments(craft, course)
+    """A flight at some times [s], by default at such as do not depend on what is kept of it."""
+    if elapsed is None:
+        elapsed = trajectory.times_within(_APART)
+    course = Course(elapsed, *trajectory(elapsed), released)
+    return course, moments(vehicle, course)
 
 
 def events_of(
-    craft: Craft,
-    way: Way,
+    vehicle: Vehicle,
+    trajectory: Trajectory,
     course: Course,
     first: dict[str, np.ndarray],
     ending: WindBeyondData | None = None,
 ) -> Events:
-    """Events of a flight, from a :func:`close_look` at it; ``ending``: a wind whose data end."""
+    """Events of a flight, from :func:`sample_flight`; ``ending``: a wind whose data end."""
     times = np.asarray(course.elapsed)
 
-    def look(elapsed: np.ndarray) -> dict[str, np.ndarray]:
+    def sampled(elapsed: np.ndarray, name: str) -> np.ndarray:
         """Moments of any shape."""
-        _, found = _look(craft, way, float(course.released), elapsed.ravel())
-        return {name: np.reshape(values, elapsed.shape) for name, values in found.items()}
+        _, values = sample_flight(vehicle, trajectory, float(course.released), elapsed.ravel())
+        return np.reshape(values[name], elapsed.shape)
 
-    found: list[tuple[Event, float]] = []
-    strongest = first["irradiance"].max()
-    if strongest > 0.0:
+    def other_share(at: np.ndarray) -> np.ndarray:
+        height, position = trajectory(at.ravel())
+        place = Place(*geographic(position), course.released + at.ravel())
+        assert ending is not None
+        return np.reshape(1.0 - ending.share_of_data(height, place), at.shape)
+
+    passed: list[tuple[tuple[Event, Event], Function, np.ndarray, float]] = []
+    half = _HALF * first["irradiance"].max()
+    if half > 0.0:
         kinds = Event.LIGHT_BEGINS, Event.LIGHT_ENDS
-        found += _passes(
-            lambda at: look(at)["irradiance"], times, first["irradiance"], _HALF * strongest, kinds
-        )
+        passed.append((kinds, lambda at: sampled(at, "irradiance"), first["irradiance"], half))
     if ending is not None:
-
-        def other_share(at: np.ndarray) -> np.ndarray:
-            height, position = way(at.ravel())
-            place = Place(*_places(position), course.released + at.ravel())
-            return np.reshape(1.0 - ending.share_of_data(height, place), at.shape)
-
         kinds = Event.OTHER_WIND_BEGINS, Event.OTHER_WIND_ENDS
-        found += _passes(other_share, times, other_share(times), _HALF, kinds)
-    altitude = way(times)[0]
+        passed.append((kinds, other_share, other_share(times), _HALF))
+    found: list[tuple[Event, float]] = []
+    for kinds, value, values, level in passed:
+        spare = values / level - 1.0
+
+        def over(at: np.ndarray, value: Function = value, level: float = level) -> np.ndarray:
+            return value(at) / level - 1.0
+
+        edges, rises = edges_of(over, times, _CLOSE, spare)
+        found += [(kinds[0], float(times[0]))] * bool(spare[0] > 0.0)  # it begins above
+        found += [(kinds[0 if up else 1], float(at)) for up, at in zip(rises, edges, strict=True)]
     for kind, sign in ((Event.LOWEST, -1.0), (Event.HIGHEST, 1.0)):
 
         def height(at: np.ndarray, sign: float = sign) -> np.ndarray:
-            return sign * way(at.ravel())[0].reshape(at.shape)
+            return sign * trajectory(at.ravel())[0].reshape(at.shape)
 
-        found.append((kind, _top(height, times, sign * altitude)))
-    hottest = _top(lambda at: look(at)["temperature"], times, first["temperature"])
-    found.append((Event.HOTTEST, hottest))
+        found.append((kind, peak_of(height, times, flat=_FLAT)[0]))
+    hottest = peak_of(
+        lambda at: sampled(at, "temperature"), times, first["temperature"], flat=_FLAT
+    )
+    found.append((Event.HOTTEST, hottest[0]))
     found.sort(key=lambda one: one[1])
     order, when = (np.array(part) for part in zip(*found, strict=True))
-    return Events(order, when, way(when)[0], look(when)["temperature"])
+    return Events(order, when, trajectory(when)[0], sampled(when, "temperature"))
 
 
-def _passes(
-    value: Callable[[np.ndarray], np.ndarray],
-    times: np.ndarray,
-    values: np.ndarray,
-    level: float,
-    kinds: tuple[Event, Event],
-) -> list[tuple[Event, float]]:
-    """When a value passes a level, upwards and downwards; upwards, too, where it begins above."""
-    over = values > level
+def edges_of(
+    value: Function, times: np.ndarray, tolerance: float, values: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """When a value passes zero between some times, and whether it rises there, shape (n,).
+
+    ``values``: at these times, where they are known.
+    """
+    over = (value(times) if values is None else values) > 0.0
     before = np.flatnonzero(over[1:] != over[:-1])
     rises = over[before + 1]
     ends = times[before], times[before + 1]
     outside, inside = np.where(rises, ends, ends[::-1])
-    passed = crossing(lambda at: value(at) / level - 1.0, outside, inside, tolerance=_CLOSE)
-    found = [
-        (kinds[0] if up else kinds[1], float(at)) for up, at in zip(rises, passed, strict=True)
-    ]
-    return [(kinds[0], float(times[0]))] * bool(over[0]) + found
+    return crossing(value, outside, inside, tolerance=tolerance), rises
 
 
-def _top(
-    function: Callable[[np.ndarray], np.ndarray], times: np.ndarray, values: np.ndarray
-) -> float:
-    """When a value is largest."""
+def spans_above(value: Function, times: np.ndarray, tolerance: float) -> list[tuple[float, float]]:
+    """Spans of time in which a value is positive."""
+    values = value(times)
+    edges, rises = edges_of(value, times, tolerance, values)
+    begins = times[:1][values[:1] > 0.0].tolist() + edges[rises].tolist()
+    ends = edges[~rises].tolist() + times[-1:][values[-1:] > 0.0].tolist()
+    return list(zip(begins, ends, strict=True))
+
+
+def peak_of(
+    value: Function, times: np.ndarray, values: np.ndarray | None = None, **options: Any
+) -> tuple[float, float]:
+    """When a value is largest, sought closely between the neighbours of the largest, and its size.
+
+    ``values``: at these times, where they are known; ``options``: of the search.
+    """
+    values = value(times) if values is None else values
     best = int(np.argmax(values))
     low, high = times[max(best - 1, 0)], times[min(best + 1, times.size - 1)]
-    return float(peak(function, low, high, flat=_FLAT)[0][0])
+    place, size = peak(value, low, high, **options)
+    return float(place[0]), max(float(values[best]), float(size[0]))
 
 
 def add_events(dataset: "xr.Dataset", events: Events) -> None:

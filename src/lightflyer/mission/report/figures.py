@@ -1,4 +1,4 @@
-"""Figures of a mission: altitude over time, ground track, flyer over time, survival."""
+"""Figures of missions, swarms and what is found over altitude."""
 
 import itertools
 from functools import cache
@@ -10,18 +10,27 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 from matplotlib.figure import Figure
 
 from lightflyer.environment.planet import EARTH_PLANET
-from lightflyer.files.drawing import INTERVAL, LINES, legend_below, new_figure, wrap_label
+from lightflyer.files.display_units import suitable
+from lightflyer.files.drawing import (
+    INTERVAL,
+    LINES,
+    legend_below,
+    new_figure,
+    plain_decades,
+    wrap_label,
+)
 from lightflyer.files.palette import BLUE, GREY, ORANGE, PALETTE, SKY, VERMILION
 from lightflyer.files.table import shipped_table
 from lightflyer.mission.areas import describe_place
-from lightflyer.mission.report.dataset import ELAPSED
+from lightflyer.mission.path.motion import ELAPSED
+from lightflyer.mission.report.ground import RECEIVER
 from lightflyer.mission.report.landing import Landings, landings_of, outline_in_map
 from lightflyer.mission.report.summary import day_and_night
 from lightflyer.mission.report.text import square_kilometres
-from lightflyer.mission.telemetry import RECEIVER
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 MOST_LINES = 100  # tracks of an ensemble that are drawn one by one
 
@@ -372,3 +381,24 @@ def coastline() -> tuple[np.ndarray, np.ndarray]:
     rows = shipped_table("coastline.csv").numbers
     gaps = np.flatnonzero(np.diff(rows["line"])) + 1
     return np.insert(rows["longitude"], gaps, np.nan), np.insert(rows["latitude"], gaps, np.nan)
+
+
+_PAIRS = (("fastest", "steepest"), ("longest_rod", "growth_rate"), ("count", "layer_radius"))
+_WIDE = 30.0  # largest over smallest, from which on an axis is logarithmic
+
+
+def plot_over_altitude(dataset: "xr.Dataset") -> Figure:
+    """The two results over altitude that matter most."""
+    figure = new_figure(columns=2, width=4.5, height=3.6)
+    pair = next(pair for pair in _PAIRS if pair[0] in dataset)
+    for axes, name in zip(figure.axes, pair, strict=True):
+        factor, unit = suitable(dataset[name].units, dataset[name])
+        values, words = factor * dataset[name], dataset[name].long_name
+        axes.plot(dataset.altitude / 1e3, values, color=BLUE)
+        if values.min() > 0.0 and values.max() > _WIDE * values.min():
+            axes.set_yscale("log")
+            plain_decades(axes.yaxis)
+        else:
+            axes.axhline(0.0, color=GREY, linewidth=0.8)
+        axes.set(xlabel="altitude [km]", ylabel=wrap_label(f"{words} [{unit}]" if unit else words))
+    return figure

@@ -1,8 +1,4 @@
-"""Where and when flights reach the ground, and what they are in the way of on their way there.
-
-An area that holds a share of the landings is an ellipse in an equal-area map about their centre: of
-the shape of their covariance, as large as to hold that share, of whatever distribution they are.
-"""
+"""What a finite number of flights leaves open."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -20,16 +16,38 @@ from lightflyer.environment.atmosphere.us1976 import US1976
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.environment.planetary import Planetary
 from lightflyer.mission.areas import distances_between, units_of
-from lightflyer.mission.path.moments import Course, within
-from lightflyer.mission.path.motion import Craft
-from lightflyer.mission.path.termination import TerminationReason
-from lightflyer.mission.report.dataset import ELAPSED, degrees_of
-from lightflyer.mission.report.shares import binomial_interval, interval_of
-from lightflyer.mission.report.station import time_within
+from lightflyer.mission.path.integration import TerminationReason
+from lightflyer.mission.path.motion import ELAPSED, Course, Vehicle, within
+from lightflyer.mission.report.dataset import degrees_of
+from lightflyer.mission.report.ground import time_within
 from lightflyer.numerics.batches import in_batches
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+CONFIDENCE = 0.95  # Of the intervals of shares
+
+_INTERVAL = (2.5, 50.0, 97.5)  # Percentiles of a 95 % interval and its median
+
+
+def binomial_interval(counts: np.ndarray, trials: int) -> tuple[np.ndarray, np.ndarray]:
+    """Interval of a share that was counted, by Clopper and Pearson; [ClopperPearson1934]_."""
+    from scipy.special import betaincinv
+
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    counts = np.asarray(counts)
+    some, missed = np.maximum(counts, 1), np.maximum(trials - counts, 1)
+    low = betaincinv(some, trials - some + 1, tail)
+    high = betaincinv(trials - missed + 1, missed, 1.0 - tail)
+    return np.where(counts > 0, low, 0.0), np.where(counts < trials, high, 1.0)
+
+
+def interval_of(values: np.ndarray) -> dict[str, float]:
+    """Median of flights, and what 95 % of them are between."""
+    low, median, high = np.percentile(values, _INTERVAL)
+    return {"low": float(low), "median": float(median), "high": float(high)}
+
 
 HIGHEST_GROUND = 9e3  # Lowest altitude of a mission up to which its end there is a landing [m]
 FLIGHT_LEVELS = 100, 245, 600  # Pressure altitudes [100 ft]
@@ -118,13 +136,17 @@ class Landings(NamedTuple):
 
 
 def add_landing(
-    dataset: "xr.Dataset", craft: Craft, course: Course, values: dict[str, Any], landing: Landing
+    dataset: "xr.Dataset",
+    vehicle: Vehicle,
+    course: Course,
+    values: dict[str, Any],
+    landing: Landing,
 ) -> None:
     """Add how long each flight is below flight levels, and how close the flights are there.
 
     ``values``: what the first flight is like on its ``course``.
     """
-    environment = craft.setup.environment
+    environment = vehicle.setup.environment
     released = seconds_of(dataset.time.values[0])
     levels = {f"fl{level}": level_pressure(level) for level in landing.flight_levels}
     for prefix in _PREFIXES:
@@ -149,7 +171,7 @@ def add_landing(
 
     if "objects" in dataset.attrs:
         about = {"units": "1", "long_name": "Reynolds number at the end, by speed and diameter"}
-        dataset["end_reynolds"] = ((), _reynolds(craft, within(craft, course), values), about)
+        dataset["end_reynolds"] = ((), _reynolds(vehicle, within(vehicle, course), values), about)
 
 
 def landings_of(dataset: "xr.Dataset") -> Landings | None:
@@ -244,11 +266,11 @@ def summarise_landing(dataset: "xr.Dataset") -> dict[str, Any] | None:
     return told
 
 
-def _reynolds(craft: Craft, course: Course, values: dict[str, Any]) -> float:
+def _reynolds(vehicle: Vehicle, course: Course, values: dict[str, Any]) -> float:
     """Reynolds number of the fall at the end of a flight."""
     latitude, longitude = np.radians(degrees_of(np.asarray(course.position)[-1:]))
     place = Place(latitude, longitude, course.released + course.elapsed[-1:])
-    flyer, state = craft.setup.flyer, craft.setup.environment.state(course.altitude[-1:], place)
+    flyer, state = vehicle.setup.flyer, vehicle.setup.environment.state(course.altitude[-1:], place)
     density = state.gas.density(state.pressure, state.temperature)
     diameter = 2.0 * np.sqrt(np.asarray(flyer.area) / np.pi)
     speed = abs(values["axial_speed"][-1])

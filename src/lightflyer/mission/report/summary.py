@@ -8,14 +8,12 @@ import numpy as np
 
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.mission.areas import distances_between, units_of
-from lightflyer.mission.path.termination import TerminationReason
-from lightflyer.mission.report.dataset import ELAPSED
-from lightflyer.mission.report.departure import summarise_departure
+from lightflyer.mission.path.integration import TerminationReason
+from lightflyer.mission.path.motion import ELAPSED
 from lightflyer.mission.report.events import Event, at_event, read_events, spans_between
-from lightflyer.mission.report.landing import summarise_landing
-from lightflyer.mission.report.shares import interval_of
-from lightflyer.mission.report.station import summarise_station
-from lightflyer.mission.telemetry import RECEIVER, summarise_telemetry
+from lightflyer.mission.report.ground import RECEIVER, summarise_station, summarise_telemetry
+from lightflyer.mission.report.landing import interval_of, summarise_landing
+from lightflyer.mission.transient import summarise_transient
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,7 +58,7 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         "film": heat_of_film(dataset),
         "other_wind": _other_wind(dataset),
     }
-    departure = summarise_departure(dataset)
+    departure = summarise_transient(dataset)
     if departure is not None:
         found["release"] = departure
     if "station" in dataset.attrs:

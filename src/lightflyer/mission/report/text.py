@@ -6,8 +6,8 @@ from rich.table import Table
 
 from lightflyer.design.diagnostics import TOO_HOT
 from lightflyer.files.result_text import Parts, as_text, rows_of, table_of, warning_lines, wrap
-from lightflyer.mission.report.departure import departure_text
 from lightflyer.mission.report.summary import summarise
+from lightflyer.mission.transient import transient_text
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +25,7 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
     rows["flyer"] = dataset.attrs["flyer"]
     rows["released"] = f"{found['released']}, {place_text(*begin)}"
     if "release" in found:
-        rows["at first"] = departure_text(found["release"])
+        rows["at first"] = transient_text(found["release"])
     rows["ended"] = f"{found['ended']}, {place_text(*end)}"
     film, warnings = found["film"], found["warnings"]
     rows["because"] = f"it {found['end']}"

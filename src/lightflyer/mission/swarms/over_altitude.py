@@ -13,8 +13,7 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.altitude import altitude_coordinate
 from lightflyer.files.display_units import amount, suitable
 from lightflyer.files.result_text import Parts, table_of, warning_lines, wrap
-from lightflyer.mission.path.drifting import steady_drift
-from lightflyer.mission.path.stability import hanging_stability
+from lightflyer.mission.path.steady import hanging_stability, steady_drift
 from lightflyer.mission.report.assumptions import describe_object
 from lightflyer.mission.swarms.tethers import tethered_swarm
 from lightflyer.statics.grid_refinement import crossing

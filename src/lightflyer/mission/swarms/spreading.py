@@ -12,31 +12,35 @@ from lightflyer.array import tree
 from lightflyer.compute.scheduler import connect_client, run_on_dask
 from lightflyer.config.designs import as_design
 from lightflyer.core.clock import dates_of
-from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import Counted, reported_as_part
 from lightflyer.design.design import AbstractDesign
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.mission.areas import AbstractArea, describe_all
-from lightflyer.mission.first_seconds import begin
-from lightflyer.mission.fleet import BATCH, Ensemble, flights_of, fly_all
-from lightflyer.mission.kept import Kept, describe_work
+from lightflyer.mission.areas import AbstractArea, describe_all, unit_vectors
+from lightflyer.mission.fleet import BATCH, Ensemble, flights_of
+from lightflyer.mission.kept import WorkFolder, describe_work
 from lightflyer.mission.mission import times_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
-from lightflyer.mission.path.integration import TOLERANCE, Accuracy, Limits, Start, Track
-from lightflyer.mission.path.motion import Craft, planet_of
-from lightflyer.mission.path.position import unit_vector
+from lightflyer.mission.path.integration import (
+    TOLERANCE,
+    Accuracy,
+    Plan,
+    Start,
+    TerminationReason,
+    Track,
+)
+from lightflyer.mission.path.motion import ELAPSED, Vehicle, planet_of
 from lightflyer.mission.path.release import (
     Release,
     limits_of,
     require_release_inside,
     require_rule,
 )
-from lightflyer.mission.path.termination import TerminationReason
 from lightflyer.mission.report.assumptions import assumptions_of
-from lightflyer.mission.report.dataset import ELAPSED, degrees_of
-from lightflyer.mission.report.shares import binomial_interval
+from lightflyer.mission.report.dataset import degrees_of
+from lightflyer.mission.report.landing import binomial_interval
+from lightflyer.mission.transient import fly_flights
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,7 +48,6 @@ if TYPE_CHECKING:
 MEMBERS = 8 * BATCH - 1
 """Members that are flown and counted together; with them goes the flyer as it is stated."""
 
-_unit_vector = entry_point(unit_vector)
 _EVERY = 3600.0  # seconds between counts where nobody asks for a spacing
 _STUDY = "spread.json"
 
@@ -72,9 +75,7 @@ class _Swarm:
     start: Start
     ensemble: Ensemble
     areas: tuple[AbstractArea, ...]
-    limits: Limits
-    elapsed: np.ndarray
-    accuracy: Accuracy
+    plan: Plan
 
     @property
     def batches(self) -> int:
@@ -97,8 +98,7 @@ class _Swarm:
         seed = self.ensemble.seed
         flights = flights_of(self.design, self.rule, self.start, ensemble, air_seed=seed)
         with reported_as_part(batch * MEMBERS, self.ensemble.members, "flights"):
-            begun = begin(flights, self.limits, self.elapsed, self.accuracy)
-            tracks = begun.join(fly_all(begun.flights, self.limits, begun.elapsed, self.accuracy))
+            tracks, _, _ = fly_flights(flights, self.plan)
         # without the flyer as it is stated
         return batch, _counts_of(tree.map_leaves(lambda leaf: leaf[1:], tracks), self)
 
@@ -186,9 +186,10 @@ def disperse_ensemble(
     elapsed = times_of(duration, every)
     # raises where the data of winds or ground do not reach
     start = release.start()
-    remarks = require_rule(Craft(setup, rule), start)
+    remarks = require_rule(Vehicle(setup, rule), start)
     accuracy = Accuracy.for_duration(float(elapsed[-1]), tolerance)
-    swarm = _Swarm(design, rule, start, ensemble, tuple(areas), limits, elapsed, accuracy)
+    plan = Plan(limits, elapsed, accuracy)
+    swarm = _Swarm(design, rule, start, ensemble, tuple(areas), plan)
     counts = _count(swarm, None if folder is None else Path(folder), scheduler)
     dataset = _dataset(swarm, counts)
     dataset.attrs |= {
@@ -221,7 +222,7 @@ def _counts_of(tracks: Track, swarm: _Swarm) -> Counts:
     ]
     return Counts(
         flying.sum(axis=0),
-        np.reshape(inside, (len(swarm.areas), swarm.elapsed.size)).astype(int),
+        np.reshape(inside, (len(swarm.areas), swarm.plan.elapsed.size)).astype(int),
         moved.sum(axis=0),
         np.square(moved).sum(axis=(0, 2)),
         climbed.sum(axis=0),
@@ -233,12 +234,12 @@ def _counts_of(tracks: Track, swarm: _Swarm) -> Counts:
 def _release(swarm: _Swarm) -> np.ndarray:
     """Unit vector of the place of the release."""
     place = swarm.start.place
-    return np.asarray(_unit_vector(place.latitude, place.longitude))
+    return np.asarray(unit_vectors(place.latitude, place.longitude))
 
 
 def _count(swarm: _Swarm, folder: Path | None, scheduler: str | None) -> Counts:
     """Sums over all batches: those that a folder has, and those that are flown now."""
-    kept = None if folder is None else Kept(folder, _STUDY, "swarm", _describe(swarm))
+    kept = None if folder is None else WorkFolder(folder, _STUDY, "swarm", _describe(swarm))
     found: dict[int, Counts] = {}
     for batch in range(swarm.batches):
         stored = None if kept is None else kept.read(_name(batch))
@@ -276,10 +277,10 @@ def _describe(swarm: _Swarm) -> dict[str, str]:
         "ensemble": swarm.ensemble,
         "attitude": swarm.rule,
         "areas": swarm.areas,
-        "altitudes": swarm.limits,
-        "times": swarm.elapsed,
+        "altitudes": swarm.plan.limits,
+        "times": swarm.plan.elapsed,
     }
-    whole = (swarm.ensemble.members, swarm.ensemble.seed, swarm.accuracy, MEMBERS)
+    whole = (swarm.ensemble.members, swarm.ensemble.seed, swarm.plan.accuracy, MEMBERS)
     told = describe_work(swarm.design, parts)
     return told | {"members, seed of the first batch, accuracy, batch": repr(whole)}
 
@@ -290,10 +291,10 @@ def _dataset(swarm: _Swarm, counts: Counts) -> "xr.Dataset":
     members, flying = swarm.ensemble.members, counts.flying
     dataset = xr.Dataset()
     about = {"units": "s", "long_name": "time since the release"}
-    dataset.coords[ELAPSED] = (ELAPSED, swarm.elapsed, about)
+    dataset.coords[ELAPSED] = (ELAPSED, swarm.plan.elapsed, about)
     date = {"long_name": "date (UTC)"}
     released = float(swarm.start.place.time)
-    dataset.coords["time"] = (ELAPSED, dates_of(released + swarm.elapsed), date)
+    dataset.coords["time"] = (ELAPSED, dates_of(released + swarm.plan.elapsed), date)
     _add_shares(dataset, "flying", (ELAPSED,), flying, members, "share that still flies")
     if swarm.areas:
         dataset.coords["area"] = ("area", describe_all(swarm.areas))

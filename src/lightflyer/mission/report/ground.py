@@ -1,7 +1,7 @@
-"""Receivers on the ground: when they see a flyer, and what its radio link then has left."""
+"""On the ground: a station near which a flyer is to stay, and receivers of its radio link."""
 
 import csv
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,23 +13,30 @@ from lightflyer.budget.payload import Budget
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.quantity import Altitude, Checked, Latitude, Longitude, Steepness
 from lightflyer.core.text import cell_text
-from lightflyer.mission.areas import units_of
-from lightflyer.mission.path.integration import Way
-from lightflyer.statics.grid_refinement import crossing, peak
+from lightflyer.mission.areas import Circle, units_of
+from lightflyer.mission.path.integration import Trajectory
+from lightflyer.mission.path.motion import ELAPSED
+from lightflyer.mission.report.events import peak_of, spans_above
 
 if TYPE_CHECKING:
     import xarray as xr
 
-RECEIVER, PASS = "receiver", "pass"  # Dimensions
-_APART = 60.0  # Longest time between looks at a flyer [s]
-_CLOSE = 1e-6  # Of an elevation [deg], and of a distance over the largest one that the link bears
-_AN_HOUR, _KILOMETRE = 3600.0, 1e3
 
+RECEIVER, PASS = "receiver", "pass"  # Dimensions
+_APART = 60.0  # Longest time between samples of a flight [s]
+_CLOSE = 1e-6  # Of an elevation [deg], and of a distance over that of a station's edge or a link's
+_AN_HOUR, _KILOMETRE = 3600.0, 1e3
+_STATION = {
+    "station_distance": ("m", "distance along the ground from the station's middle"),
+    "station_within": ("s", "time within the station"),
+    "station_left": ("s", "time from release to first leaving the station"),
+    "station_farthest": ("m", "largest distance from the station's middle"),
+}
 _COLUMNS = (
     "receiver", "begin", "end", "begin_h", "duration_h", "highest_elevation_deg", "nearest_km",
     "farthest_km", "least_margin_db", "data_bit",
 )  # fmt: skip
-_ABOUT = {
+_PASSES = {
     "receiver": {"long_name": "number of the receiver"},
     "begin": {"units": "s", "long_name": "time from release to coming into sight"},
     "end": {"units": "s", "long_name": "time from release to going out of sight"},
@@ -39,11 +46,64 @@ _ABOUT = {
     "least_margin": {"units": "dB", "long_name": "margin of the radio link at the largest range"},
     "data": {"units": "bit", "long_name": "data that the payload sends in a pass"},
 }
-_ALONG = {
+_SEEN = {
     "elevation": {"units": "degree", "long_name": "elevation of the flyer above the horizon"},
     "range": {"units": "m", "long_name": "distance of the flyer in a straight line"},
     "margin": {"units": "dB", "long_name": "margin of the radio link"},
 }
+
+
+def add_station(dataset: "xr.Dataset", station: Circle, trajectory: Trajectory) -> None:
+    """Add distances from a station to a dataset, and how long the flyers stay there."""
+    planet_radius, radius = 1e3 * dataset.attrs["planet_radius_km"], float(station.radius)
+    found: dict[str, Any] = {}
+    for prefix in ("", "ensemble_", "launch_"):
+        if f"{prefix}latitude" not in dataset:
+            continue
+        track = dataset[f"{prefix}latitude"], dataset[f"{prefix}longitude"]
+        distance = station.distances(units_of(*track), planet_radius)
+        found[f"{prefix}station_distance"] = track[0].dims, distance
+        if prefix:
+            time = time_within(dataset[ELAPSED].values, distance, radius)
+            found[f"{prefix}station_within"] = track[0].dims[:1], time
+
+    def spare(at: np.ndarray) -> np.ndarray:
+        """Distance to the station's edge from within, over its radius."""
+        distance = station.distances(trajectory(at.ravel())[1], planet_radius)
+        return 1.0 - distance.reshape(at.shape) / radius
+
+    times = trajectory.times_within(_APART)
+    stays = spans_above(spare, times, _CLOSE)
+    left = [end for _, end in stays if end < times[-1]]
+    found["station_within"] = (), sum(end - begin for begin, end in stays)
+    found["station_left"] = (), left[0] if left else np.inf
+    found["station_farthest"] = (), radius * (1.0 - spare(times).min())
+    for name, (dims, values) in found.items():
+        unit, text = _STATION[name.removeprefix("ensemble_").removeprefix("launch_")]
+        dataset[name] = (dims, values, {"units": unit, "long_name": text})
+    dataset.attrs["station"] = station.describe()
+    dataset.attrs["station_radius_km"] = radius / 1e3
+
+
+def time_within(elapsed: np.ndarray, distance: np.ndarray, radius: float) -> np.ndarray:
+    """Time within a radius of what is known at some times, with straight lines between; (n,)."""
+    begin, end = distance[:, :-1], distance[:, 1:]
+    near, far = np.minimum(begin, end), np.maximum(begin, end)
+    steps = np.where(far > near, far - near, 1.0)
+    share = np.where(far > near, np.clip((radius - near) / steps, 0.0, 1.0), near <= radius)
+    share = np.where(np.isfinite(begin + end), share, 0.0)
+    return np.asarray((share * np.diff(elapsed)).sum(axis=-1))
+
+
+def summarise_station(dataset: "xr.Dataset") -> dict[str, Any]:
+    """How long a flyer stays near a place, with a unit at the end of each name."""
+    left = float(dataset.station_left)
+    return {
+        "place": dataset.attrs["station"],
+        "within_h": float(dataset.station_within) / _AN_HOUR,
+        "left_after_h": left / _AN_HOUR if np.isfinite(left) else None,
+        "farthest_km": float(dataset.station_farthest) / 1e3,
+    }
 
 
 class Receiver(Checked):
@@ -91,60 +151,44 @@ class Pass(NamedTuple):
 
 
 def passes_of(
-    way: Way, receivers: Sequence[Receiver], link: RadioLink | None, planet_radius: float
+    trajectory: Trajectory,
+    receivers: Sequence[Receiver],
+    link: RadioLink | None,
+    planet_radius: float,
 ) -> list[Pass]:
     """Passes of one flyer over each receiver, in the order of time."""
-    end = float(way.times[-1])
-    evenly = np.linspace(0.0, end, 1 + int(np.ceil(end / _APART)))
-    times = np.unique([*way.times, *evenly])
-    found = []
+    times, found = trajectory.times_within(_APART), []
+    reach = 0.0 if link is None else float(link.distance) * 10.0 ** (float(link.margin_db) / 20.0)
     for number, receiver in enumerate(receivers):
-        seen = _Seen(way, receiver, planet_radius)
-        for begin, last in _spans(seen.spare_elevation, times):
-            within = np.unique([begin, *times[(times > begin) & (times < last)], last])
-            distances = seen.distance(within)
-            farthest = float(distances.max())
-            found.append(
-                Pass(
-                    number,
-                    begin,
-                    last,
-                    _highest(seen.spare_elevation, within) + float(receiver.lowest_elevation),
-                    -_highest(seen.nearness, within),
-                    farthest,
-                    np.nan if link is None else float(margin(link, farthest)),
-                    np.nan if link is None else _data(seen, link, within),
-                )
-            )
+        lowest = float(receiver.lowest_elevation)
+
+        def seen(at: np.ndarray, part: int, receiver: Receiver = receiver) -> np.ndarray:
+            """Elevation [deg], or range [m], at times of any shape."""
+            sight = receiver.look(*trajectory(at.ravel()), planet_radius)
+            return sight[part].reshape(at.shape)
+
+        def spare_elevation(at: np.ndarray, seen: Any = seen, lowest: float = lowest) -> np.ndarray:
+            return np.asarray(seen(at, 0) - lowest)
+
+        def nearness(at: np.ndarray, seen: Any = seen) -> np.ndarray:
+            return np.asarray(-seen(at, 1))
+
+        for begin, end in spans_above(spare_elevation, times, _CLOSE):
+            within = np.unique([begin, *times[(times > begin) & (times < end)], end])
+            highest = peak_of(spare_elevation, within)[1] + lowest
+            nearest, farthest = -peak_of(nearness, within)[1], float(seen(within, 1).max())
+            left = data = np.nan
+            if link is not None:  # it sends while its margin is positive
+                left = float(margin(link, farthest))
+
+                def spare(at: np.ndarray, seen: Any = seen) -> np.ndarray:
+                    return np.asarray(1.0 - seen(at, 1) / reach)
+
+                sends = spans_above(spare, within, _CLOSE)
+                sending = sum(stop - start for start, stop in sends)
+                data = sending * float(link.data_rate) * float(link.duty)
+            found.append(Pass(number, begin, end, highest, nearest, farthest, left, data))
     return sorted(found, key=lambda one: one.begin)
-
-
-class _Seen(NamedTuple):
-    """A flyer as a receiver sees it, at times of any shape."""
-
-    way: Way
-    receiver: Receiver
-    planet_radius: float
-
-    def spare_elevation(self, at: np.ndarray) -> np.ndarray:
-        """Above the lowest one [deg]."""
-        elevation, _ = self.receiver.look(*self.way(at.ravel()), self.planet_radius)
-        return elevation.reshape(at.shape) - float(self.receiver.lowest_elevation)
-
-    def distance(self, at: np.ndarray) -> np.ndarray:
-        _, distance = self.receiver.look(*self.way(at.ravel()), self.planet_radius)
-        return distance.reshape(at.shape)
-
-    def nearness(self, at: np.ndarray) -> np.ndarray:
-        return -self.distance(at)
-
-
-def _data(seen: _Seen, link: RadioLink, times: np.ndarray) -> float:
-    """Data that a link sends while its margin is positive [bit]."""
-    reach = float(link.distance) * 10.0 ** (float(link.margin_db) / 20.0)
-    spans = _spans(lambda at: 1.0 - seen.distance(at) / reach, times)
-    sending = sum(stop - start for start, stop in spans)
-    return sending * float(link.data_rate) * float(link.duty)
 
 
 def margin(link: RadioLink, distance: Any) -> np.ndarray:
@@ -153,31 +197,11 @@ def margin(link: RadioLink, distance: Any) -> np.ndarray:
     return float(link.margin_db) - 20.0 * np.log10(farther)
 
 
-def _spans(
-    function: Callable[[np.ndarray], np.ndarray], times: np.ndarray
-) -> list[tuple[float, float]]:
-    """Spans in which a function is positive."""
-    inside = function(times) > 0.0
-    before = np.flatnonzero(inside[1:] != inside[:-1])
-    ends = times[before], times[before + 1]
-    leaves = inside[before]
-    edges = crossing(
-        function, np.where(leaves, *ends[::-1]), np.where(leaves, *ends), tolerance=_CLOSE
-    )
-    bounds = [times[0]] * bool(inside[0]) + list(edges) + [times[-1]] * bool(inside[-1])
-    return [(float(a), float(b)) for a, b in zip(bounds[::2], bounds[1::2], strict=True)]
-
-
-def _highest(function: Callable[[np.ndarray], np.ndarray], times: np.ndarray) -> float:
-    """Largest value of a function, looked at closely between the neighbours of the largest."""
-    values = function(times)
-    best = int(np.argmax(values))
-    low, high = times[max(best - 1, 0)], times[min(best + 1, times.size - 1)]
-    return max(float(values[best]), float(peak(function, low, high)[1][0]))
-
-
 def add_telemetry(
-    dataset: "xr.Dataset", way: Way, receivers: Sequence[Receiver], budget: Budget | None
+    dataset: "xr.Dataset",
+    trajectory: Trajectory,
+    receivers: Sequence[Receiver],
+    budget: Budget | None,
 ) -> None:
     """Add passes, and elevation, range and margin over time, to a flight's dataset."""
     if not receivers:
@@ -191,15 +215,17 @@ def add_telemetry(
     if link is not None:
         along["margin"] = margin(link, along["range"])
     for name, values in along.items():
-        dataset[f"{RECEIVER}_{name}"] = ((RECEIVER, *dataset.altitude.dims), values, _ALONG[name])
+        dataset[f"{RECEIVER}_{name}"] = ((RECEIVER, *dataset.altitude.dims), values, _SEEN[name])
     lowest = [float(one.lowest_elevation) for one in receivers]
     about = {"units": "degree", "long_name": "elevation below which a receiver sees nothing"}
     dataset[f"{RECEIVER}_lowest_elevation"] = (RECEIVER, lowest, about)
-    columns = np.array(passes_of(way, receivers, link, radius)).reshape(-1, len(Pass._fields)).T
+    columns = (
+        np.array(passes_of(trajectory, receivers, link, radius)).reshape(-1, len(Pass._fields)).T
+    )
     for name, column in zip(Pass._fields, columns, strict=True):
         if link is not None or name not in ("least_margin", "data"):
             typed = column.astype(np.int32) if name == RECEIVER else column
-            dataset[f"{PASS}_{name}"] = (PASS, typed, _ABOUT[name])
+            dataset[f"{PASS}_{name}"] = (PASS, typed, _PASSES[name])
 
 
 def summarise_telemetry(dataset: "xr.Dataset") -> dict[str, Any]:

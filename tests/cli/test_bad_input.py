@@ -233,7 +233,7 @@ COMMANDS = [
     ("calibrate points.csv --step 200", "has no unit"),
     ("calibrate points.csv --pressure-accuracy 5", 'per cent are written "5 %"'),
     ("calibrate points.csv --columns a,b", "has no row"),
-    ("calibrate one.csv", "1 points cannot determine 2 parameters"),
+    ("calibrate one.csv", "1 point cannot determine 2 parameters"),
     ("sweep study.toml", r"sweep needs --out \(folder for the results"),
     ("sweep nothere.toml --out r", "cannot be read"),
     ("sweep flyer.toml --out r", "is a flyer file: a study file names one"),

@@ -52,7 +52,7 @@ def test_flyer_file_and_names_in_full(folder, run):
     ("text", "arguments", "says"),
     [
         ("sample,pressure [Pa]\na,1\n", [], "points.csv:1: the column irradiance is missing"),
-        ("sample,pressure [Pa],irradiance [W/m^2]\na,2,900\n", [], "1 points cannot determine"),
+        ("sample,pressure [Pa],irradiance [W/m^2]\na,2,900\n", [], "1 point cannot determine"),
         (None, ["--free", "c_fm,density"], "density is not a number of the design"),
         (None, ["--free", " , "], "no parameters to fit"),
     ],
@@ -191,7 +191,7 @@ def test_what_fits_is_written_with_its_total_and_origin(measured):
         (lambda rows: [[*row[:3], "1", *row[4:]] for row in rows], None,
          "times as much as their stated uncertainties say"),
         (lambda rows: [rows[0], rows[-1]], None, "nothing shows whether the model fits"),
-        (lambda rows: rows + rows, None, "18 of 36 points are copies of others"),
+        (lambda rows: rows + rows, None, "9 of 18 points are copies of others"),
         # of another unit: all light is a tenth
         (lambda rows: [[row[0], row[1], f"{0.1 * float(row[2])}", f"{0.1 * float(row[3])}",
                         *row[4:]] for row in rows], None, "times as much"),

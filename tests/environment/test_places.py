@@ -27,6 +27,17 @@ def test_the_sun_of_an_index_of_dates():
     assert zenith(Place.at(elsewhere, 45.0, 10.0)) == pytest.approx(each, rel=1e-12)
 
 
+def test_a_unix_time_is_no_time_since_2000():
+    with pytest.warns(lf.ParameterWarning, match="in the year 2056: .* give datetime.from"):
+        Place.at(1.78e9, 45.0, 10.0)
+    assert Place.at(8.4e8, 45.0, 10.0).time == 8.4e8
+
+
+def test_lists_of_other_lengths():
+    with pytest.raises(lf.ParameterError, match=r"latitude of shape \(3,\), longitude of shape"):
+        Place.at("2026-06-21T12:00Z", [45.0, 46.0, 47.0], [10.0, 20.0])
+
+
 @pytest.mark.parametrize(
     "make",
     [

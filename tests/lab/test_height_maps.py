@@ -346,6 +346,7 @@ def test_a_matrix_in_a_workbook(tmp_path):
         book.active.append(row)
     book.save(tmp_path / "map.xlsx")
     found = read_height_map(tmp_path / "map.xlsx", size=1e-6, unit="nm")
+    assert not found.notes
     assert found.height == pytest.approx(1e-9 * heights)
     book.create_sheet("other").append([1, 2])
     book.save(tmp_path / "map.xlsx")
@@ -456,3 +457,14 @@ def test_channels_of_one_name_are_listed_as_they_are_chosen(tmp_path, monkeypatc
     names = [one.name for one in list_channels(path)]
     assert names == ["Height", "Height (2)"]
     assert choose_channel(path, twice, names[1])[0].read()[0, 0] == 2.0
+
+
+def test_a_size_that_is_not_the_files(tmp_path):
+    path = tmp_path / "map.txt"
+    rows = "\n".join("\t".join(f"{one:.6g}" for one in row) for row in 1e9 * surface((20, 20)))
+    head = "# Channel: z\n# Width: 5 µm\n# Height: 5 µm\n# Value units: nm\n"
+    path.write_text(head + rows + "\n", encoding="utf-8")
+    found = read_height_map(path, size=5e-3)
+    assert found.width == 5e-3
+    assert "its width is 0.005 m as stated by --size; the file says 5 µm" in found.notes
+    assert not read_height_map(path).notes

@@ -438,6 +438,19 @@ def test_names_that_differ_in_case_or_blanks_are_one_sample(tmp_path, other):
         assert any("is taken for" in note for note in table.notes)
 
 
+def test_points_that_stand_in_the_file_twice(rng):
+    points, _ = across_a_gap(rng, (2.0, 2.0))
+    twice = replace(
+        points, pressure=np.tile(points.pressure, 2), irradiance=np.tile(points.irradiance, 2)
+    )
+    said = [one for one in levitation_curve(twice, draws=100).warnings if "copies" in one]
+    assert said == [
+        "a: 28 of 56 points are copies of others, to all digits: the intervals count them as "
+        "measured again"
+    ]
+    assert isinstance(said[0], Doubt)
+
+
 def test_points_at_the_gauges_end_are_left_out(rng, tmp_path):
     """A gauge that shows no more than 20 Pa, while the sample needs more and more light."""
     points, _ = across_a_gap(rng, (2.0, 2.0), count=40)

@@ -57,6 +57,23 @@ def test_numbers_most_likely_of_a_wrong_unit_are_said():
     assert "unlikely" not in warnings_of()
 
 
+@pytest.mark.parametrize(
+    ("sections", "says"),
+    [
+        ({"film": FILM | TACS | {"areal_density": "1 g/cm^2"}},
+         "flyer.film.areal_density = 10 kg/m^2 is unlikely"),
+        ({"environment": {"kind": "chamber", "temperature": "20 K"}},
+         "environment.temperature = 20 K is unlikely"),
+        ({"environment": {"kind": "chamber", "temperature": "293 °C"}},
+         "environment.temperature = 566.1 K is unlikely"),
+        ({"environment": {"kind": "earth", "wind": {"kind": "uniform", "east": "-6 km/s"}}},
+         "environment.wind.east = -6000 m/s is unlikely"),
+    ],
+)  # fmt: skip
+def test_surroundings_and_films_of_a_wrong_unit(sections, says):
+    assert says in warnings_of(**sections)
+
+
 def test_a_film_upside_down_is_pushed_down_under_a_cold_sky_too():
     """High up it is colder than the gas, which pushes it up a little."""
     film = FILM | {"tac_top": 0.9, "tac_bottom": 0.8}

@@ -20,6 +20,12 @@ def test_edges_are_where_lift_equals_weight(disk):
     assert lf.lift(disk, inside, model) > lf.statics.weight(disk, inside)
 
 
+def test_a_range_that_begins_at_its_end(disk):
+    """The edges came out exchanged."""
+    with pytest.raises(lf.ParameterError, match="upper end of search_range = 0.01 is not above"):
+        lf.levitation_band(disk, lf.Chamber(), lf.Lu2023(), (1e3, 1e-2))
+
+
 def test_many_flyers_at_once(film):
     radii = np.array([0.0025, 0.01, 0.02, 0.03])
     bands = lf.levitation_band(lf.Disk(film, radii), lf.lu2023_earth(), lf.Lu2023())

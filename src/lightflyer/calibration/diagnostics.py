@@ -19,7 +19,6 @@ FAR_ABOVE = 3.0
 _SCATTER = Quantity(
     likely=(0.0, 0.25), known="repeated levitations of one film agree within some percent"
 )
-_COPIES = 0.25  # share of equal rows, beyond what coarse readings repeat
 _USUAL = {
     "c_fm": Quantity(
         likely=(0.1, 4.0), known="the paper has 0.4, its uncertain TACs leave it 0.21 to 2.4"
@@ -43,28 +42,12 @@ def diagnose(fit: Calibration) -> list[str]:
     """Diagnostics of a fit, one line each."""
     return [
         *fit.problem.model.design.warnings,
-        *_about_copies(fit),
         *_about_columns(fit),
         *_about_errors(fit),
         *_about_intervals(fit),
         *_about_coverage(fit),
         *_about_inputs(fit),
         *_about_steps(fit),
-    ]
-
-
-def _about_copies(fit: Calibration) -> list[str]:
-    """That rows stand in the file twice, each of which would count."""
-    points = fit.points
-    rows = list(zip(points.samples, *points.numbers.values(), strict=True))
-    copies = len(rows) - len(set(rows))
-    if copies < _COPIES * len(rows):
-        return []
-    return [
-        Doubt(
-            f"{copies} of {len(rows)} points are copies of others, to all digits: the intervals "
-            "count them as measured again"
-        )
     ]
 
 

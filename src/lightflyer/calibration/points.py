@@ -35,6 +35,7 @@ from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.files.table_rows import Rejected
 
+_COPIES = 0.25  # share of equal points, beyond what coarse readings repeat
 _SCALED = Quantity("Pa*m", likely=(0.01, 0.5), known="the paper's disks in air have 0.09")
 _OPTIMUM = Quantity(
     "Pa", likely=(0.9, 18.0), known="disks of 10 cm to 5 mm in air; the diameter would tell"
@@ -246,7 +247,9 @@ class Points(ShortRepr):
 
 
 def doubts(pressure: np.ndarray, irradiance: np.ndarray, diameter: float | None) -> list[str]:
-    """What in points of one sample is most likely of a wrong unit; pressure and light (n,)."""
+    """What in points of one sample is in doubt: copies, units; pressure and light (n,)."""
+    copies = len(pressure) - len(set(zip(pressure.tolist(), irradiance.tolist(), strict=True)))
+    many = copies >= _COPIES * len(pressure)
     least = int(np.argmin(irradiance))
     optimum = float(pressure[least])
     found = [("irradiance", _LIGHT.unlikely(irradiance))]
@@ -258,7 +261,11 @@ def doubts(pressure: np.ndarray, irradiance: np.ndarray, diameter: float | None)
     low, high = usual.likely
     if not (may_be_lower and value > high) and not (may_be_higher and value < low):
         found.append((name, usual.unlikely(value)))
-    return [Doubt(f"{name} = {why}") for name, why in found if why]
+    said = [
+        f"{copies} of {len(pressure)} points are copies of others, to all digits: the intervals "
+        "count them as measured again"
+    ]
+    return [Doubt(text) for text in said * many + [f"{name} = {why}" for name, why in found if why]]
 
 
 def log_uncertainty(

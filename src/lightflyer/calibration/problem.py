@@ -229,7 +229,8 @@ def _require_enough(points: Points, parameters: int) -> None:
     if len(points) < parameters + scatter:
         also = " and their scatter" if scatter else ""
         raise ParameterError(
-            f"{points.source}: {len(points)} points cannot determine {parameters} parameters{also}"
+            f"{points.source}: {len(points)} point{'s' * (len(points) != 1)} cannot determine "
+            f"{parameters} parameters{also}"
         )
 
 

@@ -1,6 +1,7 @@
 """Dates and the seconds that places count: since 2000-01-01 12:00 UTC."""
 
 import datetime
+import warnings
 from numbers import Real
 from typing import Any
 
@@ -8,13 +9,15 @@ import numpy as np
 
 from lightflyer.array.namespace import is_tracer
 from lightflyer.core.checks import is_concrete, is_labelled
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.errors import ParameterError, ParameterWarning
 
 EPOCH = datetime.datetime(2000, 1, 1, 12, tzinfo=datetime.UTC)
 """Instant from which the time of a place is counted."""
 
 _EPOCH = np.datetime64("2000-01-01T12:00:00", "ns")
 _NANOSECONDS = 1e9
+_YEAR = 365.25 * 86400.0  # [s]
+_LIKE_UNIX_TIME = 978_307_200.0  # since 2000, of the year 2031; as a Unix time, of 2001
 _WITHOUT_HOUR = ("Y", "M", "W", "D")  # units of NumPy's dates
 _NO_DATE = "is not a date; write it such as 2026-06-21T12:00:00Z"
 
@@ -76,6 +79,15 @@ def _require_numbers(seconds: Any) -> Any:
         raise ParameterError(f"time = {seconds} {_NO_DATE}")
     if is_concrete(seconds):
         _require_known(seconds, np.isnan(np.asarray(seconds)))
+        latest = np.max(seconds, initial=0.0)
+        if latest > _LIKE_UNIX_TIME:
+            warnings.warn(
+                f"time = {latest:.10g} s is in the year {2000.0 + latest / _YEAR:.0f}: numbers are "
+                "seconds since 2000-01-01 12:00 UTC; of a Unix time give "
+                "datetime.fromtimestamp(time, UTC)",
+                ParameterWarning,
+                stacklevel=4,
+            )
     return seconds
 
 

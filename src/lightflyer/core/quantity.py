@@ -263,7 +263,8 @@ Mass = Annotated[
 ]
 ArealDensity = Annotated[
     Numeric, Quantity("kg/m^2", 0.0, usual="g/m^2", open_below=True, sizes=(1e-7, 1e2),
-        why="graphene weighs more, 1 cm of steel less"),
+        why="graphene weighs more, 1 cm of steel less", likely=(5e-7, 0.1),
+        known="graphene has 7.6e-7, paper has 0.08"),
 ]  # fmt: skip
 Density = Annotated[
     Numeric, Quantity("kg/m^3", 0.0, open_below=True, sizes=(0.1, 2.3e4),
@@ -277,6 +278,11 @@ Pressure = Annotated[
 Temperature = Annotated[
     Numeric, Quantity("K", 0.0, open_below=True, sizes=(1.0, 5e3),
         why="no gas is colder, and its molecules fall apart above"),
+]  # fmt: skip
+ChamberTemperature = Annotated[
+    Numeric, Quantity("K", 0.0, open_below=True, sizes=(1.0, 5e3),
+        why="no gas is colder, and its molecules fall apart above", likely=(70.0, 550.0),
+        known="liquid nitrogen cools a chamber to 77 K, and none is baked above 550 K"),
 ]  # fmt: skip
 TemperatureOffset = Annotated[Numeric, Quantity("K", -100.0, 100.0)]
 MolarMass = Annotated[
@@ -307,6 +313,10 @@ Acceleration = Annotated[
 ]  # fmt: skip
 Velocity = Annotated[
     Numeric, Quantity("m/s", sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth"),
+]  # fmt: skip
+WindSpeed = Annotated[
+    Numeric, Quantity("m/s", sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth",
+        likely=(-300.0, 300.0), known="storms of the thermosphere reach 300 m/s"),
 ]  # fmt: skip
 Speed = Annotated[
     Numeric, Quantity("m/s", 0.0, sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth"),

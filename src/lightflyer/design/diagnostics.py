@@ -103,8 +103,9 @@ def _within_bands(whole: Setup, searched: tuple[float, float], count: int) -> np
 
 
 def _number_diagnostics(setup: Setup) -> Iterator[str]:
-    """That numbers of flyer or force model are possible, but most likely of a wrong unit."""
-    numbers = chain(numbers_in(setup.flyer, "flyer."), numbers_in(setup.model, "force."))
+    """That numbers of a set-up are possible, but most likely of a wrong unit."""
+    parts = {"flyer.": setup.flyer, "environment.": setup.environment, "force.": setup.model}
+    numbers = chain.from_iterable(numbers_in(part, name) for name, part in parts.items())
     for name, quantity, value in numbers:
         doubt = None if value is None else quantity.unlikely(value)
         if doubt:

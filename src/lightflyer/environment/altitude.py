@@ -58,8 +58,8 @@ def warn_of_kilometres(given: Any) -> None:
     if low > 0.0 and high <= _LIKE_KILOMETRES:
         said = f"{low:g} m" if low == high else f"{low:g} to {high:g} m"
         warnings.warn(
-            f"altitude of {said}, near the ground: bare numbers are metres; for kilometres write "
-            f'"{high:g} km" or {1e3 * high:g}',
+            f"altitude of {said}, near the ground; for kilometres write "
+            f'"{high:g} km", or {1e3 * high:g}, as bare numbers are metres',
             ParameterWarning,
             stacklevel=3,
         )

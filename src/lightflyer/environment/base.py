@@ -9,7 +9,7 @@ import numpy as np
 
 from lightflyer.array.namespace import Numeric
 from lightflyer.array.records import AbstractVar, ShortRepr, short_repr
-from lightflyer.core.checks import is_concrete
+from lightflyer.core.checks import is_concrete, is_labelled
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
@@ -97,7 +97,15 @@ class Place(_Place):
             degrees[name] = quantity.number(name, degrees[name])
             quantity.check(name, degrees[name])
         north, east = (RADIANS_PER_DEGREE * value for value in degrees.values())
-        return cls(north, east, seconds_of(date))
+        time = seconds_of(date)
+        shapes = {"date": np.shape(time), "latitude": np.shape(north), "longitude": np.shape(east)}
+        try:
+            np.broadcast_shapes(*shapes.values())
+        except ValueError:
+            told = ", ".join(f"{name} of shape {shape}" for name, shape in shapes.items())
+            if not any(is_labelled(one) for one in (time, north, east)):
+                raise ParameterError(f"{told} do not fit together") from None
+        return cls(north, east, time)
 
     def describe(self) -> str:
         """Where and when in words, of one concrete place."""

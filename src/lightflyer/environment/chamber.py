@@ -12,11 +12,11 @@ from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
     Acceleration,
+    ChamberTemperature,
     Irradiance,
     Length,
     Pressure,
     Quantity,
-    Temperature,
     quantity_of,
 )
 from lightflyer.core.text import span
@@ -99,7 +99,7 @@ class Chamber(AbstractEnvironment):
     dimmable_light: ClassVar[bool] = True
     contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
-    temperature: Temperature = 293.0
+    temperature: ChamberTemperature = 293.0
     gas: AbstractGas = AIR
     gravity: Acceleration = constants.STANDARD_GRAVITY
     radiation: Radiation = Radiation()
@@ -107,7 +107,7 @@ class Chamber(AbstractEnvironment):
     radius: Length | None = None
     floor: Length | None = None
     lid: Length | None = None
-    floor_temperature: Temperature | None = None
+    floor_temperature: ChamberTemperature | None = None
 
     def __check_init__(self) -> None:
         lowest, highest = self.pressure_range
@@ -178,7 +178,7 @@ class ChamberSection(EnvironmentSection, of=Chamber):
 
     kind: Literal["chamber"]
     irradiance: Irradiance = Measured(constants.TOTAL_SOLAR_IRRADIANCE)
-    temperature: Temperature
+    temperature: ChamberTemperature
     pressure_min: Pressure = Measured(PRESSURES[0])
     pressure_max: Pressure = Measured(PRESSURES[1])
 

@@ -13,7 +13,7 @@ from lightflyer.array import tree
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import Module, field
 from lightflyer.array.transformations import repeat, shape_of, stop_gradient
-from lightflyer.core.checks import is_traced
+from lightflyer.core.checks import is_traced, require_range
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import require_record
 from lightflyer.environment.base import AbstractEnvironment
@@ -179,6 +179,7 @@ def levitation_bands(
     low, high = coordinate.searched
     if search_range is not None:
         low, high = coordinate.quantity.number("search_range", search_range)
+        require_range("upper end of search_range", high, low, open_below=True)
     count = (
         _POINTS if coordinate.step is None else max(3, round((high - low) / coordinate.step) + 1)
     )

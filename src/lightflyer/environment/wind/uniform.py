@@ -7,7 +7,7 @@ from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import (
     Altitude,
     Checked,
-    Velocity,
+    WindSpeed,
     require_record,
 )
 from lightflyer.core.text import span
@@ -34,9 +34,9 @@ class UniformWind(Checked, AbstractWind):
     wind: -60 m/s east, 0.05 m/s up, everywhere
     """
 
-    east: Velocity = 0.0
-    north: Velocity = 0.0
-    up: Velocity = 0.0
+    east: WindSpeed = 0.0
+    north: WindSpeed = 0.0
+    up: WindSpeed = 0.0
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         return _uniform((self.east, self.north, self.up), (altitude, *place))

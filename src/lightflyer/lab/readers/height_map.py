@@ -80,11 +80,14 @@ def read_matrix(
         raise ConfigurationError(f"{path}: {error}") from None
     if width is None:
         raise ConfigurationError(f'{path}: has no width; state it by --size "10 um"')
+    said = matrix.notes
+    if size is not None and "Width" in stated:
+        said += (f"its width is {size:g} m as stated by --size; the file says {stated['Width']}",)
     rows, columns = matrix.values.shape
     if length is None or size is not None:
         length = width * rows / columns * aspect
     return Channel(stated.get("Channel", ""), unit, (rows, columns), width, length,
-                   lambda: matrix.values * scale), matrix.notes  # fmt: skip
+                   lambda: matrix.values * scale), said  # fmt: skip
 
 
 def _stated(above: tuple[str, ...]) -> dict[str, str]:

@@ -221,7 +221,8 @@ def test_page():
     page = (Path(__file__).parents[2] / "docs" / "winds.md").read_text(encoding="utf-8")
     names = {}
     for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
-        exec(block, names)
+        if "winds.nc" not in block:  # a reader's own file
+            exec(block, names)
     state = names["state"]
     assert f"{state.pressure:.2f} Pa, {state.temperature:.0f} K" in page
     shear = lf.Earth(wind=names["Shear"]()).state(70e3, Place(0.7, 0.0, 0.0))

@@ -22,7 +22,7 @@ def test_edges_are_where_lift_equals_weight(disk):
 
 def test_a_range_that_begins_at_its_end(disk):
     """The edges came out exchanged."""
-    with pytest.raises(lf.ParameterError, match="upper end of search_range = 0.01 is not above"):
+    with pytest.raises(lf.ParameterError, match=r"upper end of search_range = 0\.01 is not above"):
         lf.levitation_band(disk, lf.Chamber(), lf.Lu2023(), (1e3, 1e-2))
 
 

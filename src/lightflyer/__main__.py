@@ -60,9 +60,9 @@ def main() -> None:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     from lightflyer.cli import main as run  # takes a while
     from lightflyer.cli.code_cache import keep_code
-    from lightflyer.core.extras import hide_dask
+    from lightflyer.core.extras import hide_libraries
 
-    hide_dask()  # until an extra or a plug-in may need it
+    hide_libraries()  # until an extra or a plug-in may need it
     keep_code()
     run()
 

@@ -15,19 +15,24 @@ ENTRY_POINTS = "lightflyer"  # Group of the entry points of plug-ins
 # imported. One that names something in a module, "module:function", is a command.
 
 
-def hide_dask() -> None:
-    """Let no library load Dask, which xarray would wherever it is installed."""
-    sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
+_BY_XARRAY = ("dask", "pint")  # libraries that xarray loads wherever they are installed
 
 
-def _show_dask() -> None:
-    if sys.modules.get("dask", sys) is None:
-        del sys.modules["dask"]
+def hide_libraries() -> None:
+    """Let xarray load no library that takes long and is not asked for."""
+    for name in _BY_XARRAY:
+        sys.modules.setdefault(name, None)  # type: ignore[arg-type]
+
+
+def _show_libraries() -> None:
+    for name in _BY_XARRAY:
+        if sys.modules.get(name, sys) is None:
+            del sys.modules[name]
 
 
 def extra(module: str, what: str, extra_name: str) -> Any:
     """Import a module of an optional dependency."""
-    _show_dask()
+    _show_libraries()
     try:
         return importlib.import_module(module)
     except ImportError as error:
@@ -64,7 +69,7 @@ def load_plugins() -> None:
 
 def load_plugin(entry: importlib.metadata.EntryPoint) -> Any:
     """What an entry names; a warning and None where its author made a mistake."""
-    _show_dask()
+    _show_libraries()
     try:
         return entry.load()
     except Exception as error:

@@ -13,7 +13,6 @@ import numpy as np
 from lightflyer.array import tree
 from lightflyer.array.namespace import Array, Numeric
 from lightflyer.array.records import Module, field
-from lightflyer.compute.scheduler import processors
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import asked_to_end, report
@@ -260,6 +259,8 @@ def fly_all(
 
     begins = range(alone, count, BATCH)
     tracks = [] if first is None else [tree.map_leaves(lambda leaf: np.asarray(leaf)[None], first)]
+    from lightflyer.compute.scheduler import processors  # with all of a study
+
     workers = min(processors(), len(begins))
     with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
         found = map(compute, begins) if pool is None else pool.map(compute, begins)

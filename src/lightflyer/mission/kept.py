@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from lightflyer.array import tree
-from lightflyer.compute.store import versions
 from lightflyer.core.atomic_files import output_directory
 from lightflyer.core.errors import OutputError
 from lightflyer.design.design import AbstractDesign, digest
@@ -20,6 +19,8 @@ from lightflyer.mission.path.integration import TerminationReason, Track
 
 def describe_work(design: AbstractDesign, parts: Mapping[str, Any]) -> dict[str, str]:
     """Everything that decides results, in words that can be compared; ``parts``: pytrees."""
+    from lightflyer.compute.store import versions  # with all of a study
+
     described = dict(design.description()) | versions()
     winds = winds_in_files(design.setup)  # whose data are no numbers of the design
     if winds:

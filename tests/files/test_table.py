@@ -262,6 +262,16 @@ def test_no_content_gives_a_traceback(tmp_path_factory, content, strict):
         assert np.isfinite(values).all()
 
 
+@pytest.mark.parametrize("cell", ["05. Mrz", "5-Mar", "Mar-05", "05.03.2024", "12:30:00"])
+def test_a_date_of_a_spreadsheet_rejects_its_row(tmp_path, cell):
+    """In any form; "05. Mrz" was a number with a unit, which refused the file."""
+    path = tmp_path / "log.csv"
+    path.write_text(f"p [Pa]\n5.1\n{cell}\n5.4\n", encoding="utf-8")
+    table = read_table(path, (Column("pressure", Quantity("Pa"), ("p",)),))
+    assert table.numbers["pressure"] == pytest.approx([5.1, 5.4])
+    assert "is a date or a time of day" in table.rejected[0].reason
+
+
 def test_stamps_are_times_and_a_date_is_no_number(tmp_path):
     """Loggers write stamps; a spreadsheet makes a date of one pressure."""
     columns = (Column("pressure", Quantity("Pa"), ("p",)), Column("power", Quantity("W"), ("p",)),

@@ -468,3 +468,23 @@ def test_a_size_that_is_not_the_files(tmp_path):
     assert found.width == 5e-3
     assert "its width is 0.005 m as stated by --size; the file says 5 µm" in found.notes
     assert not read_height_map(path).notes
+
+
+def test_units_of_a_list_of_places(tmp_path):
+    """Places in micrometres and heights in nanometres, as the list's header says."""
+    heights = surface((20, 30))
+    rows = [f"{0.25 * x:g}\t{0.5 * y:g}\t{1e9 * heights[y, x]:.6f}"
+            for y in range(20) for x in range(30)]  # fmt: skip
+    path = tmp_path / "list.txt"
+    path.write_text("x [um]\ty [um]\tz [nm]\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    found = read_height_map(path)
+    assert (found.width, found.length) == pytest.approx((7.5e-6, 10e-6))
+    assert found.height == pytest.approx(heights, abs=1e-14)
+
+
+def test_a_header_with_decimal_commas(tmp_path):
+    rows = "\n".join("\t".join(f"{one:.6e}" for one in row) for row in surface((20, 40)))
+    head = "# Canal : Hauteur\n# Largeur : 10,50 µm\n# Hauteur : 5,25 µm\n# Unités : m\n"
+    (tmp_path / "map.txt").write_text(head + rows + "\n", encoding="utf-8")
+    found = read_height_map(tmp_path / "map.txt")
+    assert (found.width, found.length) == pytest.approx((10.5e-6, 5.25e-6))

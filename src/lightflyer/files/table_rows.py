@@ -27,7 +27,12 @@ _SMALLEST, _LARGEST = 1e-30, 1e30  # of measured values in any unit; powers of o
 _BLOCK = 50_000  # rows read at once; a block with a faulty row is read again row by row
 _HEAD = 200  # rows that settle the marks of most files
 _NUMBER_AND_UNIT = re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*[A-Za-zµμ°Ω%/^]+")
-_DATE = re.compile(r"^\d{4}-\d\d-\d\d(?:[T ][\d:.]+)?$|^\d\d:\d\d:\d\d")
+_MONTH = "(?:jan|feb|mar|mär|mrz|apr|may|mai|jun|jul|aug|sep|oct|okt|nov|dec|dez)[a-z]*"
+_DATE = re.compile(
+    r"\d{4}-\d\d-\d\d(?:[T ][\d:.]+)?$|\d\d:\d\d:\d\d|\d{1,2}[./-]\d{1,2}[./-]\d{4}$"
+    rf"|\d{{1,2}}[. -]+{_MONTH}\.?(?:[. -]*\d{{2,4}})?$|{_MONTH}[. -]+\d{{2,4}}$",
+    re.I,
+)
 _CLOCK, _MIDNIGHT = re.compile(r"^\d\d:\d\d"), datetime.date(1970, 1, 1)
 _SPACED = re.compile(rf"\d[{SPACES}{APOSTROPHES}]\d")
 _PERCENT = 100.0
@@ -278,7 +283,7 @@ def _moment(cell: str, one: Placed) -> float | None:
 
 def _require_plain(cell: str, place: str) -> None:
     """Refuse cells that put the whole file in doubt."""
-    if _NUMBER_AND_UNIT.match(cell):
+    if _NUMBER_AND_UNIT.match(cell) and not _DATE.match(cell):
         raise ConfigurationError(
             f'{place}: "{cell}" is more than a number; the unit of a column belongs in its header'
         )

@@ -20,6 +20,8 @@ from lightflyer.lab.readers.number_matrix import NumberMatrix, read_number_matri
 
 _GWYDDION = ("Channel", "Width", "Height", "Value units")  # the lines of its header
 _GWYDDION_LINE = re.compile(r"^#\s*([^:]+?)\s*:\s*(.+?)\s*$")
+_DECIMAL_COMMA = re.compile(r"(:\s*\d+),(?=\d+\s)")
+_UNIT_IN_BRACKETS = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]")
 _LEAST_PLACES = 2  # places of a list along x and along y
 _UNEVEN = 0.2  # of a step, by which the places of a list may be rounded
 NANOMETRE = 1e-9  # [m]
@@ -68,7 +70,8 @@ def read_matrix(
     """Read a matrix of heights; returns ``channel``, ``notes``."""
     matrix = read_number_matrix(path, "heights")
     stated = _stated(matrix.above)
-    matrix, aspect = _from_list(path, matrix)
+    matrix, aspect, of_list = _from_list(path, matrix)
+    stated = of_list | stated
     unit = unit or stated.get("Value units")
     if unit is None:
         raise ConfigurationError(f'{path}: its heights have no unit; state it by --unit "nm"')
@@ -92,7 +95,8 @@ def read_matrix(
 
 def _stated(above: tuple[str, ...]) -> dict[str, str]:
     """What Gwyddion's header says, by its English words; it is written in the user's language."""
-    said = [match.groups() for line in above if (match := _GWYDDION_LINE.match(line))]
+    plain = (_DECIMAL_COMMA.sub(r"\1.", line) for line in above)
+    said = [match.groups() for line in plain if (match := _GWYDDION_LINE.match(line))]
     english = {name: text for name, text in said if name in _GWYDDION}
     for at in range(len(said) - 1):
         # the two lengths are width and height, whatever they are called
@@ -109,11 +113,11 @@ def _is_length(text: str) -> bool:
         return False
 
 
-def _from_list(path: Path, matrix: NumberMatrix) -> tuple[NumberMatrix, float]:
-    """The matrix of a list of x, y and height, and the length of its pixels over their width."""
+def _from_list(path: Path, matrix: NumberMatrix) -> tuple[NumberMatrix, float, dict[str, str]]:
+    """The matrix of a list of x, y and height, length of pixels over width, and what it states."""
     values = matrix.values
     if values.shape[1] != 3 or len(values) < _LEAST_PLACES**2:
-        return matrix, 1.0
+        return matrix, 1.0, {}
     (x, column), (y, row) = (np.unique(values[:, axis], return_inverse=True) for axis in (0, 1))
     if len(x) * len(y) != len(values) or len(np.unique(row * len(x) + column)) != len(values):
         raise ConfigurationError(
@@ -129,7 +133,11 @@ def _from_list(path: Path, matrix: NumberMatrix) -> tuple[NumberMatrix, float]:
     heights[row, column] = values[:, 2]
     note = f"a list of x, y and height is read as {len(x)} x {len(y)} pixels"
     found = matrix._replace(values=heights, notes=(*matrix.notes, note))
-    return found, float(steps[1].mean() / steps[0].mean())
+    units = _UNIT_IN_BRACKETS.findall(matrix.above[-1]) if matrix.above else []
+    stated = {}
+    if len(units) == values.shape[1]:
+        stated = {"Width": f"{len(x) * steps[0].mean():.9g} {units[0]}", "Value units": units[2]}
+    return found, float(steps[1].mean() / steps[0].mean()), stated
 
 
 @dataclass(frozen=True)

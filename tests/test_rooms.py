@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import pkgutil
+import re
 from pathlib import Path
 
 import pytest
@@ -50,6 +51,20 @@ def test_contributing_names_every_room():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     rooms = [path.parent.name for path in (ROOT / "src" / "lightflyer").glob("*/__init__.py")]
     assert [room for room in rooms if f"`{room}`" not in text] == []
+
+
+def test_each_room_keeps_to_its_lines():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`.+?`) \| .* \| ([\d,]+) \|$", text, re.MULTILINE)
+    assert len(rows) > 20
+    heavier = {}
+    for names, most in rows:
+        folders = [ROOT / "src" / "lightflyer" / room for room in re.findall(r"`(\w+)`", names)]
+        modules = [path for folder in folders for path in folder.rglob("*.py")]
+        lines = sum(len(path.read_text(encoding="utf-8").splitlines()) for path in modules)
+        if lines > int(most.replace(",", "")):
+            heavier[names] = lines
+    assert heavier == {}
 
 
 def test_no_folder_has_more_than_fifteen_modules():

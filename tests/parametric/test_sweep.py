@@ -9,7 +9,7 @@ import xarray as xr
 
 import lightflyer as lf
 from lightflyer.compute.chunks import Chunks
-from lightflyer.compute.evaluation import Evaluator
+from lightflyer.compute.evaluation import FEW, FEW_OVER_BAND, Evaluator
 from lightflyer.config.designs import as_design
 from lightflyer.parametric import run
 from lightflyer.parametric.run import open_sweep
@@ -69,7 +69,7 @@ def test_a_number_that_the_file_does_not_state_is_varied(flyer):
     assert weight == pytest.approx(mass * gravity, rel=1e-12)
 
 
-@pytest.mark.parametrize(("outputs", "few"), [("lift", 50_000), ("lowest_altitude", 1_000)])
+@pytest.mark.parametrize(("outputs", "few"), [("lift", FEW), ("lowest_altitude", FEW_OVER_BAND)])
 def test_few_designs_are_not_compiled_and_all_of_a_study_run_one_way(
     flyer, outputs, few, monkeypatch
 ):

@@ -28,7 +28,7 @@ BATCH = 16_384  # Designs evaluated at once: they fit the processor's cache, and
 BATCH_OVER_BAND = 128
 """Designs evaluated at once where each is searched over some hundred altitudes."""
 
-FEW, FEW_OVER_BAND = 50_000, 1_000
+FEW, FEW_OVER_BAND = 1_000_000, 10_000
 """Designs of a study that NumPy has evaluated before XLA has compiled; see
 ``benchmarks/sweep.py``."""
 

@@ -266,7 +266,7 @@ def test_no_content_gives_a_traceback(tmp_path_factory, content, strict):
 def test_a_date_of_a_spreadsheet_rejects_its_row(tmp_path, cell):
     """In any form; "05. Mrz" was a number with a unit, which refused the file."""
     path = tmp_path / "log.csv"
-    path.write_text(f"p [Pa]\n5.1\n{cell}\n5.4\n", encoding="utf-8")
+    path.write_text(f"row;p [Pa]\n1;5.1\n2;{cell}\n3;5.4\n", encoding="utf-8")
     table = read_table(path, (Column("pressure", Quantity("Pa"), ("p",)),))
     assert table.numbers["pressure"] == pytest.approx([5.1, 5.4])
     assert "is a date or a time of day" in table.rejected[0].reason

@@ -248,6 +248,7 @@ def _tell_next(given: Sequence[str]) -> None:
     if {*given} & {"--json", "--report", "--help", "-h", "--version"} or [*given[:2]] in (
         ["lab"],
         ["lab", "example"],
+        ["lab", "summary"],
     ):
         return
     following = _NEXT.get("".join(given[:1]))

@@ -20,7 +20,6 @@ from lightflyer.files.table_layout import (
     PREAMBLE,
     Column,
     Layout,
-    Placed,
     find_layout,
     is_comment,
     split_cells,
@@ -103,12 +102,16 @@ def _read(file: Lines, found: Layout, *, strict: bool) -> Table:
     rows = [
         (number, line)
         for number, line in enumerate(file.lines[found.first :], start=found.first + 1)
-        if line.strip(empty) and not _is_left_out(line)
+        if line.strip(empty) and not (is_comment(line) and not _ERROR_CELL.match(line))
     ]
     if not rows:
         raise ConfigurationError(f"{file.name}: has a header but no rows")
     timed = any(name.partition("[")[0].strip(' "').casefold() == "time" for name in found.names)
-    repeated = _repeat(file.name, rows) if timed else {}
+    repeated, before = {}, dict[str, int]()
+    for number, line in rows if timed else ():
+        if before.setdefault(line, number) != number:
+            said = f"repeats line {before[line]}"
+            repeated[number] = Rejected(file.name, number, said)
     notes = _require_whole(file, rows, found)
     table = _with_si(file, [row for row in rows if row[0] not in repeated], found, say=not strict)
     rejected = sorted([*table.rejected, *repeated.values()], key=lambda row: row.line)
@@ -157,22 +160,6 @@ def _choose(
         raise ConfigurationError(f"{path}: has several tables; name one of {names}")
     left = [one.name for one in tables if one is not fits[0][0]]
     return *fits[0], [f"{fits[0][0].name} is read; {', '.join(left)}: no known columns"]
-
-
-def _is_left_out(line: str) -> bool:
-    return is_comment(line) and not _ERROR_CELL.match(line)
-
-
-def _repeat(name: str, rows: list[Row]) -> dict[int, Rejected]:
-    if len({line for _, line in rows}) == len(rows):
-        return {}
-    first: dict[str, int] = {}
-    found = {}
-    for number, line in rows:
-        before = first.setdefault(line, number)
-        if before != number:
-            found[number] = Rejected(name, number, f"repeats line {before}")
-    return found
 
 
 def _require_whole(file: Lines, rows: list[Row], layout: Layout) -> list[str]:
@@ -250,13 +237,9 @@ def _possible(table: Table, layout: Layout) -> Table:
         for row in np.flatnonzero(~is_possible(values, quantity)):
             why = quantity.implausible(values[row])
             said = why.partition(" ")[2] if why else f"is not {quantity.allowed}"
-            reason = f"{column.name} = {_value_text(float(values[row]), one)} {said}"
+            written = (float(values[row]) - one.offset) / one.scale  # as in the file
+            reason = f"{column.name} = {f'{written:g} {one.unit}'.rstrip()} {said}"
             if column.outside == "stop":
                 raise ConfigurationError(f"{table.source}:{table.lines[row]}: {reason}")
             out.setdefault(int(row), reason)
     return table.without(out) if out else table
-
-
-def _value_text(value: float, one: Placed) -> str:
-    """A value in the unit of the file."""
-    return f"{(value - one.offset) / one.scale:g} {one.unit}".rstrip()

@@ -51,26 +51,22 @@ def read_lines(path: Path) -> list[Lines]:
     book, sheet = split_sheet(path)
     content = read_content(book)
     if is_workbook(content, str(book)):
-        return _read_workbook(content, str(book), sheet)
+        sheets = read_sheets(content, str(book))
+        if sheet is not None and sheet not in sheets:
+            known = ", ".join(f'"{one}"' for one in sheets)
+            raise ConfigurationError(f'{book}: has no table in a sheet "{sheet}"; it has {known}')
+        return [
+            Lines(f"{book}{SHEET}{title}" if len(sheets) > 1 else str(book), rows, True, DELIMITER,
+                  is_sheet=True)
+            for title, rows in sheets.items()
+            if sheet in (None, title)
+        ]  # fmt: skip
     text = plain_text(content, str(path))
     lines, delimiter = split_lines(text), None
     stated = _SEPARATOR.match(lines[0]) if lines else None
     if stated:
         lines[0], delimiter = "", stated[1]
     return [Lines(str(path), lines, text.endswith(("\n", "\r")), delimiter)]
-
-
-def _read_workbook(content: bytes, name: str, sheet: str | None) -> list[Lines]:
-    sheets = read_sheets(content, name)
-    if sheet is not None and sheet not in sheets:
-        known = ", ".join(f'"{one}"' for one in sheets)
-        raise ConfigurationError(f'{name}: has no table in a sheet "{sheet}"; it has {known}')
-    several = len(sheets) > 1
-    return [
-        Lines(f"{name}{SHEET}{title}" if several else name, lines, True, DELIMITER, True)
-        for title, lines in sheets.items()
-        if sheet in (None, title)
-    ]
 
 
 def split_sheet(path: Path) -> tuple[Path, str | None]:
@@ -90,24 +86,20 @@ def is_workbook(content: bytes, name: str) -> bool:
     if not content.startswith(_ZIP):
         return False
     try:
-        names = zipfile.ZipFile(io.BytesIO(content)).namelist()
+        parts = zipfile.ZipFile(io.BytesIO(content)).infolist()
     except (zipfile.BadZipFile, ValueError, NotImplementedError, OSError):
         raise ConfigurationError(f"{name}: is a damaged workbook or archive") from None
+    names = [part.filename for part in parts]
     if _BOOK in names:
-        _require_size(content, name)
+        size = sum(part.file_size for part in parts if part.filename.endswith(_READ))
+        if size > _LARGEST:
+            raise ConfigurationError(
+                f"{name}: is a workbook that unpacks to {size / 1e6:.0f} MB, of at most "
+                f"{_LARGEST / 1e6:.0f}; save its table as .csv"
+            )
         return True
     kind = next((kind for file, kind in _OTHERS.items() if file in names), "an archive")
     raise ConfigurationError(f"{name}: is {kind}; save the table as .xlsx or .csv")
-
-
-def _require_size(content: bytes, name: str) -> None:
-    parts = zipfile.ZipFile(io.BytesIO(content)).infolist()
-    sizes = [part.file_size for part in parts if part.filename.endswith(_READ)]
-    if sum(sizes) > _LARGEST:
-        raise ConfigurationError(
-            f"{name}: is a workbook that unpacks to {sum(sizes) / 1e6:.0f} MB, of at most "
-            f"{_LARGEST / 1e6:.0f}; save its table as .csv"
-        )
 
 
 def read_sheets(content: bytes, name: str) -> dict[str, list[str]]:

@@ -139,14 +139,41 @@ def find_layout(
     delimiter: str | None = None,
 ) -> Layout:
     """Layout of a file, from an option, its first line, or the line that is most like a header."""
-    if not any(line.strip() for line in lines):
-        known = ", ".join(column.with_unit for column in columns)
+    known = ", ".join(column.with_unit for column in columns)
+    written = [index for index, line in enumerate(lines) if line.strip()]
+    rows = [index for index in written if not is_comment(lines[index])]
+    if not written:
         raise ConfigurationError(f"{path}: is empty; known columns: {known}")
-    if option:
-        return _from_option(path, lines, columns, option, delimiter)
-    if strict:
-        return _from_first_line(path, lines, columns, delimiter, closed=closed)
-    return _from_header(path, lines, columns, delimiter)
+    if option:  # names every column, from the first row of numbers on
+        names = [name.strip() for name in option.split(",")]
+        for first in rows:
+            stated = _delimiter_of_row(lines[first], len(names), delimiter)
+            if _is_number(split_cells(lines[first], stated)[0]):
+                place = f"--columns of {path}"
+                return Layout(stated, names, first, _place(columns, names, place, closed=True))
+        raise ConfigurationError(
+            f"{path}: has no row that starts with a number if split into the {len(names)} "
+            "columns of --columns; name every column, those that are not needed as -"
+        )
+    if strict and not rows:
+        raise ConfigurationError(f"{path}: has comments only; known columns: {known}")
+    header, best = rows[0] if strict else -1, 0
+    for index, line in enumerate([] if strict else lines[:PREAMBLE]):
+        # the line with the most known columns, above the first row of numbers
+        _, cells, score = _header_cells(line, columns, delimiter)
+        if any(cells) and all(_is_number(cell) or not cell for cell in cells):
+            break
+        if score > best:
+            header, best = index, score
+    if header < 0:
+        raise ConfigurationError(
+            f"{path}:{written[0] + 1}: has no known column; name its columns in a header or by "
+            f"--columns: {known}"
+        )
+    delimiter, names, _ = _header_cells(lines[header], columns, delimiter)
+    names, first = _with_units_below(columns, delimiter, names, lines, header)
+    found = _place(columns, names, f"{path}:{header + 1}", closed=closed and strict)
+    return Layout(delimiter, names, first, found)
 
 
 def names_columns(layout: Layout, cells: Sequence[str]) -> bool:
@@ -164,57 +191,9 @@ def _is_number(cell: str) -> bool:
     return True
 
 
-def _from_option(
-    path: str | Path,
-    lines: list[str],
-    columns: Sequence[Column],
-    option: str,
-    delimiter: str | None,
-) -> Layout:
-    """Layout by the names that ``--columns`` gives, from the first row of numbers on."""
-    names = [name.strip() for name in option.split(",")]
-    first = next(
-        (
-            index
-            for index, line in enumerate(lines)
-            if line.strip()
-            and not is_comment(line)
-            and _is_number(split_cells(line, _delimiter_of_row(line, len(names), delimiter))[0])
-        ),
-        None,
-    )
-    if first is None:
-        raise ConfigurationError(
-            f"{path}: has no row that starts with a number if split into the {len(names)} "
-            "columns of --columns; name every column, those that are not needed as -"
-        )
-    known = _place(columns, names, f"--columns of {path}", closed=True)
-    return Layout(_delimiter_of_row(lines[first], len(names), delimiter), names, first, known)
-
-
 def _delimiter_of_row(line: str, width: int, stated: str | None) -> str | None:
     marked = stated or next((mark for mark in ("\t", ";") if mark in line), None)
     return marked if marked or len(line.split()) == width or "," not in line else ","
-
-
-def _from_first_line(
-    path: str | Path,
-    lines: list[str],
-    columns: Sequence[Column],
-    stated: str | None,
-    *,
-    closed: bool,
-) -> Layout:
-    first = next(
-        (number for number, line in enumerate(lines) if line.strip() and not is_comment(line)), None
-    )
-    if first is None:
-        known = ", ".join(column.with_unit for column in columns)
-        raise ConfigurationError(f"{path}: has comments only; known columns: {known}")
-    delimiter, names, _ = _header_cells(lines[first], columns, stated)
-    names, below = _with_units_below(columns, delimiter, names, lines, first)
-    known_columns = _place(columns, names, f"{path}:{first + 1}", closed=closed)
-    return Layout(delimiter, names, below, known_columns)
 
 
 def _header_cells(
@@ -234,29 +213,6 @@ def _header_cells(
         if best is None or (score > best[2] and delimiter):
             best = delimiter, cells, score
     return best or (stated, [text.strip()], 0)
-
-
-def _from_header(
-    path: str | Path, lines: list[str], columns: Sequence[Column], stated: str | None
-) -> Layout:
-    """Layout by the line with the most known columns, above the first row of numbers."""
-    best: tuple[int, int] | None = None
-    for index, line in enumerate(lines[:PREAMBLE]):
-        _, cells, score = _header_cells(line, columns, stated)
-        if any(cells) and all(_is_number(cell) or not cell for cell in cells):
-            break
-        if score and (best is None or score > best[0]):
-            best = (score, index)
-    if best is None:
-        known = ", ".join(column.with_unit for column in columns)
-        first = next(number for number, line in enumerate(lines, 1) if line.strip())
-        raise ConfigurationError(
-            f"{path}:{first}: has no known column; name its columns in a header or by --columns: "
-            f"{known}"
-        )
-    delimiter, names, _ = _header_cells(lines[best[1]], columns, stated)
-    names, below = _with_units_below(columns, delimiter, names, lines, best[1])
-    return Layout(delimiter, names, below, _place(columns, names, f"{path}:{best[1] + 1}"))
 
 
 def _with_units_below(

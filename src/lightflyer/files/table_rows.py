@@ -61,14 +61,9 @@ class Values(NamedTuple):
 
 
 def marks_of(
-    source: str,
-    rows: Sequence[Row],
-    layout: Layout,
-    comments: Sequence[str],
-    *,
-    in_sheet: bool = False,
-    say: bool = True,
-) -> Marks:
+    source: str, rows: Sequence[Row], layout: Layout, comments: Sequence[str], *,
+    in_sheet: bool = False, say: bool = True,
+) -> Marks:  # fmt: skip
     """Decimal and thousands marks of a file; ``source``: name of the file, for messages."""
     stated = stated_mark(comments)
     if stated:
@@ -160,7 +155,10 @@ def _read_block(block: Sequence[Row], layout: Layout, marks: Marks) -> np.ndarra
     """All numbers of a block, or None where one of its rows must be looked at."""
     width, delimiter = len(layout.names), layout.delimiter
     lines = [line for _, line in block]
-    if any(_count(line, delimiter) != width for line in lines):
+    if any(
+        (len(line.split()) if delimiter is None else line.count(delimiter) + 1) != width
+        for line in lines
+    ):
         return None
     other = COMMA if marks.decimal == POINT else POINT
     if len(marks.decimal) > 1 or (other != delimiter and any(other in line for line in lines)):
@@ -183,10 +181,6 @@ def _read_block(block: Sequence[Row], layout: Layout, marks: Marks) -> np.ndarra
 def _measurable(size: Any) -> Any:
     """Whether a magnitude is zero, or not too small for a measured value."""
     return (size == 0.0) | (size >= _SMALLEST)
-
-
-def _count(line: str, delimiter: str | None) -> int:
-    return len(line.split()) if delimiter is None else line.count(delimiter) + 1
 
 
 def _read_slowly(source: str, block: Sequence[Row], layout: Layout, marks: Marks) -> Values:

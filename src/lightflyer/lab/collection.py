@@ -96,7 +96,6 @@ def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Recorded
 
 
 def _estimates(content: Any, name: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Estimate]]:
-    """Estimates anywhere within a JSON object, with the keys that lead to them."""
     if not isinstance(content, dict):
         return
     if {"value", "interval_95"} <= content.keys():

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
 from importlib import import_module
-from itertools import combinations
+from itertools import combinations, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, TypeVar, get_type_hints
 
@@ -189,7 +189,10 @@ def variables(
     for one in columns:
         above, _, below = one.unit.partition("/")  # "W/(m^2 K)" is written as "W m-2 K-1"
         divided = [part if "^" in part else f"{part}^1" for part in below.strip("()").split()]
-        words = [above.replace("^", ""), *(part.replace("^", "-") for part in divided)]
+        words = [
+            above.replace("^", "") * (above != "1"),
+            *(part.replace("^", "-") for part in divided),
+        ]
         units = " ".join(filter(None, words)) or "1"
         found[one.name] = (over, one.values, {"units": units, "long_name": one.label} | attributes)
     return found
@@ -258,7 +261,7 @@ class Outcome:
     def lines(self) -> Parts:
         """The text: the finding, the tables read, all else, and the warnings."""
         parts = iter(self.parts)
-        yield next(parts)
+        yield from islice(parts, 1)
         for table in self.read:
             if isinstance(table, Table):
                 unused = f"; not used: {', '.join(table.unused)}" if table.unused else ""

@@ -72,12 +72,7 @@ def force(
         The same of the balance.
     """
     from lightflyer.gas import GASES
-    from lightflyer.lab.force.vane import (
-        ASSUMED_TAC,
-        Vane,
-        compare_forces,
-        read_forces,
-    )
+    from lightflyer.lab.force.vane import ASSUMED_TAC, Vane, compare_forces, read_forces
     from lightflyer.lab.gauges import pirani_doubts
     from lightflyer.lab.result import Outcome, dataset
 

@@ -22,7 +22,6 @@ _WAVENUMBERS = 1000  # of a computed spectrum
 
 
 def _read_band(option: str, text: str) -> tuple[float, float]:
-    """Lowest and highest wavenumber of a band [1/m]."""
     whole = ends(option, text, "m^-1")
     if whole is not None:
         return whole

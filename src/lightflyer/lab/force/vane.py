@@ -159,7 +159,6 @@ class Vane(ShortRepr):
         return EnvironmentState(pressure, ambient[:, None], STANDARD_GRAVITY, self.gas, light)
 
     def _body(self, draws: np.ndarray) -> Sandwich:
-        """A sandwich without holes, the cold face above."""
         radius, cold, hot = (
             np.clip(_drawn(number, draws[:, column]), low, high)[:, None]
             for column, number, low, high in (

@@ -45,32 +45,27 @@ def uncovered_power(covered: tuple[float, float], temperature: float) -> float:
     return below + blackbody_fraction(1.0 / covered[1], temperature)
 
 
-def _part(
-    spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points of a spectrum and their noise between two wavenumbers, including both ends."""
+def mean_over(
+    spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float],
+    temperature: float | None = None,
+) -> tuple[float, float]:  # fmt: skip
+    """Mean over a band, or Planck's spectrum in it, and its standard uncertainty from noise [1].
+
+    Linear between points; ``noise``: density at each point, shape (n,).
+    """
     inside = (spectrum.wavenumber > ends[0]) & (spectrum.wavenumber < ends[1])
     wavenumber = np.concatenate([ends[:1], spectrum.wavenumber[inside], ends[1:]])
     value, density = (
         np.interp(wavenumber, spectrum.wavenumber, one) for one in (spectrum.value, noise)
     )
-    return wavenumber, value, density
-
-
-def _mean(weights: np.ndarray, value: np.ndarray, density: np.ndarray) -> tuple[float, float]:
-    """Mean and its standard uncertainty from noise."""
+    if temperature is None:
+        width = np.diff(wavenumber)
+        weights = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / (ends[1] - ends[0])
+    else:
+        nodes = _FEW_NODES if len(wavenumber) > _FINE else _NODES
+        weights = planck_weights(wavenumber, temperature, nodes)
     first = value[0]  # subtracted, so that the mean of a flat spectrum is exact
     return first + float(weights @ (value - first)), float(np.sqrt(weights**2 @ density))
-
-
-def band_mean(
-    spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float]
-) -> tuple[float, float]:
-    """Mean over a band, linear between points, and its standard uncertainty from noise [1]."""
-    wavenumber, value, density = _part(spectrum, noise, ends)
-    width = np.diff(wavenumber)
-    share = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / (ends[1] - ends[0])
-    return _mean(share, value, density)
 
 
 def planck_weights(wavenumber: np.ndarray, temperature: float, nodes: int = _NODES) -> np.ndarray:
@@ -92,15 +87,6 @@ def planck_weights(wavenumber: np.ndarray, temperature: float, nodes: int = _NOD
         weights += np.bincount(left, power * (1.0 - share), len(weights))
         weights += np.bincount(left + 1, power * share, len(weights))
     return weights / weights.sum()
-
-
-def planck_mean(
-    spectrum: MeasuredSpectrum, noise: np.ndarray, ends: tuple[float, float], temperature: float
-) -> tuple[float, float]:
-    """Planck-weighted mean and its standard uncertainty from noise [1]; ``noise`` (n,)."""
-    wavenumber, value, density = _part(spectrum, noise, ends)
-    nodes = _FEW_NODES if len(wavenumber) > _FINE else _NODES
-    return _mean(planck_weights(wavenumber, temperature, nodes), value, density)
 
 
 def combine_repeats(means: Sequence[tuple[float, float]], accuracy: float) -> MeanShare:

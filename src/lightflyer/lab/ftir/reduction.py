@@ -210,7 +210,6 @@ class Ftir(LabResult):
 
 
 def _limit(estimate: Estimate) -> float:
-    """One-sided upper limit of a share."""
     return min(1.0, estimate.value + ONE_SIDED_FACTOR * (estimate.uncertainty or 0.0))
 
 
@@ -294,8 +293,8 @@ def reduce_ftir(
     far: list[Doubt] = []
     for group in filter(None, (spectra, reflectances)):
         noisy = [(one, noise_density(one.value)) for one in group]
-        found = {_BAND_MEAN: [means.band_mean(*one, inside) for one in noisy]} | {
-            t: [means.planck_mean(*one, (low, high), t) for one in noisy] for t in heat
+        found = {_BAND_MEAN: [means.mean_over(*one, inside) for one in noisy]} | {
+            t: [means.mean_over(*one, (low, high), t) for one in noisy] for t in heat
         }
         raw.append({where: means.combine_repeats(each, used) for where, each in found.items()})
         scatter = raw[-1][_BAND_MEAN].random * float(np.sqrt(len(group)))
@@ -347,7 +346,6 @@ def _common_range(spectra: Sequence[MeasuredSpectrum]) -> tuple[float, float]:
 def _cut(
     bounds: diagnostics.Bounds, quantity: str, shares: dict[str | float, means.MeanShare]
 ) -> Averages:
-    """Estimates of the shares, cut at what is possible."""
     found = {
         where: bounds.cut(
             quantity, where if isinstance(where, str) else f"at {where:g} K", share.estimate()

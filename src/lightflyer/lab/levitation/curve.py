@@ -18,12 +18,7 @@ from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, Doubt
-from lightflyer.files.result_text import (
-    Parts,
-    PrintedResult,
-    open_interval_text,
-    table_of,
-)
+from lightflyer.files.result_text import Parts, PrintedResult, open_interval_text, table_of
 from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
 from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother

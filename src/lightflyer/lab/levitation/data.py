@@ -7,11 +7,7 @@ import numpy as np
 
 from lightflyer.array.records import ShortRepr
 from lightflyer.calibration.gauge import Gauge
-from lightflyer.calibration.points import (
-    LEVITATION_COLUMNS,
-    SAMPLE_PROPERTIES,
-    read_points,
-)
+from lightflyer.calibration.points import LEVITATION_COLUMNS, SAMPLE_PROPERTIES, read_points
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.table import Table

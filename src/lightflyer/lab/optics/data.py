@@ -149,19 +149,6 @@ class SpectrumSection(MeasuredFile):
     scale_accuracy: _Accuracy | None = None
     zero_accuracy: _Accuracy | None = None
 
-    def read(self) -> FilmSpectrum:
-        """The spectrum, within its limits."""
-        found = read_spectrum(
-            self.file, columns=self.columns, quantity=self.ordinate, scale=self.scale,
-            spectrum=self.spectrum, collection=self.collection,
-        )  # fmt: skip
-        accuracies = (None if one is None else float(one.value)
-                      for one in (self.scale_accuracy, self.zero_accuracy))  # fmt: skip
-        incidence = float(self.incidence.value) * RADIANS_PER_DEGREE
-        return FilmSpectrum(
-            self.within(found), incidence, self.polarisation, self.side, *accuracies
-        )
-
 
 class SampleFile(Section):
     """A sample file: ``[film]``, ``free``, and ``spectra`` or ``ellipsometry``."""
@@ -182,7 +169,14 @@ class SampleFile(Section):
     def read(self) -> Iterator[FilmSpectrum]:
         """Everything measured."""
         for one in self.spectra:
-            yield one.read()
+            found = read_spectrum(
+                one.file, columns=one.columns, quantity=one.ordinate, scale=one.scale,
+                spectrum=one.spectrum, collection=one.collection,
+            )  # fmt: skip
+            stated = (None if accuracy is None else float(accuracy.value)
+                      for accuracy in (one.scale_accuracy, one.zero_accuracy))  # fmt: skip
+            incidence = float(one.incidence.value) * RADIANS_PER_DEGREE
+            yield FilmSpectrum(one.within(found), incidence, one.polarisation, one.side, *stated)
         for angles in self.ellipsometry:
             for spectrum, incidence in angles.read():
                 accuracy = float(angles.accuracy.value)
@@ -251,13 +245,11 @@ def read_sample(path: str | Path) -> OpticsSample:
 
 
 def _free_numbers(file: SampleFile) -> tuple[tuple[FreeNumber, ...], dict[str, tuple[str, ...]]]:
-    """Free numbers, and the names of all numbers that each stands for."""
     # Numbers of optics with ± that are not asked for are free too, within what is known of them.
     known = {name: (kind, value) for name, kind, value in file.film.numbers()}
     given = [name for name, (_, value) in known.items() if value is not None]
 
     def why_not(name: str) -> str | None:
-        """Why a number cannot be fitted to spectra."""
         if name.rpartition(".")[2] in _FIXED or not name.startswith(_OPTICAL):
             return "does not change reflectance and transmittance"
         return file.film.reason_not_varied(name)

@@ -18,7 +18,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Fraction, Incidence, Length, Quantity
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
-from lightflyer.files.table import Table, read_table
+from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.files.toml_file import file_beside
 from lightflyer.film.optics.stack import Side
@@ -89,8 +89,27 @@ class EllipsometrySection(MeasuredFile):
 
     def read(self) -> Iterator[tuple[MeasuredSpectrum, float]]:
         """Spectra of N, C and S with their incidence [rad], for each one in the file."""
-        table = self._table()
-        angles = self._angles(table)
+        try:
+            table = read_table(self.file, _COLUMNS, layout=self.columns)
+        except ConfigurationError as error:
+            if "has no unit" not in str(error):
+                raise
+            # angles whose header names no unit are in degrees
+            table = read_table(self.file, _DEGREES, layout=self.columns)
+            if table.numbers["psi"].max() <= _RADIANS:
+                raise ConfigurationError(
+                    f"{self.file}: no Ψ is above {_RADIANS:g}, which looks like radians; name the "
+                    'unit in the header, "psi [rad]" or "psi [deg]"'
+                ) from None
+        angles = table.numbers.get("incidence")
+        if angles is not None and self.incidence is not None:
+            raise ConfigurationError(f"{self.file}: has a column incidence; leave incidence out")
+        if angles is None:
+            if self.incidence is None:
+                raise ConfigurationError(
+                    f'{self.file}: has no column incidence; write incidence = "70 deg"'
+                )
+            angles = np.full(len(table), self.incidence.value)
         axes = [name for name in AXES if name in table.numbers]
         if len(axes) != 1:
             raise ConfigurationError(f"{self.file}: needs one column of {', '.join(AXES)}")
@@ -121,28 +140,3 @@ class EllipsometrySection(MeasuredFile):
                     self.file, name, wavenumber[here], value[here], tuple(table.rejected)
                 )
                 yield self.within(spectrum), float(angle) * RADIANS_PER_DEGREE
-
-    def _table(self) -> Table:
-        """The file; angles whose header names no unit are in degrees."""
-        try:
-            return read_table(self.file, _COLUMNS, layout=self.columns)
-        except ConfigurationError as error:
-            if "has no unit" not in str(error):
-                raise
-        table = read_table(self.file, _DEGREES, layout=self.columns)
-        if table.numbers["psi"].max() <= _RADIANS:
-            raise ConfigurationError(
-                f"{self.file}: no Ψ is above {_RADIANS:g}, which looks like radians; name the unit "
-                'in the header, "psi [rad]" or "psi [deg]"'
-            )
-        return table
-
-    def _angles(self, table: Table) -> np.ndarray:
-        """Incidence of each row [deg]."""
-        given = table.numbers.get("incidence")
-        if (given is None) is (self.incidence is None):
-            state = "has a column incidence; leave incidence out" if self.incidence else (
-                'has no column incidence; write incidence = "70 deg"'
-            )  # fmt: skip
-            raise ConfigurationError(f"{self.file}: {state}")
-        return np.full(len(table), self.incidence.value) if given is None else given  # type: ignore[union-attr]

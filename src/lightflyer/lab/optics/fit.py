@@ -26,8 +26,8 @@ from lightflyer.film.optics.averages import absorptance, emittance
 from lightflyer.film.optics.stack import Film
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate
 from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
-from lightflyer.lab.optics.diagnostics import diagnose, display_unit, is_off
 from lightflyer.lab.optics.model import FilmProblem, OpticalModel, select_covered
+from lightflyer.lab.optics.record import diagnose, display_unit, is_off
 from lightflyer.lab.optics.search import STARTS, FilmFit, Scatter, intervals, search
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE
 from lightflyer.lab.result import (
@@ -176,11 +176,7 @@ class OpticsFit(LabResult):
 
 @reads_units
 def fit_optics(
-    sample: OpticsSample,
-    *,
-    starts: int = STARTS,
-    seed: int = 0,
-    model: OpticalModel | None = None,
+    sample: OpticsSample, *, starts: int = STARTS, seed: int = 0, model: OpticalModel | None = None
 ) -> OpticsFit:
     """FilmFit numbers of a film to its spectra.
 
@@ -315,7 +311,6 @@ def _other_delta(sample: OpticsSample, fit: FilmFit, starts: int, seed: int) -> 
 
 
 def _predictions(fit: FilmFit, covariance: np.ndarray) -> tuple[dict[str, Estimate], list[str]]:
-    """Absorptance of sunlight and emittance of the film, where its materials have data."""
     model = fit.problem.model
     film = model.film(fit.best.position)
     if film.below is not None or film.above is not None:
@@ -358,7 +353,6 @@ def _predictions(fit: FilmFit, covariance: np.ndarray) -> tuple[dict[str, Estima
 def _indices(
     sample: OpticsSample, fit: FilmFit, covariance: np.ndarray, seed: int
 ) -> tuple[LayerIndex, ...]:
-    """Optical constants of layers whose medium has free numbers, with bands from draws."""
     model = fit.problem.model
     film = model.film(fit.best.position)
     ends = [one.spectrum.wavelength[[-1, 0]] for one in sample.spectra]

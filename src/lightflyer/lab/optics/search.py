@@ -132,7 +132,6 @@ def _inside(position: np.ndarray) -> np.ndarray:
 
 
 def _distinct(minima: Sequence[FilmSolution]) -> list[FilmSolution]:
-    """Minima without those that are the same, the best first."""
     kept: list[FilmSolution] = []
     for one in sorted(minima, key=lambda one: one.cost):
         if all(np.max(np.abs(one.position - other.position)) > _SAME for other in kept):
@@ -176,7 +175,6 @@ class _Profile:
         return float(np.sqrt(max(excess, 0.0))) - self._fit.factor, found
 
     def end(self, number: int, sign: int, spread: float) -> float:
-        """Position of an end of the interval of a number."""
         best, limit = self._fit.best.position[number], 1.0 if sign > 0 else 0.0
         inner, within, near = best, -self._fit.factor, self._fit.best
         reach = max(self._fit.factor * spread, _LEAST_REACH)

@@ -31,7 +31,7 @@ HEIGHT_MAP_FORMATS = [
         "microscope",
         lambda source: microscopes.instrument_of(source) is not None,
         microscopes.read_channels,
-    ),
+    )
 ]
 """All formats but matrices in text files. A plug-in adds its own."""
 

@@ -86,7 +86,6 @@ def read_number_matrix(path: str | Path, what: str) -> NumberMatrix:
 
 
 def _is_number(cell: str) -> bool:
-    """Whether a cell is a number, in whatever marks."""
     return _reads(cell) or _MARKED.fullmatch(cell) is not None
 
 

@@ -14,14 +14,7 @@ from lightflyer.core.quantity import Length, Quantity
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.lab.readers import formats
-from lightflyer.lab.readers.spectra import (
-    jasco,
-    jcamp_dx,
-    omnic,
-    opus,
-    perkin_elmer,
-    spc,
-)
+from lightflyer.lab.readers.spectra import jasco, jcamp_dx, omnic, opus, perkin_elmer, spc
 from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE as PER_CENTIMETRE
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
 from lightflyer.lab.readers.spectra.interpretation import (

@@ -80,7 +80,6 @@ def draw_height_map(
 
 
 def _masks(result: "Roughness") -> tuple[tuple[str, np.ndarray, str], ...]:
-    """Name, mask and colour of what is masked."""
     return ("particles", result.particles, VERMILION), ("holes", result.holes, SKY)
 
 

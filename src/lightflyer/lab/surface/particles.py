@@ -167,7 +167,6 @@ def _stand_out(
     threshold: float,
     smallest: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Pixels of particles and of holes, where some are known."""
     even = _symmetric(levelled)
     if even is None:  # half of the map is exactly flat
         rest = levelled - np.median(levelled)

@@ -332,7 +332,6 @@ def _estimates(
     height: np.ndarray, mask: np.ndarray, kept: np.ndarray, accuracy: float, seed: int,
     pixel_aspect: float,
 ) -> tuple[dict[str, Estimate], float, float]:  # fmt: skip
-    """Parameters with intervals, power lost in levelling, independent patches."""
     values = surface_parameters(height[~mask])
     rng = np.random.default_rng(seed)
     ratios, lost, patches = np.ones((2, DRAWS)), 0.0, 0.0

@@ -46,7 +46,6 @@ def ftir_files(seed: int = 0) -> dict[str, str]:
 
 
 def _jcamp(wavenumber: np.ndarray, value: np.ndarray, lines: list[str]) -> str:
-    """JCAMP-DX 4.24 with plain numbers, six a line."""
     factor = 1e-6
     whole = np.round(value / factor).astype(int)
     table = [

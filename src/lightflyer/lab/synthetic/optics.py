@@ -82,6 +82,5 @@ def optics_files(seed: int = 0) -> dict[str, str]:
 
 
 def _noise(rng: np.random.Generator, size: int) -> np.ndarray:
-    """Noise that is alike in neighbouring points."""
     raw = rng.normal(size=size + _SMOOTHED - 1)
     return _NOISE * np.convolve(raw, np.ones(_SMOOTHED), mode="valid") / np.sqrt(_SMOOTHED)

@@ -119,7 +119,6 @@ def gwyddion(height: np.ndarray, side: float, note: str) -> bytes:
 
 
 def _matrix(height: np.ndarray, said: list[str]) -> str:
-    """Text that Gwyddion exports for a channel."""
     rows = ["\t".join(f"{value:.6e}" for value in row) for row in height]
     head = [*said, "# Channel: Height", f"# Width: {_SIDE * 1e6:.2f} µm",
             f"# Height: {_SIDE * 1e6:.2f} µm", "# Value units: m"]  # fmt: skip

@@ -39,21 +39,23 @@ OTHER_FACE = TacTruth(tac=0.88, area_ratio=1.18, offset=4.6)  # of a sample with
 def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
     """A raw and a reduced run, the calibration of the heater's resistance, and another face."""
     rng = np.random.default_rng(seed)
-    lines, of_other = (label("tac", _said(one)) for one in (truth, OTHER_FACE))
+    lines, of_other = (
+        label("tac", f"truth: tac {one.tac}, area_ratio {one.area_ratio}, offset {one.offset} "
+              f"W/(m^2 K), heater 24 mm; gauge reads {_GAUGE_ERROR:+.1%}, power meter "
+              f"{_POWER_ERROR:+.1%}")
+        for one in (truth, OTHER_FACE)
+    )  # fmt: skip
+    celsius = np.array([20.0, 30.0, 40.0, 50.0, 60.0])
+    ohms = _RESISTANCE * (1.0 + _PER_KELVIN * (celsius + _ZERO - _AT))
+    calibration = [f"{t:.1f},{r:.5f}" for t, r in zip(celsius, ohms, strict=True)]
+    head = [*lines, "temperature [°C],resistance [ohm]"]
     return {
         "tac-raw.csv": _raw(rng, truth, lines),
         "tac-reduced.txt": _reduce(rng, truth, lines),
-        "tac-resistance.csv": _calibration(lines),
+        "tac-resistance.csv": "\n".join([*head, *calibration]) + "\n",
         "tac-top.txt": _reduce(rng, truth, lines),
         "tac-bottom.txt": _reduce(rng, OTHER_FACE, of_other),
     }
-
-
-def _said(truth: TacTruth) -> str:
-    return (
-        f"truth: tac {truth.tac}, area_ratio {truth.area_ratio}, offset {truth.offset} W/(m^2 K), "
-        f"heater 24 mm; gauge reads {_GAUGE_ERROR:+.1%}, power meter {_POWER_ERROR:+.1%}"
-    )
 
 
 def _run(
@@ -75,9 +77,7 @@ def _power(
 ) -> np.ndarray:
     """Power that the gas and the leads take from the heater [W]."""
     # what the kinetic model does not use of a film is set to anything possible
-    film = FilmProperties(
-        1.0, 0.5, emittance_top=0.5, emittance_bottom=0.5, tac_top=truth.tac, tac_bottom=truth.tac
-    )
+    film = FilmProperties(1.0, 0.5, 0.5, 0.5, truth.tac, truth.tac)
     disk = Disk(film, 0.5 * LU2023_HEATER_DIAMETER)
     difference = heater - ambient
     state = Chamber(temperature=ambient).state(pressure)
@@ -109,10 +109,3 @@ def _reduce(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
     header = ["Pressure (Pa)", "Heater Power (mW)", "Heater Temperature (°C)",
               "Ambient Temperature (°C)"]  # fmt: skip
     return faulty_table(lines, header, rows, rng, delimiter=";", decimal_comma=True, shuffled=True)
-
-
-def _calibration(lines: list[str]) -> str:
-    temperatures = np.array([20.0, 30.0, 40.0, 50.0, 60.0])
-    resistances = _RESISTANCE * (1.0 + _PER_KELVIN * (temperatures + _ZERO - _AT))
-    rows = [f"{t:.1f},{r:.5f}" for t, r in zip(temperatures, resistances, strict=True)]
-    return "\n".join([*lines, "temperature [°C],resistance [ohm]", *rows]) + "\n"

@@ -45,43 +45,27 @@ def thermography_files(seed: int = 0) -> dict[str, str]:
     emissivity = 1.0 - REFLECTANCE - TRANSMITTANCE
     said = (f"truth: r {REFLECTANCE}, t {TRANSMITTANCE}, emissivity {emissivity:.2f}, camera of "
             f"{BAND[0] * 1e6:g} to {BAND[1] * 1e6:g} um")  # fmt: skip
-    names = ("Hotplate temperature", "Lower temperature", "Upper temperature",
-             "Ambient temperature")  # fmt: skip
+    source, background = camera_radiance(_HOTPLATE), camera_radiance(_AMBIENT)
+    shares = np.array([1.0, REFLECTANCE, TRANSMITTANCE, 0.0])
+    scene = background + shares * (source - background)
+    read = scene * (1.0 + _GAIN * rng.normal()) + _OFFSET * background * rng.normal()
+    apparent = np.array([apparent_temperature(one) for one in read]) + _DRIFT * rng.normal(size=4)
+    kelvin = [[one - _ZERO + _NOISE * rng.normal() for one in apparent] for _ in range(_ROWS)]
+    names = [f"{name} temperature (°C)" for name in ("Hotplate", "Lower", "Upper", "Ambient")]
+    thermal = faulty_table(
+        label("thermography", said), names, [[f"{one:.2f}" for one in row] for row in kelvin], rng,
+        delimiter=";", decimal_comma=True,
+    )  # fmt: skip
     absorbed = 1.0 - VISIBLE_REFLECTANCE - VISIBLE_TRANSMITTANCE
     visible = f"truth: r {VISIBLE_REFLECTANCE}, t {VISIBLE_TRANSMITTANCE}, absorptivity {absorbed}"
-    return {
-        "thermal.csv": faulty_table(
-            label("thermography", said), [f"{name} (°C)" for name in names], _camera_rows(rng), rng,
-            delimiter=";", decimal_comma=True,
-        ),
-        "light-meter.csv": faulty_table(
-            label("thermography", visible), ["incident", "reflected", "transmitted", "dark"],
-            _meter_rows(rng), rng,
-        ),
-    }  # fmt: skip
-
-
-def _camera_rows(rng: np.random.Generator) -> list[list[str]]:
-    """Rows of apparent temperatures [°C]."""
-    source, background = camera_radiance(_HOTPLATE), camera_radiance(_AMBIENT)
-    span = source - background
-    scene = np.array([source, background + REFLECTANCE * span, background + TRANSMITTANCE * span,
-                      background])  # fmt: skip
-    read = scene * (1.0 + _GAIN * rng.normal()) + _OFFSET * background * rng.normal()
-    apparent = (
-        np.array([apparent_temperature(one) for one in read]) + _DRIFT * rng.normal(size=4) - _ZERO
-    )
-    return [[f"{one + _NOISE * rng.normal():.2f}" for one in apparent] for _ in range(_ROWS)]
-
-
-def _meter_rows(rng: np.random.Generator) -> list[list[str]]:
-    """Rows of a light meter's readings."""
     dark, incident = 12.0, 1800.0
-    light = np.array([incident, VISIBLE_REFLECTANCE * incident, VISIBLE_TRANSMITTANCE * incident,
-                      0.0])  # fmt: skip
-    read = dark + light * (1.0 + _METER_GAIN * rng.normal()) * (
-        1.0 + _METER_LINEARITY * rng.normal(size=4)
-    )
-    return [
-        [f"{one * (1.0 + _METER_NOISE * rng.normal()):.1f}" for one in read] for _ in range(_ROWS)
-    ]
+    light = incident * np.array([1.0, VISIBLE_REFLECTANCE, VISIBLE_TRANSMITTANCE, 0.0])
+    gain = 1.0 + _METER_GAIN * rng.normal()
+    shown = dark + light * gain * (1.0 + _METER_LINEARITY * rng.normal(size=4))
+    rows = [[f"{one * (1.0 + _METER_NOISE * rng.normal()):.1f}" for one in shown]
+            for _ in range(_ROWS)]  # fmt: skip
+    columns = ["incident", "reflected", "transmitted", "dark"]
+    return {
+        "thermal.csv": thermal,
+        "light-meter.csv": faulty_table(label("thermography", visible), columns, rows, rng),
+    }

@@ -252,7 +252,6 @@ def read_tac(
             table.not_used(option, column)
 
     def read(table: Table) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Power, temperature of the heater, and that of the gas."""
         one = table.numbers
         power = one["heater_power"] if "heater_power" in has else (
             one["heater_voltage"] * one["heater_current"]

@@ -31,43 +31,36 @@ def _order(fit: "TacFit") -> np.ndarray:
 
 def effective_conductance(fits: "Sequence[TacFit]", ax: Axes) -> Axes:
     """Draw the conductance per effective area against pressure, with the fit."""
-    _shade(fits[0], ax)
+    first, rows = fits[0], _order(fits[0])
+    beside = first.offset.value + first.radiation[rows]
+    ends = [first.limits.conductance(tac)[rows] + beside for tac in _SHADED]
+    ax.fill_between(first.pressure[rows], *ends, color="0.85", lw=0, zorder=0,
+                    label=f"{_SHADED[0]:g} ≤ α ≤ {_SHADED[1]:g}")  # fmt: skip
     for number, fit in enumerate(fits):
         rows, style = _order(fit), drawing.series_style(number)
         ratio = fit.area_ratio.value
         ax.plot(fit.pressure[rows], fit.conductance[rows] / ratio, ls="", mfc="none", ms=4,
                 rasterized=len(rows) > 1000, **style)  # fmt: skip
         ax.plot(fit.pressure[rows], fit.fitted[rows] / ratio, color=style["color"], lw=1.2)
-        ax.plot([], [], mfc="none", ms=4, lw=1.2, label=_label(fit, len(fits)), **style)
-    first, rows = fits[0], _order(fits[0])
+        low, high = fit.tac.interval
+        found = f"α = {fit.tac.value:.3g} (95 %: {low:.3g} to {high:.3g})"
+        said = f"{fit.run.source}: {found}"
+        if len(fits) == 1:
+            said = f"{found}, δ = {fit.area_ratio.value:.3g}"
+        ax.plot([], [], mfc="none", ms=4, lw=1.2, label=said, **style)
+    rows = _order(first)
     ax.axhline(first.offset.value, color=GREY, ls=":", lw=1, label="offset (leads, radiation)")
-    ends = ax.get_ylim()
+    shown = ax.get_ylim()
     for limit, colour, dashes, name in (
         (first.tac.value * first.limits.free_molecular, BLUE, "--", "free-molecular and offset"),
         (first.limits.continuum(first.tac.value), GREY, "-.", "continuum and offset"),
     ):
-        whole = (limit + first.offset.value + first.radiation)[rows]
-        ax.plot(first.pressure[rows], whole, color=colour, ls=dashes, lw=1, label=name)
-    ax.set_ylim(*ends)
+        ax.plot(first.pressure[rows], limit[rows] + beside, color=colour, ls=dashes, lw=1,
+                label=name)  # fmt: skip
+    ax.set_ylim(*shown)
     drawing.label_axes(ax, "pressure [Pa]", "power / effective area / ΔT [W/(m² K)]", log="x")
     drawing.legend_below(ax, most=2, title=_TITLE)
     return ax
-
-
-def _label(fit: "TacFit", count: int) -> str:
-    low, high = fit.tac.interval
-    found = f"α = {fit.tac.value:.3g} (95 %: {low:.3g} to {high:.3g})"
-    return f"{fit.run.source}: {found}" if count > 1 else f"{found}, δ = {fit.area_ratio.value:.3g}"
-
-
-def _shade(fit: "TacFit", ax: Axes) -> None:
-    rows = _order(fit)
-    ends = [
-        fit.limits.conductance(tac)[rows] + fit.offset.value + fit.radiation[rows]
-        for tac in _SHADED
-    ]
-    label = f"{_SHADED[0]:g} ≤ α ≤ {_SHADED[1]:g}"
-    ax.fill_between(fit.pressure[rows], *ends, color="0.85", lw=0, label=label, zorder=0)
 
 
 def residuals(fits: "Sequence[TacFit]", ax: Axes) -> Axes:

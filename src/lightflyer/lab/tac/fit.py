@@ -43,13 +43,7 @@ from lightflyer.lab.result import (
 )
 from lightflyer.lab.tac import diagnostics
 from lightflyer.lab.tac.data import IN_WORDS, TacAccuracy, TacRun
-from lightflyer.lab.tac.heat_law import (
-    KINETIC,
-    KINETIC_LAW,
-    AbstractHeatLaw,
-    Limits,
-    nominal_area,
-)
+from lightflyer.lab.tac.heat_law import KINETIC, KINETIC_LAW, AbstractHeatLaw, Limits, nominal_area
 from lightflyer.lab.tac.intervals import HeaterSolution, positive_estimate, solve
 from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, Bench, Prepared, prepare
 from lightflyer.lab.tac.problem import PARAMETERS

@@ -322,7 +322,6 @@ def _values(result: Any, names: tuple[str, ...]) -> list[float]:
 def _normal(
     values: Sequence[float], covariance: np.ndarray, freedoms: Mapping[str, float]
 ) -> dict[str, Estimate]:
-    """The three parameters of a run with the intervals of their covariance."""
     spread = np.sqrt(np.diag(covariance))[: len(PARAMETERS)]
     found = {}
     for name, value, one, unit in zip(PARAMETERS, values, spread, _UNITS, strict=True):
@@ -343,7 +342,6 @@ def _profiles(
     joint: JointProblem, values: Sequence[float], run: int, normal: Mapping[str, Estimate],
     freedoms: Mapping[str, float],
 ) -> dict[str, Estimate]:  # fmt: skip
-    """A run's parameters with profile intervals; residuals of all runs in standard errors."""
     return {
         name: replace(one, interval=profile_interval(
             joint, values, run, name, one.uncertainty or 0.0, student_factor(freedoms[name])

@@ -271,7 +271,6 @@ def with_accuracy(
 
 
 def _check(given: Mapping[str, Measured], method: Method) -> dict[str, Measured]:
-    """The given readings, each possible."""
     for name, quantity in zip(method.readings, method.quantities, strict=True):
         if name in given:
             try:
@@ -297,7 +296,6 @@ def _complete(
             )
 
     def require_order(right: np.ndarray, high: str, low: str) -> None:
-        """Refuse the first row in which a reading is not above another that has to be lower."""
         for row in np.flatnonzero(~right):
             place = f"{places[row]}: " if places[row] else ""
             raise ConfigurationError(f"{place}{high} is not above {low}; are columns exchanged?")

@@ -188,7 +188,6 @@ def _records_of_jpeg(content: bytes) -> bytes:
 
 
 def _order(record: bytes) -> str:
-    """Byte order of a record, which begins with the number 2."""
     start = struct.unpack_from("<H", record)[0]
     if start not in (0x0002, 0x0200):
         raise _WrongError("the byte order of a record is unknown")

@@ -307,7 +307,6 @@ def _derivatives(readings: Readings, mean: np.ndarray) -> np.ndarray:
 def _judge(
     readings: Readings, rows: np.ndarray, first: dict[str, Estimate], second: dict[str, Estimate]
 ) -> RadiativeProperties:
-    """The result within physical bounds, with its warnings."""
     method, light = readings.method, readings.method == LIGHT
     warnings: list[str] = _outliers(readings, rows, first)
     names, means = method.readings, readings.values.mean(axis=1)
@@ -363,7 +362,6 @@ def _judge(
 
 
 def _outliers(readings: Readings, rows: np.ndarray, first: Mapping[str, Estimate]) -> list[str]:
-    """Rows that deviate from the others, in words."""
     if rows.shape[1] < _FEWEST:
         return []
     away = np.abs(rows - np.median(rows, axis=1, keepdims=True))
@@ -377,7 +375,6 @@ def _outliers(readings: Readings, rows: np.ndarray, first: Mapping[str, Estimate
 
 
 def _band_diagnostics(readings: Readings, first: Mapping[str, Estimate]) -> list[str]:
-    """What the choice of the camera's band does to the emissivity."""
     camera, found = readings.scene.camera, first["emissivity"].value
 
     def emissivity(scene: Scene) -> float:

@@ -96,7 +96,6 @@ def parse_scale(unit: str, zero: str | None = None) -> Scale:
 
 
 def _read_matrix(source: Source, scale: Scale | None = None) -> "ThermalImage":
-    """A matrix of temperatures, as cameras' programs export it."""
     path = source.path
     matrix = read_number_matrix(path, "temperatures")
     above = "\n".join(matrix.above)
@@ -116,7 +115,6 @@ def _read_matrix(source: Source, scale: Scale | None = None) -> "ThermalImage":
 
 
 def _read_tiff(source: Source, scale: Scale | None = None) -> "ThermalImage":
-    """A radiometric TIFF."""
     path, content = source
     try:
         require_sound_tiff(content)
@@ -151,7 +149,6 @@ def _read_tiff(source: Source, scale: Scale | None = None) -> "ThermalImage":
 
 
 def _gdal_scale(path: Path, tags: dict[int, Any]) -> Scale | None:
-    """Scale, offset and unit by GDAL's metadata."""
     text = tags.get(_GDAL_METADATA)
     if not isinstance(text, str) or "<!" in text:  # no declarations of entities
         return None

@@ -25,22 +25,23 @@ _WAVENUMBERS = {
     "wavenumbercm-1", "wavenumbers(cm-1)", "wn", "reciprocalcentimeters",
 }  # fmt: skip
 _WAVELENGTHS = {
-    "nm": 1e-9, "nanometer": 1e-9, "nanometers": 1e-9, "nanometre": 1e-9, "nanometres": 1e-9,
-    "um": 1e-6, "micrometer": 1e-6, "micrometers": 1e-6, "micrometre": 1e-6, "micrometres": 1e-6,
-    "micron": 1e-6, "microns": 1e-6,
-}  # fmt: skip
+    **dict.fromkeys(["nm", "nanometer", "nanometers", "nanometre", "nanometres"], 1e-9),
+    **dict.fromkeys(
+        ["um", "micrometer", "micrometers", "micrometre", "micrometres", "micron", "microns"], 1e-6
+    ),
+}
 _AXIS = re.compile(r"^(?:wave(?:number|length)s?)?[\[(/]?(.*?)[\])]?$")
 
 _QUANTITIES = {
-    "t": "transmittance", "trans": "transmittance", "transmittance": "transmittance",
-    "transmission": "transmittance", "transmitance": "transmittance",
-    "r": "reflectance", "refl": "reflectance", "reflectance": "reflectance",
-    "reflection": "reflectance", "reflectivity": "reflectance",
-    "a": "absorbance", "abs": "absorbance", "absorbance": "absorbance",
-    "absorbanceunits": "absorbance", "opticaldensity": "absorbance", "od": "absorbance",
-    "log(1/r)": "log(1/R)", "log1/r": "log(1/R)", "-log(r)": "log(1/R)", "-logr": "log(1/R)",
-    "": "",
-}  # fmt: skip
+    word: quantity
+    for quantity, words in {
+        "transmittance": "t trans transmittance transmission transmitance",
+        "reflectance": "r refl reflectance reflection reflectivity",
+        "absorbance": "a abs absorbance absorbanceunits opticaldensity od",
+        "log(1/R)": "log(1/r) log1/r -log(r) -logr",
+    }.items()
+    for word in words.split()
+} | {"": ""}
 _REFUSED = (
     (r"kubelka|\bk-?m\b", "Kubelka-Munk units, from which no reflectance follows without the "
      "scattering; export it as %R"),
@@ -310,7 +311,6 @@ def _fraction(
 def _possible(
     source: Source, quantity: Ordinate, wavenumber: np.ndarray, value: np.ndarray, notes: list[str]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The spectrum without ends that hold impossible values; others refuse the file."""
     # Beyond the range of detector and beam splitter there is no light, and a ratio is noise. What
     # is left holds no impossible value, so that no part of it is chosen by its noise.
     outside = ~((value >= SHARE.lowest) & (value <= SHARE.highest))
@@ -336,7 +336,6 @@ def _possible(
 
 
 def _collection_of(metadata: SpectrumMetadata) -> Collection | None:
-    """Collected light that the name of an accessory tells."""
     said = metadata.accessory.casefold()
     if any(word in said for word in _SPHERE):
         return "total"

@@ -70,7 +70,6 @@ def read_jasco_text(source: Source) -> list[RawSpectrum]:
     header = _labels(lines[:start])
 
     def number(key: str) -> float:
-        """What the header says; NaN where it says nothing."""
         try:
             return float(header.get(key, "").replace(",", "."))
         except ValueError:
@@ -132,7 +131,6 @@ def read_jasco_text(source: Source) -> list[RawSpectrum]:
 
 
 def _labels(lines: list[str]) -> dict[str, str]:
-    """Words by their keys; the first of equal keys."""
     found: dict[str, str] = {}
     for line in lines:
         parts = re.split(r"[\t,;]", line, maxsplit=1)
@@ -243,7 +241,6 @@ def _words(stream: bytes, which: int) -> str:
 
 
 def _resolution(streams: dict[str, bytes]) -> str:
-    """Resolution of an infrared instrument; other modules use other tags."""
     try:
         _, end = _text(streams["ModuleInfo"], 4)
         (module,) = struct.unpack_from("<H", streams["ModuleInfo"], end + 2)

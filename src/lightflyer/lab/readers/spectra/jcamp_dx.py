@@ -155,7 +155,6 @@ class _DataBlock:
         return one_line(entry.text) if entry else ""
 
     def number(self, label: str) -> float | None:
-        """Number of a label, None if the label is missing."""
         text = self.entry_of(label)
         if not text:
             return None
@@ -176,7 +175,6 @@ class _DataBlock:
         return 1.0 if value is None else value
 
     def require_count(self, count: int) -> None:
-        """The stated number of points, if any, is that of the table."""
         text = self.entry_of("NPOINTS")
         if not text:
             return
@@ -221,7 +219,6 @@ def read_jcamp(source: Source) -> list[RawSpectrum]:
 
 
 def _blocks(source: Source, lines: list[str]) -> Iterator[_DataBlock]:
-    """Blocks that hold data, each closed by its ``##END=``."""
     opened: list[_DataBlock] = []
     entry: _Label | None = None
     ended = False

@@ -77,7 +77,6 @@ def _blocks(source: Source, data: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def _history(data: bytes) -> dict[str, str]:
-    """Metadata in the history, whose records are found by their mark."""
     found: dict[str, str] = {}
     at = data.find(_TEXT, 6)
     while at >= 0 and at + 4 <= len(data):

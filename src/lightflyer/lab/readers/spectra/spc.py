@@ -111,7 +111,6 @@ def _old(source: Source) -> _Header:
 
 
 def _names(flags: int, x: int, y: int, labels: bytes) -> tuple[str, str]:
-    """Names of abscissa and ordinate, by code or in words."""
     if flags & _LABELS:
         words = [plain(word) for word in labels.split(b"\x00")]
         if len(words) >= 2 and words[0] and words[1]:
@@ -148,7 +147,6 @@ def _curves(source: Source, header: _Header) -> Iterator[tuple[np.ndarray, np.nd
 def _values(
     source: Source, header: _Header, at: int, exponent: int, points: int
 ) -> tuple[np.ndarray, int]:
-    """Ordinates: floats, or integers as fractions of a power of two."""
     order = "<" if header.order == "old" else header.order
     if exponent == _FLOATS:
         y, at = _take(source, at, order + "f4", points)

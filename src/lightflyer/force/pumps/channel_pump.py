@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.memory import kept
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import StandardErrors
@@ -283,6 +284,7 @@ class PlateInGas(NamedTuple):
     gas_bottom: Array
 
 
+@kept
 def _plate_in_gas(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> PlateInGas:
     inside, outside = _inside(flyer, state, unknowns), _outside(flyer, state, unknowns)
     straight = direct_share(SLOT, inside.length)

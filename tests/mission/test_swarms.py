@@ -13,7 +13,7 @@ from lightflyer.mission import Circle, Polygon, Tether
 from lightflyer.mission.report.figures import plot_spread
 from lightflyer.mission.report.landing import binomial_interval
 from lightflyer.mission.swarms import spreading
-from lightflyer.mission.swarms.tethers import _Hung
+from lightflyer.mission.swarms.tethers import _Layer
 
 pytestmark = pytest.mark.slow
 
@@ -196,7 +196,7 @@ def test_what_cannot_spread_is_refused_in_one_line(flown, arguments, message):
 
 
 def test_forces_on_a_tethered_flyer_are_in_balance():
-    hung = _Hung(own=3e-6, spare=4e-6, thread=1e-7, spacing=0.3, depth=1.0)
+    hung = _Layer(own=3e-6, spare=4e-6, thread=1e-7, spacing=0.3, depth=1.0)
     carried, (_, lengths, tilts) = hung.carried_weight(30), hung.pulls(30)
     total = 0.0
     for length, tilt in zip(lengths, tilts, strict=True):

@@ -42,7 +42,6 @@ from lightflyer.mission.path.motion import Course, Variable, Vehicle, moments, p
 from lightflyer.mission.path.release import (
     Release,
     limits_of,
-    require_at_rest,
     require_release_inside,
     require_rule,
 )
@@ -52,7 +51,7 @@ from lightflyer.mission.report.assumptions import (
     diagnose_flight,
     termination_text,
 )
-from lightflyer.mission.report.dataset import Several, add_several, add_survival, dataset_of
+from lightflyer.mission.report.dataset import Several, add_several, dataset_of
 from lightflyer.mission.report.events import add_events, events_of, sample_flight
 from lightflyer.mission.report.ground import Receiver, add_station, add_telemetry
 from lightflyer.mission.report.landing import HIGHEST_GROUND, Landing, add_landing
@@ -263,9 +262,8 @@ def fly(
     dataset.attrs["warnings"] = "\n".join(dict.fromkeys(warnings))
     if ensemble is not None and flown > 1:
         rows = slice(1, min(flown, 1 + ensemble.members))
-        members = Several("ensemble_", "member", {}, _rows(tracks, rows), times[rows])
-        add_several(dataset, members)
-        add_survival(dataset, members)
+        members = _rows(tracks, rows), times[rows]
+        add_several(dataset, Several("ensemble_", "member", {}, *members))
     if launches and flown == flights.count:
         chosen = [0, *range(flown - len(launches), flown)]
         delays = np.array([0.0, *launches]), Variable("s", "delay of the release")
@@ -339,7 +337,11 @@ def trajectory(
     >>> print(f"{way.end_altitude / 1e3:.1f} km")
     84.8 km
     """
-    require_at_rest(release, "a trajectory")
+    if release.velocity is not None:
+        raise ParameterError(
+            "a trajectory is in balance from the release on, and takes no velocity; leave it out, "
+            "or take lf.fly"
+        )
     limits = limits_of(environment, None, None)
     times = np.asarray(elapsed, float)
     accuracy = Accuracy.for_duration(float(times[-1]), tolerance, longest_step)

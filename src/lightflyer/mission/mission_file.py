@@ -333,13 +333,9 @@ class MissionFile:
             )
         if mission.launches:
             raise ConfigurationError("a swarm is released at once; take out [mission.launches]")
-        ensemble = mission.ensemble
         if members is not None:
-            ensemble = replace(ensemble, members=members)
-        kept = ("release", "duration", "attitude", "every", "lowest", "highest")
-        given = {name: getattr(mission, name) for name in kept}
-        given |= {"ensemble": ensemble, "areas": [mission.station or self.section.circle]}
-        return {name: value for name, value in given.items() if value is not None}
+            mission = replace(mission, ensemble=replace(mission.ensemble, members=members))
+        return {"mission": mission, "areas": [mission.station or self.section.circle]}
 
 
 def read_mission_file(path: str | Path) -> MissionFile:

@@ -174,14 +174,16 @@ def describe_waves(scale: float, known: Tides, *, together: bool) -> str:
     parts = [
         text for has, text in zip(known, ("wind", "temperature and pressure"), strict=True) if has
     ]
-    told = f"; {' and '.join(parts)} by tides are the environment's own" if parts else ""
-    told += "; the same for all members, by distance from one that is as stated" if together else ""
+    remarks = f"; {' and '.join(parts)} by tides are the environment's own" if parts else ""
+    remarks += (
+        "; the same for all members, by distance from one that is as stated" if together else ""
+    )
     sizes = [scale * float(temperature_by_gravity_waves(height)) for height in (60e3, 80e3)]
     return (
         f"waves: gravity waves of ± {sizes[0]:.2g} K at 60 km and ± {sizes[1]:.2g} K at 80 km, "
         f"tides of {100.0 * _TIDAL_SHARE:.0f} % of both, with the rise and fall, wind and pressure "
         f"that belong to them; periods of {_SHORTEST_PERIOD / 60.0:.0f} min to "
-        f"{_LONGEST_PERIOD / 3600.0:.0f} h{told}"
+        f"{_LONGEST_PERIOD / 3600.0:.0f} h{remarks}"
     )
 
 

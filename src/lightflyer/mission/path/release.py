@@ -24,7 +24,6 @@ from lightflyer.core.quantity import (
 from lightflyer.environment.altitude import warn_of_kilometres
 from lightflyer.environment.base import AbstractEnvironment, Place, Wind
 from lightflyer.environment.radiation import Attitude
-from lightflyer.mission.path.attitude import AbstractAttitudeRule, Moment
 from lightflyer.mission.path.integration import Limits, Start
 from lightflyer.mission.path.motion import Vehicle
 
@@ -104,15 +103,6 @@ def limits_of(environment: AbstractEnvironment, lowest: Any, highest: Any) -> Li
     return found
 
 
-def require_at_rest(release: Release, what: str) -> None:
-    """Raise where a release has a velocity, for what is in balance from the first moment on."""
-    if release.velocity is not None:
-        raise ParameterError(
-            f"{what} is in balance from the release on, and takes no velocity; leave it out, or "
-            "take lf.fly"
-        )
-
-
 def require_release_inside(release: Release, limits: Limits) -> None:
     """Raise unless a flyer is released between the limits of the mission, and under a known sun."""
     require_record("release", (Release,), release)
@@ -143,14 +133,9 @@ def require_rule(vehicle: Vehicle, start: Start) -> tuple[str, ...]:
         )
     state = vehicle.setup.environment.state(start.altitude, start.place)
     moment = vehicle.moment(start.altitude, start.place, np.float64(0.0), state)
-    if type(rule).__module__.partition(".")[0] != _PACKAGE:
-        _require_own(rule, moment)
-    return rule.remarks(moment)
-
-
-def _require_own(rule: AbstractAttitudeRule, moment: Moment) -> None:
-    """Raise unless a rule of a user's own gives attitudes and shares of the light in arrays."""
-    name = type(rule).__name__
+    if type(rule).__module__.partition(".")[0] == _PACKAGE:
+        return rule.remarks(moment)
+    # a rule of a user's own gives attitudes and shares of the light in arrays
     several = replace(
         moment,
         elapsed=np.array([0.0, 1.0]),
@@ -177,3 +162,4 @@ def _require_own(rule: AbstractAttitudeRule, moment: Moment) -> None:
             require_record(f"attitude of {name}", (Attitude, NoneType), found)
         elif found is not None and not (np.ndim(found) == 0 and 0.0 <= float(found) <= 1.0):
             raise ParameterError(f"{name}.light gives {found}; it is one number from 0 to 1")
+    return rule.remarks(moment)

@@ -66,6 +66,9 @@ from lightflyer.mission.path.motion import (
 )
 from lightflyer.statics.balance import equilibrium, require_converged
 
+_SLOW = 1e-6  # metres a second; drag is proportional to the speed there
+_NEUTRAL = 1e-9  # of the fastest mode: below, a rate is zero but for rounding
+
 
 class Drift(PrintedResult, Module):
     """Steady motion of a flyer through the air."""
@@ -187,10 +190,6 @@ def _warnings(setup: Setup, moving: _Drifting) -> tuple[str, ...]:
     if np.any(moving.slope != 0.0):
         drags += flyer.drag_diagnostics(state, moving.slope, "edgewise", temperature)
     return (*diagnose(setup, state, temperature), *dict.fromkeys(drags))
-
-
-_SLOW = 1e-6  # metres a second; drag is proportional to the speed there
-_NEUTRAL = 1e-9  # of the fastest mode: below, a rate is zero but for rounding
 
 
 @dataclass(frozen=True, repr=False)

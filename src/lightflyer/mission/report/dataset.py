@@ -74,43 +74,55 @@ def dataset_of(
     """A flight over time; ``elapsed`` (times,); ``released`` [s since 2000-01-01 12:00 UTC]."""
     import xarray as xr
 
-    known = TRACK | VARIABLES | node_variables(nodes)
-    columns = {**_places(track), **values}
-    dataset = xr.Dataset(
-        {name: (ELAPSED, column, known[name].attributes) for name, column in columns.items()}
-    )
+    dataset, known = xr.Dataset(), VARIABLES | node_variables(nodes)
     about = {"units": "s", "long_name": "time since the release"}
     dataset.coords[ELAPSED] = (ELAPSED, elapsed, about)
     date = {"long_name": "date (UTC)"}
     dataset.coords["time"] = (ELAPSED, dates_of(released + elapsed), date)
-    for name, value in _ends(track).items():
-        dataset[name] = ((), value, ENDS[name].attributes | _flags(name))
+    over_time, ends = _variables(track)
+    over_time |= {name: (column, known[name].attributes) for name, column in values.items()}
+    dataset.update({name: (ELAPSED, *one) for name, one in over_time.items()})
+    dataset.update({name: ((), *one) for name, one in ends.items()})
     return dataset
 
 
 def add_several(dataset: "xr.Dataset", several: Several) -> None:
-    """Add the tracks and ends of further flights."""
-    size = len(several.track.end_altitude)
-    about = {"long_name": f"number of the {several.dimension}"}
-    dataset.coords[several.dimension] = (several.dimension, np.arange(size), about)
+    """Add the tracks and ends of further flights; of an ensemble the share still aloft, too."""
+    prefix, dimension, size = several.prefix, several.dimension, len(several.released)
+    about = {"long_name": f"number of the {dimension}"}
+    dataset.coords[dimension] = (dimension, np.arange(size), about)
     date = {"long_name": "date of the release (UTC)"}
-    released = (several.dimension, dates_of(several.released), date)
-    dataset[f"{several.prefix}released"] = released
+    dataset[f"{prefix}released"] = (dimension, dates_of(several.released), date)
     for name, (label, variable) in several.labels.items():
-        dataset.coords[name] = (several.dimension, label, variable.attributes)
-    for name, values in _places(several.track).items():
-        dims = (several.dimension, ELAPSED)
-        dataset[several.prefix + name] = (dims, values, TRACK[name].attributes)
-    for name, value in _ends(several.track).items():
-        about = ENDS[name].attributes | _flags(name)
-        dataset[several.prefix + name] = (several.dimension, value, about)
+        dataset.coords[name] = (dimension, label, variable.attributes)
+    over_time, ends = _variables(several.track)
+    dataset.update({prefix + name: ((dimension, ELAPSED), *one) for name, one in over_time.items()})
+    dataset.update({prefix + name: (dimension, *one) for name, one in ends.items()})
+    if dimension == "member":
+        flying = np.isfinite(several.track.altitude).mean(axis=0)
+        about = {"units": "1", "long_name": "share of the ensemble that is still aloft"}
+        dataset[f"{prefix}flying"] = (ELAPSED, flying, about)
 
 
-def add_survival(dataset: "xr.Dataset", several: Several) -> None:
-    """Add the share of an ensemble that still flies."""
-    flying = np.isfinite(several.track.altitude).mean(axis=0)
-    about = {"units": "1", "long_name": "share of the ensemble that is still aloft"}
-    dataset[several.prefix + "flying"] = (ELAPSED, flying, about)
+def _variables(track: Track) -> tuple[dict[str, tuple[Any, Any]], dict[str, tuple[Any, Any]]]:
+    """Values and attributes of where flyers are over time, and of their ends, by name."""
+    altitude = np.where(np.isfinite(track.altitude), track.altitude, np.nan)
+    over_time = altitude, *degrees_of(np.asarray(track.position))
+    latitude, longitude = degrees_of(np.asarray(track.end_position))
+    ends = track.end_elapsed, track.end_altitude, latitude, longitude, track.termination
+    tracks = {
+        name: (values, about.attributes)
+        for (name, about), values in zip(TRACK.items(), over_time, strict=True)
+    }
+    ended = {
+        name: (np.asarray(values), about.attributes)
+        for (name, about), values in zip(ENDS.items(), ends, strict=True)
+    }
+    # what the numbers of a reason mean, as the CF conventions write it
+    reasons, about = ended["end_reason"]
+    about["flag_values"] = np.array([int(end) for end in TerminationReason], np.int8)
+    about["flag_meanings"] = " ".join(end.name.lower() for end in TerminationReason)
+    return tracks, ended | {"end_reason": (reasons.astype(np.int8), about)}
 
 
 def ends_of(dataset: "xr.Dataset") -> Iterator[tuple[str, int | None, dict[str, Any]]]:
@@ -124,37 +136,6 @@ def ends_of(dataset: "xr.Dataset") -> Iterator[tuple[str, int | None, dict[str, 
             end = {name: value.item() for name, value in zip(names, row, strict=True)}
             end["end_reason"] = TerminationReason(end["end_reason"]).name.lower()
             yield dimension or "stated", number if dimension else None, end
-
-
-def _places(track: Track) -> dict[str, np.ndarray]:
-    latitude, longitude = degrees_of(np.asarray(track.position))
-    altitude = np.asarray(track.altitude)
-    return {
-        "altitude": np.where(np.isfinite(altitude), altitude, np.nan),
-        "latitude": latitude,
-        "longitude": longitude,
-    }
-
-
-def _ends(track: Track) -> dict[str, Any]:
-    latitude, longitude = degrees_of(np.asarray(track.end_position))
-    return {
-        "end_elapsed": np.asarray(track.end_elapsed),
-        "end_altitude": np.asarray(track.end_altitude),
-        "end_latitude": latitude,
-        "end_longitude": longitude,
-        "end_reason": np.asarray(track.termination).astype(np.int8),
-    }
-
-
-def _flags(name: str) -> dict[str, Any]:
-    """What the numbers of a reason mean, as the CF conventions write it."""
-    if name != "end_reason":
-        return {}
-    return {
-        "flag_values": np.array([int(end) for end in TerminationReason], np.int8),
-        "flag_meanings": " ".join(end.name.lower() for end in TerminationReason),
-    }
 
 
 _FORMAT = "%.10g"

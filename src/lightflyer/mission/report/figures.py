@@ -71,8 +71,7 @@ def mission_figures(dataset: "xr.Dataset") -> dict[str, Figure]:
 
 def plot_spread(dataset: "xr.Dataset") -> Figure:
     """Shares of a swarm that still fly, and that are inside areas, over time."""
-    figure = new_figure(width=8.0)
-    (axes,) = figure.axes
+    figure, axes = _over_time(dataset)
     shares = {"still aloft": [dataset["flying" + end].values for end in _ENDS]}
     for number, area in enumerate(dataset.area.values if "area" in dataset.coords else ()):
         shares[str(area)] = [dataset["inside" + end].values[number] for end in _ENDS]
@@ -84,15 +83,12 @@ def plot_spread(dataset: "xr.Dataset") -> Figure:
         axes.fill_between(dataset.time.values, low, high, color=colour, alpha=0.2, lw=0.0)
     axes.set_ylim(0.0, 105.0)
     axes.set_ylabel(f"share of {int(dataset.members)} members [%]")
-    draw_over_time(axes, dataset)
     figure.legend(title=f"shaded: {INTERVAL}", fontsize="small", loc="outside right upper")
     return figure
 
 
 def _altitude(dataset: "xr.Dataset") -> Figure:
-    figure = new_figure(width=8.0)
-    (axes,) = figure.axes
-    shade_nights(axes, dataset)
+    figure, axes = _over_time(dataset, nights=True)
     time = dataset.time.values
     if "ensemble_altitude" in dataset:
         _draw_spread(axes, time, dataset.ensemble_altitude.values / _KILOMETRE)
@@ -101,14 +97,13 @@ def _altitude(dataset: "xr.Dataset") -> Figure:
     altitude = float(dataset.end_altitude) / _KILOMETRE
     axes.plot(end, altitude, "o", color=VERMILION, label=f"end: {dataset.attrs['end']}")
     axes.set_ylabel("altitude [km]")
-    draw_over_time(axes, dataset)
     legend_below(axes)
     return figure
 
 
 def _flight(dataset: "xr.Dataset") -> Figure:
     """Lift over weight, light and temperature over time."""
-    figure = new_figure(width=8.0, height=7.0, rows=3)
+    figure, _ = _over_time(dataset, 3, nights=True, height=7.0)
     time = dataset.time.values
     lift, light, heat = figure.axes
     lift.axhline(1.0, color=GREY, linewidth=0.8)
@@ -124,9 +119,6 @@ def _flight(dataset: "xr.Dataset") -> Figure:
     heat.plot(time, dataset.temperature, color=VERMILION, label="flyer")
     heat.plot(time, dataset.gas_temperature, color=GREY, linestyle="--", label="gas")
     heat.set_ylabel("temperature [K]")
-    for axes in figure.axes:
-        shade_nights(axes, dataset)
-        draw_over_time(axes, dataset)
     for axes in (lift, light):
         axes.set_xlabel("")
         axes.tick_params(labelbottom=False)
@@ -173,22 +165,17 @@ def _ground_track(dataset: "xr.Dataset") -> Figure:
 
 
 def _survival(dataset: "xr.Dataset") -> Figure:
-    figure = new_figure(width=8.0)
-    (axes,) = figure.axes
-    shade_nights(axes, dataset)
+    figure, axes = _over_time(dataset, nights=True)
     flying = np.isfinite(dataset.ensemble_altitude.values).mean(axis=0)
     axes.step(dataset.time.values, 100.0 * flying, where="post", color=BLUE)
     axes.set_ylim(0.0, 105.0)
     axes.set_ylabel("share still aloft [%]")
-    draw_over_time(axes, dataset)
     return figure
 
 
 def _station(dataset: "xr.Dataset") -> Figure:
     """Distance from a place near which the flyer is to stay."""
-    figure = new_figure(width=8.0)
-    (axes,) = figure.axes
-    shade_nights(axes, dataset)
+    figure, axes = _over_time(dataset, nights=True)
     time = dataset.time.values
     if "ensemble_station_distance" in dataset:
         _draw_spread(axes, time, dataset.ensemble_station_distance.values / _KILOMETRE)
@@ -197,7 +184,6 @@ def _station(dataset: "xr.Dataset") -> Figure:
     axes.axhline(radius, color=GREY, linestyle="--", label=dataset.attrs["station"])
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel("distance from the station's\nmiddle [km]")
-    draw_over_time(axes, dataset)
     legend_below(axes)
     return figure
 
@@ -207,9 +193,7 @@ def _telemetry(dataset: "xr.Dataset") -> Figure:
     name, label = "margin", "margin of the link while\nin sight [dB]"
     if f"{RECEIVER}_{name}" not in dataset:
         name, label = "elevation", "elevation while\nin sight [deg]"
-    figure = new_figure(width=8.0)
-    (axes,) = figure.axes
-    shade_nights(axes, dataset)
+    figure, axes = _over_time(dataset, nights=True)
     shown = dataset[f"{RECEIVER}_{name}"].where(
         dataset.receiver_elevation >= dataset.receiver_lowest_elevation
     )
@@ -217,7 +201,6 @@ def _telemetry(dataset: "xr.Dataset") -> Figure:
         axes.plot(dataset.time.values, line, color=colour, label=str(line[RECEIVER].item()))
     axes.axhline(0.0, color=GREY, linestyle="--")
     axes.set_ylabel(label)
-    draw_over_time(axes, dataset)
     legend_below(axes)
     return figure
 
@@ -273,46 +256,40 @@ def _colours(count: int) -> list[Any]:
     return [colormaps["viridis"](share) for share in np.linspace(0.0, 0.9, count)]
 
 
-def shade_nights(axes: Axes, dataset: "xr.Dataset") -> None:
-    """Shade the nights of a flight on axes over time."""
-    start, named = dataset.time.values[0], False
-    for begin, end, is_day in day_and_night(dataset):
-        if is_day:
-            continue
-        ends = [start + np.timedelta64(round(1e9 * edge), "ns") for edge in (begin, end)]
-        label = "" if named else "night at the flyer"
-        axes.axvspan(*ends, color=_NIGHT, linewidth=0.0, zorder=0, label=label)
-        named = True
-
-
-def draw_over_time(axes: Axes, dataset: "xr.Dataset") -> None:
-    """Give axes the time of a flight, from its release to its last moment."""
-    locator = AutoDateLocator()  # type: ignore[no-untyped-call]
-    axes.xaxis.set_major_locator(locator)
-    written = ConciseDateFormatter(locator)  # type: ignore[no-untyped-call]
-    axes.xaxis.set_major_formatter(written)
-    axes.set_xlim(dataset.time.values[0], dataset.time.values[-1])
-    axes.set_xlabel("UTC")
+def _over_time(
+    dataset: "xr.Dataset", rows: int = 1, *, nights: bool = False, height: float = 4.2
+) -> tuple[Figure, Axes]:
+    """A figure whose axes have the time of a flight, and perhaps its nights; and the first axes."""
+    figure = new_figure(width=8.0, height=height, rows=rows)
+    start = dataset.time.values[0]
+    for axes in figure.axes:
+        label = "night at the flyer"
+        for begin, end, is_day in day_and_night(dataset) if nights else ():
+            if not is_day:
+                ends = [start + np.timedelta64(round(1e9 * edge), "ns") for edge in (begin, end)]
+                axes.axvspan(*ends, color=_NIGHT, linewidth=0.0, zorder=0, label=label)
+                label = ""
+        locator = AutoDateLocator()  # type: ignore[no-untyped-call]
+        axes.xaxis.set_major_locator(locator)
+        written = ConciseDateFormatter(locator)  # type: ignore[no-untyped-call]
+        axes.xaxis.set_major_formatter(written)
+        axes.set_xlim(start, dataset.time.values[-1])
+        axes.set_xlabel("UTC")
+    return figure, figure.axes[0]
 
 
 def _draw_spread(axes: Axes, time: np.ndarray, values: np.ndarray) -> None:
     """95 % interval of an ensemble, or its members where they are too few for one; (n, times)."""
-    low, high = _spread(values)
-    if np.isfinite(low).any():
-        label = "95 % of the ensemble still aloft"
-        axes.fill_between(time, low, high, color=SKY, alpha=0.5, linewidth=0.0, label=label)
+    enough = np.isfinite(values).sum(axis=0) >= _FEWEST_FLYING
+    if not enough.any():
+        for number, line in enumerate(values):
+            label = "" if number else "members of the ensemble"
+            axes.plot(time, line, color=SKY, linewidth=0.8, label=label)
         return
-    for number, line in enumerate(values):
-        label = "" if number else "members of the ensemble"
-        axes.plot(time, line, color=SKY, linewidth=0.8, label=label)
-
-
-def _spread(altitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """95 % interval of those still flying, where enough are."""
-    enough = np.isfinite(altitude).sum(axis=0) >= _FEWEST_FLYING
-    found = np.full((2, altitude.shape[1]), np.nan)
-    found[:, enough] = np.nanpercentile(altitude[:, enough], _INTERVAL, axis=0)
-    return found[0], found[1]
+    ends = np.full((2, time.size), np.nan)
+    ends[:, enough] = np.nanpercentile(values[:, enough], _INTERVAL, axis=0)
+    label = "95 % of the ensemble still aloft"
+    axes.fill_between(time, *ends, color=SKY, alpha=0.5, linewidth=0.0, label=label)
 
 
 class MapView(NamedTuple):

@@ -1,6 +1,5 @@
 """What a finite number of flights leaves open."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,7 +14,7 @@ from lightflyer.core.quantity import Checked
 from lightflyer.environment.atmosphere.us1976 import US1976
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.environment.planetary import Planetary
-from lightflyer.mission.areas import distances_between, units_of
+from lightflyer.mission.areas import distances_between, geographic, units_of
 from lightflyer.mission.path.integration import TerminationReason
 from lightflyer.mission.path.motion import ELAPSED, Course, Vehicle, within
 from lightflyer.mission.report.dataset import degrees_of
@@ -29,6 +28,17 @@ if TYPE_CHECKING:
 CONFIDENCE = 0.95  # Of the intervals of shares
 
 _INTERVAL = (2.5, 50.0, 97.5)  # Percentiles of a 95 % interval and its median
+HIGHEST_GROUND = 9e3  # Lowest altitude of a mission up to which its end there is a landing [m]
+FLIGHT_LEVELS = 100, 245, 600  # Pressure altitudes [100 ft]
+SHARES = 0.5, 0.95  # Of the landings that areas hold
+FEWEST = 20  # Landings from which on the larger area is known
+
+_FAR_ABOVE = 40e3  # Altitude above all flight levels, whatever the weather [m]
+_HUNDRED_FEET = 30.48  # metres
+_POINTS = 4096  # of tracks that are looked at together: an atmosphere takes 0.1 MB for each
+_RESAMPLES = 400
+_CORNERS = 120  # of the outline of an area
+_PREFIXES = "ensemble_", "launch_", ""  # of the flights that landings are counted of, best first
 
 
 def binomial_interval(counts: np.ndarray, trials: int) -> tuple[np.ndarray, np.ndarray]:
@@ -47,19 +57,6 @@ def interval_of(values: np.ndarray) -> dict[str, float]:
     """Median of flights, and what 95 % of them are between."""
     low, median, high = np.percentile(values, _INTERVAL)
     return {"low": float(low), "median": float(median), "high": float(high)}
-
-
-HIGHEST_GROUND = 9e3  # Lowest altitude of a mission up to which its end there is a landing [m]
-FLIGHT_LEVELS = 100, 245, 600  # Pressure altitudes [100 ft]
-SHARES = 0.5, 0.95  # Of the landings that areas hold
-FEWEST = 20  # Landings from which on the larger area is known
-
-_FAR_ABOVE = 40e3  # Altitude above all flight levels, whatever the weather [m]
-_HUNDRED_FEET = 30.48  # metres
-_POINTS = 4096  # of tracks that are looked at together: an atmosphere takes 0.1 MB for each
-_RESAMPLES = 400
-_CORNERS = 120  # of the outline of an area
-_PREFIXES = "ensemble_", "launch_", ""  # of the flights that landings are counted of, best first
 
 
 class Landing(Checked):
@@ -133,6 +130,7 @@ class Landings(NamedTuple):
     map: Map
     points: np.ndarray  # In the map [m], shape (landings, 2)
     areas: tuple[Ellipse, ...]  # That hold SHARES, as far as there are enough landings
+    prefix: str = ""  # Of the names of the flights
 
 
 def add_landing(
@@ -170,15 +168,22 @@ def add_landing(
             dataset["airspace_share"] = (ELAPSED, crowd, {"units": "m-3", "long_name": text})
 
     if "objects" in dataset.attrs:
+        last = within(vehicle, course)
+        place = Place(*geographic(last.position[-1:]), last.released + last.elapsed[-1:])
+        state = environment.state(last.altitude[-1:], place)
+        density = state.gas.density(state.pressure, state.temperature)
+        diameter = 2.0 * np.sqrt(np.asarray(vehicle.setup.flyer.area) / np.pi)
+        speed, viscosity = abs(values["axial_speed"][-1]), state.gas.viscosity(state.temperature)
+        reynolds = float((density * speed * diameter / viscosity)[0])
         about = {"units": "1", "long_name": "Reynolds number at the end, by speed and diameter"}
-        dataset["end_reynolds"] = ((), _reynolds(vehicle, within(vehicle, course), values), about)
+        dataset["end_reynolds"] = ((), reynolds, about)
 
 
 def landings_of(dataset: "xr.Dataset") -> Landings | None:
     """Where the flights of a mission that ends at the ground land; None of any other."""
     if "objects" not in dataset.attrs:
         return None
-    prefix = _prefix(dataset)
+    prefix = next(name for name in _PREFIXES if f"{name}end_reason" in dataset)
     ends = {name: np.atleast_1d(dataset[f"{prefix}end_{name}"].values)
             for name in ("reason", "latitude", "longitude")}  # fmt: skip
     landed = ends["reason"] == TerminationReason.LOWEST_ALTITUDE
@@ -187,7 +192,7 @@ def landings_of(dataset: "xr.Dataset") -> Landings | None:
     about = Map(mean / np.linalg.norm(mean), 1e3 * float(dataset.attrs["planet_radius_km"]))
     points = about.plane(latitude, longitude)
     areas = tuple(_holding(points, share) for share in SHARES if len(points) >= FEWEST)
-    return Landings(landed, latitude, longitude, about, points, areas)
+    return Landings(landed, latitude, longitude, about, points, areas, prefix)
 
 
 def outline(landings: Landings, area: Ellipse) -> tuple[np.ndarray, np.ndarray]:
@@ -215,10 +220,10 @@ def summarise_landing(dataset: "xr.Dataset") -> dict[str, Any] | None:
     found = landings_of(dataset)
     if found is None:
         return None
-    prefix = _prefix(dataset)
+    prefix = found.prefix
     count, total, objects = int(found.landed.sum()), found.landed.size, dataset.attrs["objects"]
     low, high = (float(edge) for edge in binomial_interval(np.array(count), total))
-    told: dict[str, Any] = {
+    numbers: dict[str, Any] = {
         "flights": total,
         "objects": objects,
         "stated_end_reynolds": float(dataset["end_reynolds"]),
@@ -238,14 +243,14 @@ def summarise_landing(dataset: "xr.Dataset") -> dict[str, Any] | None:
             units_of(found.latitude, found.longitude), release, found.map.radius
         )
         after = np.atleast_1d(dataset[f"{prefix}end_elapsed"].values)[found.landed]
-        told |= {
+        numbers |= {
             "centre_latitude_deg": float(latitude),
             "centre_longitude_deg": float(longitude),
             "after_h": interval_of(after / 3600.0),
             "distance_from_release_km": interval_of(away / 1e3),
         }
     landing = count / total * objects
-    told["areas"] = [
+    numbers["areas"] = [
         {
             "holds": area.share,
             "area_km2": area.size / 1e6,
@@ -259,27 +264,11 @@ def summarise_landing(dataset: "xr.Dataset") -> dict[str, Any] | None:
     crowd = dataset["airspace_share"].values if "airspace_share" in dataset else np.zeros(0)
     if np.isfinite(crowd).any():
         densest = int(np.nanargmax(crowd))
-        told["airspace"] = {
+        numbers["airspace"] = {
             "objects_per_km3": float(crowd[densest]) * 1e9 * objects,
             "at_h": float(dataset[ELAPSED][densest]) / 3600.0,
         }
-    return told
-
-
-def _reynolds(vehicle: Vehicle, course: Course, values: dict[str, Any]) -> float:
-    """Reynolds number of the fall at the end of a flight."""
-    latitude, longitude = np.radians(degrees_of(np.asarray(course.position)[-1:]))
-    place = Place(latitude, longitude, course.released + course.elapsed[-1:])
-    flyer, state = vehicle.setup.flyer, vehicle.setup.environment.state(course.altitude[-1:], place)
-    density = state.gas.density(state.pressure, state.temperature)
-    diameter = 2.0 * np.sqrt(np.asarray(flyer.area) / np.pi)
-    speed = abs(values["axial_speed"][-1])
-    return float((density * speed * diameter / state.gas.viscosity(state.temperature))[0])
-
-
-def _prefix(dataset: "xr.Dataset") -> str:
-    """Of the flights that landings are counted of."""
-    return next(name for name in _PREFIXES if f"{name}end_reason" in dataset)
+    return numbers
 
 
 def _tracks(dataset: "xr.Dataset", prefix: str) -> dict[str, np.ndarray]:
@@ -358,12 +347,7 @@ def _holding(points: np.ndarray, share: float) -> Ellipse:
     middle, covariance, reach = _shape(points, share)
     values, vectors = np.linalg.eigh(covariance)
     axes = (vectors * np.sqrt(np.maximum(values, 0.0)) * reach)[:, ::-1]
-    low, high = np.percentile([*_resampled(points, share)], (2.5, 97.5))
+    generator, count = np.random.default_rng(0), len(points)
+    drawn = (points[generator.integers(count, size=count)] for _ in range(_RESAMPLES))
+    low, high = np.percentile([size_holding(some, share) for some in drawn], (2.5, 97.5))
     return Ellipse(share, size_holding(points, share), float(low), float(high), axes, middle)
-
-
-def _resampled(points: np.ndarray, share: float) -> Iterator[float]:
-    """Sizes of ellipses that hold a share of points that are drawn anew."""
-    generator = np.random.default_rng(0)
-    for _ in range(_RESAMPLES):
-        yield size_holding(points[generator.integers(len(points), size=len(points))], share)

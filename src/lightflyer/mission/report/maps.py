@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 
 
 _KML, _EXTENSION = "http://www.opengis.net/kml/2.2", "http://www.google.com/kml/ext/2.2"
-_HALF_TURN = 180.0  # degrees
 _SECOND = 1e9  # nanoseconds
+_HALF_TURN, _TURN, _POLE = 180.0, 360.0, 90.0  # degrees
+_FEWEST = 3  # Corners of a polygon
+_DIGITS = 6, 6, 1  # of longitude and latitude, a tenth of a metre, and of the altitude
 MOST_MEMBERS = 200  # Members of an ensemble that are drawn: a globe does not bear more lines
 
 
@@ -130,11 +132,6 @@ def _add(parent: ET.Element, name: str, text: str = "", space: str = _KML) -> ET
 
 def _name(name: str, space: str = _KML) -> str:
     return f"{{{space}}}{name}"
-
-
-_HALF_TURN, _TURN, _POLE = 180.0, 360.0, 90.0  # degrees
-_FEWEST = 3  # Corners of a polygon
-_DIGITS = 6, 6, 1  # of longitude and latitude, a tenth of a metre, and of the altitude
 
 
 def write_geojson(dataset: "xr.Dataset", path: Path) -> None:

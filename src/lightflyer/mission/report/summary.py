@@ -180,6 +180,11 @@ def _light(dataset: "xr.Dataset") -> tuple[float, list[dict[str, Any]]]:
 
 def _summarise_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
     reasons = dataset.ensemble_end_reason.values
+    stated, ends = (
+        units_of(dataset[f"{prefix}end_latitude"], dataset[f"{prefix}end_longitude"])
+        for prefix in ("", "ensemble_")
+    )
+    apart = distances_between(ends, stated, float(dataset.attrs["planet_radius_km"]))
     found = {
         "members": int(dataset.sizes["member"]),
         "still_flying": float(np.mean(reasons == TerminationReason.STILL_FLYING)),
@@ -190,21 +195,12 @@ def _summarise_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
         },
         "duration_h": interval_of(dataset.ensemble_end_elapsed.values / SECONDS_AN_HOUR),
         "end_altitude_km": interval_of(dataset.ensemble_end_altitude.values / 1e3),
-        "distance_from_nominal_end_km": interval_of(_distances(dataset)),
+        "distance_from_nominal_end_km": interval_of(apart),
     }
     if "ensemble_station_within" in dataset:
         within = dataset.ensemble_station_within.values
         found["within_station_h"] = interval_of(within / SECONDS_AN_HOUR)
     return found
-
-
-def _distances(dataset: "xr.Dataset") -> np.ndarray:
-    """Great-circle distances of the members' ends from that of the flyer as it is stated [km]."""
-    here, there = (
-        units_of(dataset[f"{prefix}end_latitude"], dataset[f"{prefix}end_longitude"])
-        for prefix in ("", "ensemble_")
-    )
-    return distances_between(there, here, float(dataset.attrs["planet_radius_km"]))
 
 
 def _summarise_launches(dataset: "xr.Dataset") -> list[dict[str, Any]]:

@@ -1,5 +1,6 @@
 """Missions and swarms in words: lines and tables."""
 
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
@@ -18,17 +19,14 @@ _MOST_ROWS = 12  # of nights and of launches in a table; the summary has all
 
 def mission_parts(dataset: "xr.Dataset") -> Parts:
     """Release, end and extremes of a flight, its nights, and those flown beside it."""
-    found, rows = summarise(dataset), {}
-    names = ("latitude", "longitude", "altitude")
-    begin = (dataset[name].values[0] for name in names)
-    end = (dataset[f"end_{name}"] for name in names)
-    rows["flyer"] = dataset.attrs["flyer"]
-    rows["released"] = f"{found['released']}, {place_text(*begin)}"
+    found, names = summarise(dataset), ("latitude", "longitude", "altitude")
+    begin = place_text(*(dataset[name].values[0] for name in names))
+    rows = {"flyer": dataset.attrs["flyer"], "released": f"{found['released']}, {begin}"}
     if "release" in found:
         rows["at first"] = transient_text(found["release"])
-    rows["ended"] = f"{found['ended']}, {place_text(*end)}"
+    end = place_text(*(dataset[f"end_{name}"] for name in names))
+    rows |= {"ended": f"{found['ended']}, {end}", "because": f"it {found['end']}"}
     film, warnings = found["film"], found["warnings"]
-    rows["because"] = f"it {found['end']}"
     if film is not None:
         rows["film"] = f"at most {film['hottest_k']:.0f} K, and bears {film['bears_k']:.0f} K"
         warnings = [text for text in warnings if not text.startswith(TOO_HOT)]  # as said there
@@ -37,50 +35,43 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
         altitude, when = found[f"{name}_altitude_km"], found[f"{name}_at_h"]
         rows[name] = f"{_decimals(altitude)} km, {when:.2f} h after the release"
     if "station" in found:
-        rows["station"] = _stay_text(found["station"])
-    if "telemetry" in found:
-        rows["in sight"] = _telemetry_text(found["telemetry"])
+        stay = found["station"]
+        left = stay["left_after_h"]
+        leaves = "does not leave it" if left is None else f"leaves it first after {left:.2f} h"
+        if stay["within_h"] == 0.0:
+            leaves = "does not reach it"
+        rows["station"] = (
+            f"{stay['within_h']:.2f} h {stay['place']}, {leaves}; at most "
+            f"{stay['farthest_km']:.1f} km from its middle"
+        )
+    passes = found.get("telemetry", {}).get("passes")
+    if passes:
+        bits = found["telemetry"]["data_bit"]
+        sent = "" if bits is None else f", {bits:.4g} bit"
+        count = f"{len(passes)} pass" + "es" * (len(passes) > 1)
+        rows["in sight"] = f"{found['telemetry']['in_sight_h']:.2f} h in {count}{sent}"
+    elif "telemetry" in found:
+        rows["in sight"] = "of no receiver"
     if found["other_wind"] is not None:
         rows["data end"] = _other_wind_text(found["other_wind"])
     yield rows_of(rows)
-    yield from _tables(found)
-    yield from map(wrap, (*found["assumptions"], *warning_lines(warnings)))
-
-
-def _tables(found: dict[str, Any]) -> Parts:
-    """Nights, passes, and what is flown beside the flight."""
     if found["nights"]:
         yield _nights(found["nights"])
-    if found.get("telemetry", {}).get("passes"):
-        yield _passes(found["telemetry"]["passes"])
+    if passes:
+        yield _passes(passes)
     if "ensemble" in found:
         yield _ensemble(found["ensemble"])
     if "landing" in found:
         yield from _landing(found["landing"])
     if "launches" in found:
-        yield _launches(found["launches"])
-
-
-def _telemetry_text(found: dict[str, Any]) -> str:
-    """For how long receivers see the flyer, and what it sends."""
-    passes = found["passes"]
-    if not passes:
-        return "of no receiver"
-    sent = "" if found["data_bit"] is None else f", {found['data_bit']:.4g} bit"
-    count = f"{len(passes)} pass" + "es" * (len(passes) > 1)
-    return f"{found['in_sight_h']:.2f} h in {count}{sent}"
-
-
-def _stay_text(stay: dict[str, Any]) -> str:
-    """How long a flyer stays near a place, in words."""
-    left = stay["left_after_h"]
-    leaves = "does not leave it" if left is None else f"leaves it first after {left:.2f} h"
-    if stay["within_h"] == 0.0:
-        leaves = "does not reach it"
-    return (
-        f"{stay['within_h']:.2f} h {stay['place']}, {leaves}; at most "
-        f"{stay['farthest_km']:.1f} km from its middle"
-    )
+        headings = ("launches", "released", "aloft [h]", "lowest [km]", "at the end [km]", "end")
+        numbers = ("duration_h", "lowest_altitude_km", "end_altitude_km")
+        lines = [
+            (one["released"], *(f"{one[name]:.2f}" for name in numbers), _reason(one["end_reason"]))
+            for one in found["launches"]
+        ]
+        yield _table(*headings, rows=lines, more=True)
+    yield from map(wrap, (*found["assumptions"], *warning_lines(warnings)))
 
 
 def _other_wind_text(found: dict[str, Any]) -> str:
@@ -101,11 +92,12 @@ def spread_parts(dataset: "xr.Dataset") -> Parts:
     """The shares of a swarm that still fly, and that are inside each area, at the end."""
     found = summarise(dataset)
     yield f"{found['flyer']}, {found['members']} members"
-    table = _table(f"after {found['after_h']:.4g} h", "", "share", "95 %")
+    lines = []
     for label, one in {"still aloft": found["flying"], **found["inside"]}.items():
         share, low, high = (f"{100.0 * one[end]:.3g}" for end in ("share", "low", "high"))
-        table.add_row(label, f"{share} %", f"{low} % to {high} %")
-    yield table
+        lines.append((label, f"{share} %", f"{low} % to {high} %"))
+    headings = "", "share", "95 %"
+    yield table_of(headings, lines, title=f"after {found['after_h']:.4g} h", pad_edge=False)
     if "middle_altitude_km" in found:
         middle = found["middle_latitude_deg"], found["middle_longitude_deg"]
         yield (
@@ -159,35 +151,62 @@ def square_kilometres(area: float) -> str:
     return f"{rounded / 1e6:g} million" if rounded >= 1e6 else f"{rounded:,.6g}"
 
 
-def _table(title: str, *headings: str) -> Table:
-    return table_of(headings, title=title, pad_edge=False)
+def _table(
+    title: str,
+    *headings: str,
+    rows: Iterable[Sequence[str]] = (),
+    more: bool = False,
+    caption: str = "",
+) -> Table:
+    """A table, of which a summary has the rows that are one too many; ``more``: say so."""
+    lines = list(rows)
+    table = table_of(headings, lines[:_MOST_ROWS], title=title, pad_edge=False)
+    if more and len(lines) > _MOST_ROWS:
+        caption = f"and {len(lines) - _MOST_ROWS} more in the summary"
+    if caption:
+        table.caption, table.caption_justify = caption, "left"
+    return table
 
 
 def _nights(nights: list[dict[str, Any]]) -> Table:
-    table = _table("nights", "begins", "ends", "hours", "at its begin\n[km]", "at its end\n[km]")
-    for night in nights[:_MOST_ROWS]:
-        altitudes = (_decimals(night[f"altitude_at_{name}_km"]) for name in ("begin", "end"))
-        ends = night["ends"] if night["whole"] else f"{night['ends']} *"
-        table.add_row(night["begins"], ends, f"{night['duration_h']:.2f}", *altitudes)
-    if not all(night["whole"] for night in nights[:_MOST_ROWS]):
-        table.caption = "* not the whole night: the mission begins or ends in it"
-        table.caption_justify = "left"
-    return table
+    lines = [
+        (
+            night["begins"],
+            night["ends"] if night["whole"] else f"{night['ends']} *",
+            f"{night['duration_h']:.2f}",
+            *(_decimals(night[f"altitude_at_{name}_km"]) for name in ("begin", "end")),
+        )
+        for night in nights
+    ]
+    whole = all(night["whole"] for night in nights[:_MOST_ROWS])
+    caption = "" if whole else "* not the whole night: the mission begins or ends in it"
+    headings = "nights", "begins", "ends", "hours", "at its begin\n[km]", "at its end\n[km]"
+    return _table(*headings, rows=lines, caption=caption)
 
 
 def _passes(passes: list[dict[str, Any]]) -> Table:
-    headings = ["receiver", "begins", "ends", "highest [deg]", "range [km]"]
+    headings = ["passes", "receiver", "begins", "ends", "highest [deg]", "range [km]"]
     headings += ["margin [dB]", "bit"] * ("data_bit" in passes[0])
-    table = _table("passes", *headings)
-    for one in passes[:_MOST_ROWS]:
-        sent = [f"{one[name]:.4g}" for name in ("least_margin_db", "data_bit") if name in one]
-        ranges = f"{one['nearest_km']:.0f} to {one['farthest_km']:.0f}"
-        highest = f"{one['highest_elevation_deg']:.1f}"
-        table.add_row(one["receiver"], one["begin"], one["end"], highest, ranges, *sent)
-    if len(passes) > _MOST_ROWS:
-        table.caption = f"and {len(passes) - _MOST_ROWS} more in the summary"
-        table.caption_justify = "left"
-    return table
+    lines = [
+        (
+            one["receiver"],
+            one["begin"],
+            one["end"],
+            f"{one['highest_elevation_deg']:.1f}",
+            f"{one['nearest_km']:.0f} to {one['farthest_km']:.0f}",
+            *(f"{one[name]:.4g}" for name in ("least_margin_db", "data_bit") if name in one),
+        )
+        for one in passes
+    ]
+    return _table(*headings, rows=lines, more=True)
+
+
+def _intervals(title: str, found: Mapping[str, Mapping[str, float]]) -> Table:
+    """Medians and 95 % intervals, by what they are of."""
+    ends = ("low", "median", "high")
+    lines = [(name, *(_decimals(one[end]) for end in ends)) for name, one in found.items()]
+    headings = "95 % interval", "from", "median", "to"
+    return table_of(headings, lines, title=title, pad_edge=False)
 
 
 def _ensemble(found: dict[str, Any]) -> Table:
@@ -195,24 +214,14 @@ def _ensemble(found: dict[str, Any]) -> Table:
     ends = (
         f"{100.0 * count / members:.1f} % {_reason(end)}" for end, count in found["ends"].items()
     )
-    table = _table(
-        f"{members} flights: {', '.join(ends)}",
-        "95 % interval",
-        "from",
-        "median",
-        "to",
-    )
-    for name, key in (
-        ("time aloft [h]", "duration_h"),
-        ("altitude at the end [km]", "end_altitude_km"),
-        ("distance from the stated flyer's end [km]", "distance_from_nominal_end_km"),
-        ("time within the station [h]", "within_station_h"),
-    ):
-        if key not in found:
-            continue
-        interval = found[key]
-        table.add_row(name, *(_decimals(interval[end]) for end in ("low", "median", "high")))
-    return table
+    rows = {
+        "time aloft [h]": "duration_h",
+        "altitude at the end [km]": "end_altitude_km",
+        "distance from the stated flyer's end [km]": "distance_from_nominal_end_km",
+        "time within the station [h]": "within_station_h",
+    }
+    intervals = {name: found[key] for name, key in rows.items() if key in found}
+    return _intervals(f"{members} flights: {', '.join(ends)}", intervals)
 
 
 def _landing(found: dict[str, Any]) -> Parts:
@@ -224,14 +233,13 @@ def _landing(found: dict[str, Any]) -> Parts:
     if "centre_latitude_deg" in found:
         middle = found["centre_latitude_deg"], found["centre_longitude_deg"]
         title += f", about {place_text(*middle)}"
-    table = _table(title, "95 % interval", "from", "median", "to")
-    rows = {"time until the landing [h]": "after_h"}
-    rows["distance from the release [km]"] = "distance_from_release_km"
+    rows = {
+        "time until the landing [h]": "after_h",
+        "distance from the release [km]": "distance_from_release_km",
+    }
     intervals = {name: found[key] for name, key in rows.items() if key in found}
     intervals |= {f"time below {name} [h]": one for name, one in found["below_h"].items()}
-    for name, one in intervals.items():
-        table.add_row(name, *(_decimals(one[end]) for end in ("low", "median", "high")))
-    yield table
+    yield _intervals(title, intervals)
     objects = f"{found['objects']:,} object" + "s" * (found["objects"] > 1)
     for area in found["areas"]:
         long, wide = area["half_axes_km"]
@@ -256,19 +264,3 @@ def _landing(found: dict[str, Any]) -> Parts:
 
 def _reason(name: str) -> str:
     return name.replace("still_flying", "still aloft").replace("_", " ")
-
-
-def _launches(found: list[dict[str, Any]]) -> Table:
-    table = _table("launches", "released", "aloft [h]", "lowest [km]", "at the end [km]", "end")
-    for launch in found[:_MOST_ROWS]:
-        table.add_row(
-            launch["released"],
-            f"{launch['duration_h']:.2f}",
-            f"{launch['lowest_altitude_km']:.2f}",
-            f"{launch['end_altitude_km']:.2f}",
-            _reason(launch["end_reason"]),
-        )
-    if len(found) > _MOST_ROWS:
-        table.caption = f"and {len(found) - _MOST_ROWS} more in the summary"
-        table.caption_justify = "left"
-    return table

@@ -1,6 +1,7 @@
 """Where the members of a released swarm are after days: shares, with what chance leaves open."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -14,25 +15,22 @@ from lightflyer.config.designs import as_design
 from lightflyer.core.clock import dates_of
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import Counted, reported_as_part
+from lightflyer.core.quantity import require_record
 from lightflyer.design.design import AbstractDesign
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import AbstractArea, describe_all, unit_vectors
 from lightflyer.mission.fleet import BATCH, Ensemble, flights_of
 from lightflyer.mission.kept import WorkFolder, describe_work
-from lightflyer.mission.mission import times_of
-from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
+from lightflyer.mission.mission import Mission, times_of
 from lightflyer.mission.path.integration import (
-    TOLERANCE,
     Accuracy,
     Plan,
     Start,
     TerminationReason,
-    Track,
 )
 from lightflyer.mission.path.motion import ELAPSED, Vehicle, planet_of
 from lightflyer.mission.path.release import (
-    Release,
     limits_of,
     require_release_inside,
     require_rule,
@@ -49,7 +47,6 @@ MEMBERS = 8 * BATCH - 1
 """Members that are flown and counted together; with them goes the flyer as it is stated."""
 
 _EVERY = 3600.0  # seconds between counts where nobody asks for a spacing
-_STUDY = "spread.json"
 
 
 class Counts(NamedTuple):
@@ -71,36 +68,58 @@ class _Swarm:
     """Everything that a batch of members needs, wherever it is flown."""
 
     design: AbstractDesign
-    rule: AbstractAttitudeRule
+    mission: Mission
     start: Start
-    ensemble: Ensemble
     areas: tuple[AbstractArea, ...]
     plan: Plan
 
     @property
-    def batches(self) -> int:
-        """How many there are."""
-        return -(-self.ensemble.members // MEMBERS)
+    def ensemble(self) -> Ensemble:
+        assert self.mission.ensemble is not None
+        return self.mission.ensemble
+
+    @property
+    def release(self) -> np.ndarray:
+        """Unit vector of the place of the release."""
+        return np.asarray(unit_vectors(self.start.place.latitude, self.start.place.longitude))
+
+    @property
+    def planet_radius(self) -> float:
+        return float(planet_of(self.design.setup.environment).radius)
 
     def size(self, batch: int) -> int:
         return min(MEMBERS, self.ensemble.members - batch * MEMBERS)
 
-    def seed(self, batch: int) -> int:
-        """Of a batch's random numbers, which depend on nothing else; the first are those of fly."""
-        if batch == 0:
-            return self.ensemble.seed
-        sequence = np.random.SeedSequence(self.ensemble.seed, spawn_key=(batch,))
-        return int(sequence.generate_state(1)[0])
-
     def __call__(self, batch: int) -> tuple[int, Counts]:
         """Fly a batch of members and count them."""
-        ensemble = replace(self.ensemble, members=self.size(batch), seed=self.seed(batch))
-        seed = self.ensemble.seed
-        flights = flights_of(self.design, self.rule, self.start, ensemble, air_seed=seed)
+        # a batch's random numbers depend on nothing else; the first are those of fly
+        seed = of_batch = self.ensemble.seed
+        if batch:
+            sequence = np.random.SeedSequence(seed, spawn_key=(batch,))
+            of_batch = int(sequence.generate_state(1)[0])
+        ensemble = replace(self.ensemble, members=self.size(batch), seed=of_batch)
+        rule = self.mission.attitude
+        flights = flights_of(self.design, rule, self.start, ensemble, air_seed=seed)
         with reported_as_part(batch * MEMBERS, self.ensemble.members, "flights"):
             tracks, _, _ = fly_flights(flights, self.plan)
         # without the flyer as it is stated
-        return batch, _counts_of(tree.map_leaves(lambda leaf: leaf[1:], tracks), self)
+        tracks = tree.map_leaves(lambda leaf: leaf[1:], tracks)
+        flying = np.isfinite(tracks.altitude)
+        moved = np.where(flying[..., None], tracks.position - self.release, 0.0)
+        climbed = np.where(flying, tracks.altitude - float(self.start.altitude), 0.0)
+        inside = [
+            np.sum(flying & area.contains(self.release + moved, self.planet_radius), axis=0)
+            for area in self.areas
+        ]
+        return batch, Counts(
+            flying.sum(axis=0),
+            np.reshape(inside, (len(self.areas), self.plan.elapsed.size)).astype(int),
+            moved.sum(axis=0),
+            np.square(moved).sum(axis=(0, 2)),
+            climbed.sum(axis=0),
+            np.square(climbed).sum(axis=0),
+            np.bincount(np.asarray(tracks.termination), minlength=len(TerminationReason)),
+        )
 
     remotely = __call__
 
@@ -113,37 +132,33 @@ def disperse_ensemble(
     what: Any,
     environment: AbstractEnvironment | None = None,
     model: AbstractForceModel | None = None,
+    mission: Mission | None = None,
     *,
-    release: Release,
-    duration: Any,
-    ensemble: Ensemble,
     areas: Sequence[AbstractArea] = (),
-    every: Any = _EVERY,
-    attitude: AbstractAttitudeRule | None = None,
-    lowest: Any = None,
-    highest: Any = None,
-    tolerance: float = TOLERANCE,
     folder: str | Path | None = None,
     scheduler: str | None = None,
+    **fields: Any,
 ) -> "xr.Dataset":
     """Spread of a swarm that is released at once: the share still flying, and inside areas.
 
     Parameters
     ----------
-    what, environment, model, release, duration, attitude, lowest, highest, tolerance
+    what, environment, model : optional
         As for :func:`lightflyer.fly`.
-    ensemble : Ensemble
-        How many members, and what differs from one to another, beside every ± of the design.
+    mission : Mission, optional
+        With an ensemble: how many members, and what differs from one to another, beside every ± of
+        the design. ``every`` is the time between the counts, by default an hour [s].
     areas : sequence of AbstractArea
         Such as :class:`~lightflyer.mission.Circle`.
-    every : float
-        Time between the counts [s].
     folder : path, optional
         Keeps the counts of each batch of members. The same call continues where it was
         interrupted.
     scheduler : str, optional
         Address of a Dask scheduler, on whose workers the members fly; by default they fly in
         threads of this process.
+    **fields
+        Fields of the mission, such as ``release``, ``duration`` and ``ensemble``: in place of it,
+        or in place of fields of it.
 
     Returns
     -------
@@ -179,177 +194,116 @@ def disperse_ensemble(
     '0.48'
     """
     design = as_design(what, environment, model)
-    setup, rule = design.setup, attitude or Own()
-    limits = limits_of(setup.environment, lowest, highest)
-    require_release_inside(release, limits)
-    _require_members(ensemble, areas)
-    elapsed = times_of(duration, every)
+    mission = Mission(**fields) if mission is None else replace(mission, **fields)
+    setup, ensemble = design.setup, require_record("ensemble", (Ensemble,), mission.ensemble)
+    limits = limits_of(setup.environment, mission.lowest, mission.highest)
+    require_release_inside(mission.release, limits)
+    if ensemble.members < 1:
+        raise ParameterError(f"a swarm of {ensemble.members} members is none")
+    for area in areas:
+        if not isinstance(area, AbstractArea):
+            raise ParameterError(f"areas are a Circle or a Polygon, not {type(area).__name__}")
+    elapsed = times_of(mission.duration, _EVERY if mission.every is None else mission.every)
     # raises where the data of winds or ground do not reach
-    start = release.start()
-    remarks = require_rule(Vehicle(setup, rule), start)
-    accuracy = Accuracy.for_duration(float(elapsed[-1]), tolerance)
-    plan = Plan(limits, elapsed, accuracy)
-    swarm = _Swarm(design, rule, start, ensemble, tuple(areas), plan)
+    start = mission.release.start()
+    warnings = [*design.warnings, *require_rule(Vehicle(setup, mission.attitude), start)]
+    plan = Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), mission.tolerance))
+    swarm = _Swarm(design, mission, start, tuple(areas), plan)
     counts = _count(swarm, None if folder is None else Path(folder), scheduler)
+    for end in (TerminationReason.NO_DATA, TerminationReason.STEP_LIMIT):
+        number = int(counts.ends[int(end)])
+        if number:
+            warnings.append(
+                f"{number} members {end.describe()}; they count as not flying from there on"
+            )
     dataset = _dataset(swarm, counts)
     dataset.attrs |= {
         "title": "lightflyer spread",
         "lightflyer_version": lightflyer.__version__,
         "flyer": setup.flyer.describe(),
         "areas": "; ".join(describe_all(areas)),
-        "assumptions": "\n".join(assumptions_of(setup, rule, ensemble, None)),
-        "warnings": "\n".join((*design.warnings, *remarks, *_diagnostics(counts))),
+        "assumptions": "\n".join(assumptions_of(setup, mission.attitude, ensemble, None)),
+        "warnings": "\n".join(warnings),
     }
     return dataset
 
 
-def _require_members(ensemble: Ensemble, areas: Sequence[AbstractArea]) -> None:
-    if ensemble.members < 1:
-        raise ParameterError(f"a swarm of {ensemble.members} members is none")
-    for area in areas:
-        if not isinstance(area, AbstractArea):
-            raise ParameterError(f"areas are a Circle or a Polygon, not {type(area).__name__}")
-
-
-def _counts_of(tracks: Track, swarm: _Swarm) -> Counts:
-    flying = np.isfinite(tracks.altitude)
-    moved = np.where(flying[..., None], tracks.position - _release(swarm), 0.0)
-    climbed = np.where(flying, tracks.altitude - float(swarm.start.altitude), 0.0)
-    radius = float(planet_of(swarm.design.setup.environment).radius)
-    inside = [
-        np.sum(flying & area.contains(_release(swarm) + moved, radius), axis=0)
-        for area in swarm.areas
-    ]
-    return Counts(
-        flying.sum(axis=0),
-        np.reshape(inside, (len(swarm.areas), swarm.plan.elapsed.size)).astype(int),
-        moved.sum(axis=0),
-        np.square(moved).sum(axis=(0, 2)),
-        climbed.sum(axis=0),
-        np.square(climbed).sum(axis=0),
-        np.bincount(np.asarray(tracks.termination), minlength=len(TerminationReason)),
-    )
-
-
-def _release(swarm: _Swarm) -> np.ndarray:
-    """Unit vector of the place of the release."""
-    place = swarm.start.place
-    return np.asarray(unit_vectors(place.latitude, place.longitude))
-
-
 def _count(swarm: _Swarm, folder: Path | None, scheduler: str | None) -> Counts:
     """Sums over all batches: those that a folder has, and those that are flown now."""
-    kept = None if folder is None else WorkFolder(folder, _STUDY, "swarm", _describe(swarm))
-    found: dict[int, Counts] = {}
-    for batch in range(swarm.batches):
-        stored = None if kept is None else kept.read(_name(batch))
-        if stored is not None:
-            found[batch] = Counts(**stored)
-    missing = [batch for batch in range(swarm.batches) if batch not in found]
+    ensemble, limits, elapsed, accuracy = swarm.ensemble, *swarm.plan
+    batches, work = range(-(-ensemble.members // MEMBERS)), None
+    if folder is not None:
+        parts = {
+            "release": swarm.start, "ensemble": ensemble, "attitude": swarm.mission.attitude,
+            "areas": swarm.areas, "altitudes": limits, "times": elapsed,
+        }  # fmt: skip
+        described = describe_work(swarm.design, parts)
+        whole = ensemble.members, ensemble.seed, accuracy, MEMBERS
+        described["members, seed of the first batch, accuracy, batch"] = repr(whole)
+        work = WorkFolder(folder, "spread.json", "swarm", described)
+    stored = {batch: work.read(f"batch-{batch:06d}") for batch in batches if work is not None}
+    found = {batch: Counts(**one) for batch, one in stored.items() if one is not None}
+    missing = [batch for batch in batches if batch not in found]
     done = sum(swarm.size(batch) for batch in found)
-    counted = Counted("flying", swarm.ensemble.members, "flights", done)
-    for batch, counts in _fly(swarm, missing, scheduler):
-        if kept is not None:
-            kept.write(_name(batch), counts._asdict())
-        found[batch] = counts
-        counted.add(swarm.size(batch))
+    counted = Counted("flying", ensemble.members, "flights", done)
+    remote = scheduler if missing else None
+    with nullcontext() if remote is None else connect_client(remote) as client:
+        flown = map(swarm, missing)
+        for batch, counts in run_on_dask(swarm, missing, client, remote) if remote else flown:
+            if work is not None:
+                work.write(f"batch-{batch:06d}", counts._asdict())
+            found[batch] = counts
+            counted.add(swarm.size(batch))
     # in the order of the batches, so that the sums do not depend on who was first
     ordered = [found[batch] for batch in sorted(found)]
     return Counts(*(np.sum(parts, axis=0) for parts in zip(*ordered, strict=True)))
 
 
-def _fly(swarm: _Swarm, missing: list[int], scheduler: str | None) -> Iterator[tuple[int, Counts]]:
-    if scheduler is None:
-        yield from map(swarm, missing)
-    elif missing:
-        with connect_client(scheduler) as client:
-            yield from run_on_dask(swarm, missing, client, scheduler)
-
-
-def _name(batch: int) -> str:
-    return f"batch-{batch:06d}"
-
-
-def _describe(swarm: _Swarm) -> dict[str, str]:
-    """Everything that decides the counts, in words that can be compared."""
-    parts = {
-        "release": swarm.start,
-        "ensemble": swarm.ensemble,
-        "attitude": swarm.rule,
-        "areas": swarm.areas,
-        "altitudes": swarm.plan.limits,
-        "times": swarm.plan.elapsed,
-    }
-    whole = (swarm.ensemble.members, swarm.ensemble.seed, swarm.plan.accuracy, MEMBERS)
-    told = describe_work(swarm.design, parts)
-    return told | {"members, seed of the first batch, accuracy, batch": repr(whole)}
-
-
 def _dataset(swarm: _Swarm, counts: Counts) -> "xr.Dataset":
+    """Shares, and middle and width of what is still aloft; NaN where nothing is."""
     import xarray as xr
 
-    members, flying = swarm.ensemble.members, counts.flying
-    dataset = xr.Dataset()
+    members, elapsed, dataset = swarm.ensemble.members, swarm.plan.elapsed, xr.Dataset()
     about = {"units": "s", "long_name": "time since the release"}
-    dataset.coords[ELAPSED] = (ELAPSED, swarm.plan.elapsed, about)
+    dataset.coords[ELAPSED] = (ELAPSED, elapsed, about)
     date = {"long_name": "date (UTC)"}
-    released = float(swarm.start.place.time)
-    dataset.coords["time"] = (ELAPSED, dates_of(released + swarm.plan.elapsed), date)
-    _add_shares(dataset, "flying", (ELAPSED,), flying, members, "share that still flies")
+    dates = dates_of(float(swarm.start.place.time) + elapsed)
+    dataset.coords["time"] = (ELAPSED, dates, date)
+
+    def add_shares(name: str, dims: tuple[str, ...], counted: np.ndarray, text: str) -> None:
+        low, high = binomial_interval(counted, members)
+        for end, values, words in (
+            ("", counted / members, ""),
+            ("_low", low, ", lower end of the 95 % interval"),
+            ("_high", high, ", upper end"),
+        ):
+            dataset[name + end] = (dims, values, {"units": "1", "long_name": text + words})
+
+    add_shares("flying", (ELAPSED,), counts.flying, "share that still flies")
     if swarm.areas:
         dataset.coords["area"] = ("area", describe_all(swarm.areas))
         text = "share that still flies and is inside the area"
-        _add_shares(dataset, "inside", ("area", ELAPSED), counts.inside, members, text)
-    for name, (values, unit, text) in _moments(swarm, counts).items():
+        add_shares("inside", ("area", ELAPSED), counts.inside, text)
+    flying = np.where(counts.flying > 0, counts.flying, np.nan)
+    moved, climbed = counts.moved / flying[:, None], counts.climbed / flying
+    scatter = counts.moved_squared / flying - np.square(moved).sum(axis=-1)
+    middle = swarm.release + moved
+    length = np.linalg.norm(middle, axis=-1)
+    latitude, longitude = degrees_of(middle / length[:, None])
+    variance = np.maximum(counts.climbed_squared / flying - climbed**2, 0.0)
+    # the middle lies inside the planet by 1 - length, and was pushed out to its surface
+    distance = swarm.planet_radius * np.sqrt(np.maximum(2.0 * scatter / (1.0 + length), 0.0))
+    altitude = float(swarm.start.altitude) + climbed
+    for name, values, unit, text in (
+        ("latitude", latitude, "degree_north", "latitude of the middle"),
+        ("longitude", longitude, "degree_east", "longitude of the middle"),
+        ("distance", distance, "m", "root mean square distance from the middle, along chords"),
+        ("altitude", altitude, "m", "mean geometric altitude"),
+        ("altitude_spread", np.sqrt(variance), "m", "standard deviation of the altitude"),
+    ):
         dataset[name] = (ELAPSED, values, {"units": unit, "long_name": text})
-    reasons = [end.name.lower() for end in TerminationReason]
-    dataset.coords["reason"] = ("reason", reasons)
+    dataset.coords["reason"] = ("reason", [end.name.lower() for end in TerminationReason])
     text = "members by what ended their flight"
     dataset["ends"] = ("reason", counts.ends, {"units": "1", "long_name": text})
     dataset["members"] = ((), members, {"units": "1", "long_name": "members of the swarm"})
     return dataset
-
-
-def _add_shares(
-    dataset: "xr.Dataset",
-    name: str,
-    dimensions: tuple[str, ...],
-    counts: np.ndarray,
-    members: int,
-    text: str,
-) -> None:
-    low, high = binomial_interval(counts, members)
-    parts = {"": counts / members, "_low": low, "_high": high}
-    ends = {"": "", "_low": ", lower end of the 95 % interval", "_high": ", upper end"}
-    for end, values in parts.items():
-        dataset[name + end] = (dimensions, values, {"units": "1", "long_name": text + ends[end]})
-
-
-def _moments(swarm: _Swarm, counts: Counts) -> dict[str, tuple[np.ndarray, str, str]]:
-    """Middle and width of what still flies; NaN where nothing does."""
-    flying = np.where(counts.flying > 0, counts.flying, np.nan)
-    moved = counts.moved / flying[:, None]
-    scatter = counts.moved_squared / flying - np.square(moved).sum(axis=-1)
-    middle = _release(swarm) + moved
-    length = np.linalg.norm(middle, axis=-1)
-    latitude, longitude = degrees_of(middle / length[:, None])
-    radius = float(planet_of(swarm.design.setup.environment).radius)
-    climbed = counts.climbed / flying
-    variance = np.maximum(counts.climbed_squared / flying - climbed**2, 0.0)
-    altitude = float(swarm.start.altitude) + climbed
-    # the middle lies inside the planet by 1 - length, and was pushed out to its surface
-    distance = radius * np.sqrt(np.maximum(2.0 * scatter / (1.0 + length), 0.0))
-    return {
-        "latitude": (latitude, "degree_north", "latitude of the middle"),
-        "longitude": (longitude, "degree_east", "longitude of the middle"),
-        "distance": (distance, "m", "root mean square distance from the middle, along chords"),
-        "altitude": (altitude, "m", "mean geometric altitude"),
-        "altitude_spread": (np.sqrt(variance), "m", "standard deviation of the altitude"),
-    }
-
-
-def _diagnostics(counts: Counts) -> Iterator[str]:
-    for end in (TerminationReason.NO_DATA, TerminationReason.STEP_LIMIT):
-        number = int(counts.ends[int(end)])
-        if number:
-            yield f"{number} members {end.describe()}; they count as not flying from there on"

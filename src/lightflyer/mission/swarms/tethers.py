@@ -32,8 +32,7 @@ from lightflyer.core.quantity import (
     Modulus,
 )
 from lightflyer.design.diagnostics import diagnose
-from lightflyer.design.setup import Setup
-from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place
+from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.files.display_units import amount
 from lightflyer.files.result_text import Parts, PrintedResult, rows_of, warning_lines
 from lightflyer.force.base import AbstractForceModel
@@ -175,11 +174,17 @@ def tethered_swarm(
     """
     setup = as_design(what, environment, model).setup
     wanted = _Wanted(payload, altitude, spacing, depth)
-    given = wanted.altitude
-    altitude = _best_altitude(setup, place) if given is None else float(given)
+    if wanted.altitude is None:
+        low, high = setup.searched
+        tried = np.linspace(low, high, 1 + max(1, round((high - low) / _ALTITUDE_STEP)))
+        states = setup.environment.state(tried, place)
+        carried = payload_of(setup.flyer, states, setup.model, throw=False)
+        altitude = float(tried[int(np.nanargmax(carried))])
+    else:
+        altitude = float(wanted.altitude)
     state = setup.environment.state(altitude, place)
-    spare = float(payload_of(setup.flyer, state, setup.model)) * float(state.gravity)
-    own = float(setup.flyer.own_mass) * float(state.gravity)
+    gravity = float(state.gravity)
+    spare = float(payload_of(setup.flyer, state, setup.model)) * gravity
     if spare <= 0.0:
         raise ParameterError(f"the flyer does not lift itself at {altitude / 1e3:g} km")
     diameter = 2.0 * math.sqrt(float(setup.flyer.area) / math.pi)
@@ -189,30 +194,32 @@ def tethered_swarm(
             f"spacing = {between:g} m is less than the diameter of a flyer, {diameter:g} m"
         )
     tether = Tether() if tether is None else tether
-    thread = tether.linear_density
-    hung = _Hung(own, spare, float(thread) * float(state.gravity), between, wanted.depth)
-    count = _fewest(hung, float(wanted.payload) * float(state.gravity))
-    pulls, lengths, tilts = hung.pulls(count)
-    pull, limit = float(pulls.max()), tether.breaking_load
+    thread, limit = float(tether.linear_density), tether.breaking_load
+    own = float(setup.flyer.own_mass) * gravity
+    layer = _Layer(own, spare, thread * gravity, between, wanted.depth)
+    count = layer.fewest(float(wanted.payload) * gravity)
+    pulls, lengths, tilts = layer.pulls(count)
+    pull, tilt, apart = float(pulls.max()), float(tilts.max()), between / diameter
+    temperature = equilibrium(setup.flyer, state, setup.model).temperature
+    warnings = list(diagnose(setup, state, temperature))
+    if apart < CLOSE:
+        warnings.append(
+            f"neighbours are {apart:.2g} diameters apart: they share gas and heat, not counted here"
+        )
+    if tilt > _LARGE_TILT:
+        warnings.append(
+            f"the outermost flyers tilt by {math.degrees(tilt):.0f}°, at which they have less light"
+        )
+    if limit is not None and pull > float(limit):
+        warnings.append(f"a tether is pulled by {pull:.3g} N and breaks at {float(limit):.3g} N")
     return Swarm(
-        count,
-        altitude,
-        spare,
-        hung.radius(count),
-        hung.depth_of(count),
-        float(lengths.max()),
-        float(thread) * float(lengths.sum()),
-        pull,
-        float(tilts.max()),
-        (
-            *_diagnostics(setup, state, between / diameter, float(tilts.max())),
-            *_broken(pull, None if limit is None else float(limit)),
-        ),
-    )
+        count, altitude, spare, layer.radius(count), layer.depth_of(count), float(lengths.max()),
+        thread * float(lengths.sum()), pull, tilt, tuple(warnings),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class _Hung:
+class _Layer:
     """Weight and spare lift of a flyer [N], a tether's weight [N/m], distances [m]."""
 
     own: float
@@ -246,48 +253,21 @@ class _Hung:
         tilts = np.arcsin(np.clip(pull * np.sin(angle) / force, -1.0, 1.0))
         return pull, length, tilts
 
-
-def _fewest(hung: _Hung, weight: float) -> int:
-    """Fewest flyers that carry a weight."""
-    if weight <= 0.0:
-        raise ParameterError("there is nothing to carry: the payload is zero")
-    low, high = 0, 1
-    while hung.carried_weight(high) < weight:
-        low, high = high, 2 * high
-        if low > MOST:
-            raise ParameterError(
-                f"{MOST} flyers on such tethers do not carry it; the tethers may weigh too much"
-            )
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if hung.carried_weight(middle) >= weight else (middle, high)
-    return high
-
-
-def _best_altitude(setup: Setup, place: Place | None) -> float:
-    """Altitude at which one flyer carries most [m]."""
-    low, high = setup.searched
-    altitudes = np.linspace(low, high, 1 + max(1, round((high - low) / _ALTITUDE_STEP)))
-    state = setup.environment.state(altitudes, place)
-    carried = payload_of(setup.flyer, state, setup.model, throw=False)
-    return float(altitudes[int(np.nanargmax(carried))])
-
-
-def _broken(pull: float, limit: float | None) -> list[str]:
-    if limit is None or pull <= limit:
-        return []
-    return [f"a tether is pulled by {pull:.3g} N and breaks at {limit:.3g} N"]
-
-
-def _diagnostics(setup: Setup, state: EnvironmentState, apart: float, tilt: float) -> list[str]:
-    temperature = equilibrium(setup.flyer, state, setup.model).temperature
-    found = list(diagnose(setup, state, temperature))
-    if apart < CLOSE:
-        found.append(
-            f"neighbours are {apart:.2g} diameters apart: they share gas and heat, not counted here"
-        )
-    if tilt > _LARGE_TILT:
-        found.append(
-            f"the outermost flyers tilt by {math.degrees(tilt):.0f}°, at which they have less light"
-        )
-    return found
+    def fewest(self, weight: float) -> int:
+        """Fewest flyers that carry a weight [N]."""
+        if weight <= 0.0:
+            raise ParameterError("there is nothing to carry: the payload is zero")
+        low, high = 0, 1
+        while self.carried_weight(high) < weight:
+            low, high = high, 2 * high
+            if low > MOST:
+                raise ParameterError(
+                    f"{MOST} flyers on such tethers do not carry it; the tethers may weigh too much"
+                )
+        while high - low > 1:
+            middle = (low + high) // 2
+            if self.carried_weight(middle) >= weight:
+                high = middle
+            else:
+                low = middle
+        return high

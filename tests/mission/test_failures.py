@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.compute import scheduler, store
 from lightflyer.core import progress
 from lightflyer.core.progress import report, report_to, reported_as_part
-from lightflyer.mission import fleet, kept
+from lightflyer.mission import fleet
 from lightflyer.mission.kept import forget_flights, keeps_flights
 from lightflyer.mission.path import integration
 from lightflyer.mission.path.integration import TerminationReason
@@ -99,7 +100,7 @@ def test_an_interrupted_flight_keeps_what_was_flown(monkeypatch):
 def test_an_interrupted_ensemble_says_how_many_were_flown(monkeypatch):
     asked = chain([False], repeat(True))
     monkeypatch.setattr(fleet, "BATCH", 1)
-    monkeypatch.setattr(fleet, "processors", lambda: 1)
+    monkeypatch.setattr(scheduler, "processors", lambda: 1)
     monkeypatch.setattr(fleet, "asked_to_end", lambda: next(asked))
     flown = fly(disk(limit=None), ensemble=lf.mission.Ensemble(members=3))
     assert flown.sizes["member"] == 1
@@ -109,7 +110,7 @@ def test_an_interrupted_ensemble_says_how_many_were_flown(monkeypatch):
 @pytest.mark.parametrize("members", [3, 7])
 def test_an_interrupted_ensemble_goes_on_and_is_the_same(monkeypatch, tmp_path, members):
     monkeypatch.setattr(fleet, "BATCH", 3)
-    monkeypatch.setattr(fleet, "processors", lambda: 1)
+    monkeypatch.setattr(scheduler, "processors", lambda: 1)
     folder, given = tmp_path / "flights", {"ensemble": lf.mission.Ensemble(members, wind=5.0)}
     whole = fly(disk(limit=None), launches=[3600.0], **given)
     asked = chain([False], repeat(True))
@@ -138,7 +139,7 @@ def test_flights_of_another_mission_or_version_are_refused(monkeypatch, tmp_path
     ):
         with pytest.raises(lf.OutputError, match=f"another mission, which differs in .*{what}"):
             fly(flyer, **given, folder=folder)
-    monkeypatch.setattr(kept, "versions", lambda: {"lightflyer": "0.0"})
+    monkeypatch.setattr(store, "versions", lambda: {"lightflyer": "0.0"})
     with pytest.raises(lf.OutputError, match=r"another mission, .*lightflyer"):
         fly(disk(limit=None), ensemble=ensemble, folder=folder)
     (tmp_path / "mine.txt").write_text("mine")

@@ -7,6 +7,7 @@ import lightflyer as lf
 from lightflyer.film.optics.transfer_matrix import Structure, ellipsometric_angles
 from lightflyer.lab.optics.data import read_sample
 from lightflyer.lab.optics.fit import fit_optics
+from lightflyer.numerics.residuals import correlation_length
 
 tmm = pytest.importorskip("tmm")
 
@@ -116,3 +117,12 @@ def test_an_incidence_must_be_known(tmp_path, rng):
     write_sample(tmp_path, rng, header="wavelength [nm],psi [deg],delta [deg],other")
     with pytest.raises(lf.ConfigurationError, match='write incidence = "70 deg"'):
         read_sample(tmp_path / "sample.toml")
+
+
+def test_three_ordinates_of_two_angles_tell_as_much_as_two(tmp_path, rng):
+    """N, C and S follow from Ψ and Δ: each has two thirds of its points."""
+    write_sample(tmp_path, rng)
+    fit = fit_optics(read_sample(tmp_path / "sample.toml"), starts=1)
+    for one in fit.spectra:
+        length = correlation_length(one.residual)[0]
+        assert one.scatter.independent == pytest.approx(one.residual.size / (1.5 * length))

@@ -360,3 +360,17 @@ def test_units_of_a_light_meter_are_of_one_kind(tmp_path):
     path.write_text("incident [W],reflected [mW],transmitted [mW]\n1.7,271,9\n", encoding="utf-8")
     found, _ = lf.lab.read_readings(path, lf.lab.LIGHT)
     assert found.values[:3, 0] == pytest.approx([1.7, 0.271, 0.009])
+
+
+@pytest.mark.parametrize(("ambient", "fits"), [(1.0, True), (3.0, False)])
+def test_source_and_background_both_count_in_what_tells_them_apart(ambient, fits):
+    """Five standard uncertainties of a difference: 5 √2 = 7.1 K, and 5 √10 = 15.8 K, of 10 K."""
+    given = {
+        "hotplate_temperature": Measured(305.0, 1.0), "lower_temperature": Measured(297.0, 0.1),
+        "upper_temperature": Measured(302.0, 0.1), "ambient_temperature": Measured(295.0, ambient),
+    }  # fmt: skip
+    if fits:
+        assert given_readings(given, THERMAL).uncertainties[3] == ambient
+        return
+    with pytest.raises(lf.ConfigurationError, match=r"less than 5 standard uncertainties, 15\.8 K"):
+        given_readings(given, THERMAL)

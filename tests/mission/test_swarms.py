@@ -222,16 +222,12 @@ def disk():
     return lf.Disk(FILM, radius=0.01)
 
 
-def test_a_deep_payload_takes_the_spare_lift_of_every_flyer(disk):
-    around = lf.Earth(), lf.Lu2023()
-    found = lf.mission.tethered_swarm(disk, *around, payload=1e-4, altitude=72e3, depth="10 km")
-    each = lf.payload(disk, lf.Earth().state(72e3), lf.Lu2023())
-    assert found.count == int(np.ceil(1e-4 / each))
-    heavier = lf.mission.tethered_swarm(
-        disk, *around, payload=1e-4, altitude=72e3, tether=Tether(1e-7)
-    )
-    assert heavier.count > found.count
-    assert heavier.tether_mass > 0.5e-7 * heavier.count * heavier.depth
+def test_tethers_with_a_mass_take_more_flyers(disk):
+    given = (disk, lf.Earth(), lf.Lu2023()), {"payload": 1e-4, "altitude": 72e3}
+    light, heavy = (lf.mission.tethered_swarm(*given[0], **given[1], tether=Tether(mass))
+                    for mass in (0.0, 1e-7))  # fmt: skip
+    assert heavy.count > light.count
+    assert heavy.tether_mass > 0.5e-7 * heavy.count * heavy.depth
 
 
 def test_a_tether_that_is_too_weak_is_named(disk):

@@ -23,6 +23,7 @@ from lightflyer.core.quantity import (
 )
 
 _FEWEST_CORNERS = 3
+_SMALLEST = sys.float_info.min
 _EDGE = 1e-12  # of a unit vector, by which a corner may miss the hemisphere
 
 
@@ -149,9 +150,6 @@ def describe_place(latitude: float, longitude: float) -> str:
 def describe_all(areas: Sequence[AbstractArea]) -> list[str]:
     """Areas in words."""
     return [area.describe() for area in areas]
-
-
-_SMALLEST = sys.float_info.min
 
 
 class Directions(NamedTuple):

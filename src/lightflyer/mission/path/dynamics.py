@@ -129,16 +129,16 @@ class Balanced:
         vehicle = tree.take_rows(self.vehicle, members, rows)
         return replace(self, vehicle=vehicle, released=self.released[rows])
 
-    def around(self, elapsed: Any, states: Array) -> tuple[Array, Place, Surroundings]:
+    def local(self, elapsed: Any, states: Array) -> tuple[Array, Place, Surroundings]:
         """Altitude [m], place and surroundings of scaled states."""
-        return self._around(elapsed, states, states[..., 3] * ALTITUDE_SCALE)
+        return self._local(elapsed, states, states[..., 3] * ALTITUDE_SCALE)
 
-    def _around(
+    def _local(
         self, elapsed: Any, states: Array, altitude: Array
     ) -> tuple[Array, Place, Surroundings]:
         place = Place(*latitude_and_longitude(states[..., :3]), self.released + elapsed)
-        around = self.vehicle.surroundings(self.limits.inside(altitude), place, elapsed)
-        return altitude, place, around
+        local = self.vehicle.surroundings(self.limits.inside(altitude), place, elapsed)
+        return altitude, place, local
 
     def rate(self, elapsed: Any, states: Array) -> Array:
         """Rates [1/s], shape (members, n, 4)."""
@@ -147,23 +147,23 @@ class Balanced:
         # a balloon's force a little higher tells how firmly it is held
         higher = _DIFFERENCE * altitude
         heights = np.stack([altitude, altitude + higher]) if floats else altitude
-        _, place, around = self._around(elapsed, states, heights)
-        unknowns = vehicle.heat(around).unknowns
-        forces = vehicle.forces(around, unknowns)
-        axial, slope = steady_speeds(around, forces, unknowns)
+        _, place, local = self._local(elapsed, states, heights)
+        unknowns = vehicle.heat(local).unknowns
+        forces = vehicle.forces(local, unknowns)
+        axial, slope = steady_speeds(local, forces, unknowns)
         if floats:
             force = np.broadcast_to(forces.axial, heights.shape)
             axial = np.broadcast_to(axial, heights.shape)[0]
             axial = settle(axial, force[0], (force[0] - force[1]) / higher)
-        moving = velocity(around, axial, slope)
+        moving = velocity(local, axial, slope)
         if floats:
             moving = Wind(*(np.broadcast_to(part, heights.shape)[0] for part in moving))
         return rate_of(moving, place, altitude, vehicle.planet)
 
     def loads(self, elapsed: Any, states: Array) -> Array:
         """Loads as :func:`~.failure.loads` has them, shape (members, n, failures)."""
-        _, _, around = self.around(elapsed, states)
-        found = loads(self.vehicle, around, self.vehicle.heat(around))
+        _, _, local = self.local(elapsed, states)
+        found = loads(self.vehicle, local, self.vehicle.heat(local))
         return np.stack([np.broadcast_to(load, states.shape[:-1]) for load in found], axis=-1)
 
 
@@ -196,28 +196,32 @@ class Moving(Balanced):
 
     def at_release(self, start: Start) -> Array:
         """Scaled states of flyers that are released as warm as the gas; numbers (members, 1)."""
-        around = self.vehicle.surroundings(start.altitude, start.place, xp.zeros(()))
-        given = xp.stack(xp.broadcast_arrays(*around.wind, self.released)[:3], axis=-1)
+        local = self.vehicle.surroundings(start.altitude, start.place, xp.zeros(()))
+        given = xp.stack(xp.broadcast_arrays(*local.wind, self.released)[:3], axis=-1)
         if start.velocity is not None:
             given = xp.asarray(start.velocity)
         moving = (given[..., None, :] @ _axes(start.place))[..., 0, :] / SPEED_SCALE
         nodes = 0 if self.inertia is None else len(self.vehicle.setup.flyer.nodes)
-        warmth = xp.broadcast_to(around.state.temperature, self.released.shape)
+        warmth = xp.broadcast_to(local.state.temperature, self.released.shape)
         heat = xp.repeat(warmth[..., None], nodes, axis=-1) / _TEMPERATURE_SCALE
         return xp.concatenate([scale_state(start), moving, heat], axis=-1)
 
     def rate(self, elapsed: Any, states: Array) -> Array:
         """Rates [1/s], shape (members, n, components)."""
-        altitude, place, around = self.around(elapsed, states)
+        altitude, place, local = self.local(elapsed, states)
         vehicle, heating = self.vehicle, []
         if self.inertia is None:
-            unknowns = vehicle.heat(around).unknowns
+            unknowns = vehicle.heat(local).unknowns
         else:
             temperatures = xp.moveaxis(states[..., _HEAT], -1, 0) * _TEMPERATURE_SCALE
-            unknowns = tuple(temperatures / around.state.temperature - 1.0)
-            heating = self._heating(around, unknowns)
+            unknowns = tuple(temperatures / local.state.temperature - 1.0)
+            equations = FlightEquations(local.flyer, local.lit, vehicle.setup.model)
+            powers = equations.powers(local.lit.radiation.irradiance)
+            capacity = self.inertia.specific_heat * local.flyer.own_mass / len(local.flyer.nodes)
+            both = zip(powers, equations.losses(unknowns), strict=True)
+            heating = [(power - loss) / capacity for power, loss in both]
         ground = velocity_over_ground(states, place)
-        speeding = self._acceleration(around, unknowns, ground)
+        speeding = self._acceleration(local, unknowns, ground)
         speeding = (speeding[..., None, :] @ _axes(place))[..., 0, :]
         turning = xp.asarray([0.0, 0.0, 2.0 * vehicle.planet.rotation_rate])
         speeding = speeding - xp.cross(turning, states[..., MOVING] * SPEED_SCALE)  # Coriolis
@@ -237,9 +241,9 @@ class Moving(Balanced):
 
     def is_balanced(self, elapsed: Any, states: Array) -> Array:
         """Whether flyers move as they do in balance, and go on doing so."""
-        _, place, around = self.around(elapsed, states)
-        axial, slope, inertia = in_balance(self.vehicle, around)
-        balance, ground = velocity(around, axial, slope), velocity_over_ground(states, place)
+        _, place, local = self.local(elapsed, states)
+        axial, slope, inertia = in_balance(self.vehicle, local)
+        balance, ground = velocity(local, axial, slope), velocity_over_ground(states, place)
         missed = _length(*(one - other for one, other in zip(ground, balance, strict=True)))
         share, beside = _CLOSE
         lasts = inertia < xp.minimum(INERTIA, _SLOW * (1.0 + elapsed / _PATIENCE))
@@ -247,9 +251,9 @@ class Moving(Balanced):
 
     def conditions(self, elapsed: Any, states: Array) -> tuple[Array, ...]:
         """What flyers feel, as :class:`~lightflyer.mission.transient.FlightConditions` has it."""
-        _, place, around = self.around(elapsed, states)
-        ground, state = velocity_over_ground(states, place), around.state
-        speed = _length(*(one - other for one, other in zip(ground, around.wind, strict=True)))
+        _, place, local = self.local(elapsed, states)
+        ground, state = velocity_over_ground(states, place), local.state
+        speed = _length(*(one - other for one, other in zip(ground, local.wind, strict=True)))
         speeding = SPEED_SCALE * _length(
             *xp.moveaxis(self.rate(elapsed, states)[..., MOVING], -1, 0)
         )
@@ -260,41 +264,32 @@ class Moving(Balanced):
         return xp.stack(ground, axis=-1), *(xp.broadcast_to(one, speed.shape) for one in found)
 
     def _acceleration(
-        self, around: Surroundings, unknowns: tuple[Array, ...], ground: Wind
+        self, local: Surroundings, unknowns: tuple[Array, ...], ground: Wind
     ) -> Array:
         """Rates of the velocity by all forces, to the east, north and up, shape (..., 3) [m/s²]."""
         # drag along the normal and across it are taken to be independent of each other
-        flyer, state, attitude = around.flyer, around.state, around.flyer.attitude
+        flyer, state, attitude = local.flyer, local.state, local.flyer.attitude
         normal, down = (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
         if attitude is not None:
             sine, cosine = xp.sin(attitude.tilt), xp.cos(attitude.tilt)
             east, north = xp.sin(attitude.azimuth), xp.cos(attitude.azimuth)
             normal = sine * east, sine * north, cosine
             down = cosine * east, cosine * north, -sine
-        forces = self.vehicle.forces(around, unknowns)
-        through = [one - other for one, other in zip(ground, around.wind, strict=True)]
+        forces = self.vehicle.forces(local, unknowns)
+        through = [one - other for one, other in zip(ground, local.wind, strict=True)]
         axial = sum(one * other for one, other in zip(through, normal, strict=True))
         across = [one - axial * other for one, other in zip(through, normal, strict=True)]
         square = sum(one**2 for one in across)
         speed = xp.sqrt(xp.where(square > _SLOWEST**2, square, _SLOWEST**2))
         edgewise = flyer.drag(state, unknowns, speed, "edgewise") / speed
         broadside = flyer.drag(state, unknowns, axial, "broadside")
-        share = 1.0 if around.drag is None else around.drag
+        share = 1.0 if local.drag is None else local.drag
         found = [
             (forces.axial * n + forces.slope * d - share * (broadside * n + edgewise * a))
             / flyer.mass
             for n, d, a in zip(normal, down, across, strict=True)
         ]
         return xp.stack(xp.broadcast_arrays(*found), axis=-1)
-
-    def _heating(self, around: Surroundings, unknowns: tuple[Array, ...]) -> list[Array]:
-        """Rates of the temperatures [K/s]."""
-        flyer, state = around.flyer, around.lit
-        equations = FlightEquations(flyer, state, self.vehicle.setup.model)
-        powers, losses = equations.powers(state.radiation.irradiance), equations.losses(unknowns)
-        assert self.inertia is not None
-        capacity = self.inertia.specific_heat * flyer.own_mass / len(flyer.nodes)
-        return [(power - loss) / capacity for power, loss in zip(powers, losses, strict=True)]
 
 
 def follow(

@@ -14,7 +14,6 @@ independent of each other, which is exact for slow motion, and the force and the
 those of a flyer at rest.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -118,12 +117,12 @@ class Vehicle(Module):
         flyer, environment = self.setup.flyer, self.setup.environment
         return Moment(elapsed, altitude, place, state.radiation, wind, flyer.attitude, environment)
 
-    def heat(self, around: Surroundings) -> Equilibrium:
-        return equilibrium(around.flyer, around.lit, self.setup.model, throw=False)
+    def heat(self, local: Surroundings) -> Equilibrium:
+        return equilibrium(local.flyer, local.lit, self.setup.model, throw=False)
 
-    def forces(self, around: Surroundings, unknowns: tuple[Array, ...]) -> Forces:
+    def forces(self, local: Surroundings, unknowns: tuple[Array, ...]) -> Forces:
         """Forces in some surroundings."""
-        flyer, state = around.flyer, around.state
+        flyer, state = local.flyer, local.state
         force = self.setup.model.force(flyer, state, unknowns)
         buoyancy = flyer.buoyancy(state, unknowns)
         heaviness = weight(flyer, state)
@@ -140,26 +139,47 @@ def with_attitude(flyer: AbstractFlyer, attitude: Attitude | None) -> AbstractFl
 
 
 def steady_speeds(
-    around: Surroundings, forces: Forces, unknowns: tuple[Array, ...]
+    local: Surroundings, forces: Forces, unknowns: tuple[Array, ...]
 ) -> tuple[Array, Array]:
     """Speeds through the air at which drag balances the other forces [m/s]."""
-    flyer, state = around.flyer, around.state
-    drag = 1.0 if around.drag is None else around.drag  # which the law's balances force / drag
+    flyer, state = local.flyer, local.state
+    drag = 1.0 if local.drag is None else local.drag  # which the law's balances force / drag
 
     def speed_of(force: Array, direction: Direction) -> Array:
-        return _speed(lambda speed: flyer.drag(state, unknowns, speed, direction), force / drag)
+        """Signed speed at which the odd, increasing drag balances a force."""
 
-    axial = speed_of(forces.axial, "broadside")
+        def resistance(speed: Array) -> Array:
+            return flyer.drag(state, unknowns, speed, direction)
+
+        sign, size = xp.sign(force), xp.abs(force)
+        at_rest = size == 0.0
+        slope = resistance(xp.full_like(force, _SLOW)) / _SLOW
+        target = xp.where(at_rest, slope * _SLOW, size)
+        proportional = target / slope
+
+        def search() -> tuple[Array, RootOutcome]:
+            found, outcome = find_power_root(
+                resistance,
+                target=target,
+                lower=_SLOWEST * proportional,
+                upper=_FASTEST * proportional,
+                guess=proportional,
+            )
+            return xp.where(at_rest, 0.0, sign * found), outcome
+
+        return implicit_root(lambda speed: resistance(speed) - force, search)[0]
+
+    axial = speed_of(forces.axial / drag, "broadside")
     if flyer.attitude is None:
         return axial, xp.zeros_like(axial)
-    return axial, speed_of(forces.slope, "edgewise")
+    return axial, speed_of(forces.slope / drag, "edgewise")
 
 
-def in_balance(vehicle: Vehicle, around: Surroundings) -> tuple[Array, Array, Array]:
+def in_balance(vehicle: Vehicle, local: Surroundings) -> tuple[Array, Array, Array]:
     """Steady speeds [m/s], and what :data:`INERTIA` is the most of [1]."""
-    unknowns = vehicle.heat(around).unknowns
-    axial, slope = steady_speeds(around, vehicle.forces(around, unknowns), unknowns)
-    thermal = around.state.gas.specific_gas_constant * around.state.temperature
+    unknowns = vehicle.heat(local).unknowns
+    axial, slope = steady_speeds(local, vehicle.forces(local, unknowns), unknowns)
+    thermal = local.state.gas.specific_gas_constant * local.state.temperature
     return axial, slope, axial**2 / thermal
 
 
@@ -174,9 +194,9 @@ def settle(speed: Array, force: Array, stiffness: Array) -> Array:
     return xp.where(stable, xp.sign(speed) * slower, speed)
 
 
-def velocity(around: Surroundings, axial: Array, slope: Array) -> Wind:
+def velocity(local: Surroundings, axial: Array, slope: Array) -> Wind:
     """Velocity over ground of a flyer that moves through the air [m/s]; east, north and up."""
-    wind, attitude = around.wind, around.flyer.attitude
+    wind, attitude = local.wind, local.flyer.attitude
     if attitude is None:
         return Wind(wind.east, wind.north, wind.up + axial)
     cosine, sine = xp.cos(attitude.tilt), xp.sin(attitude.tilt)
@@ -186,28 +206,6 @@ def velocity(around: Surroundings, axial: Array, slope: Array) -> Wind:
         wind.north + outwards * xp.cos(attitude.azimuth),
         wind.up + axial * cosine - slope * sine,
     )
-
-
-def _speed(drag: Callable[[Array], Array], force: Array) -> Array:
-    """Signed speed at which an odd, increasing drag balances a force."""
-    sign, size = xp.sign(force), xp.abs(force)
-    at_rest = size == 0.0
-    slope = drag(xp.full_like(force, _SLOW)) / _SLOW
-    target = xp.where(at_rest, slope * _SLOW, size)
-    proportional = target / slope
-
-    def search() -> tuple[Array, RootOutcome]:
-        found, outcome = find_power_root(
-            drag,
-            target=target,
-            lower=_SLOWEST * proportional,
-            upper=_FASTEST * proportional,
-            guess=proportional,
-        )
-        return xp.where(at_rest, 0.0, sign * found), outcome
-
-    speed, _ = implicit_root(lambda speed: drag(speed) - force, search)
-    return speed
 
 
 def planet_of(environment: AbstractEnvironment) -> Planet:
@@ -231,21 +229,21 @@ def failures_of(flyer: AbstractFlyer) -> tuple[TerminationReason, ...]:
     return tuple(end for end, is_known in zip(ends, known, strict=True) if is_known)
 
 
-def loads(vehicle: Vehicle, around: Surroundings, heat: Equilibrium) -> Array:
+def loads(vehicle: Vehicle, local: Surroundings, heat: Equilibrium) -> Array:
     """Load over what is borne for each of :func:`failures_of`, shape (ends,); above one it fails.
 
     Zero where it is not known, such as the tension of a film of unknown strength.
     """
-    flyer, model, found = around.flyer, vehicle.setup.model, []
+    flyer, model, found = local.flyer, vehicle.setup.model, []
     if flyer.highest_temperature is not None:
         found.append(heat.temperature / flyer.highest_temperature)
     if _STRESS in flyer.known_shape:
         results: dict[str, Any] = {}
         if flyer.held_pressure is not None:
-            results = model.own_results(flyer, around.state, heat.unknowns)
+            results = model.own_results(flyer, local.state, heat.unknowns)
         pressure = results.get(flyer.held_pressure or "", 0.0)
-        lift = vehicle.forces(around, heat.unknowns).lift
-        shape = flyer.shape(around.state, heat.temperatures, lift, pressure)
+        lift = vehicle.forces(local, heat.unknowns).lift
+        shape = flyer.shape(local.state, heat.temperatures, lift, pressure)
         found.append(xp.nan_to_num(xp.asarray(shape.stress_over_strength)))
     return xp.stack([xp.asarray(load, float) for load in found])
 
@@ -335,12 +333,12 @@ def within(vehicle: Vehicle, course: Course) -> Course:
 def _moments(vehicle: Vehicle, course: Course) -> dict[str, Any]:
     elapsed = course.elapsed
     place = Place(*latitude_and_longitude(course.position), course.released + elapsed)
-    around = vehicle.surroundings(course.altitude, place, elapsed)
-    heat = vehicle.heat(around)
-    forces = vehicle.forces(around, heat.unknowns)
-    axial, slope = steady_speeds(around, forces, heat.unknowns)
-    moving = velocity(around, axial, slope)
-    flyer, state = around.flyer, around.state
+    local = vehicle.surroundings(course.altitude, place, elapsed)
+    heat = vehicle.heat(local)
+    forces = vehicle.forces(local, heat.unknowns)
+    axial, slope = steady_speeds(local, forces, heat.unknowns)
+    moving = velocity(local, axial, slope)
+    flyer, state = local.flyer, local.state
     tilt = 0.0 if flyer.attitude is None else flyer.attitude.tilt
     found = {
         "pressure": state.pressure,
@@ -362,13 +360,13 @@ def _moments(vehicle: Vehicle, course: Course) -> dict[str, Any]:
         "vertical_speed": moving.up,
         "eastward_speed": moving.east,
         "northward_speed": moving.north,
-        "wind_east": around.wind.east,
-        "wind_north": around.wind.north,
-        "wind_up": around.wind.up,
+        "wind_east": local.wind.east,
+        "wind_north": local.wind.north,
+        "wind_up": local.wind.up,
         "residual": xp.abs(heat.residual),
     }
-    if around.share is not None:
-        found["light_share"] = around.share
+    if local.share is not None:
+        found["light_share"] = local.share
     if len(heat.nodes) > 1:
         for node, temperature in zip(heat.nodes, heat.temperatures, strict=True):
             found[NODE.format(node)] = temperature

@@ -90,8 +90,8 @@ def stability_over_altitude(
         hanging_stability(setup.flyer, setup.environment.state(height), setup.model, **how)
         for height in heights
     ]
-    values = _fields(found, "longest_rod", "growth_rate")
-    return _dataset("stability", setup, heights, values, _warnings(heights, found))
+    names = "longest_rod", "growth_rate"
+    return _dataset_of("stability", setup, heights, found, names)
 
 
 def swarm_over_altitude(
@@ -107,26 +107,23 @@ def swarm_over_altitude(
             reason = str(error)
     if not any(found):
         raise ParameterError(reason)
-    names = ("count", "layer_radius", "depth", "tether_mass", "largest_pull", "largest_tilt")
-    values = _fields(found, *names)
-    values["largest_tilt"] = np.degrees(values["largest_tilt"])
-    return _dataset("swarm", setup, heights, values, _warnings(heights, found))
+    names = "count", "layer_radius", "depth", "tether_mass", "largest_pull", "largest_tilt"
+    dataset = _dataset_of("swarm", setup, heights, found, names)
+    dataset["largest_tilt"].values[:] = np.degrees(dataset["largest_tilt"])
+    return dataset
 
 
-def _fields(found: list[Any], *names: str) -> dict[str, Any]:
-    """Fields of results; NaN where there is none."""
-    return {name: [getattr(one, name, np.nan) for one in found] for name in names}
-
-
-def _warnings(heights: np.ndarray, found: list[Any]) -> Iterator[str]:
-    """Warnings with their altitudes; of those that differ in numbers alone the first."""
-    said: set[str] = set()
+def _dataset_of(
+    title: str, setup: Setup, heights: np.ndarray, found: list[Any], names: tuple[str, ...]
+) -> "xr.Dataset":
+    """Fields of results, NaN where there is none, and warnings with their altitudes."""
+    # of those that differ in numbers alone the first
+    warnings: dict[str, str] = {}
     for height, one in zip(heights, found, strict=True):
         for text in getattr(one, "warnings", ()):
-            kind = re.split(r"\d", text)[0]
-            if kind not in said:
-                yield f"at {height / 1e3:.4g} km: {text}"
-            said.add(kind)
+            warnings.setdefault(re.split(r"\d", text)[0], f"at {height / 1e3:.4g} km: {text}")
+    values = {name: [getattr(one, name, np.nan) for one in found] for name in names}
+    return _dataset(title, setup, heights, values, warnings.values())
 
 
 def _altitudes(setup: Setup, ends: tuple[float, float] | None, carried: float) -> np.ndarray:

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
+from lightflyer.core.checks import require_range
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 OTHER_REGISTRY = pint.UnitRegistry()
@@ -346,3 +347,13 @@ def test_a_film_reads_units(wavelength):
         film.optics(wavelength, np.array([0.1, 0.2, 0.3]))
     with pytest.raises(lf.ParameterError, match='side "left" is unknown'):
         film.optics(wavelength, side="left")
+
+
+def test_a_difference_of_temperatures_has_no_zero():
+    assert lf.lab.TacAccuracy(temperature="0.5 °C").temperature == 0.5
+    assert lf.lab.TacAccuracy(temperature="0.9 °F").temperature == pytest.approx(0.5, rel=1e-12)
+
+
+def test_a_text_is_no_number_of_a_function_without_units():
+    with pytest.raises(lf.ParameterError, match='span = "30 %" is a text; write a number'):
+        require_range("span", "30 %", 0.1, 1.0)

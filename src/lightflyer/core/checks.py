@@ -61,6 +61,8 @@ def require_range(
     open_below: bool = False,
 ) -> None:
     """Raise unless every element of a concrete ``value`` is a number in the range."""
+    if isinstance(value, str):
+        raise ParameterError(f'{name} = "{value}" is a text; write a number in SI units')
     if value is None or not is_concrete(value):
         return
     array = np.asarray(value)

@@ -51,6 +51,7 @@ class Quantity:
     likely: tuple[float, float] = (-math.inf, math.inf)
     known: str = ""  # What ends that range, in words
     usual: str = ""  # Unit that messages propose
+    difference: bool = False  # Whether it is one of two numbers, for which 1 °C is 1 K
     # Value that a file has where it gives none and an object has None
     in_files: Measured | None = None
 
@@ -146,7 +147,7 @@ class Quantity:
 
     def _number_of_text(self, name: str, text: str) -> Any:
         try:
-            measured = parse(text, self.unit, self.usual)
+            measured = parse(text, self.unit, self.usual, difference=self.difference)
         except ConfigurationError as error:
             raise ParameterError(f"{name} = {error}") from None
         return measured.value if measured.uncertainty is None else measured
@@ -168,14 +169,16 @@ class Quantity:
             except ConfigurationError as error:
                 raise ParameterError(f"units of {name}: {error}") from None
             if (scale, offset) != (1.0, 0.0):
-                value = scale * value + offset
+                value = scale * value + (0.0 if self.difference else offset)
         return value.drop_attrs() if value.ndim else value.to_numpy()
 
     def read(self, value: Any) -> Measured:
         """Number in the unit from a text, a bare number or a :class:`Measured`."""
         if self.in_files is not None and "%" in str(value):
             raise ConfigurationError("is counted in standard errors of the model, not in per cent")
-        measured = value if isinstance(value, Measured) else parse(value, self.unit, self.usual)
+        measured = value
+        if not isinstance(value, Measured):
+            measured = parse(value, self.unit, self.usual, difference=self.difference)
         problem = self.implausible(measured.value)
         if problem:
             raise ConfigurationError(problem.partition(" ")[2])
@@ -284,7 +287,7 @@ ChamberTemperature = Annotated[
         why="no gas is colder, and its molecules fall apart above", likely=(70.0, 550.0),
         known="liquid nitrogen cools a chamber to 77 K, and none is baked above 550 K"),
 ]  # fmt: skip
-TemperatureOffset = Annotated[Numeric, Quantity("K", -100.0, 100.0)]
+TemperatureOffset = Annotated[Numeric, Quantity("K", -100.0, 100.0, difference=True)]
 MolarMass = Annotated[
     Numeric, Quantity("kg/mol", 0.0, open_below=True, sizes=(1e-3, 0.4),
         why="hydrogen and UF6 are between"),

@@ -277,8 +277,11 @@ def _no_unit(text: str | float, value: float, unit: str, usual: str) -> Configur
     return ConfigurationError(f'{given} has no unit; write "{text} {usual}"')
 
 
-def parse(text: str | float, unit: str, usual: str = "") -> Measured:
-    """Read a number with unit and uncertainty; in ``unit``. ``usual``: what messages propose."""
+def parse(text: str | float, unit: str, usual: str = "", *, difference: bool = False) -> Measured:
+    """Read a number with unit and uncertainty; in ``unit``. ``usual``: what messages propose.
+
+    ``difference``: whether it is one of two numbers, for which 1 °C is 1 K.
+    """
     if isinstance(text, bool) or not isinstance(text, int | float | str):
         raise ConfigurationError(f"{in_toml(text)} is not a number{_with_unit(unit)}")
     if (isinstance(text, int) and abs(text) > sys.float_info.max) or len(str(text)) > _LONGEST:
@@ -304,13 +307,14 @@ def parse(text: str | float, unit: str, usual: str = "") -> Measured:
     if unit and not value_unit and (rest or not _is_zero(value, unit)):
         raise _no_unit(text, value, unit, usual)
     convert = _converter(value_unit or unit or "dimensionless", unit, text)
+    read = convert(value) - (convert(0.0) if difference else 0.0)
     if uncertainty is None:
-        return _finite(Measured(convert(value)), text)
+        return _finite(Measured(read), text)
     if uncertainty < 0.0:
         raise ConfigurationError(f'"{text}": the uncertainty is negative')
     spread = _converter(own_unit, unit, text) if own_unit else convert
     # a difference of two conversions, in which the offset of a temperature scale drops out
-    return _finite(Measured(convert(value), spread(uncertainty) - spread(0.0)), text)
+    return _finite(Measured(read, spread(uncertainty) - spread(0.0)), text)
 
 
 def _is_zero(value: float, unit: str) -> bool:

@@ -82,11 +82,10 @@ def ends(option: str, text: str, unit: str) -> tuple[float, float] | None:
 
 def difference(option: str, text: str, unit: str) -> float:
     """Value of an option that is a difference, for which 1 °C is 1 K."""
-    from lightflyer.core.units import parse, scale_and_offset
+    from lightflyer.core.units import parse
 
-    written = text.lstrip("+-.0123456789eE ")
     try:
-        value = parse(text, unit).value - scale_and_offset(written, unit)[1]
+        value = parse(text, unit, difference=True).value
     except ConfigurationError as error:
         raise ConfigurationError(f"{option}: {error}") from None
     if value < 0.0:

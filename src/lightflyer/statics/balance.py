@@ -60,8 +60,8 @@ class Equilibrium(PrintedResult, Module):
     #: Light absorbed, plus thermal radiation absorbed beyond that of black surroundings at the gas
     #: temperature [W]
     absorbed_power: Numeric
-    gas_power: Numeric  #: Net loss to the gas and by radiation, of all nodes [W]
-    radiated_power: Numeric  #: Net loss to the gas and by radiation, of all nodes [W]
+    gas_power: Numeric  #: Net loss to the gas, of all nodes [W]
+    radiated_power: Numeric  #: Net loss by radiation, of all nodes [W]
     residual: Numeric  #: Largest imbalance of a node, over the absorbed power [1]
     status: Numeric  #: Why the search ended, a :class:`~lightflyer.numerics.rootfind.SolverStatus`
 

@@ -1,6 +1,6 @@
 """Measurements, one a module: ``lab_tac`` has the function ``tac``, for ``lightflyer lab tac``.
 
-The function makes an :class:`~lightflyer.lab.measurement.Outcome` of files and options. The first
+The function makes an :class:`~lightflyer.lab.result.Outcome` of files and options. The first
 line of the module is what the list of commands says of it.
 """
 

@@ -14,7 +14,7 @@ from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.constants import STANDARD_GRAVITY
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.quantity import Quantity
+from lightflyer.core.quantity import Fraction, Quantity
 from lightflyer.core.units import Measured, parse
 from lightflyer.core.validity import describe
 from lightflyer.environment.base import EnvironmentState
@@ -292,8 +292,8 @@ def compare_forces(
     points: Table | str | Path | None = None,
     *,
     pressures: tuple[float, float] | None = None,
-    pressure_accuracy: float = 0.05,
-    force_accuracy: float = 0.05,
+    pressure_accuracy: Fraction = 0.05,
+    force_accuracy: Fraction = 0.05,
 ) -> VaneForces:
     """Predict the force on a vane over pressure, and lay measured forces over it.
 

@@ -18,6 +18,7 @@ from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, Doubt
+from lightflyer.core.quantity import Fraction, Irradiance
 from lightflyer.files.result_text import Parts, PrintedResult, open_interval_text, table_of
 from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
 from lightflyer.lab.levitation.data import LiftOffs
@@ -115,9 +116,9 @@ def levitation_curve(
     span: float = SPAN,
     draws: int = DRAWS,
     seed: int = 0,
-    step: float = 0.0,
-    pressure_accuracy: float | None = None,
-    irradiance_accuracy: float | None = None,
+    step: Irradiance = 0.0,
+    pressure_accuracy: Fraction | None = None,
+    irradiance_accuracy: Fraction | None = None,
 ) -> LevitationCurve:
     r"""Fit a smooth curve to a sample's points, and find its minimum.
 

@@ -378,7 +378,7 @@ OBJECTS = [
     (lambda: lf.film.Film("Ge"), "layers"),
     (lambda: lf.mission.Ensemble(members=2.5), "members"),
     (lambda: lf.lab.TacAccuracy(gauge="5 K"), "gauge"),
-    (lambda: lf.lab.TacAccuracy(temperature="1 °C"), "temperature"),
+    (lambda: lf.lab.TacAccuracy(temperature="1 Pa"), "temperature"),
     (lambda: lf.lab.weighted_mean([0.8, 0.9]), "estimate"),
     (lambda: lf.fly(DISK, lf.Earth(), FreeMolecular(), release="75 km", duration="1 h"), "release"),
 ]

@@ -171,7 +171,8 @@ MISTAKES = [
         '"lu2023"\nirradiance',
         '"lu2024"\nirradiance',
         15,
-        'atmosphere = "lu2024" is unknown; choose from us1976',
+        'atmosphere = "lu2024" is unknown; choose from us1976, lu2023, nrlmsis-global, nrlmsis; '
+        'did you mean "lu2023"?',
     ),
     ('kind = "earth"', 'kind = "moon"', 14, 'kind = "moon" is unknown; choose from'),
     (

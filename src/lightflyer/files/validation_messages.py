@@ -45,7 +45,10 @@ def _unknown_alternative(mistake: Any, dotted: str) -> str:
     base, tag = mistake["ctx"]["base"], mistake["ctx"]["tag"]
     key = dotted.rpartition(".")[2]
     found = tag.split(" ")[[name for name, _ in base.choosing_keys].index(key)]
-    return f'{dotted} = "{found}" is unknown; choose from {", ".join(base.choices(key, tag))}'
+    choices = base.choices(key, tag)
+    near = nearest(found, choices)
+    hint = f'; did you mean "{near}"?' if near else ""
+    return f'{dotted} = "{found}" is unknown; choose from {", ".join(choices)}{hint}'
 
 
 def _other_mistake(mistake: Any, dotted: str) -> str:

@@ -358,7 +358,7 @@ def test_mission_is_drawn_with_its_nights(workplace, document, monkeypatch):
     )["document"]
     mission["mission"]["altitude"] = "77 km"
     found = job("mission", workplace, mission)
-    assert float(asked["release"].altitude) == 77e3
+    assert float(asked["mission"].release.altitude) == 77e3
     nights = found["sources"]["nights"]
     # darker than half of the noon's light: four hours after noon to four before the next
     np.testing.assert_allclose(nights["low"], [4.0, 28.0], atol=0.1)

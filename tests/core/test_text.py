@@ -1,6 +1,6 @@
 import pytest
 
-from lightflyer.core.text import files_read, in_toml, read_text
+from lightflyer.core.text import files_read, in_toml, read_text, rounded
 
 
 @pytest.fixture
@@ -24,3 +24,10 @@ def test_files_are_noted_within_their_block_alone(paths):
 
 def test_values_as_toml():
     assert in_toml({"at_most": ["400 K", True]}) == '{ at_most = ["400 K", true] }'
+
+
+@pytest.mark.parametrize(
+    ("value", "told"), [(570.4, "570"), (0.04449, "0.044"), (1.3e4, "13000"), (99.7, "100")]
+)
+def test_two_digits_need_no_power_of_ten(value, told):
+    assert rounded(value) == told

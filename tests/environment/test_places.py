@@ -96,3 +96,13 @@ def test_kilometres_of_a_release_and_of_a_prediction(disk):
 def test_a_class_or_a_name_is_no_object(disk, function, parts, said):
     with pytest.raises(lf.ParameterError, match=said):
         function(disk, *parts)
+
+
+def test_a_sun_over_a_planet_is_a_thousand_watts_and_said():
+    with pytest.warns(lf.ParameterWarning, match=r'"1 sun": a sun is 1000 W/m².* 1361 W/m²'):
+        lf.FlyerFile(
+            flyer={"diameter": "2 cm"},
+            film={"areal_density": "1 g/m^2", "absorptance": 0.75, "emittance": 0.08,
+                  "tac_top": 0.8, "tac_bottom": 0.9},
+            environment={"irradiance": "1 sun"},
+        )  # fmt: skip

@@ -3,7 +3,7 @@
 import math
 from typing import TYPE_CHECKING, Any
 
-from lightflyer.core.text import correlation_text
+from lightflyer.core.text import correlation_text, rounded
 from lightflyer.files.display_units import suitable
 from lightflyer.files.result_text import Parts, listed, open_interval_text, table_of
 
@@ -30,7 +30,7 @@ def fit_parts(fit: "Calibration") -> Parts:
                 shown,
                 open_interval_text(*(factor * fit.intervals[row])),
                 total,
-                f"{factor * fit.total_standard_uncertainties[row]:.2g}",
+                f"{rounded(factor * fit.total_standard_uncertainties[row])}",
             )
         )
     yield f"{_points(fit)} give {listed(found)}; brackets: total 95 % intervals"
@@ -54,8 +54,8 @@ def _explain(fit: "Calibration") -> list[str]:
         f"{name} ({_percentages(values)})" for name, values in fit.contributions.items()
     )
     return [
-        f"{_points(fit)} scatter by "
-        f"{100.0 * fit.scatter:.2g} % of the irradiance; their uncertainty is {kind}{chi_squared}",
+        f"{_points(fit)} scatter by {rounded(100.0 * fit.scatter)} % of the irradiance; their "
+        f"uncertainty is {kind}{chi_squared}",
         "given inputs: the points' scatter alone, everything else exactly as stated",
         f"total: also the ± of {shares or 'nothing else, since nothing has one'}",
     ]
@@ -68,7 +68,7 @@ def _points(fit: "Calibration") -> str:
 
 def _percentages(shares: Any) -> str:
     """Relative standard uncertainty of each parameter by one input."""
-    return ", ".join(f"{100.0 * share:.2g} %" for share in shares)
+    return ", ".join(f"{rounded(100.0 * share)} %" for share in shares)
 
 
 def posterior_parts(drawn: "Posterior") -> Parts:
@@ -77,7 +77,7 @@ def posterior_parts(drawn: "Posterior") -> Parts:
         (
             name,
             f"{found['mean']:.4g}",
-            f"{found['standard_deviation']:.2g}",
+            f"{rounded(found['standard_deviation'])}",
             "{:.4g} to {:.4g}".format(*found["interval_95"]),
             f"{found['r_hat']:.3f}",
             f"{found['effective_draws']:.0f}",

@@ -91,6 +91,11 @@ def span(values: Any) -> str:
     return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
 
 
+def rounded(value: float, digits: int = 2) -> str:
+    """A number to some digits, without a power of ten where it has less than seven figures."""
+    return f"{float(f'{value:.{digits}g}'):g}"
+
+
 def correlation_text(names: Sequence[str], covariance: np.ndarray) -> str:
     """The larger correlations of fitted numbers, the largest first; ``covariance`` (n, n)."""
     spread = np.sqrt(np.diag(covariance))

@@ -11,6 +11,7 @@ from lightflyer.array.namespace import Numeric
 from lightflyer.budget.payload import light_on_cells
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, numbers_in
+from lightflyer.core.text import rounded
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState
@@ -191,7 +192,7 @@ def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:
         ),
         "stress_over_strength": (
             tension > 1.0,
-            f"a layer tears: its tension is {tension:.2g} times its strength",
+            f"a layer tears: its tension is {rounded(tension)} times its strength",
         ),
         "gap_closed": (
             closed > _GAP,
@@ -199,7 +200,7 @@ def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:
         ),
         "load_over_buckling": (
             pressed > 1.0,
-            f"{_BUCKLED[thin]}: what presses it is {pressed:.2g} times what it bears",
+            f"{_BUCKLED[thin]}: what presses it is {rounded(pressed)} times what it bears",
         ),
     }
     return {name: words for name, (fails, words) in told.items() if fails}

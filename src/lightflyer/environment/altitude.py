@@ -1,5 +1,6 @@
 """What environments have in common whose coordinate is an altitude."""
 
+import re
 import warnings
 from typing import Any, ClassVar
 
@@ -14,6 +15,7 @@ from lightflyer.core.text import span
 from lightflyer.environment.base import Coordinate
 from lightflyer.environment.section import EnvironmentSection
 
+_IN_SUNS = re.compile(r"\bsuns?\b", re.IGNORECASE)
 _SPACING = 1000.0  # metres, which resolves the layers of every atmosphere
 _LIKE_KILOMETRES = 150.0  # metres, to which no flyer comes but in a fall; so many km have air
 
@@ -80,6 +82,18 @@ class AltitudeSection(EnvironmentSection):
     altitude_min: Altitude | None = None
     altitude_max: Altitude | None = None
     floor: Length | None = None
+
+    @pydantic.field_validator("irradiance", mode="before", check_fields=False)
+    @classmethod
+    def _warn_of_suns(cls, given: Any) -> Any:
+        if isinstance(given, str) and _IN_SUNS.search(given):
+            warnings.warn(
+                f'environment.irradiance = "{given}": a sun is 1000 W/m², as solar cells are rated '
+                "on the ground; above the air of Earth the sun gives 1361 W/m²",
+                ParameterWarning,
+                stacklevel=2,
+            )
+        return given
 
     @pydantic.model_validator(mode="after")
     def _require_order(self) -> "AltitudeSection":

@@ -164,6 +164,11 @@ class Section(pydantic.BaseModel):
         for key, why in self.idle().items():
             if key in self.model_fields_set and getattr(self, key) is not None:
                 raise ConfigurationError(f"{key} has no effect {why}")
+        for key in self.model_fields_set:
+            value = getattr(self, key)
+            has_error = isinstance(value, Measured) and value.uncertainty
+            if has_error and (reason := self.reason_not_varied(key)):
+                raise ConfigurationError(f"{key} takes no ±: it {reason}")
         return self
 
     @classmethod

@@ -12,7 +12,7 @@ import pydantic
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import read_text
 from lightflyer.files.section import Alternative, Section
-from lightflyer.files.validation_messages import choosing_key, format_error, nearest
+from lightflyer.files.validation_messages import choosing_key, did_you_mean, format_error, nearest
 
 _DEEPEST = 50  # tables and lists within each other; files of ours have six
 
@@ -122,13 +122,21 @@ def _not_toml(said: str, text: str, path: Path) -> str:
     if unquoted and _DATE.match(unquoted[2]):
         return f"{path}:{number}: {unquoted[1]} = {unquoted[2]}: there is no such date or time"
     hint = f'; texts need quotes: {unquoted[1]} = "{unquoted[2]}"' if unquoted else ""
+    if what == _TWICE:
+        hint = "; remove one of the two"
+        what = what.replace("a key", line.partition("=")[0].strip() or "a key")
+    elif unquoted and re.match(r"[-+]?\d+,\d", unquoted[2]):
+        is_number = re.fullmatch(r"[-+\d.,eE]+", unquoted[2])
+        hint = "; write a point before decimals, and nothing between thousands"
+        hint += "" if is_number else ", and quotes around a number with a unit"
     return f"{path}:{number}: is not valid TOML: {what[0].lower()}{what[1:]}{hint}"
 
 
 _NAMED = re.compile(r"(?:Value error, )?(?:(\w+(?:\.\w+)*) = |\[(\w+(?:\.\w+)*)\])")
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}(?!\d)|\d{2}:\d{2}(?!\d)")
+_TWICE = "a key is given twice"
 _GRAMMAR = {
-    "Cannot overwrite a value": "a key is given twice",
+    "Cannot overwrite a value": _TWICE,
     "Illegal character '\\n'": "a text is not closed by quotes",
 }
 
@@ -194,7 +202,7 @@ def _unknown_key(dotted: str, document: dict[str, Any], kind: FileKind) -> str:
     owner = _owner_of(key, known)
     if owner:
         return f"{dotted} belongs to {owner}; remove it, or choose that"
-    hint = f'did you mean "{near}"?' if near else f"{where} takes {', '.join(known)}"
+    hint = did_you_mean(key, near) if near else f"{where} takes {', '.join(known)}"
     return f"{dotted} is not a key of {where}; {hint}"
 
 

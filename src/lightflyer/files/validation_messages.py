@@ -14,8 +14,27 @@ def format_error(mistake: Any, dotted: str) -> str:
     return _EXPLANATIONS.get(mistake["type"], _other_mistake)(mistake, dotted)
 
 
+_MEANT = {
+    "radius": ("diameter", ", twice the radius"),
+    "west": ("east", " with the other sign"),
+    "south": ("north", " with the other sign"),
+    "down": ("up", " with the other sign"),
+    "emissivity": ("emittance", ""),
+    "absorptivity": ("absorptance", ""),
+}
+"""Known keys for what others call so, and how the value changes."""
+
+
+def did_you_mean(key: str, near: str) -> str:
+    """Ask for the known key that stands for another one."""
+    meant, how = _MEANT.get(key, ("", ""))
+    return f'did you mean "{near}"{how if near == meant else ""}?'
+
+
 def nearest(key: str, known: Sequence[str]) -> str:
     """The known key that a misspelt one stands for, else empty."""
+    if key in _MEANT and _MEANT[key][0] in known:
+        return _MEANT[key][0]
     others = [name for name in known if name != key]  # in another kind of file
     return next(iter(difflib.get_close_matches(key, others, n=1, cutoff=0.6)), "")
 
@@ -85,7 +104,7 @@ def _unknown_word(mistake: Any, dotted: str) -> str:
     known = re.findall("'([^']*)'", mistake["ctx"]["expected"])
     value = mistake["input"]
     near = nearest(value, known) if isinstance(value, str) else ""
-    hint = f'did you mean "{near}"?' if near else f"choose from {', '.join(known)}"
+    hint = did_you_mean(value, near) if near else f"choose from {', '.join(known)}"
     return f"{dotted} = {shortened(in_toml(value))} is unknown; {hint}"
 
 

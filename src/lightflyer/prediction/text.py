@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 from rich.table import Table
 
+from lightflyer.core.text import rounded
 from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, node_outputs, outputs_of
 from lightflyer.files.result_text import (
     NARROW,
@@ -105,7 +106,9 @@ def verdict_lines(
     night = ""
     if found.longest_night is not None and math.isfinite(found.longest_night):
         factor, unit = OUTPUTS["longest_night"].shown
-        night = f"; after {found.longest_night * factor:.2g} {unit} in the dark it is below that"
+        night = (
+            f"; after {rounded(found.longest_night * factor)} {unit} in the dark it is below that"
+        )
     yield f"It flies{often} {_ranges(prediction, prediction.bands, bands, 'band')}{night}."
     yield from film_lines(prediction, bands, shares)
     if payload and found.best is not None:

@@ -5,7 +5,7 @@ from typing import Any
 
 from rich.table import Table
 
-from lightflyer.files.result_text import NARROW, Parts, warning_lines, width_of
+from lightflyer.files.result_text import NARROW, Parts, warning_lines, width_of, wrap
 
 _UNITS = {
     "km": "km", "mg": "mg", "k": "K", "w_m2": "W/m²", "g_m2": "g/m²", "pa": "Pa", "h": "h",
@@ -17,6 +17,7 @@ _GROUPS = {
     "verdict.best": "best, the film surviving",
     "best": "peak of lift",
 }
+_ROUNDING = 1e-12
 _OF_MODEL = re.compile(r"force\.\w+_error")  # inputs that are errors of the force model itself
 
 
@@ -28,8 +29,8 @@ def band_parts(uncertainty: dict[str, Any], width: int = NARROW) -> Parts:
     tables = [_bands_table(results, columns) for columns in kept]
     fitting = (table for table in tables if width_of(table).maximum <= width)
     yield next(fitting, tables[-1])
-    yield f"from {sources_line(uncertainty)}"
-    yield from warning_lines(uncertainty["warnings"])
+    yield wrap(f"from {sources_line(uncertainty)}", width)
+    yield from (wrap(line, width) for line in warning_lines(uncertainty["warnings"]))
 
 
 def sources_line(uncertainty: dict[str, Any], *, short: bool = False) -> str:
@@ -66,8 +67,8 @@ def _bands_table(results: dict[str, Any], columns: list[str]) -> Table:
         sampled = result.get("monte_carlo")
         share = f"{100.0 * sampled['share_of_samples']:.0f} %" if sampled else "–"
         spans = {
-            "first order": _span(result["first_order"]),
-            "Monte Carlo": _span(sampled),
+            "first order": _span(result["first_order"], result["value"]),
+            "Monte Carlo": _span(sampled, result["value"]),
             "samples": share,
         }
         cells = [f"{result['value']:.4g}", *(spans[column] for column in columns)]
@@ -84,11 +85,13 @@ def _in_words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _span(band: dict[str, Any] | None) -> str:
+def _span(band: dict[str, Any] | None, value: float) -> str:
     if band is None:
         return "–"
     if band["low"] is None:
         spread = band.get("standard_uncertainty")
+        if spread is not None and spread < _ROUNDING * abs(value):
+            spread = 0.0  # of what a limit fixes, such as the temperature that a film bears
         return "–" if spread is None else f"± {spread:.3g}"
     high = "∞" if band["high"] is None else f"{band['high']:.4g}"
     return f"{band['low']:.4g} to {high}"

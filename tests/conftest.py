@@ -28,6 +28,7 @@ import pytest
 import lightflyer as lf
 from lightflyer import cli
 from lightflyer.array import transformations
+from lightflyer.files.result_text import NARROW, unwrap
 
 # What one worker traced and compiled serves the others, and the next run; a program is known by its
 # content. A largest size makes JAX lock the folder. Tests of what is kept choose a folder of their
@@ -215,7 +216,7 @@ def design(flyer):
 
 @pytest.fixture
 def run(capsys):
-    """Run a command in this process; returns exit code, output and errors."""
+    """Run a command in this process; returns exit code, output and errors, each a line again."""
 
     def command(*arguments):
         code = 0
@@ -224,7 +225,9 @@ def run(capsys):
         except SystemExit as error:
             code = error.code or 0
         captured = capsys.readouterr()
-        return code, captured.out, captured.err
+        for line in captured.err.splitlines():  # only a path may be wider
+            assert len(line) <= NARROW or max(map(len, line.split())) > NARROW // 2, line
+        return code, captured.out, "".join(f"{line}\n" for line in unwrap(captured.err))
 
     return command
 

@@ -10,7 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.files.result_text import UNBOUNDED, Parts, width_of
+from lightflyer.files.result_text import UNBOUNDED, Parts, width_of, wrap_all
 
 BEFORE_RESULTS: list[Callable[[], None]] = []
 """What is called before anything is printed to the standard output stream."""
@@ -31,11 +31,12 @@ class _Results(Console):
 
     def print(self, *objects: Any, **settings: Any) -> None:
         _clear()
+        shown = (wrap_all(one) if isinstance(one, str) else one for one in objects)
         tables = (part for part in objects if isinstance(part, Table))
         wanted = max((width_of(table).maximum for table in tables), default=0)
         if wanted > self.width:
             settings |= {"width": wanted, "crop": False}
-        super().print(*objects, **settings)
+        super().print(*shown, **settings)
         for part in objects:
             for call in AFTER_PRINT:
                 call(part)
@@ -61,7 +62,7 @@ def show(console: Console, parts: Parts) -> None:
 def say(console: Console, text: str) -> None:
     """Print a line that is not a result: about files that were written, for one."""
     _clear()
-    Console.print(console, text, soft_wrap=True)
+    Console.print(console, wrap_all(text), soft_wrap=True)
 
 
 def print_json(document: dict[str, Any]) -> None:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, TextIO
 
 from lightflyer.cli.output import BEFORE_RESULTS
 from lightflyer.core.progress import Step, report_to
+from lightflyer.files.result_text import wrap_all
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -63,7 +64,7 @@ class Display:
         """Print a line to the standard error stream, above what moves."""
         with self._lock:
             if self._bar is not None:
-                self._bar.console.print(text, soft_wrap=True)
+                self._bar.console.print(wrap_all(text), soft_wrap=True)
                 return
         print_error(text)
 
@@ -123,7 +124,7 @@ def show_progress(command: str) -> Iterator[Display]:
 def print_error(text: str) -> None:
     """Print a line to the standard error stream; nothing where that is full."""
     try:
-        print(text, file=sys.stderr)  # noqa: T201
+        print(wrap_all(text), file=sys.stderr)  # noqa: T201
     except OSError:
         abandon(sys.stderr)
 

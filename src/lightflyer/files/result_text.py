@@ -2,7 +2,6 @@
 
 import io
 import math
-import textwrap
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -83,8 +82,21 @@ def width_of(table: "Table") -> "Measurement":
 
 
 def wrap(line: str, width: int = NARROW) -> str:
-    """A text in lines that break between words."""
-    return textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False)
+    """A text in lines that break between words; long words, such as paths, begin no line."""
+    first, *words = line.strip().split(" ")
+    lines = [line[: len(line) - len(line.lstrip())] + first]
+    for word in words:
+        fits = len(lines[-1]) + 1 + len(word) <= width or len(word) > width // 2 >= len(lines[-1])
+        lines[-1:] = [f"{lines[-1]} {word}"] if fits else [lines[-1].rstrip(), word]
+    return "\n".join(lines)
+
+
+def wrap_all(text: str, width: int = NARROW) -> str:
+    """A text of lines, of which none is wider but for a long word and commands to be copied."""
+    return "\n".join(
+        line if len(line) <= width or line.startswith("next: ") else wrap(line, width)
+        for line in text.split("\n")
+    )
 
 
 def unwrap(text: str, width: int = NARROW) -> list[str]:

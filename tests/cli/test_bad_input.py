@@ -224,7 +224,7 @@ COMMANDS = [
     ("predict flyer.toml --out o --format gif", "choose from png, svg, pdf"),
     ("predict flyer.toml --out o --dpi 5", "from 30 to 1200"),
     ("predict flyer.toml --out o --style x", "nor a style sheet"),
-    ("predict flyer.toml more.toml", "takes no further more.toml"),
+    ("predict flyer.toml more.toml", "unexpected argument more.toml"),
     ("predict flyer.toml --bogus", "Unknown option: --bogus"),
     ("predict chamber.toml --at 70km", "of the wrong kind"),
     ("compare flyer.toml", "takes 2 to 9 flyers"),
@@ -279,7 +279,7 @@ COMMANDS = [
     ("lab thermography", "give a file, or also --hotplate, --lower"),
     ("lab roughness points.csv", "is not a number"),
     ("lab roughness matrix.txt --size 1um --channel Height", "has no effect"),
-    ("materials Ge", "takes no further Ge"),
+    ("materials Ge", "unexpected argument Ge"),
     ("bogus", 'Unknown command "bogus"'),
 ]  # fmt: skip
 

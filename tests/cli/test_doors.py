@@ -18,13 +18,13 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.files.result_text import unwrap
 from lightflyer import cli
 from lightflyer.cli import code_cache
 from lightflyer.core import atomic_files, cache
 from lightflyer.core.text import cell_text
 from lightflyer.environment.wind import layouts
 from lightflyer.explorer import server
+from lightflyer.files.result_text import unwrap
 from lightflyer.mission.report.ground import write_passes_csv
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="of POSIX")

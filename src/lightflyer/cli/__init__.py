@@ -298,7 +298,7 @@ def _one_line(error: cyclopts.CycloptsError, given: Sequence[str]) -> str:
             else (f"{_help_of(given)} needs {missing}")
         )
     if isinstance(error, cyclopts.UnusedCliTokensError):
-        return f"takes no further {' '.join(error.unused_tokens or [])}"
+        return f"unexpected argument {' '.join(error.unused_tokens or [])}"
     text = " ".join(str(error).split())
     for kind, words in _KINDS.items():
         text = text.replace(f" into {kind}", f" into {words}")

@@ -168,7 +168,7 @@ def film_lines(
         ways.append(f"in up to {found.strongest_light:.4g} W/m²")
     if found.ballast is not None:
         least = _mass(float(f"{found.ballast[0]:.3g}"))
-        ways.append(f"with {least} and more")
+        ways.append(f"with a payload of {least} or more")
     if ways:
         yield f"At rest its film survives {', or '.join(ways)}."
     elif found.survives is False:

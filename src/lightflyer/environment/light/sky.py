@@ -161,7 +161,7 @@ class Daylight(AbstractSky, Checked):
         return (
             f"sun: by date and place, {span(self.irradiance)} W/m² at 1 au",
             f"horizon: limb of {self.planet.name} at {span(height)} km, with refraction; "
-            "air above it dims nothing",
+            "no dimming by the air above it",
             *self.ground.describe(),
             f"infrared from above: {heat}",
             f"view factor of the ground: {VIEW_OF_PLANET}",

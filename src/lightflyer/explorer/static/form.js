@@ -86,7 +86,7 @@ export class Form {
     }
     if (more.length) {
       shown.push(make("details", { class: "further", id: `more-${path}` },
-        make("summary", {}, `${more.length} more that may be given`), ...more));
+        make("summary", {}, `${more.length} optional`), ...more));
     }
     return shown;
   }

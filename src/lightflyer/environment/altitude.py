@@ -87,12 +87,11 @@ class AltitudeSection(EnvironmentSection):
     @classmethod
     def _warn_of_suns(cls, given: Any) -> Any:
         if isinstance(given, str) and _IN_SUNS.search(given):
-            warnings.warn(
+            said = (
                 f'environment.irradiance = "{given}": a sun is 1000 W/m², as solar cells are rated '
-                "on the ground; above the air of Earth the sun gives 1361 W/m²",
-                ParameterWarning,
-                stacklevel=2,
+                "on the ground; above the air of Earth the sun gives 1361 W/m²"
             )
+            warnings.warn(said, ParameterWarning, stacklevel=2)
         return given
 
     @pydantic.model_validator(mode="after")

@@ -222,9 +222,9 @@ def _minus_log(array: Any) -> np.ndarray:
 
 def _seconds(array: Any) -> np.ndarray:
     if not np.issubdtype(array.dtype, np.datetime64):
-        name = called(array)
         if array.dtype == object:  # of cftime
-            raise ConfigurationError(not_of_the_sun(name, array.dt.calendar, "dataset"))
+            raise ConfigurationError(not_of_the_sun(called(array), array.dt.calendar, "dataset"))
+        name = called(array)
         if " since " in unit_of(array):
             raise ConfigurationError(
                 f"winds: {name} must be dates (UTC) and is numbers; take xarray.decode_cf(dataset)"

@@ -62,15 +62,13 @@ def check_heights(dataset: Any, log_level: np.ndarray, fields: dict[str, np.ndar
     wrong, unit = dataset["pressure" if is_air else name], "m" if scale > 1.0 else "m**2/s**2"
     units = _OF_PRESSURES if is_air else _OF_HEIGHTS
     factor = np.exp(off) if is_air else _USUAL / np.mean(layers)
-    factor *= scale_and_offset(unit_of(wrong), "Pa" if is_air else unit)[0]
-    factor *= 1.0 if is_air else scale
+    factor *= scale_and_offset(unit_of(wrong), "Pa" if is_air else unit)[0] * scale ** (not is_air)
     meant = [unit for unit, one in units.items() if 1.0 / _NEAR < one / factor < _NEAR]
     own = called(wrong)
     advice = [
         f'if {own} is in {unit}, set dataset["{own}"].attrs["units"] = "{unit}"' for unit in meant
     ]
-    least, most = np.exp(-level[[-1, 0]]) / 100.0
-    low, high = height[[0, -1]] / 1e3
+    (least, most), (low, high) = np.exp(-level[[-1, 0]]) / 100.0, height[[0, -1]] / 1e3
     from_, to = np.interp(level[[0, -1]], standard, _SEARCHED) / 1e3
     raise ConfigurationError(
         f"winds: {called(dataset[name])} puts {most:.4g} to {least:.4g} hPa at {low:.3g} to "

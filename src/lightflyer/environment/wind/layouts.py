@@ -44,10 +44,9 @@ _BY_GRADS = re.compile(r"\[([^\]]+)\]\s*$")  # a unit at the end of a long name
 _OF_GRADS = {"k": "K", "pa/s": "Pa/s"}
 _OF_YEAR_ONE = re.compile(r"(day|hour|minute|second)s? since 0*1-0*1-0*1\b(?!.*[1-9])")
 _IN_A_DAY = {"day": 1, "hour": 24, "minute": 1440, "second": 86_400}
+# Days from 0001-01-01 to 2000-01-01; the first two calendars begin by Julius Caesar's
 _YEAR_ONE = {"standard": 730_121, "gregorian": 730_121, "proleptic_gregorian": 730_119}
-"""Days from 0001-01-01 to 2000-01-01; the first two calendars begin by Julius Caesar's."""
-OWN_NAME = "lightflyer_own_name"
-"""Attribute of what has another name in the file."""
+OWN_NAME = "lightflyer_own_name"  # attribute of what has another name in the file
 
 _VERSION = "expver"  # of ERA5, whose latest months are of another version
 _EVEN = 1e-3  # degrees, by which meridians and parallels of a grid may bend
@@ -107,7 +106,6 @@ def _open(path: str) -> list[Any]:
 
 
 def _open_netcdf(path: str) -> Any:
-    """A file with its times as dates."""
     import xarray
 
     dataset = xarray.open_dataset(path, decode_times=False)
@@ -184,7 +182,6 @@ def _with_our_names(dataset: Any) -> Any:
 
 
 def _renamed(dataset: Any, names: Mapping[str, str]) -> Any:
-    """With other names, each of which knows the file's own."""
     found = dataset.rename(names)
     for own, ours in names.items():
         if ours in found.variables:

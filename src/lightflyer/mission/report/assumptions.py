@@ -48,8 +48,8 @@ def assumptions_of(
     environment = setup.environment
     wind, sky = (getattr(environment, name, None) for name in ("wind", "sky"))
     motion = (
-        "heat and forces balance at each moment; inertia counts after a release at speed or in thin "
-        "air, until they do"
+        "heat and forces balance at each moment; inertia counts after a release at speed or in "
+        "thin air, until they do"
         if inertia is None
         else f"with inertia, specific heat {float(inertia.specific_heat):g} J/(kg K)"
     )

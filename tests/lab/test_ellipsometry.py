@@ -1,12 +1,15 @@
 """Ψ and Δ: the stack by tmm, in the convention of instruments, and fits of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import lightflyer as lf
 from lightflyer.film.optics.transfer_matrix import Structure, ellipsometric_angles
-from lightflyer.lab.optics.data import read_sample
+from lightflyer.lab.optics.data import FilmSpectrum, read_sample
 from lightflyer.lab.optics.fit import fit_optics
+from lightflyer.lab.optics.model import OpticalModel
 from lightflyer.numerics.residuals import correlation_length
 
 tmm = pytest.importorskip("tmm")
@@ -126,3 +129,20 @@ def test_three_ordinates_of_two_angles_tell_as_much_as_two(tmp_path, rng):
     for one in fit.spectra:
         length = correlation_length(one.residual)[0]
         assert one.scatter.independent == pytest.approx(one.residual.size / (1.5 * length))
+
+
+def test_polarisations_of_reflected_light(tmp_path, rng):
+    """By tmm; unpolarised light is half s and half p."""
+    write_sample(tmp_path, rng)
+    sample = read_sample(tmp_path / "sample.toml")
+    measured = replace(sample.spectra[0].spectrum, quantity="reflectance")
+    spectra = tuple(FilmSpectrum(measured, 1.0, kind) for kind in ("s", "p", "none"))
+    model = OpticalModel(replace(sample, spectra=spectra))
+    shares, _ = model.shares(model.positions(np.array([THICKNESS, A + 0.25])))
+    wavelength = 1e6 * measured.wavelength[7]
+    index = [1, A + 0.25 + B / wavelength**2, SILICA[0] + SILICA[1] / wavelength**2]
+    s, p = (
+        tmm.coh_tmm(kind, index, [np.inf, THICKNESS, np.inf], 1.0, 1e-6 * wavelength)["R"]
+        for kind in "sp"
+    )
+    assert [one[7] for one in shares] == pytest.approx([s, p, 0.5 * (s + p)], rel=1e-9)

@@ -15,7 +15,6 @@ from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.constants import STANDARD_GRAVITY
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Fraction, Quantity
-from lightflyer.core.text import rounded
 from lightflyer.core.units import Measured, parse
 from lightflyer.core.validity import describe
 from lightflyer.environment.base import EnvironmentState
@@ -374,6 +373,6 @@ def _warnings(
     apart = float(np.median(points.numbers["force"] / predicted))
     if not 1.0 / _APART < apart < _APART:
         yield (
-            f"the forces are {rounded(apart)} times those predicted: check their unit, that of the "
+            f"the forces are {apart:.2g} times those predicted: check their unit, that of the "
             "pressures, and the vane"
         )

@@ -161,7 +161,8 @@ def test_comparison(prediction):
     found = lf.compare([SETUP, lf.Setup(lf.Disk(FILM, 0.02), SETUP.environment, SETUP.model)])
     figure = found.plot("payload")
     require_legible(figure)
-    assert texts(figure.axes[0]) == ["disk of 2 cm, Lu2023", "disk of 4 cm, Lu2023"]
+    labels = ["disk of 2 cm, Lu2023", "disk of 4 cm, Lu2023"]
+    assert texts(figure.axes[0]) == [*labels, "outside the range of force model or gas"]
     with pytest.raises(lf.ParameterError, match="payload_per_area"):
         found.plot("lift")
 

@@ -16,13 +16,13 @@ from lightflyer.budget.section import CellsSection, ItemSection, LinkSection, Pa
 from lightflyer.core.quantity import Checked, Length, StandardErrors, quantities_of, quantity_of
 from lightflyer.core.units import Measured
 from lightflyer.files.section import DIAMETER, Section, Spelling
-from lightflyer.film.layered_section import LayeredFilmSection
-from lightflyer.film.media.dispersion_section import (
+from lightflyer.film.layer_section import (
     CauchySection,
     DrudeSection,
     LorentzSection,
     TaucLorentzSection,
 )
+from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.film.section import MeasuredFilmSection
 
 DOCS = Path(__file__).parents[2] / "docs"

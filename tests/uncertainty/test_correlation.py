@@ -3,7 +3,8 @@ import pytest
 from scipy import stats
 
 import lightflyer as lf
-from lightflyer.uncertainty.correlation import correlate, correlated_groups, correlation_matrix
+from lightflyer.numerics.correlation import correlation_matrix
+from lightflyer.uncertainty.correlation import correlate, correlated_groups
 
 NAMES = ["a", "b", "c", "d"]
 

@@ -13,7 +13,7 @@ from lightflyer.array import tree
 from lightflyer.array.namespace import Numeric, by_numpy
 from lightflyer.budget.section import PayloadSection
 from lightflyer.config.discovery import discover
-from lightflyer.config.surrogate_films import SurrogateFilms, part_at
+from lightflyer.config.searched_films import SurrogateFilms, part_at
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import Measured
@@ -301,7 +301,7 @@ class FileDesign(AbstractDesign):
         return SurrogateFilms(self.file.films(), keys, self._parts_with, names, passing=passing)
 
     def stacks(self, asked: Any, folder: Path | None = None) -> AbstractStacks:
-        from lightflyer.config.stacks import Stacks
+        from lightflyer.config.searched_films import Stacks
 
         return Stacks(self, asked, folder)
 

@@ -16,7 +16,7 @@ from lightflyer.files.toml_file import (
     read_file,
     validate,
 )
-from lightflyer.film.sample_section import SampleSection
+from lightflyer.film.layered_section import SampleSection
 
 
 def _keys_of(section: str, document: Any) -> list[str]:

@@ -28,6 +28,7 @@ from lightflyer.core.pickling import dumps
 from lightflyer.core.quantity import Correlation, Quantity, quantities_of, quantity_of, shapes_in
 from lightflyer.core.units import Measured, dataset_unit
 from lightflyer.design.setup import Setup
+from lightflyer.numerics.correlation import correlation_matrix
 
 _CORRELATION = quantity_of(Correlation) or Quantity()
 _ROUNDING = 1e-12  # of an eigenvalue of a correlation matrix, whose diagonal is one
@@ -293,10 +294,7 @@ class ObjectDesign(AbstractDesign):
 
     def _require_joint_distribution(self) -> None:
         names = list(self._uncertainties)
-        matrix = np.eye(len(names))
-        for (first, second), value in self._correlations.items():
-            row, column = names.index(first), names.index(second)
-            matrix[row, column] = matrix[column, row] = value
+        matrix = correlation_matrix(names, self._correlations)
         if names and np.linalg.eigvalsh(matrix)[0] < -_ROUNDING:
             raise ConfigurationError("no joint distribution has the correlations stated")
 

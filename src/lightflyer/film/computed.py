@@ -1,6 +1,7 @@
 """A film's properties from its layers, with measured values where there are any."""
 
 import dataclasses
+from collections.abc import Mapping
 from functools import reduce
 from typing import Any
 
@@ -28,6 +29,7 @@ from lightflyer.film.optics.diagnostics import (
 from lightflyer.film.optics.integration import POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import Spectrum
 from lightflyer.film.optics.stack import GRAZING, Film, Side
+from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate
 from lightflyer.film.properties import PROPERTIES, FilmProperties
 
 REPORT_TEMPERATURES = (200.0, 250.0, 300.0, 350.0, 400.0, 450.0, 500.0)
@@ -196,6 +198,20 @@ class ComputedFilm(ShortRepr):
             covered = {f"{t:g}": float(thermal_coverage(self.film, t)) for t in REPORT_TEMPERATURES}
         shown = {end: _over_temperatures(value) for end, value in bounds.items()}
         return {"origin": "computed", "covered": covered, **shown}
+
+
+def surrogate_properties(
+    film: Film,
+    surrogate: ThicknessSurrogate,
+    beside: Mapping[str, Any],
+    incidence: Numeric = 0.0,
+    *,
+    passing: bool = True,
+) -> FilmProperties:
+    """Properties of a film by a surrogate of its media; ``beside``: those that are no optics."""
+    optics = surrogate.properties(film.homogeneous().thickness, incidence, passing=passing)
+    mass = {} if "areal_density" in beside else {"areal_density": film.areal_density}
+    return FilmProperties(**beside, **mass, **optics)
 
 
 def require_free(film: Film) -> None:

@@ -1,19 +1,21 @@
 """An entry of ``layers`` in ``[film]``: a material, a mixture, tables, or a formula."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 import pydantic
 from pydantic import Field, ValidationInfo
 
-from lightflyer.core.checks import is_traced
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import (
     AccommodationCoefficient,
     Density,
     Expansion,
     Fraction,
+    Length,
     Modulus,
+    Permittivity,
     PoissonRatio,
     Roughness,
     Stress,
@@ -25,7 +27,15 @@ from lightflyer.files.section import Section
 from lightflyer.files.toml_file import file_beside
 from lightflyer.film.media.catalogue import material
 from lightflyer.film.media.database import database_page, looks_like_page
-from lightflyer.film.media.dispersion_section import DispersionSection
+from lightflyer.film.media.dispersion import (
+    Cauchy,
+    CodyLorentz,
+    Drude,
+    Formula,
+    Gaussian,
+    Lorentz,
+    TaucLorentz,
+)
 from lightflyer.film.media.effective_media import Rule, Shape
 from lightflyer.film.media.graded import SHEETS, Graded
 from lightflyer.film.media.library import MEDIA, PAGES, VACUUM, Entry, canonical_name
@@ -45,6 +55,75 @@ _MOST_SHEETS = 200
 _KINDS = ("material", "parts", "tables", "dispersion")
 OF_NO_MEDIUM = ("thickness", "density", "tac", *MECHANICS)  # numbers of a layer
 _OF_MIXTURES = ("rule", "shape", "grain", "sheets")
+
+
+class CauchySection(Section, of=Cauchy):
+    """``cauchy``: n = a + b/λ² + c/λ⁴."""
+
+
+class TaucLorentzSection(Section, of=TaucLorentz):
+    """An entry of ``tauc_lorentz``."""
+
+
+class LorentzSection(Section, of=Lorentz):
+    """An entry of ``lorentz``."""
+
+
+class DrudeSection(Section, of=Drude):
+    """An entry of ``drude``."""
+
+
+class GaussianSection(Section, of=Gaussian):
+    """An entry of ``gaussian``."""
+
+
+class CodyLorentzSection(Section, of=CodyLorentz):
+    """An entry of ``cody_lorentz``."""
+
+
+class DispersionSection(Section):
+    """``dispersion``: Cauchy's formula, or a permittivity of a constant and terms."""
+
+    not_varied: ClassVar[dict[str, str]] = {
+        "shortest": "is where the formula begins to hold",
+        "longest": "is where the formula ends to hold",
+    }
+
+    cauchy: CauchySection | None = None
+    permittivity: Permittivity = Measured(1.0)
+    tauc_lorentz: Annotated[tuple[TaucLorentzSection, ...], Field(max_length=10)] = ()
+    lorentz: Annotated[tuple[LorentzSection, ...], Field(max_length=50)] = ()
+    drude: Annotated[tuple[DrudeSection, ...], Field(max_length=5)] = ()
+    gaussian: Annotated[tuple[GaussianSection, ...], Field(max_length=50)] = ()
+    cody_lorentz: Annotated[tuple[CodyLorentzSection, ...], Field(max_length=10)] = ()
+    shortest: Length | None = None
+    longest: Length | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _one_kind(self) -> "DispersionSection":
+        if bool(self._terms) is (self.cauchy is not None):
+            raise ConfigurationError(
+                "dispersion needs either cauchy, or terms: tauc_lorentz, cody_lorentz, lorentz, "
+                "gaussian, drude"
+            )
+        self.medium("the layer", Extrapolation.ERROR)  # raises where the line is known
+        return self
+
+    @property
+    def _terms(self) -> tuple[Section, ...]:
+        return (
+            *self.tauc_lorentz, *self.lorentz, *self.drude, *self.gaussian, *self.cody_lorentz
+        )  # fmt: skip
+
+    def medium(self, name: str, policy: Extrapolation) -> Formula:
+        """The medium."""
+        return Formula(
+            name, tuple(term.make() for term in self._terms), self.permittivity.value,
+            None if self.cauchy is None else self.cauchy.make(), extrapolation=policy,
+            shortest=0.0 if self.shortest is None else float(self.shortest.value),
+            longest=np.inf if self.longest is None else float(self.longest.value),
+            origin="a formula with the file's parameters",
+        )  # fmt: skip
 
 
 class _Named(Section):
@@ -89,15 +168,15 @@ class TableSection(_Named):
     material: str
     at: Temperature | None = None
 
-    def temperature(self) -> float:
-        """Of the sample: as the file has it, or as the material states it [K]."""
-        medium = _medium(self.material, Extrapolation.ERROR, None)
+    def medium(self, policy: Extrapolation) -> tuple[float, Medium]:
+        """Temperature, as the file or the material states it [K], and medium."""
+        medium = _medium(self.material, policy, None)
         stated = self.at.value if self.at else getattr(medium, "temperature", None)
         if stated is None:
             raise ConfigurationError(
                 f'{self.material} states no temperature; give it, such as at = "300 K"'
             )
-        return float(stated)
+        return float(stated), medium
 
 
 class LayerSection(_Named, of=Layer):
@@ -143,11 +222,6 @@ class LayerSection(_Named, of=Layer):
             )
         if self.material == VACUUM:
             raise ConfigurationError("vacuum is for parts of mixtures; a film has no empty layers")
-        self._check_keys()
-        return self
-
-    def _check_keys(self) -> None:
-        """Raise if a key has no meaning beside the others, or is missing."""
         given = self.model_fields_set
         mixed = self.parts is not None or self.porosity is not None
         for name in _OF_MIXTURES:
@@ -164,14 +238,24 @@ class LayerSection(_Named, of=Layer):
             raise ConfigurationError("porosity_bottom needs porosity, that of the layer's top")
         if (self.temperature is None) is not (self.tables is None):
             raise ConfigurationError("temperature and tables need each other")
-        if self.parts is not None:
-            self._check_parts(self.parts)
-        if mixed or self.tables is not None:
-            self.medium(Extrapolation.ERROR)  # raises here, where the line of the file is known
-            self._check_spreads()
+        return self
 
-    def _check_spreads(self) -> None:
-        """Raise if a number is impossible one standard uncertainty away from its value."""
+    @pydantic.model_validator(mode="after")
+    def _possible(self) -> "LayerSection":
+        rest = [part.material for part in self.parts or () if part.fraction is None]
+        if self.parts is not None and len(rest) != 1:
+            raise ConfigurationError(
+                "every part but one has a fraction; the one without fills the rest "
+                f"(without are {', '.join(rest) or 'none'})"
+            )
+        for part in self.parts or ():
+            if part.fraction is None and part.fraction_bottom is not None:
+                raise ConfigurationError(
+                    f"fraction_bottom of {part.material} needs its fraction, at the layer's top"
+                )
+        if self.parts is None and self.porosity is None and self.tables is None:
+            return self
+        self.medium(Extrapolation.ERROR)  # raises here, where the line of the file is known
         for name, quantity, value in self.numbers():
             if value is None or not value.uncertainty or name in OF_NO_MEDIUM:
                 continue
@@ -183,46 +267,26 @@ class LayerSection(_Named, of=Layer):
                     other.medium(Extrapolation.ERROR)
                 except ParameterError as error:
                     raise ConfigurationError(f"{name} ± one standard deviation: {error}") from error
-
-    def _check_parts(self, parts: tuple[PartSection, ...]) -> None:
-        rest = [part.material for part in parts if part.fraction is None]
-        if len(rest) != 1:
-            raise ConfigurationError(
-                "every part but one has a fraction; the one without fills the rest "
-                f"(without are {', '.join(rest) or 'none'})"
-            )
-        for part in parts:
-            if part.fraction is None and part.fraction_bottom is not None:
-                raise ConfigurationError(
-                    f"fraction_bottom of {part.material} needs its fraction, at the layer's top"
-                )
+        return self
 
     @property
     def label(self) -> str:
         """What the layer is made of, in words."""
-        solid = self.material if self.dispersion is None else self._formula_name
-        if solid is None:
-            return " + ".join(self._names)
-        return solid if self.porosity is None else f"porous {solid}"
-
-    @property
-    def _formula_name(self) -> str:
-        return self.name or "layer by a formula"
+        names = " + ".join(self._names)
+        return names if self.porosity is None else f"porous {names}"
 
     @property
     def entries(self) -> Iterator[Entry]:
         """Entries of the library in the layer."""
-        names = [self.material] if self.material else self._names
-        return (PAGES[name] for name in names if name in PAGES)
+        return (PAGES[name] for name in self._names if name in PAGES)
 
     @property
     def _names(self) -> list[str]:
-        """Materials of the parts, or of the tables."""
-        if self.parts is not None:
-            return [part.material for part in self.parts]
+        """Materials of the layer, its parts or its tables."""
         if self.dispersion is not None:
-            return [self._formula_name]
-        return [table.material for table in self.tables or ()]
+            return [self.name or "layer by a formula"]
+        entries = self.parts or self.tables or ()
+        return [self.material] if self.material else [entry.material for entry in entries]
 
     @property
     def library_tac(self) -> Measured | None:
@@ -276,65 +340,42 @@ class LayerSection(_Named, of=Layer):
 
     def medium(self, policy: Extrapolation) -> Medium:
         """What the layer is made of."""
-        if self.parts is not None:
-            found = self._mixture(policy)
-        elif self.tables is not None:
-            return self._interpolate_tables(self.tables, policy)
+        if self.material is not None and self.porosity is None:
+            return _medium(self.material, policy, self.density)
+        found: Medium
+        if self.tables is not None:
+            known = dict(table.medium(policy) for table in self.tables)
+            if len(known) != len(self.tables):
+                raise ConfigurationError("two tables are for the same temperature")
+            assert self.temperature is not None  # as checked
+            temperatures = tuple(sorted(known))
+            media = tuple(known[one] for one in temperatures)
+            found = TemperatureDependentMedium(media, temperatures, self.temperature.value)
         elif self.dispersion is not None and self.porosity is None:
-            found = self.dispersion.medium(self._formula_name, policy)
-        elif self.porosity is not None:
-            solid = self._solid(policy)
-            found = self._mix((solid, vacuum()), (self.porosity,), (self.porosity_bottom,))
+            found = self.dispersion.medium(self._names[0], policy)
         else:
-            return _medium(str(self.material), policy, self.density)
+            found = self._mixture(policy)
         return found if self.density is None else found.with_density(self.density.value)
 
-    def _solid(self, policy: Extrapolation) -> Medium:
-        """What is between the pores."""
-        if self.dispersion is not None:
-            return self.dispersion.medium(self._formula_name, policy)
-        return _medium(str(self.material), policy, None)
-
     def _mixture(self, policy: Extrapolation) -> Medium:
-        rest, *others = sorted(self.parts or (), key=lambda part: part.fraction is not None)
-        media = tuple(_medium(part.material, policy, part.density) for part in (rest, *others))
-        return self._mix(
-            media,
-            tuple(part.fraction for part in others),
-            tuple(part.fraction_bottom for part in others),
-        )
-
-    def _mix(
-        self,
-        media: tuple[Medium, ...],
-        top: tuple[Measured | None, ...],
-        bottom: tuple[Measured | None, ...],
-    ) -> Medium:
-        how: dict[str, Any] = {
+        if self.parts is not None:
+            parts = sorted(self.parts, key=lambda part: part.fraction is not None)
+            media = tuple(_medium(part.material, policy, part.density) for part in parts)
+            fractions = [(part.fraction, part.fraction_bottom) for part in parts[1:]]
+        else:
+            solid = (
+                _medium(str(self.material), policy, None)
+                if self.dispersion is None
+                else self.dispersion.medium(self._names[0], policy)
+            )
+            media, fractions = (solid, vacuum()), [(self.porosity, self.porosity_bottom)]
+        law: dict[str, Any] = {
             "rule": Rule(self.rule),
             "shape": Shape(self.shape),
             "grain": None if self.grain is None else float(self.grain.value),
         }
-        upper = tuple(one.value for one in top if one is not None)
-        if not any(bottom):
-            return Mixture(media, upper, **how)
-        lower = tuple((end or start).value for start, end in zip(top, bottom, strict=True) if start)
-        return Graded(media, upper, lower, **how, count=self.sheets)
-
-    def _interpolate_tables(
-        self, tables: tuple[TableSection, ...], policy: Extrapolation
-    ) -> Medium:
-        known = {table.temperature(): _medium(table.material, policy, None) for table in tables}
-        if len(known) != len(tables):
-            raise ConfigurationError("two tables are for the same temperature")
-        assert self.temperature is not None  # as checked
-        at = tuple(sorted(known))
-        found = TemperatureDependentMedium(
-            tuple(known[one] for one in at), at, self.temperature.value
-        )
-        return found if self.density is None else found.with_density(self.density.value)
-
-
-def is_varied(section: Section) -> bool:
-    """Whether a number of a section is traced."""
-    return is_traced([value.value for _, _, value in section.numbers() if value is not None])
+        top = tuple(one.value for one, _ in fractions if one is not None)
+        if not any(end for _, end in fractions):
+            return Mixture(media, top, **law)
+        bottom = tuple((end or one).value for one, end in fractions if one is not None)
+        return Graded(media, top, bottom, **law, count=self.sheets)

@@ -1,4 +1,4 @@
-"""``[film]`` given by its layers: what is not measured is computed."""
+"""``[film]`` given by its layers: what is not measured is computed. Of flyers, and of samples."""
 
 import dataclasses
 import re
@@ -17,19 +17,25 @@ from lightflyer.core.quantity import (
     ArealDensity,
     Correlation,
     Fraction,
+    Length,
+    OpenFraction,
     Roughness,
+    Thickness,
 )
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
 from lightflyer.files.toml_file import file_beside
 from lightflyer.film.computed import ComputedFilm, with_measurements
-from lightflyer.film.layer_section import OF_NO_MEDIUM, LayerSection, Policy, is_varied
+from lightflyer.film.layer_section import OF_NO_MEDIUM, LayerSection, Policy
 from lightflyer.film.media.mechanics import NUMBERS as MECHANICS
+from lightflyer.film.media.medium import Extrapolation, Medium
 from lightflyer.film.optics.integration import COARSE_POINTS_PER_E_FOLD, POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
 from lightflyer.film.optics.stack import Film
+from lightflyer.film.optics.thickness import neighbouring_films
 from lightflyer.film.properties import FilmProperties
 from lightflyer.film.section import FACES, FilmSection, MeasuredFilmSection, WholeFilm
+from lightflyer.numerics.correlation import correlation_matrix
 from lightflyer.structure.laminate import Laminate
 
 _LAMPS = {"AM0": am0, "cold-white-led": cold_white_led}
@@ -55,9 +61,7 @@ _OF_SAMPLES = {
 }
 """Keys of a film that is no flyer's, and why they are refused in a flyer file."""
 
-
-_ROUNDING = 1e-9  # variance along a principal axis of correlations that is none
-_NO_COVARIANCE = -1e-9  # eigenvalue of a matrix of correlations, below which there is none
+_ROUNDING = 1e-9  # of an eigenvalue of a matrix of correlations
 
 
 class CorrelationSection(Section):
@@ -122,8 +126,6 @@ class LayeredFilmSection(FilmSection):
 
     @pydantic.model_validator(mode="after")
     def _possible_correlations(self) -> "LayeredFilmSection":
-        if not self.correlated:
-            return self
         spreads = {
             name: value.uncertainty for name, _, value in self.numbers() if value is not None
         }
@@ -133,119 +135,83 @@ class LayeredFilmSection(FilmSection):
                     raise ConfigurationError(f"correlated: {name} is no number with ± in [film]")
             if entry.of[0] == entry.of[1]:
                 raise ConfigurationError(f"correlated: {entry.of[0]} is named twice in one entry")
-        names, matrix = self._correlation()
-        if np.linalg.eigvalsh(matrix)[0] < _NO_COVARIANCE:
+        names = self._correlated_names
+        matrix = correlation_matrix(names, self._stated_correlations)
+        if names and np.linalg.eigvalsh(matrix)[0] < -_ROUNDING:
             raise ConfigurationError(
                 f"correlated: no errors have these correlations of {', '.join(names)}"
             )
         return self
 
-    def _correlation(self) -> tuple[list[str], np.ndarray]:
-        """Names and correlations of the numbers that are correlated with others."""
-        names = list(dict.fromkeys(name for entry in self.correlated for name in entry.of))
-        matrix = np.eye(len(names))
-        for entry in self.correlated:
-            row, column = (names.index(name) for name in entry.of)
-            matrix[row, column] = matrix[column, row] = entry.value.value
-        return names, matrix
+    @property
+    def _stated_correlations(self) -> dict[tuple[str, str], float]:
+        return {entry.of: float(entry.value.value) for entry in self.correlated}
+
+    @property
+    def _correlated_names(self) -> list[str]:
+        return list(dict.fromkeys(name for entry in self.correlated for name in entry.of))
 
     @property
     def independent_spreads(self) -> list[float | None]:
         """Standard uncertainty of each layer's thickness that is correlated with nothing [m]."""
-        tied = set(self._correlation()[0])
         return [
-            None if f"layers.{number}.thickness" in tied else layer.thickness.uncertainty
+            None
+            if f"layers.{number}.thickness" in self._correlated_names
+            else layer.thickness.uncertainty
             for number, layer in enumerate(self.layers)
         ]
 
     def neighbours(self) -> list[tuple[Film, Film]]:
         """Films one standard uncertainty above and below the file's, for each number with ±."""
         # Thicknesses, densities and accommodation coefficients of layers are left out: the first
-        # two are treated by themselves, the last change no optics. A value stays in its range.
-        # Numbers whose errors are correlated, thicknesses too, move together: along each principal
-        # axis of their covariance.
-        found = self._joint_neighbours()
-        tied = set(self._correlation()[0])
-        for name, quantity, value in self.numbers():
-            if value is None or not value.uncertainty or not _OF_MEDIA.match(name):
-                continue
-            if name in tied:
-                continue
-            above, below = (
-                min(max(value.value + change, quantity.lowest), quantity.highest)
-                for change in (value.uncertainty, -value.uncertainty)
-            )
-            found.append((self._film_with(name, above), self._film_with(name, below)))
-        return found
+        # two are treated by themselves, the last change no optics. Where errors are correlated,
+        # thicknesses count too.
 
-    def _joint_neighbours(self) -> list[tuple[Film, Film]]:
-        names, matrix = self._correlation()
-        known = {name: (kind, value) for name, kind, value in self.numbers() if name in names}
-        middle = np.array([known[name][1].value for name in names])  # type: ignore[union-attr]
-        spread = np.array([known[name][1].uncertainty for name in names])  # type: ignore[union-attr]
-        lowest, highest = (
-            np.array([getattr(known[name][0], end) for name in names])
-            for end in ("lowest", "highest")
-        )
-        variances, axes = np.linalg.eigh(matrix)
-        found = []
-        for variance, axis in zip(variances, axes.T, strict=True):
-            if variance <= _ROUNDING:
-                continue
-            change = np.sqrt(variance) * axis * spread
-            ends = (np.clip(middle + sign * change, lowest, highest) for sign in (1.0, -1.0))
-            above, below = (self._film_of(dict(zip(names, end, strict=True))) for end in ends)
-            found.append((above, below))
-        return found
+        def film_with(values: Mapping[str, float]) -> Film:
+            changed = self.with_values(values)
+            assert isinstance(changed, LayeredFilmSection)
+            return changed.film()
 
-    def _film_with(self, name: str, value: float) -> Film:
-        return self._film_of({name: value})
-
-    def _film_of(self, values: Mapping[str, float]) -> Film:
-        changed = self.with_values(values)
-        assert isinstance(changed, LayeredFilmSection)
-        return changed.film()
+        numbers = {
+            name: (quantity, value)
+            for name, quantity, value in self.numbers()
+            if value is not None
+            and value.uncertainty
+            and (_OF_MEDIA.match(name) or name in self._correlated_names)
+        }
+        return neighbouring_films(film_with, numbers, self._stated_correlations)
 
     def light(self) -> Spectrum:
         known = _LAMPS.get(self.spectrum)
         return known() if known else spectrum_from_csv(self.spectrum)
 
     @property
-    def implied(self) -> dict[str, Measured]:
-        """Numbers of the materials that the section does not give itself: TACs, mechanics."""
-        mechanics = {
-            f"layers.{number}.{name}": value
-            for number, layer in enumerate(self.layers if self.is_structure else ())
-            for name, value in layer.library_mechanics.items()
-        }
-        return self._implied_tacs | mechanics
-
-    @property
-    def _implied_tacs(self) -> dict[str, Measured]:
-        surfaces = self._surfaces()
-        return {
-            name: layer.library_tac
-            for name, layer in surfaces.items()
+    def _of_library(self) -> dict[str, tuple[str, Measured]]:
+        """Material and value of each TAC and mechanical number that the file leaves to it."""
+        found = {
+            name: (layer.label, layer.library_tac)
+            for name, layer in self._surfaces().items()
             if getattr(self, name) is None and layer.tac is None and layer.library_tac is not None
         }
+        for number, layer in enumerate(self.layers if self.is_structure else ()):
+            for name, value in layer.library_mechanics.items():
+                found[f"layers.{number}.{name}"] = (f"{layer.label} {name}", value)
+        return found
+
+    @property
+    def implied(self) -> dict[str, Measured]:
+        return {name: value for name, (_, value) in self._of_library.items()}
 
     @property
     def implied_materials(self) -> dict[str, str]:
-        surfaces = self._surfaces()
-        tacs = {name: surfaces[name].label for name in self._implied_tacs}
-        mechanics = {
-            name: f"{self.layers[int(name.split('.')[1])].label} {name.rpartition('.')[2]}"
-            for name in self.implied
-            if name not in tacs
-        }
-        return tacs | mechanics
+        return {name: material for name, (material, _) in self._of_library.items()}
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """Correlations; errors of one material are one error."""
-        stated = {entry.of: float(entry.value.value) for entry in self.correlated}
+        stated = self._stated_correlations
         materials = {layer.label for layer in self._surfaces().values()}
-        if len(self._implied_tacs) == len(FACES) and len(materials) == 1:
+        if {*FACES} <= self._of_library.keys() and len(materials) == 1:
             return {**stated, (FACES[0], FACES[1]): 1.0}
         return {**stated, **super().correlations}
 
@@ -277,21 +243,20 @@ class LayeredFilmSection(FilmSection):
         lacking = self.lacking()
         if lacking:
             raise ConfigurationError(f"the film needs {lacking}")
-        compute = _compute if is_traced(incidence) or is_varied(self) else _computed
+        numbers = [value.value for _, _, value in self.numbers() if value is not None]
+        compute = _compute.__wrapped__ if is_traced(incidence, numbers) else _compute
         return compute(self, incidence, passing, coarse)
 
     def bounds(
         self, incidence: float = 0.0, *, passing: bool = True
     ) -> dict[str, tuple[FilmProperties, FilmProperties]]:
-        found = self.compute_properties(incidence, passing=passing).bounds
+        computed = self.compute_properties(incidence, passing=passing)
         laminate = self._laminate()
         return {
-            name: (
-                dataclasses.replace(lower, laminate=laminate),
-                dataclasses.replace(upper, laminate=laminate),
-            )
-            for name, (lower, upper) in found.items()
-        }
+            name: (dataclasses.replace(lower, laminate=laminate),
+                   dataclasses.replace(upper, laminate=laminate))
+            for name, (lower, upper) in computed.bounds.items()
+        }  # fmt: skip
 
     def warnings(self, incidence: float = 0.0, *, passing: bool = True) -> tuple[str, ...]:
         computed = self.compute_properties(incidence, passing=passing).warnings
@@ -319,9 +284,9 @@ class LayeredFilmSection(FilmSection):
         return any(layer.states_mechanics for layer in self.layers)
 
     def _laminate(self) -> Laminate | None:
-        return (
-            Laminate(tuple(layer.lamina() for layer in self.layers)) if self.is_structure else None
-        )
+        if not self.is_structure:
+            return None
+        return Laminate(tuple(layer.lamina() for layer in self.layers))
 
     def build(
         self, incidence: float = 0.0, *, passing: bool = True, coarse: bool = False
@@ -332,20 +297,74 @@ class LayeredFilmSection(FilmSection):
             computed = self.compute_properties(incidence, passing=passing, coarse=coarse)
             return dataclasses.replace(computed.properties, laminate=self._laminate())
         given = {name: value.value for name, value in self.measured_values().items()}
-        own = {_LIMIT: self.limit(), "laminate": self._laminate()}
-        return FilmProperties(**with_measurements(self._optics, given) | own)
+        beside = {_LIMIT: self.limit(), "laminate": self._laminate()}
+        return FilmProperties(**with_measurements(self._optics, given) | beside)
 
     def changes_optics(self, name: str, *, passing: bool = True) -> bool:
-        through = passing and self.transmittance is None
-        computed = self.absorptance is None or through
-        own = name.startswith("layers.") and name.rpartition(".")[2] not in MECHANICS
-        own |= name == "roughness_bottom"
-        return own or (name == "incidence" and computed)
+        if name == "incidence":
+            return self.absorptance is None or (passing and self.transmittance is None)
+        of_layer = name.startswith("layers.") and name.rpartition(".")[2] not in MECHANICS
+        return of_layer or name == "roughness_bottom"
 
     def report(self, incidence: float = 0.0, *, passing: bool = True) -> dict[str, Any]:
         return self.compute_properties(incidence, passing=passing).report()
 
 
+class SubstrateSection(LayerSection):
+    """``substrate``: what the layers lie on, endless or so thick that light does not interfere."""
+
+    thickness: Thickness | None = None
+    coherent: bool = False
+
+
+class SampleSection(LayeredFilmSection):
+    """``[film]`` for ``lightflyer film``: of a flyer, or of a sample on a substrate."""
+
+    of_other_files: ClassVar[bool] = True
+
+    substrate: SubstrateSection | None = None
+    ambient: SubstrateSection | None = None
+    open_fraction: OpenFraction | None = None
+    hole_diameter: Length | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _possible(self) -> "SampleSection":
+        if self.ambient is not None and self.ambient.thickness is not None:
+            raise ConfigurationError("ambient has no thickness: light comes from within it")
+        if self.hole_diameter is not None and self.open_fraction is None:
+            raise ConfigurationError("hole_diameter needs open_fraction, the holes' share of area")
+        for name in ("substrate", "ambient"):
+            if self.open_fraction is not None and getattr(self, name) is not None:
+                raise ConfigurationError(f"open_fraction: a film with holes has no {name}")
+        return self
+
+    @property
+    def written_layers(self) -> tuple[LayerSection, ...]:
+        """The layers as the file gives them, with a substrate that has a thickness."""
+        if self.substrate is None or self.substrate.thickness is None:
+            return self.layers
+        return (*self.layers, self.substrate)
+
+    def film(self) -> Film:
+        """The layers with their materials, between what is above and below."""
+        endless = self.substrate is not None and self.substrate.thickness is None
+        bottom = self.substrate.roughness if endless and self.substrate else self.roughness_bottom
+        return Film(
+            tuple(layer.build(self.extrapolation) for layer in self.written_layers),
+            above=self._medium(self.ambient),
+            below=self._medium(self.substrate) if endless else None,
+            roughness_below=None if bottom is None else bottom.value,
+            open_fraction=None if self.open_fraction is None else self.open_fraction.value,
+            hole_diameter=None if self.hole_diameter is None else self.hole_diameter.value,
+        )
+
+    def _medium(self, section: SubstrateSection | None) -> Medium | None:
+        if section is None:
+            return None
+        return section.medium(Extrapolation(section.extrapolation or self.extrapolation))
+
+
+@cache
 def _compute(
     section: LayeredFilmSection, incidence: float, passing: bool, coarse: bool
 ) -> ComputedFilm:
@@ -359,8 +378,6 @@ def _compute(
         points_per_e_fold=COARSE_POINTS_PER_E_FOLD if coarse else POINTS_PER_E_FOLD,
     )
 
-
-_computed = cache(_compute)
 
 AnyFilmSection: TypeAlias = Annotated[
     Annotated[MeasuredFilmSection, Tag(MeasuredFilmSection.kind)]

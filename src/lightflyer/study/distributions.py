@@ -10,7 +10,8 @@ import numpy as np
 
 from lightflyer.core.errors import ConfigurationError, ParameterWarning
 from lightflyer.design.design import AbstractDesign, Field
-from lightflyer.uncertainty.correlation import Correlations, correlate
+from lightflyer.numerics.correlation import Correlations
+from lightflyer.uncertainty.correlation import correlate
 
 SAMPLE = "sample"  # Dimension along which all distributions are drawn together
 

@@ -1,25 +1,13 @@
 """Numbers whose errors are correlated, such as two coefficients measured in one set-up."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from lightflyer.core.errors import ParameterError
-
-Correlations = Mapping[tuple[str, str], float]
-"""Correlation of the errors of two numbers, by their dotted names in either order."""
+from lightflyer.numerics.correlation import Correlations, correlation_matrix
 
 _ROUNDING = 1e-12  # of a pivot of a correlation matrix, whose diagonal is one
-
-
-def correlation_matrix(names: Sequence[str], correlations: Correlations) -> np.ndarray:
-    """Correlations as a matrix, shape (k, k)."""
-    matrix = np.eye(len(names))
-    row = {name: number for number, name in enumerate(names)}
-    for (first, second), value in correlations.items():
-        if first in row and second in row:
-            matrix[row[first], row[second]] = matrix[row[second], row[first]] = value
-    return matrix
 
 
 def correlated_groups(

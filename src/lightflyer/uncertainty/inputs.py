@@ -13,7 +13,7 @@ from lightflyer.array.records import Module, ShortRepr, field
 from lightflyer.core.errors import ParameterError, ParameterWarning
 from lightflyer.core.quantity import require_possible
 from lightflyer.design.design import AbstractDesign
-from lightflyer.uncertainty.correlation import correlation_matrix
+from lightflyer.numerics.correlation import correlation_matrix
 
 _STEP = 1e-3  # relative, over which costly parts of a design are compared
 _MOST_DRAWS = 1000

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.film import Film
+    from lightflyer.film.layered_section import SampleSection
     from lightflyer.film.report.angular_summary import AngularSummary
     from lightflyer.film.report.summary import FilmSummary
-    from lightflyer.film.sample_section import SampleSection
 
 _LEAST_SHARE = 0.0005  # of a spectrum, printed as 0.1 %
 _SHOWN_TEMPERATURE = 300.0  # [K], nearest to which an emittance by angle is printed

@@ -189,6 +189,14 @@ class Film(Checked):
         """Thickness of each layer [m], shape (layers,)."""
         return _column([layer.thickness for layer in self.layers])
 
+    def with_thicknesses(self, thickness: Numeric) -> "Film":
+        """The film with other thicknesses of its layers [m], shape (layers,)."""
+        layers = tuple(
+            dataclasses.replace(layer, thickness=one)
+            for layer, one in zip(self.layers, thickness, strict=True)
+        )
+        return dataclasses.replace(self, layers=layers)
+
     @property
     def covered_range(self) -> tuple[float, float]:
         """Wavelengths at which the film's optics can be computed [m]."""

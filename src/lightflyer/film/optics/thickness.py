@@ -1,20 +1,23 @@
-"""Uncertainty of a film's properties from that of its layers' thicknesses."""
+"""Uncertainty of a film's properties from those of its layers' numbers."""
 
-import dataclasses
-from collections.abc import Callable, Sequence
-from typing import TypeVar
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 
 from lightflyer.array import tree
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import Quantity
+from lightflyer.core.units import Measured
 from lightflyer.film.optics.stack import Film
+from lightflyer.numerics.correlation import Correlations, correlation_matrix
 
 T = TypeVar("T")
 
 _SECOND_ORDER = 0.75  # fourth moment of a standard normal variable, 3, over 2²
 _METRES_TO_NANOMETRES = 1e9
+_LEAST_VARIANCE = 1e-9  # along a principal axis of correlations: less is rounding
 
 
 def thickness_uncertainty(
@@ -71,38 +74,13 @@ def thickness_uncertainty(
     >>> print(f"{thickness_uncertainty(lambda one: one.areal_density, film, [1e-9]) * 1e3:.5f}")
     0.00532
     """
-    _check(film, uncertainty)
-    middle = quantity(film)
-    total = tree.map_leaves(lambda one: np.zeros_like(one, float), middle)
-    pairs = [
-        (_change(film, number, spread), _change(film, number, -spread))
-        for number, spread in enumerate(uncertainty)
-        if spread > 0.0
-    ]
-    for above, below in (*pairs, *others):
-        total = tree.map_leaves(_add, total, middle, quantity(above), quantity(below))
-    return tree.map_leaves(lambda one: np.sqrt(one)[()], total)
-
-
-def _add(total: np.ndarray, middle: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-    first, second = 0.5 * (above - below), above - 2.0 * middle + below
-    return np.asarray(total + first**2 + _SECOND_ORDER * second**2)
-
-
-def _change(film: Film, number: int, change: float) -> Film:
-    layers = list(film.layers)
-    thickness = layers[number].thickness + change
-    layers[number] = dataclasses.replace(layers[number], thickness=thickness)
-    return dataclasses.replace(film, layers=tuple(layers))
-
-
-def _check(film: Film, uncertainty: Sequence[float]) -> None:
     if len(uncertainty) != len(film.layers):
         raise ParameterError(
             f"{len(uncertainty)} uncertainties of thicknesses are given for "
             f"{len(film.layers)} layers"
         )
-    for layer, spread in zip(film.layers, uncertainty, strict=True):
+    pairs = []
+    for number, (layer, spread) in enumerate(zip(film.layers, uncertainty, strict=True)):
         require_range(f"uncertainty of the thickness of {layer.material.name}", spread, 0.0)
         if not spread < layer.thickness:
             nanometres = [_METRES_TO_NANOMETRES * one for one in (layer.thickness, spread)]
@@ -110,3 +88,48 @@ def _check(film: Film, uncertainty: Sequence[float]) -> None:
                 f"thickness of {layer.material.name} = {nanometres[0]:g} ± {nanometres[1]:g} nm: "
                 "± is one standard deviation and must be below the thickness"
             )
+        if spread > 0.0:
+            change = spread * np.eye(len(film.layers))[number]
+            ends = film.thickness + change, film.thickness - change
+            pairs.append(tuple(map(film.with_thicknesses, ends)))
+
+    def add(total: np.ndarray, middle: np.ndarray, above: np.ndarray, below: np.ndarray) -> Any:
+        first, second = 0.5 * (above - below), above - 2.0 * middle + below
+        return total + first**2 + _SECOND_ORDER * second**2
+
+    middle = quantity(film)
+    total = tree.map_leaves(lambda one: np.zeros_like(one, float), middle)
+    for one, other in (*pairs, *others):
+        total = tree.map_leaves(add, total, middle, quantity(one), quantity(other))
+    return tree.map_leaves(lambda one: np.sqrt(one)[()], total)
+
+
+def neighbouring_films(
+    film_with: Callable[[Mapping[str, float]], Film],
+    numbers: Mapping[str, tuple[Quantity, Measured]],
+    correlations: Correlations,
+) -> list[tuple[Film, Film]]:
+    """Films one standard uncertainty above and below, for each independent error of numbers.
+
+    ``film_with``: the film with other numbers, by name; ``numbers``: their ranges and values, which
+    stay within them. Numbers whose errors are correlated change together, along each principal axis
+    of their correlations.
+    """
+    names = list(dict.fromkeys(name for pair in correlations for name in pair))
+    variances, axes = np.linalg.eigh(correlation_matrix(names, correlations))
+    changes = [
+        dict(zip(names, np.sqrt(variance) * axis, strict=True))
+        for variance, axis in zip(variances, axes.T, strict=True)
+        if variance > _LEAST_VARIANCE
+    ]
+    changes += [{name: 1.0} for name in numbers if name not in names]
+
+    def end(change: Mapping[str, float], sign: float) -> Film:
+        moved = {}
+        for name, share in change.items():
+            quantity, value = numbers[name]
+            number = value.value + sign * share * (value.uncertainty or 0.0)
+            moved[name] = min(max(number, quantity.lowest), quantity.highest)
+        return film_with(moved)
+
+    return [(end(change, 1.0), end(change, -1.0)) for change in changes]

@@ -12,6 +12,7 @@ import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import Module
+from lightflyer.core.errors import ParameterError
 from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
 from lightflyer.film.optics.integration import (
     POINTS_PER_E_FOLD,
@@ -31,7 +32,6 @@ THERMAL_POINTS, LIGHT_POINTS = 512, 256
 
 _BY_INDEX, _BY_POWER, _EVENLY = 0.5, 0.4, 0.1  # shares of a grid's points
 _LEAST_EMITTANCE = 1e-9
-_ABSENT = 1e-16  # [m], thickness of a layer that is not there; its phase is lost in rounding
 
 
 class Sampled(Module):
@@ -42,11 +42,6 @@ class Sampled(Module):
     wavelength: Numeric  # shape (w,); [m]
     weight: Numeric  # shape (m, w); one row a mean; each row's sum is one [1]
 
-    @property
-    def optics(self) -> tuple[Numeric, Numeric, Numeric]:
-        """n, k and wavelength."""
-        return self.n, self.k, self.wavelength
-
     @classmethod
     def of(cls, film: Film, grid: Grid, points: int) -> "Sampled":
         """The points of a fine grid that matter most, with the weights of those between them."""
@@ -55,15 +50,13 @@ class Sampled(Module):
         left = np.searchsorted(chosen, np.arange(grid.wavelength.size), side="right") - 1
         left = np.minimum(left, chosen.size - 2)
         ends = grid.wavelength[chosen]
-        way = (grid.wavelength - ends[left]) / (ends[left + 1] - ends[left])
+        share = (grid.wavelength - ends[left]) / (ends[left + 1] - ends[left])
         weight = np.stack([
-            np.bincount(left, row * (1.0 - way), chosen.size)
-            + np.bincount(left + 1, row * way, chosen.size)
+            np.bincount(left, row * (1.0 - share), chosen.size)
+            + np.bincount(left + 1, row * share, chosen.size)
             for row in grid.mean_weight
         ])  # fmt: skip
-        missing = (0, points - chosen.size)  # so that arrays of all films have the same shape
-        n, k = (np.pad(part[:, chosen], [(0, 0), missing], mode="edge") for part in (n, k))
-        return cls(n, k, np.pad(ends, missing, mode="edge"), np.pad(weight, [(0, 0), missing]))
+        return cls(n[:, chosen], k[:, chosen], ends, weight)
 
 
 class ThicknessSurrogate(Module):
@@ -75,19 +68,19 @@ class ThicknessSurrogate(Module):
     heat: Sampled
 
     @classmethod
-    def of(
-        cls, film: Film, spectrum: Spectrum | None = None, *, layers: int = 0
-    ) -> "ThicknessSurrogate":
+    def of(cls, film: Film, spectrum: Spectrum | None = None) -> "ThicknessSurrogate":
+        whole = film.free_standing and film.open_fraction is None
+        if film.is_rough or not whole or not all(layer.coherent for layer in film.layers):
+            raise ParameterError(
+                "a search over thicknesses knows only smooth, coherent layers without holes; "
+                "sweep this film"
+            )
         film = film.homogeneous()
         light = light_grid(film, am0() if spectrum is None else spectrum, 0.0, diffuse=False)
         heat = thermal_grid(
             film, node_temperatures(), normal=False, points_per_e_fold=POINTS_PER_E_FOLD
         )
-        missing = max(0, layers - len(film.layers))
-        return cls(
-            _pad(Sampled.of(film, light, LIGHT_POINTS), missing),
-            _pad(Sampled.of(film, heat, THERMAL_POINTS), missing),
-        )
+        return cls(Sampled.of(film, light, LIGHT_POINTS), Sampled.of(film, heat, THERMAL_POINTS))
 
     def properties(
         self, thickness: Numeric, incidence: Numeric = 0.0, *, passing: bool = True
@@ -96,9 +89,11 @@ class ThicknessSurrogate(Module):
         light, heat = self.light, self.heat
         beam = xp.cos(xp.minimum(incidence, GRAZING))
         n, k, wavelength = (
-            xp.concatenate([one, other], axis=-1)
-            for one, other in zip(light.optics, heat.optics, strict=True)
-        )
+            xp.concatenate(parts, axis=-1)
+            for parts in (
+                (light.n, heat.n), (light.k, heat.k), (light.wavelength, heat.wavelength)
+            )
+        )  # fmt: skip
         cosine, share = hemisphere(DIRECTIONS)
         # both faces at once: the second half of each array is the film upside down
         n, k, depth = (xp.stack([part, part[::-1]], axis=1) for part in (n, k, thickness[:, None]))
@@ -137,17 +132,6 @@ def _shares(
         for part in (optics.reflectance, optics.transmittance)
     )
     return 1.0 - reflected - passed, passed
-
-
-def padded_thickness(thickness: np.ndarray, layers: int) -> np.ndarray:
-    """Thicknesses with those of layers that are not there below [m], shape (layers,)."""
-    return np.pad(thickness, (0, layers - len(thickness)), constant_values=_ABSENT)
-
-
-def _pad(sampled: Sampled, missing: int) -> Sampled:
-    rows = [(0, missing), (0, 0)]
-    n = np.pad(sampled.n, rows, constant_values=1.0)
-    return Sampled(n, np.pad(sampled.k, rows), sampled.wavelength, sampled.weight)
 
 
 def _curve(values: Array) -> EmittanceCurve:

@@ -19,8 +19,8 @@ from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
 from lightflyer.files.toml_file import FileKind, place_of, read_file
 from lightflyer.film.layer_section import LayerSection
+from lightflyer.film.layered_section import SampleSection
 from lightflyer.film.optics.stack import GRAZING, Film, Side
-from lightflyer.film.sample_section import SampleSection
 from lightflyer.lab.optics.ellipsometry import ORDINATES, EllipsometrySection, MeasuredFile
 from lightflyer.lab.readers.formats import Ordinate
 from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum

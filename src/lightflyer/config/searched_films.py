@@ -1,25 +1,25 @@
-"""Stacks that the film of a flyer file may be: which materials, how many, in which order."""
+"""Films of a flyer file that a search changes: their thicknesses, or their stack of materials."""
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pydantic
 
-from lightflyer.array.namespace import Numeric, xp
-from lightflyer.array.records import Module
-from lightflyer.config.surrogate_films import part_at, require_simple
+from lightflyer.array.namespace import Numeric
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Quantity
 from lightflyer.design.design import AbstractDesign, AbstractStacks
 from lightflyer.design.setup import Setup
 from lightflyer.files.toml_file import FOLDER
 from lightflyer.files.validation_messages import format_error
-from lightflyer.film.layer_section import LayerSection
-from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate, padded_thickness
+from lightflyer.film.computed import surrogate_properties
+from lightflyer.film.layer_section import OF_NO_MEDIUM, LayerSection
+from lightflyer.film.optics.stack import Film
+from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate
 from lightflyer.film.properties import PROPERTIES, FilmProperties
 from lightflyer.film.section import FACES, WholeFilm
 
@@ -31,6 +31,74 @@ _CARRIER = "carrier"
 _STATED_ONCE = (*FACES, "highest_temperature")  # what a flyer file may say of any film
 _MOST = 20_000  # stacks in a search
 _NO_LIMIT = 1e5  # [K], of a stack of which it is not known: no film gets so hot
+_NO_OPTICS = ("areal_density", *FACES)
+
+
+class SurrogateFilms:
+    """Properties of a flyer file's films of layers, for other thicknesses or another incidence."""
+
+    # Implements :class:`~lightflyer.design.design.Surrogate`.
+
+    def __init__(
+        self,
+        films: Mapping[str, Any],
+        incidence_keys: Sequence[str],
+        parts_with: Callable[[Mapping[str, Numeric]], Mapping[str, Any]],
+        names: Sequence[str] = (),
+        *,
+        passing: bool,
+    ):
+        self._directions = [f"environment.{key}" for key in incidence_keys]
+        self._passing = passing
+        self._parts_with = parts_with
+        for name in names:
+            if not self.knows(name):
+                raise ConfigurationError(
+                    f"{name} changes the index of a layer; a search frees thicknesses only: fix "
+                    "it or sweep it"
+                )
+        self.tables = {
+            name: surrogate_of(name, film, film.film()) for name, film in films.items()
+            if film.layered
+        }  # fmt: skip
+
+    def knows(self, name: str) -> bool:
+        """Whether a number leaves the indices of all layers alone."""
+        return name in self._directions or name.rpartition(".")[2] in OF_NO_MEDIUM
+
+    def __call__(
+        self, values: Mapping[str, Numeric], tables: Mapping[str, ThicknessSurrogate]
+    ) -> dict[str, FilmProperties]:
+        """Properties of the films by name."""
+        parts = self._parts_with(values)
+        incidence, found = parts["environment"].light_incidence, {}
+        for name, surrogate in tables.items():
+            section = part_at(parts, name)
+            beside = {key: value.value for key, value in section.measured_values().items()
+                      if key in _NO_OPTICS}  # fmt: skip
+            found[name] = section.with_optics(
+                surrogate_properties(
+                    section.film(), surrogate, beside, incidence, passing=self._passing
+                )
+            ).build()
+        return found
+
+
+def surrogate_of(name: str, section: Any, film: Film) -> ThicknessSurrogate:
+    """Surrogate of the film of a section, whose name is in what is raised."""
+    try:
+        return ThicknessSurrogate.of(film, section.light())
+    except ParameterError as error:
+        raise ConfigurationError(f"[{name}]: {error}") from None
+
+
+def part_at(parts: Mapping[str, Any], name: str) -> Any:
+    """Section at a dotted name, such as ``"flyer.top"``."""
+    first, *inner = name.split(".")
+    part: Any = parts.get(first)
+    for key in inner:
+        part = part[int(key)] if key.isdigit() else getattr(part, key)
+    return part
 
 
 class Candidate:
@@ -69,12 +137,6 @@ class Candidate:
             lines = [_explain(mistake, end) for mistake in error.errors()]
             raise ConfigurationError("; ".join(lines)) from None
 
-    @property
-    def density(self) -> float:
-        """[kg/m³]."""
-        density: Any = self.layer.build("error").material.density
-        return float(density)
-
 
 def _explain(mistake: Any, end: str) -> str:
     name = ".".join(map(str, mistake["loc"])).replace("thickness", end)
@@ -84,20 +146,13 @@ def _explain(mistake: Any, end: str) -> str:
     return format_error(mistake, name)
 
 
-class StackTables(Module):
-    """One stack, as arrays of the same shape for all."""
+class StackTables(NamedTuple):
+    """What the properties of one stack follow from, beside its thicknesses."""
 
-    family: ThicknessSurrogate
-    low: Numeric  # shape (layers,); bounds of the thicknesses [m]
-    high: Numeric
-    density: Numeric  # shape (layers,); [kg/m³]
-    tac_top: Numeric  # [1], and the temperature that the film bears [K]
-    tac_bottom: Numeric
-    limit: Numeric
-
-    def thickness(self, share: Numeric) -> Numeric:
-        """Thicknesses from where they lie between their bounds, in the logarithm [m]."""
-        return self.low * (self.high / self.low) ** share
+    sequence: Sequence[int]
+    film: Film  # With any thicknesses
+    surrogate: ThicknessSurrogate
+    beside: dict[str, Any]  # TACs [1] and the temperature that the film bears [K]
 
 
 class Stacks(AbstractStacks):
@@ -182,22 +237,14 @@ class Stacks(AbstractStacks):
         return _NO_LIMIT if found is None else float(found)
 
     def tables(self, sequence: Sequence[int]) -> StackTables:
-        layers = [self.candidates[number] for number in sequence]
         section = self._section(sequence)
         film = section.film()
-        require_simple(self.film, film)
-        if len(film.homogeneous().layers) > len(layers):
+        surrogate = surrogate_of(self.film, section, film)
+        if len(film.homogeneous().layers) > len(sequence):
             raise ConfigurationError("a search over stacks knows no graded layers")
-        top, bottom = self._tacs(sequence)
-        return StackTables(
-            family=ThicknessSurrogate.of(film, section.light(), layers=self.most),
-            low=padded_thickness(np.array([one.low for one in layers]), self.most),
-            high=padded_thickness(np.array([one.high for one in layers]), self.most),
-            density=np.pad([one.density for one in layers], (0, self.most - len(layers))),
-            tac_top=np.asarray(top),
-            tac_bottom=np.asarray(bottom),
-            limit=np.asarray(self.limit(sequence)),
-        )
+        beside = {**dict(zip(FACES, self._tacs(sequence), strict=True)),
+                  "highest_temperature": self.limit(sequence)}  # fmt: skip
+        return StackTables(sequence, film, surrogate, beside)
 
     def thicknesses(self, sequence: Sequence[int], shares: np.ndarray) -> np.ndarray:
         low, high = np.array(
@@ -318,20 +365,13 @@ class AnyStack(AbstractDesign):
         return name in self._stacks.shares
 
     def __call__(self, values: Mapping[str, Numeric], tables: StackTables) -> dict[str, WholeFilm]:
-        """The film of a stack, to be traced."""
-        share = xp.stack([xp.asarray(values[name]) for name in self._stacks.shares])
-        thickness = tables.thickness(share)
-        optics = tables.family.properties(
-            thickness, self._stacks.incidence, passing=self._stacks.passing
-        )
-        film = FilmProperties(
-            areal_density=xp.dot(thickness, tables.density),
-            tac_top=tables.tac_top,
-            tac_bottom=tables.tac_bottom,
-            highest_temperature=tables.limit,
-            **optics,
-        )
-        return {self._stacks.film: WholeFilm(film)}
+        """The film of a stack."""
+        stacks, shares = self._stacks, np.array([values[name] for name in self._stacks.shares])
+        film = surrogate_properties(
+            tables.film.with_thicknesses(stacks.thicknesses(tables.sequence, shares)),
+            tables.surrogate, tables.beside, stacks.incidence, passing=stacks.passing,
+        )  # fmt: skip
+        return {stacks.film: WholeFilm(film)}
 
     @property
     def setup(self) -> Setup:

@@ -71,19 +71,14 @@ class ComputedFilm(ShortRepr):
         # and ``"infrared_transmittance_without_data"``: nothing passes there, or everything that
         # may.
         found = {}
-        for absorbing, passing in (("absorptance", "transmittance"),
-                                   ("emittance", "infrared_transmittance")):  # fmt: skip
-            if self._is_open(absorbing):
-                ends = self._at_absorbing_bounds(absorbing)
-                found[f"{absorbing}_without_data"] = (self._with(ends[0]), self._with(ends[1]))
-            if self._is_open(passing):
-                ends = self._at_passing_bounds(passing)
-                found[f"{passing}_without_data"] = (self._with(ends[0]), self._with(ends[1]))
+        for what in ("absorptance", "transmittance", "emittance", "infrared_transmittance"):
+            means = (mean for name, mean in self.averages.items() if name.startswith(what))
+            if any(np.any(mean.covered < _COMPLETE) for mean in means):
+                passing = "transmittance" in what
+                ends = (self._at_passing_bounds if passing else self._at_absorbing_bounds)(what)
+                lower, upper = (dataclasses.replace(self.properties, **end) for end in ends)
+                found[f"{what}_without_data"] = (lower, upper)
         return found
-
-    def _is_open(self, what: str) -> bool:
-        means = (mean for name, mean in self.averages.items() if name.startswith(what))
-        return any(np.any(mean.covered < _COMPLETE) for mean in means)
 
     def _at_absorbing_bounds(self, what: str) -> tuple[dict[str, Any], dict[str, Any]]:
         """Properties where nothing, and where everything, is absorbed that is not known."""
@@ -117,10 +112,6 @@ class ComputedFilm(ShortRepr):
                 lower[name] = _property(mean.lower)
                 upper[name] = _property(np.minimum(mean.upper, room))
         return lower, upper
-
-    def _with(self, values: dict[str, Any]) -> FilmProperties:
-        own = {name: getattr(self.properties, name) for name in PROPERTIES}
-        return FilmProperties(**own | values)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -232,8 +223,7 @@ def _property(mean: Numeric) -> Any:
     """Property of a film from a mean, a curve where it is one at each of the curve's nodes."""
     if np.ndim(mean) == 0:
         return mean
-    floor = xp.maximum if is_traced(mean) else np.maximum  # JAX's is in single precision here
-    return EmittanceCurve.through(floor(mean, _LEAST_EMITTANCE))
+    return EmittanceCurve.through(xp.maximum(mean, _LEAST_EMITTANCE))
 
 
 def _over_temperatures(value: Any) -> Any:
@@ -259,43 +249,31 @@ def with_measurements(optics: FilmProperties, given: dict[str, Any]) -> dict[str
             now = found["absorptance"] if found[absorbing] is None else found[absorbing]
             share = _ratio(1.0 - now, 1.0 - _value_of(optics, absorbing))
             found[passing] = _value_of(optics, passing) * share
-    if _IN_INFRARED not in given:
-        found[_IN_INFRARED] = _infrared_transmittance(optics, given)
-    return found
-
-
-def _infrared_transmittance(optics: FilmProperties, given: dict[str, Any]) -> Any:
-    """Infrared transmittance beside measured emittances."""
-    through = optics.infrared_transmittance
     factors = [
         _ratio(1.0 - _numbers(given[name], axis=True), 1.0 - _numbers(getattr(optics, name), True))
         for name in ("emittance_top", "emittance_bottom")
         if given.get(name) is not None
     ]
-    if not factors:
-        return through
-    factor = reduce(_array_module(*factors).minimum, factors)
-    if isinstance(through, EmittanceCurve) and factor.shape[-1] == 1:
-        return EmittanceCurve(through.coefficients * factor)
-    nodes = _numbers(through, axis=True) * factor
-    return EmittanceCurve.through(nodes + np.zeros(NODES))
-
-
-def _array_module(*values: Any) -> Any:
-    """JAX's functions for traced values, NumPy's for others, as JAX's are in single precision."""
-    return xp if is_traced(*values) else np
+    if factors and _IN_INFRARED not in given:
+        through, factor = optics.infrared_transmittance, reduce(xp.minimum, factors)
+        if isinstance(through, EmittanceCurve) and factor.shape[-1] == 1:
+            found[_IN_INFRARED] = EmittanceCurve(through.coefficients * factor)
+        else:
+            nodes = _numbers(through, axis=True) * factor
+            found[_IN_INFRARED] = EmittanceCurve.through(nodes + np.zeros(NODES))
+    return found
 
 
 def _ratio(over: Any, under: Any) -> Any:
     """Quotient of two shares, zero where both are."""
-    return over / _array_module(over, under).where(under > 0.0, under, 1.0)
+    return over / xp.where(under > 0.0, under, 1.0)
 
 
 def _numbers(value: Any, axis: bool = False) -> Any:
     """A number as it is or with an axis behind, or the numbers at the nodes of a curve."""
     if isinstance(value, EmittanceCurve):
         return value.at_nodes
-    return _array_module(value).asarray(value)[..., None] if axis else value
+    return xp.expand_dims(value, -1) if axis else value
 
 
 def _value_of(film: FilmProperties, name: str) -> Any:
@@ -319,33 +297,31 @@ def _light_averages(
     except ParameterError:  # no data at any wavelength of the light
         if "absorptance" in wanted:
             raise
-        return dict.fromkeys(_IN_LIGHT, _UNKNOWN)
+        return dict.fromkeys(_IN_LIGHT, Average(value=0.0, covered=0.0))
     found: dict[str, Average] = {}
     if "absorptance" in wanted:
         found |= {"absorptance": top.absorptance, "absorptance_bottom": bottom.absorptance}
     if "transmittance" in wanted:
-        own = measured.get("absorptance_bottom", measured.get("absorptance"))
-        found["transmittance"] = _beside(top, measured.get("absorptance"))
-        found["transmittance_bottom"] = _beside(bottom, own)
+        given = measured.get("absorptance")
+        found["transmittance"] = _transmitted((top, given))
+        found["transmittance_bottom"] = _transmitted(
+            (bottom, measured.get("absorptance_bottom", given))
+        )
     return found
 
 
-_UNKNOWN = Average(value=0.0, covered=0.0)
-
-
-def _beside(shares: Shares, absorptance: Measured | None) -> Average:
-    """Transmittance beside a measured absorptance, or the computed one."""
-    if absorptance is None:
-        return shares.transmittance
-    return _scale(shares.transmittance, _keep(shares, absorptance))
-
-
-def _keep(shares: Shares, absorptance: Measured) -> Any:
-    """How much less is not absorbed by a measured absorptance than by the computed one."""
-    return _ratio(1.0 - absorptance.value, 1.0 - shares.absorptance.value)
-
-
-def _scale(mean: Average, factor: Any) -> Average:
+def _transmitted(*faces: tuple[Shares, Measured | None]) -> Average:
+    """Transmittance beside each face's measured absorptance, or the computed one where None."""
+    # what passes keeps its share of what is not absorbed, the lesser share of two faces
+    mean = faces[0][0].transmittance
+    factors = [
+        _ratio(1.0 - absorbed.value, 1.0 - shares.absorptance.value)
+        for shares, absorbed in faces
+        if absorbed is not None
+    ]
+    if not factors:
+        return mean
+    factor = reduce(xp.minimum, factors)
     within = None if mean.within is None else mean.within * factor
     return dataclasses.replace(mean, value=mean.value * factor, within=within)
 
@@ -366,23 +342,14 @@ def _heat_averages(
         if None in given:
             raise
         return {_IN_INFRARED: Average(np.zeros(NODES), covered=np.zeros(NODES))}
-    found = {
-        f"emittance_{side}": _radiating(share.absorptance, side)
-        for side, share, value in zip(_FACES, shares, given, strict=True)
-        if value is None
-    }
-    factors = [_keep(share, value) for share, value in zip(shares, given, strict=True) if value]
-    mean = shares[0].transmittance
-    if factors:
-        mean = _scale(mean, reduce(_array_module(*factors).minimum, factors))
-    return found | {_IN_INFRARED: mean}
-
-
-def _radiating(mean: Average, side: Side) -> Average:
-    """Emittance of a face at the nodes of a curve, if it is positive everywhere."""
-    if not is_traced(mean.value) and np.min(mean.value) < _LEAST_EMITTANCE:
-        raise ParameterError(
-            f"emittance of the {side} face is {np.min(mean.value):.1g}: by their data its layers "
-            f"absorb no infrared; give a measured emittance_{side}"
-        )
-    return mean
+    found = {_IN_INFRARED: _transmitted(*zip(shares, given, strict=True))}
+    for side, share, value in zip(_FACES, shares, given, strict=True):
+        if value is not None:
+            continue
+        mean = found[f"emittance_{side}"] = share.absorptance
+        if not is_traced(mean.value) and np.min(mean.value) < _LEAST_EMITTANCE:
+            raise ParameterError(
+                f"emittance of the {side} face is {np.min(mean.value):.1g}: by their data its "
+                f"layers absorb no infrared; give a measured emittance_{side}"
+            )
+    return found

@@ -43,17 +43,13 @@ class Compound(Medium):
         found = (text for part in self.parts for text in part.extrapolations(shortest, longest))
         return tuple(dict.fromkeys(found))
 
-    def _with_field(self, name: str, value: Any) -> Any:
-        return tree.replace_at(lambda one: getattr(one, name), self, value)
-
     def with_extrapolation(self, policy: Extrapolation | str) -> Any:
-        return self._with_field(
-            "parts", tuple(part.with_extrapolation(policy) for part in self.parts)
-        )
+        parts = tuple(part.with_extrapolation(policy) for part in self.parts)
+        return tree.replace_at(lambda one: one.parts, self, parts)
 
     def with_density(self, density: Numeric) -> Any:
         """The same medium with a measured density, not that of its parts [kg/m³]."""
-        return self._with_field("measured_density", density)
+        return tree.replace_at(lambda one: one.measured_density, self, density)
 
 
 def _common(ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
@@ -62,17 +58,16 @@ def _common(ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
     return shortest, max(shortest, min(end[1] for end in ends))
 
 
-def indices(parts: Sequence[Medium], wavelength: np.ndarray) -> tuple[Numeric, Numeric]:
-    """Values of n and k of media, shape (parts, ...); ``wavelength``: concrete."""
-    pairs = [part.index(wavelength) for part in parts]
-    stack = stack_arrays if is_traced(pairs) else np.stack
-    return stack(tuple(pair[0] for pair in pairs)), stack(tuple(pair[1] for pair in pairs))
+def indices(media: Sequence[Medium], wavelength: np.ndarray) -> tuple[Numeric, Numeric]:
+    """Values of n and k of media, shape (media, ...); ``wavelength``: concrete."""
+    n, k = zip(*(medium.index(wavelength) for medium in media), strict=True)
+    return stack_arrays(n), stack_arrays(k)
 
 
 @entry_point
 def stack_arrays(values: tuple[Numeric, ...]) -> Numeric:
     """One array of several, in double precision."""
-    return xp.stack(values)
+    return xp.stack(xp.broadcast_arrays(*values))
 
 
 def vector(value: Any) -> Numeric:

@@ -1,6 +1,5 @@
 """Media whose n and k are known at several temperatures."""
 
-import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -131,11 +130,6 @@ def at_temperature(parts: Sequence[Material], temperature: Numeric) -> Temperatu
     ordered = {float(part.temperature or 0.0): part for part in parts}
     known = tuple(sorted(ordered))
     return TemperatureDependentMedium(tuple(ordered[one] for one in known), known, temperature)
-
-
-def _timeless(part: Medium) -> Medium:
-    """A medium that does not tell its temperature, which is told otherwise."""
-    return dataclasses.replace(part, temperature=None) if isinstance(part, Material) else part
 
 
 @entry_point

@@ -16,6 +16,7 @@ from lightflyer.film.optics.integration import (
     light_grid,
     spectral_pieces,
     thermal_grid,
+    with_holes,
 )
 from lightflyer.film.optics.spectra import Spectrum, am0
 from lightflyer.film.optics.stack import GRAZING, Film, Side
@@ -112,23 +113,19 @@ def heat_by_angle(
 
 def _by_angle(film: Film, side: Side, grid: Grid, incidence: Numeric) -> DirectionalShares:
     """Means over a grid's wavelengths, shape (2, angles, spectra)."""
-    angles = incidence if is_traced(incidence) else np.asarray(incidence, float)
-    angles = angles.reshape(-1)
-    count = angles.shape[0]
+    angles = xp.reshape(incidence, -1)
     blocks = [angles]
     if not is_traced(angles):
-        blocks = np.array_split(angles, -(-count // DIRECTIONS))
+        blocks = np.array_split(angles, -(-angles.size // DIRECTIONS))
     pieces = spectral_pieces(film, side, grid.wavelength, DIRECTIONS, grid.mean_weight)
     rows = [
-        tree.map_leaves(lambda *parts: sum(parts), *(_directional(*one) for one in arguments))
-        for arguments in ([(*piece, block) for piece in pieces] for block in blocks)
+        tree.map_leaves(
+            lambda *parts: sum(parts), *(_directional(*piece, block) for piece in pieces)
+        )
+        for block in blocks
     ]
-    join = xp.concatenate if is_traced(rows) else np.concatenate
-    shares = DirectionalShares(*(join(part, axis=1) for part in zip(*rows, strict=True)))
-    if film.open_fraction is None:
-        return shares
-    solid = DirectionalShares(*((1.0 - film.open_fraction) * share for share in shares))
-    return solid._replace(transmittance=solid.transmittance + film.open_fraction)
+    shares = DirectionalShares(*(xp.concatenate(part, axis=1) for part in zip(*rows, strict=True)))
+    return with_holes(shares, film.open_fraction)
 
 
 @entry_point

@@ -119,7 +119,12 @@ def light_shares(
     spectrum = am0() if spectrum is None else spectrum
     grid = light_grid(film, spectrum, incidence, diffuse)
     computed = float(grid.weight.sum())
-    covered = _light_share(spectrum, data_range(film), film.covered_range)
+    data, usable = data_range(film), film.covered_range
+    try:
+        _, weight = spectrum.between(max(data[0], usable[0]), min(data[1], usable[1]))
+        covered = float(weight.sum())
+    except ParameterError:  # no power there
+        covered = 0.0
     return _averages(film, side, grid, np.array([computed]), np.array([covered]), ())
 
 
@@ -180,17 +185,6 @@ def thermal_coverage(film: Film, temperature: Numeric) -> np.ndarray:
     return _blackbody_share(inside, temperature)[()]
 
 
-def _light_share(
-    spectrum: Spectrum, data: tuple[float, float], computed: tuple[float, float]
-) -> float:
-    """Share of a light's power at wavelengths that have data and are computed."""
-    try:
-        _, weight = spectrum.between(max(data[0], computed[0]), min(data[1], computed[1]))
-    except ParameterError:  # no power there
-        return 0.0
-    return float(weight.sum())
-
-
 def _blackbody_share(ends: tuple[float, float], temperature: Numeric) -> np.ndarray:
     """Share of a black body's radiation between two wavelengths."""
 
@@ -228,12 +222,6 @@ def emittance_curve(
     return EmittanceCurve.through(values)
 
 
-def _has_data(film: Film, wavelength: np.ndarray) -> np.ndarray:
-    """Whether all materials have data, at each wavelength."""
-    covers = [medium.covers(wavelength) for medium in film.media]
-    return np.all(covers, axis=0) if covers else np.ones(wavelength.shape, bool)
-
-
 def _averages(
     film: Film,
     side: Side,
@@ -243,13 +231,14 @@ def _averages(
     shape: tuple[int, ...],
 ) -> Shares:
     """Averages on a grid; ``computed`` and ``covered`` are shares of the spectrum's power."""
-    inside = _has_data(film, grid.wavelength)
-    known = None
+    inside = np.ones(grid.wavelength.shape, bool)
+    for medium in film.media:
+        inside &= medium.covers(grid.wavelength)
+    known, weight = None, grid.mean_weight
     if not inside.all():
-        weight = grid.weight * inside
-        total = weight.sum(axis=1, keepdims=True)
-        known = np.divide(weight, total, where=total > 0.0, out=np.zeros_like(weight))
-    weight = grid.mean_weight
+        with_data = grid.weight * inside
+        total = with_data.sum(axis=1, keepdims=True)
+        known = np.divide(with_data, total, where=total > 0.0, out=np.zeros_like(with_data))
     extrapolated = film.extrapolations(grid.wavelength[0], grid.wavelength[-1])
 
     found = spectral_shares(film, side, grid)

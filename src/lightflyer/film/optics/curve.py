@@ -10,7 +10,6 @@ import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import Module
-from lightflyer.core.checks import is_traced
 from lightflyer.core.entry_point import entry_point
 
 LOWEST_TEMPERATURE, HIGHEST_TEMPERATURE = 100.0, 1500.0
@@ -51,14 +50,12 @@ class EmittanceCurve(Module):
     @classmethod
     def through(cls, emittance: Numeric) -> "EmittanceCurve":
         """Curve through the emittances at :func:`node_temperatures`; ``emittance`` (..., NODES)."""
-        if np.ndim(emittance) > 1:
-            return cls(coefficients=emittance @ _to_coefficients().T)
-        return cls(coefficients=_to_coefficients() @ emittance)
+        return cls(coefficients=emittance @ _to_coefficients().T)
 
     @property
     def at_nodes(self) -> Numeric:
         """The curve at :func:`node_temperatures`, shape (..., NODES) [1]."""
-        return self.coefficients @ _from_coefficients().T
+        return self.coefficients @ np.vander(_nodes(), NODES).T
 
     @entry_point
     def __call__(self, temperature: Numeric) -> Array:
@@ -74,38 +71,23 @@ class EmittanceCurve(Module):
     def growth(self, temperature: Numeric, excess: Numeric) -> Array:
         r"""Change of :math:`\varepsilon T^4` over a temperature difference [1]."""
         # .. math:: \varepsilon(T_h)\,(1+\theta)^4-\varepsilon(T),\qquad T_h=T(1+\theta)
-        fourth = excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
-        x, y = (
-            self._scale_temperature(temperature * (1.0 + excess)),
-            self._scale_temperature(temperature),
-        )
-        value, slope = self._horner(x, y)
-        return value * fourth + slope * self._distance(temperature, excess)
-
-    def _horner(self, x: Array, y: Array) -> tuple[Array, Array]:
-        """Polynomial at ``x``, and its divided difference between ``x`` and ``y``."""
-        coefficients = xp.asarray(self.coefficients)
+        hot, coefficients = temperature * (1.0 + excess), xp.asarray(self.coefficients)
+        x, y = self._scale_temperature(hot), self._scale_temperature(temperature)
+        # the polynomial at x, and its divided difference between x and y, by Horner's rule
         value, slope = coefficients[..., 0], xp.zeros(())
         for place in range(1, NODES):
             value, slope = value * x + coefficients[..., place], slope * y + value
-        return value, slope
+        inside = (xp.minimum(hot, temperature) >= self.lowest) & (
+            xp.maximum(hot, temperature) <= self.highest
+        )
+        near = 2.0 * xp.log1p(excess) / xp.log(self.highest / self.lowest)
+        fourth = excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
+        return value * fourth + slope * xp.where(inside, near, x - y)
 
     def _scale_temperature(self, temperature: Numeric) -> Array:
         span = xp.log(self.highest / self.lowest)
         held = xp.clip(temperature, self.lowest, self.highest)
         return 2.0 * xp.log(held / self.lowest) / span - 1.0
-
-    def _distance(self, temperature: Numeric, excess: Numeric) -> Array:
-        """Difference of the scaled temperatures."""
-        hot = temperature * (1.0 + excess)
-        inside = (xp.minimum(hot, temperature) >= self.lowest) & (
-            xp.maximum(hot, temperature) <= self.highest
-        )
-        span = xp.log(self.highest / self.lowest)
-        near = 2.0 * xp.log1p(excess) / span
-        return xp.where(
-            inside, near, self._scale_temperature(hot) - self._scale_temperature(temperature)
-        )
 
 
 @cache
@@ -125,11 +107,6 @@ def _to_coefficients() -> np.ndarray:
     return (powers @ to_chebyshev)[::-1]
 
 
-@cache
-def _from_coefficients() -> np.ndarray:
-    return np.vander(_nodes(), NODES)
-
-
 def node_temperatures() -> np.ndarray:
     """Temperatures at which a curve is given [K], shape (NODES,)."""
     middle = np.sqrt(LOWEST_TEMPERATURE * HIGHEST_TEMPERATURE)
@@ -145,8 +122,7 @@ def coefficients_of(emittance: Numeric) -> Numeric:
     """Coefficients of a curve, or of the curve that a constant is, shape (..., NODES) [1]."""
     if isinstance(emittance, EmittanceCurve):
         return emittance.coefficients
-    constant = emittance if is_traced(emittance) else np.asarray(emittance)
-    return constant[..., None] * np.eye(NODES)[-1]
+    return xp.expand_dims(emittance, -1) * np.eye(NODES)[-1]
 
 
 def emittance_bounds(emittance: Numeric) -> tuple[Numeric, Numeric]:

@@ -1,7 +1,7 @@
 """Wavelengths, directions and weights of a film's averages, and what becomes of light there."""
 
 import dataclasses
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,8 @@ POINTS_PER_E_FOLD = 4000
 
 COARSE_POINTS_PER_E_FOLD = POINTS_PER_E_FOLD // 10
 """The same where a film's change is asked: an emittance to 1e-3, its ± to 1 % of itself."""
+
+S = TypeVar("S", bound=Any)  # Shares as a named tuple
 
 # Directions at wavelengths computed at a time where nothing is traced: arrays of both polarisations
 # (128 KiB) stay in the processor's cache.
@@ -47,10 +49,10 @@ class Grid(NamedTuple):
 class SpectralShares(NamedTuple):
     """What becomes of light at each wavelength."""
 
-    absorptance: Numeric  # shape (w,); [1]; their sum is one
-    transmittance: Numeric  # shape (w,); [1]; their sum is one
-    reflectance: Numeric  # shape (w,); [1]; their sum is one
-    scattered: Numeric  # shape (w,); [1]; their sum is one
+    absorptance: Numeric  # shape (w,); [1]; the sum of all is one
+    transmittance: Numeric
+    reflectance: Numeric
+    scattered: Numeric
 
 
 def data_range(film: Film) -> tuple[float, float]:
@@ -70,8 +72,7 @@ def thermal_range(film: Film) -> tuple[float, float]:
 def light_grid(film: Film, spectrum: Spectrum, incidence: Numeric, diffuse: bool) -> Grid:
     """Grid of an absorptance: the wavelengths of the light's table; with one spectrum."""
     wavelength, weight = spectrum.between(*film.covered_range)
-    beam = xp.cos(incidence) if is_traced(incidence) else np.cos(incidence)
-    cosine, share = hemisphere() if diffuse else (beam, 1.0)
+    cosine, share = hemisphere() if diffuse else (xp.cos(incidence), 1.0)
     return Grid(wavelength, weight[None], cosine, share)
 
 
@@ -106,24 +107,18 @@ def hemisphere(directions: int = DIRECTIONS) -> tuple[np.ndarray, np.ndarray]:
 
 def spectral_shares(film: Film, side: Side, grid: Grid) -> SpectralShares:
     """What becomes of unpolarised light at each wavelength, averaged over directions."""
-    cosines, shares = grid.cosine, grid.share
-    pieces = spectral_pieces(film, side, grid.wavelength, np.size(cosines))
-    if not is_traced(pieces, cosines) and np.ndim(cosines) == 0:
-        cosines, shares = np.array([cosines, 1.0]), np.array([shares, 0.0])  # of the same trace
-    parts = [_spectral(*arguments) for arguments in ((*one, cosines, shares) for one in pieces)]
-    if len(parts) == 1:
-        found = parts[0]
-    else:
-        found = SpectralShares(*map(np.concatenate, zip(*parts, strict=True)))
-    found = SpectralShares(*(share[: grid.wavelength.size] for share in found))
-    return found if film.open_fraction is None else _with_holes(found, film.open_fraction)
+    pieces = spectral_pieces(film, side, grid.wavelength, np.size(grid.cosine))
+    parts = [_spectral(*piece, grid.cosine, grid.share) for piece in pieces]
+    found = SpectralShares(*(xp.concatenate(part) for part in zip(*parts, strict=True)))
+    return with_holes(found, film.open_fraction)
 
 
-def _with_holes(shares: SpectralShares, open_fraction: Numeric) -> SpectralShares:
+def with_holes(shares: S, open_fraction: Numeric | None) -> S:
     """Shares of a film with holes, through which all light passes."""
-    solid = 1.0 - open_fraction
-    found = SpectralShares(*(solid * share for share in shares))
-    return found._replace(transmittance=found.transmittance + open_fraction)
+    if open_fraction is None:
+        return shares
+    solid = type(shares)(*((1.0 - open_fraction) * share for share in shares))
+    return solid._replace(transmittance=solid.transmittance + open_fraction)
 
 
 def spectral_pieces(
@@ -132,30 +127,22 @@ def spectral_pieces(
     """A lit film as numbers at wavelengths, in pieces to be computed one after another."""
     lit = (film if side == "top" else film.flip()).homogeneous()
     n, k = lit.index(wavelength)
-    structure = lit.structure(wavelength, axes=2)
-    thickness = lit.thickness
+    structure, thickness = lit.structure(wavelength, axes=2), lit.thickness
     if is_traced(n, k, thickness, structure):
         return [(n, k, thickness, wavelength, *weights, structure)]
-    size, length = wavelength.size, _AT_ONCE // directions
-    missing = -size % length
+    pieces: list[tuple[Any, ...]] = []
+    length = _AT_ONCE // directions
+    for start in range(0, wavelength.size, length):
 
-    def longer(table: Any, mode: Any) -> np.ndarray:
-        """A table over the wavelengths, to a whole number of pieces."""
-        wide = np.broadcast_to(table, (*np.shape(table)[:-1], size))
-        return np.pad(wide, [(0, 0)] * (wide.ndim - 1) + [(0, missing)], mode=mode)
+        def part(table: Any, start: int = start) -> Any:
+            return table[..., start : start + length] if np.ndim(table) else table
 
-    tables = (n, k, wavelength, structure.above, *structure.below)
-    padded = [longer(table, "edge") for table in tables]
-    heavy = [longer(table, "constant") for table in weights]
-    found = []
-    for start in range(0, size, length):
-        at = slice(start, start + length)
-        n, k, here, above, *below = (table[..., at] for table in padded)
-        around = dataclasses.replace(structure, above=above, below=(below[0], below[1]))
-        if film.free_standing:
-            around = structure
-        found.append((n, k, thickness, here, *(one[..., at] for one in heavy), around))
-    return found
+        media = dataclasses.replace(
+            structure, above=part(structure.above), below=tuple(map(part, structure.below))
+        )
+        tables = map(part, (wavelength, *weights))
+        pieces.append((part(n), part(k), thickness, *tables, media))
+    return pieces
 
 
 @entry_point

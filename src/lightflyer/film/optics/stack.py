@@ -9,7 +9,6 @@ import numpy as np
 from lightflyer.array.namespace import Numeric, xp
 from lightflyer.array.records import field
 from lightflyer.core.checks import is_traced, require_positive, require_range
-from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
     Checked,
@@ -21,6 +20,7 @@ from lightflyer.core.quantity import (
     require_fit,
     require_record,
 )
+from lightflyer.film.media.compound import indices
 from lightflyer.film.media.medium import Medium
 from lightflyer.film.optics.transfer_matrix import (
     StackOptics,
@@ -218,12 +218,12 @@ class Film(Checked):
     def index(self, wavelength: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Refractive index and extinction coefficient of each layer, shape (layers, ...)."""
         wavelength = np.asarray(wavelength, float)
-        pairs = [layer.material.index(wavelength) for layer in self.layers]
         empty = np.empty((0, *wavelength.shape))
-        stack = _stack if is_traced(pairs) else np.stack
-        n = stack(tuple(pair[0] for pair in pairs)) if pairs else empty
-        k = stack(tuple(pair[1] for pair in pairs)) if pairs else empty
-        return n, k
+        return (
+            indices([one.material for one in self.layers], wavelength)
+            if self.layers
+            else (empty, empty)
+        )
 
     def flip(self) -> "Film":
         """The film upside down."""
@@ -310,8 +310,3 @@ def _column(values: list[Numeric]) -> Numeric:
     if all(isinstance(value, int | float | np.ndarray | np.floating) for value in values):
         return np.array(values, float)
     return xp.stack([xp.asarray(value) for value in values])
-
-
-@entry_point
-def _stack(values: tuple[Numeric, ...]) -> Numeric:
-    return xp.stack(xp.broadcast_arrays(*values))

@@ -15,7 +15,7 @@ import lightflyer as lf
 from lightflyer.cli.commands.init import templates
 from lightflyer.files import drawing as plot
 from lightflyer.files import palette
-from lightflyer.film.media.mechanics import NUMBERS, mechanics_of
+from lightflyer.film.media.library import MECHANICS, mechanics_of
 from lightflyer.flyer.hanging import Held
 from lightflyer.flyer.shape import Core, Sheets, core_of_posts, shape_of_film, shape_of_sandwich
 from lightflyer.structure import (
@@ -62,7 +62,7 @@ def draw(samples):
 def laminate(name, numbers):
     """A film as a structure."""
     return Laminate([
-        Lamina(thickness, **{key: numbers[material, key] for key in NUMBERS
+        Lamina(thickness, **{key: numbers[material, key] for key in MECHANICS
                              if (material, key) in numbers})
         for material, thickness in FILMS[name]
     ])  # fmt: skip

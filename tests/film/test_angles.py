@@ -21,8 +21,8 @@ from lightflyer.film import (
     tabulated_material,
 )
 from lightflyer.film.optics.angles import heat_by_angle
-from lightflyer.film.report.angle_figures import angle_figures
-from lightflyer.film.report.angle_tables import write_csv, write_spectral_csv
+from lightflyer.film.report.angular_summary import write_csv, write_spectral_csv
+from lightflyer.film.report.figures import angle_figures
 
 ANGLES = np.radians([0.0, 35.0, 80.0])
 COARSE = 100

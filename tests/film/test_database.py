@@ -9,9 +9,8 @@ import yaml
 
 import lightflyer as lf
 from lightflyer.film import Film, FilmSummary, Layer, am0, material, search_pages
-from lightflyer.film.media.catalogue import _read
 from lightflyer.film.media.database import database_page, database_pages, page_details
-from lightflyer.film.media.library import PAGES
+from lightflyer.film.media.library import PAGES, _read
 
 
 @pytest.mark.parametrize(

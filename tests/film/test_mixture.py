@@ -26,8 +26,7 @@ from lightflyer.film import (
     tabulated_material,
     vacuum,
 )
-from lightflyer.film.optics.diagnostics import film_warnings
-from lightflyer.film.optics.graded_sheets import sheet_error, sheet_warnings
+from lightflyer.film.optics.diagnostics import film_warnings, sheet_error, sheet_warnings
 
 WAVELENGTH = np.array([0.5e-6, 1e-6])
 

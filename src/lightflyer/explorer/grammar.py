@@ -16,7 +16,7 @@ from lightflyer.core.units import Measured
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.explorer.hints import base_of, hints
 from lightflyer.files.section import Alternative, OneOf, Section
-from lightflyer.film.media.catalogue import material_names
+from lightflyer.film.media.library import material_names
 from lightflyer.film.section import FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection

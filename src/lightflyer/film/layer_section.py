@@ -25,7 +25,7 @@ from lightflyer.core.quantity import (
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
 from lightflyer.files.toml_file import file_beside
-from lightflyer.film.media.catalogue import material
+from lightflyer.film.media.compound import TemperatureDependentMedium
 from lightflyer.film.media.database import database_page, looks_like_page
 from lightflyer.film.media.dispersion import (
     Cauchy,
@@ -37,15 +37,20 @@ from lightflyer.film.media.dispersion import (
     TaucLorentz,
 )
 from lightflyer.film.media.effective_media import Rule, Shape
-from lightflyer.film.media.graded import SHEETS, Graded
-from lightflyer.film.media.library import MEDIA, PAGES, VACUUM, Entry, canonical_name
+from lightflyer.film.media.library import (
+    MECHANICS,
+    MEDIA,
+    PAGES,
+    VACUUM,
+    Entry,
+    canonical_name,
+    material,
+    mechanics_of,
+)
 from lightflyer.film.media.material_csv import names_file
 from lightflyer.film.media.materials import material_from_csv, vacuum
-from lightflyer.film.media.mechanics import NUMBERS as MECHANICS
-from lightflyer.film.media.mechanics import mechanics_of
 from lightflyer.film.media.medium import Extrapolation, Medium
-from lightflyer.film.media.mixture import Mixture
-from lightflyer.film.media.temperature_dependent import TemperatureDependentMedium
+from lightflyer.film.media.mixture import SHEETS, Graded, Mixture
 from lightflyer.film.optics.stack import Layer
 from lightflyer.structure.laminate import Lamina
 

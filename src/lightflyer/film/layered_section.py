@@ -27,7 +27,7 @@ from lightflyer.files.section import Section
 from lightflyer.files.toml_file import file_beside
 from lightflyer.film.computed import ComputedFilm, with_measurements
 from lightflyer.film.layer_section import OF_NO_MEDIUM, LayerSection, Policy
-from lightflyer.film.media.mechanics import NUMBERS as MECHANICS
+from lightflyer.film.media.library import MECHANICS
 from lightflyer.film.media.medium import Extrapolation, Medium
 from lightflyer.film.optics.integration import COARSE_POINTS_PER_E_FOLD, POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv

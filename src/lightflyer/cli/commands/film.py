@@ -179,7 +179,7 @@ def _by_angle(summary: "FilmSummary", directions: Any) -> "AngularSummary":
 
 
 def _angle_files(by_angle: "AngularSummary") -> dict[str, Any]:
-    from lightflyer.film.report.angle_tables import write_csv, write_spectral_csv
+    from lightflyer.film.report.angular_summary import write_csv, write_spectral_csv
 
     return {
         "film-angles.csv": partial(write_csv, by_angle),
@@ -189,8 +189,7 @@ def _angle_files(by_angle: "AngularSummary") -> dict[str, Any]:
 
 
 def _figures(summary: "FilmSummary", by_angle: "AngularSummary | None") -> "dict[str, Figure]":
-    from lightflyer.film.report.angle_figures import angle_figures
-    from lightflyer.film.report.figures import film_figures
+    from lightflyer.film.report.figures import angle_figures, film_figures
 
     return film_figures(summary) | ({} if by_angle is None else angle_figures(by_angle))
 

@@ -37,8 +37,8 @@ def materials_command(
     json_output
         Print one JSON object instead of a table.
     """
-    from lightflyer.film.media.catalogue import material, material_names
     from lightflyer.film.media.database import search_pages
+    from lightflyer.film.media.library import material, material_names
 
     known = [material(name) for name in material_names()]
     described = [_describe(one) for one in known]
@@ -66,8 +66,7 @@ def materials_command(
 
 
 def _describe(one: "Medium") -> dict[str, Any]:
-    from lightflyer.film.media.library import ALIASES
-    from lightflyer.film.media.mechanics import mechanics_of, mechanics_source
+    from lightflyer.film.media.library import ALIASES, mechanics_of, mechanics_source
     from lightflyer.film.media.medium import MICROMETRE
 
     tac = getattr(one, "tac", None)

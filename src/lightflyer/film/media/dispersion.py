@@ -10,7 +10,6 @@ imaginary part,
 """
 
 import abc
-import dataclasses
 from typing import Annotated
 
 import numpy as np
@@ -30,7 +29,7 @@ from lightflyer.core.quantity import (
     PhotonEnergy,
     Quantity,
 )
-from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, require_covered
+from lightflyer.film.media.medium import MICROMETRE, DataMedium, Extrapolation
 from lightflyer.numerics.complex_parts import imaginary, real
 from lightflyer.numerics.special import dawson
 
@@ -124,34 +123,30 @@ class TaucLorentz(Term):
         e, a, c, g = (one / self.energy for one in numbers)
         above = xp.maximum(e - g, 0.0)
         imaginary = c * above**2 / (((e**2 - 1.0) ** 2 + (c * e) ** 2) * e)
-        return a * _tauc_lorentz_real(e, c, g), a * imaginary
-
-
-def _tauc_lorentz_real(e: Numeric, c: Numeric, g: Numeric) -> Numeric:
-    alpha, gamma_squared = xp.sqrt(4.0 - c**2), 1.0 - 0.5 * c**2
-    excess = e**2 - gamma_squared
-    zeta = excess**2 + 0.25 * (alpha * c) ** 2
-    log_part = (g**2 - 1.0) * e**2 + (g * c) ** 2 - (1.0 + 3.0 * g**2)
-    angle_part = (e**2 - 1.0) * (1.0 + g**2) + (g * c) ** 2
-    ratio = (1.0 + g**2 + alpha * g) / (1.0 + g**2 - alpha * g)
-    angles = np.pi - xp.arctan((2.0 * g + alpha) / c) + xp.arctan((alpha - 2.0 * g) / c)
-    turn = np.pi + 2.0 * xp.arctan(2.0 * (gamma_squared - g**2) / (alpha * c))
-    # both logarithms of |E - gap| together: (E - gap)² ln|E - gap| has no pole at the gap
-    apart = e - g
-    safe = xp.where(xp.abs(apart) < _NEAR_GAP, 1.0, xp.abs(apart))
-    sum_squared = (e + g) ** 2
-    logs = (
-        -(apart**2) / e * xp.log(safe)
-        + sum_squared / e * xp.log(e + g)
-        - g * xp.log((1.0 - g**2) ** 2 + (g * c) ** 2)
-    )
-    terms = (
-        0.5 * c * log_part / alpha * xp.log(ratio)
-        - angle_part * angles
-        + 2.0 * g * excess / alpha * turn
-        + c * logs
-    )
-    return terms / (np.pi * zeta)
+        alpha, gamma_squared = xp.sqrt(4.0 - c**2), 1.0 - 0.5 * c**2
+        excess = e**2 - gamma_squared
+        zeta = excess**2 + 0.25 * (alpha * c) ** 2
+        log_part = (g**2 - 1.0) * e**2 + (g * c) ** 2 - (1.0 + 3.0 * g**2)
+        angle_part = (e**2 - 1.0) * (1.0 + g**2) + (g * c) ** 2
+        ratio = (1.0 + g**2 + alpha * g) / (1.0 + g**2 - alpha * g)
+        angles = np.pi - xp.arctan((2.0 * g + alpha) / c) + xp.arctan((alpha - 2.0 * g) / c)
+        turn = np.pi + 2.0 * xp.arctan(2.0 * (gamma_squared - g**2) / (alpha * c))
+        # both logarithms of |E - gap| together: (E - gap)² ln|E - gap| has no pole at the gap
+        apart = e - g
+        safe = xp.where(xp.abs(apart) < _NEAR_GAP, 1.0, xp.abs(apart))
+        sum_squared = (e + g) ** 2
+        logs = (
+            -(apart**2) / e * xp.log(safe)
+            + sum_squared / e * xp.log(e + g)
+            - g * xp.log((1.0 - g**2) ** 2 + (g * c) ** 2)
+        )
+        terms = (
+            0.5 * c * log_part / alpha * xp.log(ratio)
+            - angle_part * angles
+            + 2.0 * g * excess / alpha * turn
+            + c * logs
+        )
+        return a * terms / (np.pi * zeta), a * imaginary
 
 
 class Gaussian(Term):
@@ -245,7 +240,7 @@ class Cauchy(Checked):
     c: Annotated[Numeric, Quantity("m^4")] = 0.0
 
 
-class Formula(Medium):
+class Formula(DataMedium):
     """A medium whose n and k follow from a formula with parameters.
 
     Raises
@@ -296,11 +291,6 @@ class Formula(Medium):
         return self.shortest, self.longest
 
     @property
-    def usable_range(self) -> tuple[float, float]:
-        extrapolates = self.extrapolation is not Extrapolation.ERROR
-        return (0.0, np.inf) if extrapolates else self.wavelength_range
-
-    @property
     def source(self) -> str:
         return self.origin
 
@@ -316,35 +306,19 @@ class Formula(Medium):
             found.append(f"{self.name}: Cauchy's formula has no absorption, k = 0")
         return tuple(found)
 
-    def with_extrapolation(self, policy: Extrapolation | str) -> "Formula":
-        return dataclasses.replace(self, extrapolation=Extrapolation.of(policy))
-
-    def with_density(self, density: Numeric) -> "Formula":
-        return dataclasses.replace(self, density=density, density_source="given by the user")
-
-    def extrapolations(self, shortest: float, longest: float) -> tuple[str, ...]:
-        if self.extrapolation is Extrapolation.ERROR or np.all(self.covers([shortest, longest])):
-            return ()
-        return (f"{self.name}: {self.extrapolation} beyond {self.describe_range(named=False)}",)
-
     def describe_range(self, *, named: bool = True) -> str:
         text = super().describe_range(named=named)
         return text if self.longest < np.inf else text.partition(" to ")[0] + " and longer"
 
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
         wavelength = np.asarray(wavelength, float)
-        if self.extrapolation is Extrapolation.ERROR:
-            require_covered(self, wavelength)
+        self.require_covered(wavelength)
         energy = PLANCK * SPEED_OF_LIGHT / wavelength
         n, k = _index_of(self.terms, self.permittivity, self.cauchy, energy)
         if self.extrapolation is Extrapolation.LOSSLESS:
             k = k * self.covers(wavelength)
-        self._require_possible(n, k, wavelength)
-        return n, k
-
-    def _require_possible(self, n: Numeric, k: Numeric, wavelength: np.ndarray) -> None:
         if is_traced((n, k)):
-            return
+            return n, k
         bad = ~((n > 0.0) & (k >= 0.0) & np.isfinite(n) & np.isfinite(k))
         if np.any(bad):
             where = wavelength[bad].flat[0] / MICROMETRE
@@ -352,6 +326,7 @@ class Formula(Medium):
                 f"{self.name}: its formula gives n = {n[bad].flat[0]:.4g}, k = "
                 f"{k[bad].flat[0]:.4g} at {where:.4g} µm, which no medium has"
             )
+        return n, k
 
 
 @entry_point

@@ -6,7 +6,6 @@ knows where they end. Outside that range it raises, unless the user has chosen o
 that were extrapolated.
 """
 
-import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -22,9 +21,7 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Density, Length
 from lightflyer.core.units import Measured
 from lightflyer.film.media.material_csv import read_index_csv
-from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium, require_covered
-
-GIVEN = "given by the user"
+from lightflyer.film.media.medium import GIVEN, MICROMETRE, DataMedium, Extrapolation
 
 ROOM_TEMPERATURES = (270.0, 320.0)  # Temperatures of samples that need no mention [K]
 
@@ -41,7 +38,7 @@ class Segment(NamedTuple):
     lookup: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-class Material(Medium):
+class Material(DataMedium):
     """Complex refractive index n + ik and mass density of a material, from fixed tables.
 
     Raises
@@ -75,11 +72,6 @@ class Material(Medium):
         return self.segments[0].shortest, self.segments[-1].longest
 
     @property
-    def usable_range(self) -> tuple[float, float]:
-        extrapolates = self.extrapolation is not Extrapolation.ERROR
-        return (0.0, np.inf) if extrapolates else self.wavelength_range
-
-    @property
     def gaps(self) -> tuple[tuple[float, float], ...]:
         """Wavelengths between two sources [m], across which n and k are linear."""
         ends = zip(self.segments, self.segments[1:], strict=False)
@@ -103,43 +95,27 @@ class Material(Medium):
     def source(self) -> str:
         return "; ".join(segment.source for segment in self.segments)
 
-    def with_extrapolation(self, policy: Extrapolation | str) -> "Material":
-        return dataclasses.replace(self, extrapolation=Extrapolation.of(policy))
-
-    def with_density(self, density: Numeric) -> "Material":
-        return dataclasses.replace(self, density=density, density_source=GIVEN)
-
-    def extrapolations(self, shortest: float, longest: float) -> tuple[str, ...]:
-        if self.extrapolation is Extrapolation.ERROR or np.all(self.covers([shortest, longest])):
-            return ()
-        return (f"{self.name}: {self.extrapolation} beyond {self.describe_range(named=False)}",)
-
     def index(self, wavelength: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Index and extinction as NumPy arrays."""
         wavelength = np.asarray(wavelength, float)
-        if self.extrapolation is Extrapolation.ERROR:
-            require_covered(self, wavelength)
-        shortest, longest = self.wavelength_range
-        n, k = self._inside(np.clip(wavelength, shortest, longest).ravel())
-        if self.extrapolation is Extrapolation.LOSSLESS:
-            k = np.where(self.covers(wavelength).ravel(), k, 0.0)
-        return n.reshape(wavelength.shape)[()], k.reshape(wavelength.shape)[()]
-
-    def _inside(self, wavelength: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        n, k = np.empty_like(wavelength), np.empty_like(wavelength)
+        self.require_covered(wavelength)
+        inside = np.clip(wavelength, *self.wavelength_range).ravel()
+        n, k = np.empty_like(inside), np.empty_like(inside)
         for segment in self.segments:
-            here = (wavelength >= segment.shortest) & (wavelength <= segment.longest)
-            n[here], k[here] = segment.lookup(wavelength[here])
+            here = (inside >= segment.shortest) & (inside <= segment.longest)
+            n[here], k[here] = segment.lookup(inside[here])
         for left, right in zip(self.segments, self.segments[1:], strict=False):
-            gap = (wavelength > left.longest) & (wavelength < right.shortest)
+            gap = (inside > left.longest) & (inside < right.shortest)
             if np.any(gap):
                 ends = np.array([left.longest, right.shortest])
                 start, stop = left.lookup(ends[:1]), right.lookup(ends[1:])
                 n[gap], k[gap] = (
-                    np.interp(wavelength[gap], ends, np.concatenate(pair))
+                    np.interp(inside[gap], ends, np.concatenate(pair))
                     for pair in zip(start, stop, strict=True)
                 )
-        return n, k
+        if self.extrapolation is Extrapolation.LOSSLESS:
+            k = np.where(self.covers(wavelength).ravel(), k, 0.0)
+        return n.reshape(wavelength.shape)[()], k.reshape(wavelength.shape)[()]
 
 
 def vacuum() -> Material:

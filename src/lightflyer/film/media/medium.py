@@ -6,7 +6,8 @@ parameters are its leaves: films are then differentiable in them and fits can fr
 """
 
 import abc
-from typing import TYPE_CHECKING
+import dataclasses
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +18,7 @@ from lightflyer.core.checks import Choice
 from lightflyer.core.errors import ParameterError
 
 MICROMETRE = 1e-6
+GIVEN = "given by the user"  # Source of a density
 
 _RANGE_TOLERANCE = 1e-9  # relative: rounding of a unit conversion is not an extrapolation
 
@@ -131,15 +133,44 @@ class Medium(Module):
         return f"{self.name + ' ' if named else ''}{shortest} to {longest}"
 
 
-def require_covered(medium: Medium, wavelength: np.ndarray) -> None:
-    """Raise unless a medium that does not extrapolate has data at all wavelengths."""
-    inside = medium.covers(wavelength)
-    if np.all(inside):
-        return
-    missing = np.asarray(wavelength)[~inside].flat[0] / MICROMETRE
-    shortest, longest = (end / MICROMETRE for end in medium.wavelength_range)
-    raise ParameterError(
-        f"{medium.name} has no data at {missing:.5g} µm, only from {shortest:.5g} µm to "
-        f'{longest:.5g} µm; to go beyond, set extrapolation to "{Extrapolation.HOLD}" or '
-        f'"{Extrapolation.LOSSLESS}"'
-    )
+class DataMedium(Medium):
+    """A medium whose n and k are known at a range of wavelengths, with a policy outside of it."""
+
+    # A subclass has the fields ``density``, ``density_source`` and ``extrapolation``.
+
+    if TYPE_CHECKING:
+
+        @property
+        def extrapolation(self) -> Extrapolation: ...
+
+    else:
+        extrapolation: AbstractVar[Extrapolation]
+
+    @property
+    def usable_range(self) -> tuple[float, float]:
+        extrapolates = self.extrapolation is not Extrapolation.ERROR
+        return (0.0, np.inf) if extrapolates else self.wavelength_range
+
+    def with_extrapolation(self, policy: Extrapolation | str) -> Self:
+        return dataclasses.replace(self, extrapolation=Extrapolation.of(policy))
+
+    def with_density(self, density: Numeric) -> Self:
+        return dataclasses.replace(self, density=density, density_source=GIVEN)
+
+    def extrapolations(self, shortest: float, longest: float) -> tuple[str, ...]:
+        if self.extrapolation is Extrapolation.ERROR or np.all(self.covers([shortest, longest])):
+            return ()
+        return (f"{self.name}: {self.extrapolation} beyond {self.describe_range(named=False)}",)
+
+    def require_covered(self, wavelength: np.ndarray) -> None:
+        """Raise where there are no data and the medium does not extrapolate."""
+        inside = self.covers(wavelength)
+        if self.extrapolation is not Extrapolation.ERROR or np.all(inside):
+            return
+        missing = np.asarray(wavelength)[~inside].flat[0] / MICROMETRE
+        shortest, longest = (end / MICROMETRE for end in self.wavelength_range)
+        raise ParameterError(
+            f"{self.name} has no data at {missing:.5g} µm, only from {shortest:.5g} µm to "
+            f'{longest:.5g} µm; to go beyond, set extrapolation to "{Extrapolation.HOLD}" or '
+            f'"{Extrapolation.LOSSLESS}"'
+        )

@@ -1,8 +1,9 @@
-"""Fine mixtures of media: porous, mixed and nanotube layers."""
+"""Fine mixtures of media: porous, mixed, graded and nanotube layers."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lightflyer.array import tree
 from lightflyer.array.namespace import Numeric, xp
 from lightflyer.array.records import field
 from lightflyer.core.checks import is_concrete, is_traced, require_positive, require_range
@@ -10,14 +11,16 @@ from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.film.media.compound import Compound, indices, vector
 from lightflyer.film.media.effective_media import Rule, Shape
-from lightflyer.film.media.materials import GIVEN, vacuum
-from lightflyer.film.media.medium import MICROMETRE, Medium
+from lightflyer.film.media.materials import vacuum
+from lightflyer.film.media.medium import GIVEN, MICROMETRE, Medium
 
 MOST_INCLUSIONS = 0.3
 """Volume fraction of inclusions to which Maxwell Garnett's law is commonly used [1]."""
 
 COARSEST_GRAIN = 0.1
 """Size of grains over the wavelength in the mixture above which their scattering counts [1]."""
+
+SHEETS = 20  # Sheets of a graded layer, unless it says otherwise
 
 _ROUNDING = 1e-12
 _FINE = 1e3  # wavelengths over the grain's size beyond which no medium's n makes it coarse
@@ -91,24 +94,19 @@ class Mixture(Compound):
             raise ParameterError(
                 f"fractions of {self.name} add up to {np.sum(self.fractions):g}, more than 1"
             )
-        self._check_shape()
-        require_range(f"density of {self.name}", self.measured_density, 0.0)
-        if self.grain is not None:
-            require_positive(grain=self.grain)
-
-    def _check_shape(self) -> None:
-        if self.rule is not Rule.BRUGGEMAN:
-            require_range("depolarisation", self.depolarisation, 0.0, 1.0)
-            return
-        if self.depolarisation is None and len(self.shape.factors) > 1:
+        symmetric = self.rule is Rule.BRUGGEMAN
+        if symmetric and self.depolarisation is None and len(self.shape.factors) > 1:
             raise ParameterError(
                 f'the rule "{self.rule}" has no {self.shape}; "{Rule.MAXWELL_GARNETT}" has'
             )
-        require_range("depolarisation", self.depolarisation, 0.0, 1.0, open_below=True)
-        if is_concrete(self.depolarisation) and np.any(self.depolarisation == 1.0):
+        require_range("depolarisation", self.depolarisation, 0.0, 1.0, open_below=symmetric)
+        if symmetric and is_concrete(self.depolarisation) and np.any(self.depolarisation == 1.0):
             raise ParameterError(
                 f'depolarisation = 1 is no grain; the rule "{Rule.SERIES}" has such layers'
             )
+        require_range(f"density of {self.name}", self.measured_density, 0.0)
+        if self.grain is not None:
+            require_positive(grain=self.grain)
 
     @property
     def name(self) -> str:
@@ -144,14 +142,11 @@ class Mixture(Compound):
 
     def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
         n, k = indices(self.parts, np.asarray(wavelength, float))
-        return self.rule.law(n, k, self.all_fractions, self._factors)
-
-    @property
-    def _factors(self) -> Numeric:
-        if self.depolarisation is not None:
-            return self.depolarisation
-        factors = self.shape.factors
-        return factors[0] if len(factors) == 1 else np.array(factors)
+        factors: Numeric = self.depolarisation
+        if factors is None:
+            factors = self.shape.factors
+            factors = factors[0] if len(factors) == 1 else np.array(factors)
+        return self.rule.law(n, k, self.all_fractions, factors)
 
     @property
     def diagnostics(self) -> tuple[str, ...]:
@@ -196,6 +191,90 @@ class Mixture(Compound):
         return float(coarse[-1]) if coarse.size else 0.0
 
 
+class Graded(Compound):
+    """A mixture whose fractions change linearly with depth, as sheets of one composition each.
+
+    Attributes
+    ----------
+    parts : tuple of Medium
+        See :class:`Mixture`.
+    top, bottom : array, shape (parts - 1,)
+        Volume fractions of the parts behind the first at the layer's upper and lower end [1].
+    rule, shape, depolarisation, grain, measured_density
+        See :class:`Mixture`.
+    count : int
+        Sheets; each has the composition of its middle.
+
+    Notes
+    -----
+    The error of reflectance and transmittance falls with the square of the number of sheets.
+    Results give it, from twice as many: see
+    :func:`~lightflyer.film.optics.diagnostics.sheet_error`.
+
+    Examples
+    --------
+    >>> from lightflyer.film import Film, Layer, material
+    >>> fading = Graded((material("Si"), material("SiO2")), 0.0, 1.0)
+    >>> film = Film((Layer(fading, 200e-9),))
+    >>> print(f"{film.optics(1e-6).reflectance[0]:.3f}")
+    0.198
+    """
+
+    parts: tuple[Medium, ...]
+    top: Numeric = field(converter=vector)
+    bottom: Numeric = field(converter=vector)
+    rule: Rule = field(static=True, default=Rule.BRUGGEMAN, converter=Rule.of)
+    shape: Shape = field(static=True, default=Shape.SPHERES, converter=Shape.of)
+    depolarisation: Numeric | None = None
+    grain: float | None = field(static=True, default=None)
+    measured_density: Numeric | None = None
+    count: int = field(static=True, default=SHEETS)
+
+    def __check_init__(self) -> None:
+        if self.count < 1:
+            raise ParameterError(f"count = {self.count} is no number of sheets")
+        self._at(0.0), self._at(1.0)  # raise
+
+    def _at(self, depth: float) -> Mixture:
+        """The mixture at a depth, as a share of the thickness."""
+        fractions = _between(self.top, self.bottom, depth)
+        return Mixture(
+            self.parts, fractions, self.rule, self.shape, self.depolarisation, self.grain,
+            self.measured_density,
+        )  # fmt: skip
+
+    @property
+    def name(self) -> str:
+        """The parts' names."""
+        return f"graded {self._at(0.5).name}"
+
+    @property
+    def density(self) -> Numeric | None:
+        """Mean mass density [kg/m³]."""
+        return self._at(0.5).density
+
+    @property
+    def density_source(self) -> str:
+        """Where the density comes from, or which part has none."""
+        return self._at(0.5).density_source
+
+    @property
+    def sheets(self) -> tuple[Medium, ...]:
+        return tuple(self._at((number + 0.5) / self.count) for number in range(self.count))
+
+    def flip(self) -> "Graded":
+        return tree.replace_at(lambda one: (one.top, one.bottom), self, (self.bottom, self.top))
+
+    def index(self, wavelength: ArrayLike) -> tuple[Numeric, Numeric]:
+        """Refractive index and extinction coefficient halfway down; see :meth:`Medium.index`."""
+        return self._at(0.5).index(wavelength)
+
+    @property
+    def diagnostics(self) -> tuple[str, ...]:
+        """Warnings of the mixtures at both ends."""
+        return tuple(dict.fromkeys((*self._at(0.0).diagnostics, *self._at(1.0).diagnostics)))
+
+
 def porous(
     medium: Medium,
     porosity: Numeric,
@@ -224,3 +303,8 @@ def porous(
 @entry_point
 def _with_rest(fractions: Numeric) -> Numeric:
     return xp.concatenate([(1.0 - fractions.sum())[None], fractions])
+
+
+@entry_point
+def _between(first: Numeric, last: Numeric, share: Numeric) -> Numeric:
+    return first + share * (last - first)

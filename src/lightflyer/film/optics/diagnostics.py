@@ -1,17 +1,19 @@
 """What a reader of a film's averages must know: missing, extrapolated and interpolated data."""
 
+import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from lightflyer.array.namespace import Numeric
+from lightflyer.core.checks import is_traced
 from lightflyer.core.quantity import Density, Quantity, quantity_of
 from lightflyer.film.media.medium import MICROMETRE, Medium
+from lightflyer.film.media.mixture import Graded
 from lightflyer.film.optics.averages import Average, thermal_coverage
 from lightflyer.film.optics.curve import EmittanceCurve
 from lightflyer.film.optics.diffraction import narrow_holes
-from lightflyer.film.optics.graded_sheets import sheet_warnings
-from lightflyer.film.optics.spectra import Spectrum, am0
+from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0
 from lightflyer.film.optics.stack import Film
 
 WORTH_SAYING = 0.001
@@ -19,6 +21,8 @@ WORTH_SAYING = 0.001
 
 _REFERENCE_WAVELENGTH = 0.5e-6  # [m], near the peak of sunlight
 _ROUNDING = 1e-9  # of a share
+_SHEET_WAVELENGTHS = 100
+_OF_SECOND_ORDER = 4.0 / 3.0  # error over the difference to twice as many sheets
 _DENSITY = quantity_of(Density) or Quantity()
 _MOST_WAVELENGTHS = 50.0  # inside a coherent layer: four steps of the table of AM0 in a fringe
 
@@ -199,3 +203,42 @@ def _unstated_lines(film: Film, uncertainty: Sequence[float | None]) -> list[str
         f"no ± is stated for the thickness of {', '.join(dict.fromkeys(names))}: the intervals "
         "take it as exact"
     ]
+
+
+def sheet_warnings(film: Film) -> list[str]:
+    """What a reader must know of a film's graded layers, one line each."""
+    graded = [one.material for one in film.layers if isinstance(one.material, Graded)]
+    if not graded:
+        return []
+    error = None if is_traced(film) else sheet_error(film)
+    within = "" if error is None else (
+        f"; the film's reflectance and transmittance are within {error:.1g} of those with a "
+        "continuous layer"
+    )  # fmt: skip
+    said = (f"{one.name} is computed as {one.count} sheets{within}" for one in graded)
+    return list(dict.fromkeys(said))
+
+
+def sheet_error(film: Film) -> float | None:
+    """Largest error of reflectance and transmittance by the sheets of graded layers [1]."""
+    shortest, longest = film.covered_range
+    shortest, longest = max(shortest, SPECTRUM_RANGE[0]), min(longest, SPECTRUM_RANGE[1])
+    if shortest >= longest:
+        return None
+    wavelength = np.geomspace(shortest, longest, _SHEET_WAVELENGTHS)
+    finer = [
+        dataclasses.replace(
+            layer,
+            material=dataclasses.replace(layer.material, count=2 * layer.material.count),
+        )
+        if isinstance(layer.material, Graded)
+        else layer
+        for layer in film.layers
+    ]
+    films = film, dataclasses.replace(film, layers=tuple(finer))
+    optics = [one.optics(wavelength) for one in films]
+    changes = (
+        np.max(np.abs(optics[1].reflectance - optics[0].reflectance)),
+        np.max(np.abs(optics[1].transmittance - optics[0].transmittance)),
+    )
+    return float(_OF_SECOND_ORDER * max(changes))

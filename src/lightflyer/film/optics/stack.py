@@ -116,7 +116,7 @@ class Film(Checked):
 
     Examples
     --------
-    >>> from lightflyer.film.media.catalogue import material
+    >>> from lightflyer.film.media.library import material
     >>> film = Film((Layer(material("Ge"), 20e-9), Layer(material("PET"), 500e-9)))
     >>> print(f"{film.areal_density * 1e3:.3f} g/m²")
     0.801 g/m²

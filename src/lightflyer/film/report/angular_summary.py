@@ -1,12 +1,23 @@
 """A film by angle and polarisation in one object, as the command ``film`` reports it."""
 
+import csv
 import dataclasses
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+import lightflyer
 from lightflyer.array.records import ShortRepr
-from lightflyer.film.optics.angles import DirectionalShares, heat_by_angle, light_by_angle
+from lightflyer.core.text import cell_text
+from lightflyer.film.media.medium import MICROMETRE
+from lightflyer.film.optics.angles import (
+    POLARISATIONS,
+    DirectionalShares,
+    heat_by_angle,
+    light_by_angle,
+    shares_by_name,
+)
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.optics.transfer_matrix import StackOptics
@@ -63,12 +74,83 @@ class AngularSummary(ShortRepr):
 
     def plot(self) -> "Figure":
         """Draw shares of the light, and the emittance, over the angle."""
-        from lightflyer.film.report.angle_figures import draw_angles
+        from lightflyer.film.report.figures import draw_angles
 
         return draw_angles(self)
 
     def to_dataset(self) -> "xr.Dataset":
-        """The summary as an xarray dataset; see :mod:`lightflyer.film.report.angle_tables`."""
-        from lightflyer.film.report.angle_tables import to_dataset
+        """The summary as an xarray dataset."""
+        # Names without addition are spectral, those with ``light_`` and ``thermal_`` averages.
+        import xarray as xr
 
-        return to_dataset(self)
+        groups = (
+            ("", "", ("polarisation", "angle", "wavelength"), self.spectral_shares),
+            ("light_", f", mean over {self.light.name}", ("polarisation", "angle"), self.lit),
+            (
+                "thermal_",
+                ", mean over a black body's radiation",
+                ("polarisation", "angle", "temperature"),
+                self.thermal,
+            ),
+        )
+        variables = {
+            f"{prefix}{name}": (
+                ("polarisation", "angle", *dims),
+                values,
+                {"units": "1", "long_name": f"{name}{about}"},
+            )
+            for prefix, about, dims, shares in groups
+            for name, values in shares_by_name(shares).items()
+        }  # fmt: skip
+        angle = {"units": "degree", "long_name": "angle between the rays and the film's normal"}
+        return xr.Dataset(
+            variables,
+            coords={
+                "polarisation": list(POLARISATIONS),
+                "angle": ("angle", np.degrees(self.incidence), angle),
+                "wavelength": (
+                    "wavelength", self.wavelength,
+                    {"units": "m", "long_name": "wavelength in vacuum"},
+                ),
+                "temperature": (
+                    "temperature", self.temperatures,
+                    {"units": "K", "long_name": "temperature of the black body"},
+                ),
+            },
+            attrs={
+                "title": "lightflyer film by angle",
+                "lightflyer_version": lightflyer.__version__,
+                "light": self.light.name,
+            },
+        )  # fmt: skip
+
+
+def write_csv(summary: "AngularSummary", path: Path) -> None:
+    """Write the averages, one row an angle, polarisation and spectrum."""
+    spectra = [(summary.light.name, shares_by_name(summary.lit))]
+    for number, temperature in enumerate(summary.temperatures):
+        shares = DirectionalShares(*(part[..., number] for part in summary.thermal))
+        spectra.append((f"black body {temperature:g} K", shares_by_name(shares)))
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["spectrum", "angle [deg]", "polarisation",
+                         *(f"{name} [1]" for name in DirectionalShares._fields)])  # fmt: skip
+        for name, table in spectra:
+            for place, angle in enumerate(np.degrees(summary.incidence)):
+                for row, polarisation in enumerate(POLARISATIONS):
+                    numbers = (f"{values[row, place]:.8g}" for values in table.values())
+                    writer.writerow([cell_text(name), f"{angle:.8g}", polarisation, *numbers])
+
+
+def write_spectral_csv(summary: "AngularSummary", path: Path) -> None:
+    """Write the spectra, one row a wavelength, angle and polarisation."""
+    table = shares_by_name(summary.spectral_shares)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["wavelength [um]", "angle [deg]", "polarisation",
+                         *(f"{name} [1]" for name in table)])  # fmt: skip
+        for column, wavelength in enumerate(summary.wavelength / MICROMETRE):
+            for place, angle in enumerate(np.degrees(summary.incidence)):
+                for row, polarisation in enumerate(POLARISATIONS):
+                    numbers = (f"{values[row, place, column]:.8g}" for values in table.values())
+                    writer.writerow([f"{wavelength:.8g}", f"{angle:.8g}", polarisation, *numbers])

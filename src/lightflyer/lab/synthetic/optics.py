@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lightflyer.film.media.catalogue import material
+from lightflyer.film.media.library import material
 from lightflyer.film.media.mixture import porous
 from lightflyer.film.optics.stack import Film, Layer
 from lightflyer.lab.synthetic.faults import label

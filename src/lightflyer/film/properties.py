@@ -114,7 +114,7 @@ class FilmProperties(Checked):
     def __check_init__(self) -> None:
         for name in ("tac_top", "tac_bottom"):
             tac = getattr(self, name)
-            if _exceeds_one(tac):
+            if is_concrete(tac) and np.any(np.asarray(tac) > 1.0):
                 warnings.warn(
                     f"{name} = {np.max(tac):g} exceeds 1: unphysical; treated as a measured value "
                     "with a systematic error, where only the difference of TACs counts",
@@ -247,24 +247,14 @@ def area_weighted_mean(
             return EmittanceCurve(sum(parts).T)  # curves that differ along leading axes too
         return sum(share * value for share, value in zip(shares, values, strict=True))
 
+    apart = ("absorptance_bottom", "transmittance_bottom", "highest_temperature")
+    averaged = [name for name in PROPERTIES if name not in apart]
     return FilmProperties(
         absorptance_bottom=mean([film.absorptance_below for film in films]),
         transmittance_bottom=mean([film.transmittance_below for film in films]),
         highest_temperature=lowest_limit(films),
-        **{name: mean([getattr(film, name) for film in films]) for name in _AVERAGED},
+        **{name: mean([getattr(film, name) for film in films]) for name in averaged},
     )
-
-
-_AVERAGED = (
-    "areal_density",
-    "absorptance",
-    "emittance_top",
-    "emittance_bottom",
-    "tac_top",
-    "tac_bottom",
-    "transmittance",
-    "infrared_transmittance",
-)
 
 
 def _growth(excess: Numeric) -> Numeric:
@@ -276,10 +266,6 @@ def excess_of_growth(growth: Numeric) -> Array:
     r"""Temperature excess at which a black face's emission has grown by a share [1]."""
     root = xp.sqrt(xp.sqrt(xp.maximum(1.0 + growth, 0.0)))
     return growth / ((root + 1.0) * (root**2 + 1.0))
-
-
-def _exceeds_one(tac: Numeric) -> bool:
-    return is_concrete(tac) and bool(np.any(np.asarray(tac) > 1.0))
 
 
 def lowest_limit(films: Sequence[FilmProperties]) -> Numeric | None:

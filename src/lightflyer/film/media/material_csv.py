@@ -69,41 +69,31 @@ def read_index_csv(path: Path) -> Indices:
     path = Path(path)
     if path.suffix.lower() in (".yml", ".yaml"):
         return _read_page(path)
-    blocks = _blocks(path)
-    if blocks:
-        return _join(path, *blocks)
+    if blocks := _blocks(path):
+        curves = []
+        for lines, column in zip(blocks, (_N, _K), strict=True):
+            table = read_columns(lines, (_BLOCK_WAVELENGTH, column))
+            wavelength, order = _wavelength(table)
+            curves.append((wavelength, table.numbers[column.name][order]))
+        return _common(path, *curves)
     table = read_table(path, _INDEX_COLUMNS, strict=True, preamble=True)
-    wavelength = _wavelength(table)
+    wavelength, order = _wavelength(table)
     n, k = _n_and_k(table)
-    return wavelength, _rising(table, n), _rising(table, k)
+    return wavelength, n[order], k[order]
 
 
 def read_spectrum_csv(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Read wavelength and spectral irradiance from a table; ``path`` [nm]."""
     table = read_table(path, _SPECTRUM_COLUMNS, strict=True)
-    wavelength = _wavelength(table)
-    irradiance = _rising(table, table.numbers["irradiance"])
+    wavelength, order = _wavelength(table)
+    irradiance = table.numbers["irradiance"][order]
     if not np.any(irradiance > 0.0):
         raise ConfigurationError(f"{path}: irradiance is zero everywhere")
     return wavelength, irradiance
 
 
-def _wavelength(table: Table) -> np.ndarray:
-    """Wavelengths of a table, increasing [m]."""
-    length, given = _lengths(table)
-    if len(table) < 2:
-        raise ConfigurationError(f"{table.source}: has one row of numbers; two or more are needed")
-    steps = np.diff(length)
-    wrong = np.flatnonzero(steps * np.sign(length[-1] - length[0]) <= 0.0)
-    if wrong.size:
-        line = table.lines[wrong[0] + 1]
-        what = "appears twice" if steps[wrong[0]] == 0.0 else "is out of order: sort the rows"
-        raise ConfigurationError(f"{table.source}:{line}: the {given} {what}")
-    return np.sort(length)
-
-
-def _lengths(table: Table) -> tuple[np.ndarray, str]:
-    """Wavelengths in the order of the file [m], and the column they are from."""
+def _wavelength(table: Table) -> tuple[np.ndarray, slice]:
+    """Wavelengths of a table, increasing [m], and its rows in their order."""
     factors = {"photon_energy": PLANCK * SPEED_OF_LIGHT, "frequency": SPEED_OF_LIGHT}
     lengths = {
         name: values if name == "wavelength" else factors.get(name, 1.0) / values
@@ -113,19 +103,22 @@ def _lengths(table: Table) -> tuple[np.ndarray, str]:
     if not lengths:
         needed = ", ".join(one.with_unit for one in _ABSCISSAE)
         raise ConfigurationError(f"{table.source}: needs one of the columns {needed}")
-    (name, first), *others = lengths.items()
+    (given, length), *others = lengths.items()
     for other, values in others:
-        wrong = np.flatnonzero(np.abs(values - first) > _ROUNDED * first)
+        wrong = np.flatnonzero(np.abs(values - length) > _ROUNDED * length)
         if wrong.size:
             line = table.lines[wrong[0]]
-            raise ConfigurationError(f"{table.source}:{line}: {name} and {other} do not agree")
-    return first, name
-
-
-def _rising(table: Table, values: np.ndarray) -> np.ndarray:
-    """A column in the order of increasing wavelengths."""
-    length, _ = _lengths(table)
-    return values[::-1] if length[-1] < length[0] else values
+            raise ConfigurationError(f"{table.source}:{line}: {given} and {other} do not agree")
+    if len(table) < 2:
+        raise ConfigurationError(f"{table.source}: has one row of numbers; two or more are needed")
+    order = slice(None, None, -1 if length[-1] < length[0] else 1)
+    steps = np.diff(length)
+    wrong = np.flatnonzero(steps * np.sign(length[-1] - length[0]) <= 0.0)
+    if wrong.size:
+        line = table.lines[wrong[0] + 1]
+        what = "appears twice" if steps[wrong[0]] == 0.0 else "is out of order: sort the rows"
+        raise ConfigurationError(f"{table.source}:{line}: the {given} {what}")
+    return length[order], order
 
 
 def _n_and_k(table: Table) -> tuple[np.ndarray, np.ndarray]:
@@ -168,19 +161,6 @@ def _blocks(path: Path) -> list[Lines]:
         file._replace(lines=file.lines[:below], ended=True),
         file._replace(lines=[""] * below + file.lines[below:]),
     ]
-
-
-def _join(path: Path, *blocks: Lines) -> Indices:
-    """Values of two blocks over the wavelengths that both cover."""
-    tables = [
-        read_columns(block, (_BLOCK_WAVELENGTH, column))
-        for block, column in zip(blocks, (_N, _K), strict=True)
-    ]
-    curves = [
-        (_wavelength(table), _rising(table, table.numbers[name]))
-        for table, name in zip(tables, ("n", "k"), strict=True)
-    ]
-    return _common(path, *curves)
 
 
 def _common(
@@ -239,26 +219,18 @@ def _tables(path: Path, page: object) -> Iterator[tuple[str, np.ndarray]]:
             rows = np.array([line.split() for line in lines if line.strip()], float).T
         except ValueError:
             raise ConfigurationError(f"{path}: its table of {name} is damaged") from None
-        yield name, _check(path, name, rows)
-
-
-def _check(path: Path, name: str, rows: np.ndarray) -> np.ndarray:
-    whole = rows.ndim == 2 and len(rows) == len(name) + 1 and rows.shape[1] > 1
-    if not (whole and np.isfinite(rows).all()):
-        raise ConfigurationError(f"{path}: its table of {name} is damaged")
-    rows[0] *= _MICROMETRE
-    if not np.all(rows[0] > 0.0):
-        raise ConfigurationError(f"{path}: its table of {name} is damaged")
-    for letter, values in zip(name, rows[1:], strict=True):
-        if np.any(values < 0.0) or (letter == "n" and np.any(values == 0.0)):
-            raise ConfigurationError(f"{path}: its table of {name} has an impossible {letter}")
-    return _tidy(path, name, rows)
-
-
-def _tidy(path: Path, name: str, rows: np.ndarray) -> np.ndarray:
-    """Rows by wavelength; published pages may be unsorted, and overlap where they were joined."""
-    distinct, place, count = np.unique(rows[0], return_inverse=True, return_counts=True)
-    means = np.array([np.bincount(place, values) / count for values in rows])
-    if np.any(np.abs(rows - means[:, place]) > _JOINED * means[:, place]):
-        raise ConfigurationError(f"{path}: its table of {name} has two values at a wavelength")
-    return np.stack([distinct, *means[1:]])
+        whole = rows.ndim == 2 and len(rows) == len(name) + 1 and rows.shape[1] > 1
+        if not (whole and np.isfinite(rows).all()):
+            raise ConfigurationError(f"{path}: its table of {name} is damaged")
+        rows[0] *= _MICROMETRE
+        if not np.all(rows[0] > 0.0):
+            raise ConfigurationError(f"{path}: its table of {name} is damaged")
+        for letter, values in zip(name, rows[1:], strict=True):
+            if np.any(values < 0.0) or (letter == "n" and np.any(values == 0.0)):
+                raise ConfigurationError(f"{path}: its table of {name} has an impossible {letter}")
+        # by wavelength: published pages may be unsorted, and overlap where they were joined
+        distinct, place, count = np.unique(rows[0], return_inverse=True, return_counts=True)
+        means = np.array([np.bincount(place, values) / count for values in rows])
+        if np.any(np.abs(rows - means[:, place]) > _JOINED * means[:, place]):
+            raise ConfigurationError(f"{path}: its table of {name} has two values at a wavelength")
+        yield name, np.stack([distinct, *means[1:]])

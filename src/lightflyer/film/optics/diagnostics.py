@@ -51,12 +51,28 @@ def film_warnings(
     found += _scatter_lines(solar["top"], "sunlight (AM0)", "absorptance", "")
     found += _scatter_lines(thermal["top"], "a black body's radiation", "emittance", heat)
     found += [*medium_warnings(film), *thick_warnings(film), *roughness_warnings(film)]
-    found += _surroundings(film)
+    if film.below is not None:
+        found.append(
+            f"the substrate, {film.below.name}, has no lower face: what enters it counts as "
+            "transmitted, and the emittance is that of the layers alone"
+        )
+    if film.above is not None:
+        found.append(f"the film is in {film.above.name}: angles and the emittance are those in it")
     if film.open_fraction is not None and film.hole_diameter is not None:
         found += narrow_holes(0.5 * film.hole_diameter, temperatures)
     if film.unknown_density is not None:
         found.append(f"no areal density: {film.unknown_density}")
-    return (*found, *_unstated_lines(film, thickness_uncertainty))
+    exact = [
+        layer.material.name
+        for layer, spread in zip(film.layers, thickness_uncertainty, strict=True)
+        if spread is None
+    ]
+    if exact and len(exact) < len(film.layers):
+        found.append(
+            f"no ± is stated for the thickness of {', '.join(dict.fromkeys(exact))}: the intervals "
+            "take it as exact"
+        )
+    return tuple(found)
 
 
 def property_warnings(name: str, mean: Average, film: Film) -> Iterator[str]:
@@ -153,19 +169,6 @@ def _nanometres(length: Numeric) -> str:
     return f"{float(length) * 1e9:.3g} nm"
 
 
-def _surroundings(film: Film) -> list[str]:
-    """What the averages of a sample on a substrate mean."""
-    found = []
-    if film.below is not None:
-        found.append(
-            f"the substrate, {film.below.name}, has no lower face: what enters it counts as "
-            "transmitted, and the emittance is that of the layers alone"
-        )
-    if film.above is not None:
-        found.append(f"the film is in {film.above.name}: angles and the emittance are those in it")
-    return found
-
-
 def _shares(average: Average, spectrum: str, quantity: str, where: str) -> list[str]:
     found = []
     if np.any(average.left_out > WORTH_SAYING):
@@ -192,17 +195,6 @@ def medium_warnings(film: Film) -> list[str]:
     """What a reader must know of the optical data of a film's media, one line each."""
     said = [text for one in film.media for text in one.diagnostics]
     return [*dict.fromkeys(said), *sheet_warnings(film)]
-
-
-def _unstated_lines(film: Film, uncertainty: Sequence[float | None]) -> list[str]:
-    names = [layer.material.name for layer, spread in zip(film.layers, uncertainty, strict=True)
-             if spread is None]  # fmt: skip
-    if not names or len(names) == len(film.layers):
-        return []
-    return [
-        f"no ± is stated for the thickness of {', '.join(dict.fromkeys(names))}: the intervals "
-        "take it as exact"
-    ]
 
 
 def sheet_warnings(film: Film) -> list[str]:

@@ -315,30 +315,18 @@ class _Grouped(NamedTuple):
         passed = beams[-1] * down[-1].passed * real(self.substrate.admittance) / incident
         if not self.inside:
             return reflected, passed, xp.zeros((0, *reflected.shape))
-        absorbed = _absorption(down, up, admittances, beams, rising)
+        absorbed = []  # power in groups of coherent layers and in incoherent ones, top to bottom
+        for place, one in enumerate(down):
+            group = beams[place] * one.absorbed
+            if place < len(up):
+                group = group + rising[place] * up[place].absorbed[::-1]
+            absorbed.append(group)
+            if place < len(up):
+                inside, following = admittances[place + 1], down[place + 1]
+                top = real(inside) * one.passed * beams[place]
+                top = top - net_power(inside, up[place].ratio) * rising[place]
+                bottom = net_power(inside, following.ratio) * beams[place + 1]
+                if place + 1 < len(up):
+                    bottom = bottom - real(inside) * up[place + 1].passed * rising[place + 1]
+                absorbed.append((top - bottom)[None])
         return reflected, passed, xp.concatenate(absorbed) / incident
-
-
-def _absorption(
-    down: list[Fields],
-    up: list[Fields],
-    admittances: list[Array],
-    beams: list[Array],
-    rising: list[Array],
-) -> list[Array]:
-    """Power that layers absorb, top to bottom: groups of coherent ones and incoherent ones."""
-    found = []
-    for place, one in enumerate(down):
-        group = beams[place] * one.absorbed
-        if place < len(up):
-            group = group + rising[place] * up[place].absorbed[::-1]
-        found.append(group)
-        if place < len(up):
-            own, following = admittances[place + 1], down[place + 1]
-            top = real(own) * one.passed * beams[place]
-            top = top - net_power(own, up[place].ratio) * rising[place]
-            bottom = net_power(own, following.ratio) * beams[place + 1]
-            if place + 1 < len(up):
-                bottom = bottom - real(own) * up[place + 1].passed * rising[place + 1]
-            found.append((top - bottom)[None])
-    return found

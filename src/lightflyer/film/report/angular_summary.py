@@ -84,19 +84,13 @@ class AngularSummary(ShortRepr):
         import xarray as xr
 
         groups = (
-            ("", "", ("polarisation", "angle", "wavelength"), self.spectral_shares),
-            ("light_", f", mean over {self.light.name}", ("polarisation", "angle"), self.lit),
-            (
-                "thermal_",
-                ", mean over a black body's radiation",
-                ("polarisation", "angle", "temperature"),
-                self.thermal,
-            ),
+            ("", "", ("wavelength",), self.spectral_shares),
+            ("light_", f", mean over {self.light.name}", (), self.lit),
+            ("thermal_", ", mean over a black body's radiation", ("temperature",), self.thermal),
         )
         variables = {
             f"{prefix}{name}": (
-                ("polarisation", "angle", *dims),
-                values,
+                ("polarisation", "angle", *dims), values,
                 {"units": "1", "long_name": f"{name}{about}"},
             )
             for prefix, about, dims, shares in groups

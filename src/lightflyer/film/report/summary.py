@@ -1,7 +1,7 @@
 """Optics and mass of a film in one object, as the command ``film`` reports them."""
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from lightflyer.film.optics.diagnostics import film_warnings
 from lightflyer.film.optics.integration import COARSE_POINTS_PER_E_FOLD, POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0
 from lightflyer.film.optics.stack import Film
-from lightflyer.film.optics.thickness import thickness_uncertainty
+from lightflyer.film.optics.thickness import thickness_uncertainty as propagate
 from lightflyer.film.optics.transfer_matrix import StackOptics
 
 if TYPE_CHECKING:
@@ -76,6 +76,22 @@ class FilmSummary(ShortRepr):
             raise ParameterError(f"the materials have no data between {ends}")
         wavelength = np.geomspace(shortest, longest, SPECTRUM_POINTS)
         averages = _averages(film, light, temperatures, POINTS_PER_E_FOLD)
+        uncertainty = None
+        if any(spreads) or any(densities) or others:
+
+            def coarse_values(one: Film) -> dict[str, Any]:
+                found = _averages(one, light, temperatures, COARSE_POINTS_PER_E_FOLD)
+                return _values(one, light, found)
+
+            uncertainty = propagate(
+                coarse_values, film, [spread or 0.0 for spread in spreads], others
+            )
+            if _MASS in uncertainty:  # to which those of the densities add
+                parts = [
+                    layer.thickness * (spread or 0.0) * _GRAMS
+                    for layer, spread in zip(film.layers, densities, strict=True)
+                ]
+                uncertainty[_MASS] = float(np.hypot(uncertainty[_MASS], np.linalg.norm(parts)))
         return cls(
             film=film,
             light=light,
@@ -83,9 +99,7 @@ class FilmSummary(ShortRepr):
             temperatures=temperatures,
             wavelength=wavelength,
             optics=film.optics(wavelength).polarisation_mean(),
-            uncertainty=_uncertainty(
-                film, light, temperatures, spreads, densities, others
-            ),
+            uncertainty=uncertainty,
             warnings=film_warnings(
                 film, light, temperatures, averages["solar"], averages["lamp"],
                 averages["thermal"], spreads,
@@ -142,14 +156,10 @@ class FilmSummary(ShortRepr):
                 "absorptance": self.optics.absorptance.tolist(),
                 "layer_absorptance": self.optics.layer_absorptance.tolist(),
             }
-            | self._scattering_entries(),
+            | ({"scattered": self.optics.scattered.tolist()} if self.film.is_rough else {}),
             "extrapolated": self.extrapolated,
             "warnings": list(self.warnings),
         }
-
-    def _scattering_entries(self) -> dict[str, Any]:
-        """What rough interfaces scatter, over the wavelengths."""
-        return {"scattered": self.optics.scattered.tolist()} if self.film.is_rough else {}
 
     def _json_value(self, value: Any) -> Any:
         """A number, or numbers by temperature; None where it is none."""
@@ -173,7 +183,11 @@ class FilmSummary(ShortRepr):
         found |= {f"emittance_{side}": mean for side, mean in self.thermal.items()}
         found |= {f"emittance_normal_{side}": mean for side, mean in self.thermal_normal.items()}
         found |= _transmittances_by_name(self.passing, self.light)
-        return {name: _coverage(average, self._json_value) for name, average in found.items()}
+        keys = ("covered", "extrapolated_share", "lower", "upper")
+        return {
+            name: {key: self._json_value(getattr(average, key)) for key in keys}
+            for name, average in found.items()
+        }
 
 
 def _number(value: Any) -> float | None:
@@ -249,38 +263,3 @@ def _selectivity(lamp: dict[str, Average], thermal: dict[str, Average]) -> np.nd
     emitted = np.asarray(sum(mean.value for mean in thermal.values()) / len(thermal))
     ratio = lamp["top"].value / np.where(emitted > _LEAST_EMITTANCE, emitted, 1.0)
     return np.where(emitted > _LEAST_EMITTANCE, ratio, np.nan)
-
-
-def _uncertainty(
-    film: Film,
-    light: Spectrum,
-    temperatures: np.ndarray,
-    spreads: Sequence[float | None],
-    densities: Sequence[float | None],
-    others: Sequence[tuple[Film, Film]],
-) -> dict[str, Any] | None:
-    """Standard uncertainties of the values; those of the densities concern the mass only."""
-    if not any(spreads) and not any(densities) and not others:
-        return None
-
-    def values(one: Film) -> dict[str, Any]:
-        averages = _averages(one, light, temperatures, COARSE_POINTS_PER_E_FOLD)
-        return _values(one, light, averages)
-
-    found = thickness_uncertainty(values, film, [spread or 0.0 for spread in spreads], others)
-    parts = [
-        layer.thickness * (spread or 0.0) * _GRAMS
-        for layer, spread in zip(film.layers, densities, strict=True)
-    ]
-    if _MASS not in found:
-        return found
-    return found | {_MASS: float(np.hypot(found[_MASS], np.linalg.norm(parts)))}
-
-
-def _coverage(average: Average, described: Callable[[Any], Any]) -> dict[str, Any]:
-    return {
-        "covered": described(average.covered),
-        "extrapolated_share": described(average.extrapolated_share),
-        "lower": described(average.lower),
-        "upper": described(average.upper),
-    }

@@ -7,7 +7,7 @@ parameters are its leaves: films are then differentiable in them and fits can fr
 
 import abc
 import dataclasses
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -151,10 +151,10 @@ class DataMedium(Medium):
         extrapolates = self.extrapolation is not Extrapolation.ERROR
         return (0.0, np.inf) if extrapolates else self.wavelength_range
 
-    def with_extrapolation(self, policy: Extrapolation | str) -> Self:
+    def with_extrapolation(self: Any, policy: Extrapolation | str) -> Any:
         return dataclasses.replace(self, extrapolation=Extrapolation.of(policy))
 
-    def with_density(self, density: Numeric) -> Self:
+    def with_density(self: Any, density: Numeric) -> Any:
         return dataclasses.replace(self, density=density, density_source=GIVEN)
 
     def extrapolations(self, shortest: float, longest: float) -> tuple[str, ...]:

@@ -120,7 +120,7 @@ def _by_angle(film: Film, side: Side, grid: Grid, incidence: Numeric) -> Directi
     pieces = spectral_pieces(film, side, grid.wavelength, DIRECTIONS, grid.mean_weight)
     rows = [
         tree.map_leaves(
-            lambda *parts: sum(parts), *(_directional(*piece, block) for piece in pieces)
+            lambda *parts: sum(parts), *(_directional(*(*piece, block)) for piece in pieces)
         )
         for block in blocks
     ]

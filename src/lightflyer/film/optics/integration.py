@@ -108,7 +108,7 @@ def hemisphere(directions: int = DIRECTIONS) -> tuple[np.ndarray, np.ndarray]:
 def spectral_shares(film: Film, side: Side, grid: Grid) -> SpectralShares:
     """What becomes of unpolarised light at each wavelength, averaged over directions."""
     pieces = spectral_pieces(film, side, grid.wavelength, np.size(grid.cosine))
-    parts = [_spectral(*piece, grid.cosine, grid.share) for piece in pieces]
+    parts = [_spectral(*(*piece, grid.cosine, grid.share)) for piece in pieces]
     found = SpectralShares(*(xp.concatenate(part) for part in zip(*parts, strict=True)))
     return with_holes(found, film.open_fraction)
 

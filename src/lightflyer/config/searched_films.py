@@ -171,8 +171,13 @@ class Stacks(AbstractStacks):
                 f"{self.film}.{stated[0]} in the flyer file is of one film; a search over stacks "
                 "computes it: leave it out there"
             )
-        self.candidates = [_candidate(number, entry, folder)
-                           for number, entry in enumerate(asked.materials)]  # fmt: skip
+        self.candidates = []
+        for number, entry in enumerate(asked.materials):
+            try:
+                self.candidates.append(Candidate(entry, folder))
+            except (ConfigurationError, ParameterError) as error:
+                name = entry.get("material", f"entry {number + 1}")
+                raise ConfigurationError(f"materials: {name}: {error}") from None
         self._require_carrier()
         self.sequences = tuple(self._sequences())
         if not self.sequences:
@@ -308,14 +313,6 @@ class Stacks(AbstractStacks):
         return str(tomlkit.dumps(document))
 
 
-def _candidate(number: int, entry: Mapping[str, Any], folder: Path | None) -> Candidate:
-    try:
-        return Candidate(entry, folder)
-    except (ConfigurationError, ParameterError) as error:
-        name = entry.get("material", f"entry {number + 1}")
-        raise ConfigurationError(f"materials: {name}: {error}") from None
-
-
 class AnyStack(AbstractDesign):
     """A design whose film is any of some stacks."""
 
@@ -327,14 +324,11 @@ class AnyStack(AbstractDesign):
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
         """Fields that leave the film alone, and shares."""
-        own, costly = (
-            f"{self._stacks.film}.",
-            self._base.needs_recompute(list(self._base.quantities)),
-        )
+        costly = self._base.needs_recompute(list(self._base.quantities))
         others = {
             name: quantity
             for name, quantity in self._base.quantities.items()
-            if not name.startswith(own) and name not in costly
+            if not name.startswith(f"{self._stacks.film}.") and name not in costly
         }
         return others | dict.fromkeys(self._stacks.shares, Quantity("", 0.0, 1.0))
 
@@ -375,7 +369,7 @@ class AnyStack(AbstractDesign):
 
     @property
     def setup(self) -> Setup:
-        """The flyer file's own."""
+        """That of the flyer file."""
         return self._base.setup
 
     def build(self, values: Mapping[str, Numeric] | None = None, prepared: Any = None) -> Setup:

@@ -21,6 +21,7 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.film.optics.curve import (
     EmittanceCurve,
+    black_growth,
     coefficients_of,
     emittance_at,
     emittance_bounds,
@@ -154,7 +155,7 @@ class FilmProperties(Checked):
         # .. math:: \sum_\mathrm{faces}\left[\varepsilon(T_h)(1+\theta)^4-\varepsilon(T)\right],
         #     \qquad T_h=T(1+\theta)
         if self._is_grey:
-            return self.emittance_sum * _growth(excess)
+            return self.emittance_sum * black_growth(excess)
         return sum(self.emission_growths(temperature, excess))
 
     def emission_growths(self, temperature: Numeric, excess: Numeric) -> tuple[Numeric, Numeric]:
@@ -162,7 +163,7 @@ class FilmProperties(Checked):
         top, bottom = (
             face.growth(temperature, excess)
             if isinstance(face, EmittanceCurve)
-            else face * _growth(excess)
+            else face * black_growth(excess)
             for face in (self.emittance_top, self.emittance_bottom)
         )
         return top, bottom
@@ -255,11 +256,6 @@ def area_weighted_mean(
         highest_temperature=lowest_limit(films),
         **{name: mean([getattr(film, name) for film in films]) for name in averaged},
     )
-
-
-def _growth(excess: Numeric) -> Numeric:
-    r"""Growth of a black face's emission, :math:`(1+\theta)^4-1`, without its cancellation."""
-    return excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
 
 
 def excess_of_growth(growth: Numeric) -> Array:

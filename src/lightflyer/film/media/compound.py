@@ -1,6 +1,6 @@
 """Media of several others: what they share, and tables at several temperatures."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from lightflyer.core.checks import is_concrete, is_traced, require_range
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.film.media.materials import Material
-from lightflyer.film.media.medium import GIVEN, Extrapolation, Medium
+from lightflyer.film.media.medium import GIVEN, Extrapolation, Medium, common_range
 
 
 class Compound(Medium):
@@ -32,11 +32,11 @@ class Compound(Medium):
     @property
     def wavelength_range(self) -> tuple[float, float]:
         """Wavelengths at which all parts have data [m]."""
-        return _common(part.wavelength_range for part in self.parts)
+        return common_range(part.wavelength_range for part in self.parts)
 
     @property
     def usable_range(self) -> tuple[float, float]:
-        return _common(part.usable_range for part in self.parts)
+        return common_range(part.usable_range for part in self.parts)
 
     @property
     def source(self) -> str:
@@ -53,12 +53,6 @@ class Compound(Medium):
     def with_density(self, density: Numeric) -> Any:
         """The same medium with a measured density, not that of its parts [kg/m³]."""
         return tree.replace_at(lambda one: one.measured_density, self, density)
-
-
-def _common(ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
-    ends = list(ranges)
-    shortest = max(end[0] for end in ends)
-    return shortest, max(shortest, min(end[1] for end in ends))
 
 
 def indices(media: Sequence[Medium], wavelength: np.ndarray) -> tuple[Numeric, Numeric]:
@@ -153,14 +147,14 @@ class TemperatureDependentMedium(Compound):
         """Warns of the temperature, and repeats what the parts warn of."""
         at = f"{float(self.temperature):g} K" if is_concrete(self.temperature) else "a temperature"
         tables = ", ".join(f"{one:g}" for one in self.temperatures)
-        own = f"{self.name} has n and k at {at}, linear between tables at {tables} K"
+        between = f"{self.name} has n and k at {at}, linear between tables at {tables} K"
         parts = [
             text
             for part in self.parts
             for text in part.diagnostics
             if " has n and k at " not in text
         ]
-        return (own, *dict.fromkeys(parts))
+        return (between, *dict.fromkeys(parts))
 
 
 def at_temperature(parts: Sequence[Material], temperature: Numeric) -> TemperatureDependentMedium:

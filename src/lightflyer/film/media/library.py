@@ -68,16 +68,16 @@ class Entry:
 TAC_SOURCE = "measured in air, Lu et al. (2023), table 1; alumina: text on TACs [Lu2023]"
 
 
-def _entry(pages: Any, tac: Any = None, names: Any = (), **others: Any) -> Entry:
-    measured = None if tac is None else Measured(*tac)
-    return Entry(
-        pages=tuple(Page(**page) for page in pages), tac=measured, names=tuple(names), **others
-    )
-
-
 _FOLDER = resources.files("lightflyer") / "data"
 _DATA = (_FOLDER / "materials.toml").read_text(encoding="utf-8")
-PAGES = {name: _entry(**content) for name, content in tomllib.loads(_DATA).items()}
+PAGES = {
+    name: Entry(**content | {
+        "pages": tuple(Page(**page) for page in content["pages"]),
+        "tac": Measured(*content["tac"]) if "tac" in content else None,
+        "names": tuple(content.get("names", ())),
+    })
+    for name, content in tomllib.loads(_DATA).items()
+}  # fmt: skip
 """Materials by their name in a flyer file."""
 
 MEDIA: dict[str, Medium] = {}
@@ -166,32 +166,27 @@ def material_names() -> list[str]:
 
 @cache
 def _read(name: str) -> Material:
-    entry = PAGES[name]
+    entry, segments = PAGES[name], []
+    for page in entry.pages:
+        text = (_FOLDER / "media" / page.file).read_text(encoding="utf-8")
+        table = np.loadtxt(text.splitlines(), delimiter=",", skiprows=2)
+        table = table[np.argsort(table[:, 0], kind="stable")].T  # pages may overlap within
+        lookup: _Lookup = partial(_index_of, table)
+        if entry.mat_fraction is not None:
+            lookup = partial(_index_of_mat, lookup, entry.mat_fraction)
+        shortest = max(float(table[0, 0]), page.shortest_um) * MICROMETRE
+        longest = min(float(table[0, -1]), page.longest_um) * MICROMETRE
+        source = f"{SITE} {page.shelf}/{page.book}/{page.page}"
+        segments.append(Segment(shortest, longest, source, lookup))
     return Material(
         name=name,
-        segments=tuple(_segment(page, entry.mat_fraction) for page in entry.pages),
+        segments=tuple(segments),
         density=entry.density,
         density_source=entry.density_source,
         description=entry.description,
         tac=entry.tac,
         tac_source="" if entry.tac is None else TAC_SOURCE,
         remarks=(entry.remark,) if entry.remark else (),
-    )
-
-
-def _segment(page: Page, mat_fraction: float | None) -> Segment:
-    file = _FOLDER / "media" / page.file
-    lines = file.read_text(encoding="utf-8").splitlines()
-    table = np.loadtxt(lines, delimiter=",", skiprows=2)
-    table = table[np.argsort(table[:, 0], kind="stable")].T  # pages may overlap within
-    lookup: _Lookup = partial(_index_of, table)
-    if mat_fraction is not None:
-        lookup = partial(_index_of_mat, lookup, mat_fraction)
-    return Segment(
-        max(float(table[0, 0]), page.shortest_um) * MICROMETRE,
-        min(float(table[0, -1]), page.longest_um) * MICROMETRE,
-        f"{SITE} {page.shelf}/{page.book}/{page.page}",
-        lookup,
     )
 
 

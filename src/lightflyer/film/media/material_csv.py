@@ -15,6 +15,7 @@ from lightflyer.files.encoding import plain_text
 from lightflyer.files.table import Table, read_columns, read_table
 from lightflyer.files.table_file import Lines, read_lines
 from lightflyer.files.table_layout import Column
+from lightflyer.film.media.medium import MICROMETRE
 
 SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".nk", ".xlsx", ".yml", ".yaml")
 """Ends of the names of files with refractive indices."""
@@ -26,7 +27,6 @@ _JOINED = 0.05  # from the mean of two values where a published table has been j
 Indices = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Wavelength [m], increasing; n and k [1]: arrays of shape (m,)."""
 
-_MICROMETRE = 1e-6  # [m]; unit of wavelengths at refractiveindex.info
 _POSITIVE = Quantity("", 0.0, open_below=True)
 _WAVELENGTH = Column("wavelength", Length, ("lambda", "wl", "λ"), suggested_unit="um")
 _ABSCISSAE = (
@@ -222,7 +222,7 @@ def _tables(path: Path, page: object) -> Iterator[tuple[str, np.ndarray]]:
         whole = rows.ndim == 2 and len(rows) == len(name) + 1 and rows.shape[1] > 1
         if not (whole and np.isfinite(rows).all()):
             raise ConfigurationError(f"{path}: its table of {name} is damaged")
-        rows[0] *= _MICROMETRE
+        rows[0] *= MICROMETRE
         if not np.all(rows[0] > 0.0):
             raise ConfigurationError(f"{path}: its table of {name} is damaged")
         for letter, values in zip(name, rows[1:], strict=True):

@@ -7,6 +7,7 @@ parameters are its leaves: films are then differentiable in them and fits can fr
 
 import abc
 import dataclasses
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -174,3 +175,10 @@ class DataMedium(Medium):
             f'{longest:.5g} µm; to go beyond, set extrapolation to "{Extrapolation.HOLD}" or '
             f'"{Extrapolation.LOSSLESS}"'
         )
+
+
+def common_range(ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
+    """Wavelengths that all of some ranges hold [m]; both ends are the same where there are none."""
+    ends = list(ranges)
+    shortest = max((end[0] for end in ends), default=0.0)
+    return shortest, max(shortest, min((end[1] for end in ends), default=np.inf))

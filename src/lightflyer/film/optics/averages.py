@@ -15,7 +15,6 @@ from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
 from lightflyer.film.optics.integration import (
     POINTS_PER_E_FOLD,
     Grid,
-    data_range,
     light_grid,
     spectral_shares,
     thermal_grid,
@@ -119,7 +118,7 @@ def light_shares(
     spectrum = am0() if spectrum is None else spectrum
     grid = light_grid(film, spectrum, incidence, diffuse)
     computed = float(grid.weight.sum())
-    data, usable = data_range(film), film.covered_range
+    data, usable = film.data_range, film.covered_range
     try:
         _, weight = spectrum.between(max(data[0], usable[0]), min(data[1], usable[1]))
         covered = float(weight.sum())
@@ -179,7 +178,7 @@ def emittance(
 
 def thermal_coverage(film: Film, temperature: Numeric) -> np.ndarray:
     """Share of a black body's radiation at which all of a film's materials have data [1]."""
-    shortest, longest = data_range(film)
+    shortest, longest = film.data_range
     ends = thermal_range(film)
     inside = max(shortest, ends[0]), min(longest, ends[1])
     return _blackbody_share(inside, temperature)[()]

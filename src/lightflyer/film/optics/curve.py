@@ -81,8 +81,7 @@ class EmittanceCurve(Module):
             xp.maximum(hot, temperature) <= self.highest
         )
         near = 2.0 * xp.log1p(excess) / xp.log(self.highest / self.lowest)
-        fourth = excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
-        return value * fourth + slope * xp.where(inside, near, x - y)
+        return value * black_growth(excess) + slope * xp.where(inside, near, x - y)
 
     def _scale_temperature(self, temperature: Numeric) -> Array:
         span = xp.log(self.highest / self.lowest)
@@ -111,6 +110,11 @@ def node_temperatures() -> np.ndarray:
     """Temperatures at which a curve is given [K], shape (NODES,)."""
     middle = np.sqrt(LOWEST_TEMPERATURE * HIGHEST_TEMPERATURE)
     return middle * (HIGHEST_TEMPERATURE / LOWEST_TEMPERATURE) ** (0.5 * _nodes())
+
+
+def black_growth(excess: Numeric) -> Numeric:
+    r"""Growth of a black face's emission, :math:`(1+\theta)^4-1`, without its cancellation."""
+    return excess * (4.0 + excess * (6.0 + excess * (4.0 + excess)))
 
 
 def emittance_at(emittance: Numeric, temperature: Numeric) -> Numeric:

@@ -55,14 +55,6 @@ class SpectralShares(NamedTuple):
     scattered: Numeric
 
 
-def data_range(film: Film) -> tuple[float, float]:
-    """Wavelengths at which all materials of a film have data, whatever their policy [m]."""
-    ranges = [medium.wavelength_range for medium in film.media]
-    shortest = max((ends[0] for ends in ranges), default=0.0)
-    longest = min((ends[1] for ends in ranges), default=np.inf)
-    return shortest, max(shortest, longest)
-
-
 def thermal_range(film: Film) -> tuple[float, float]:
     """Wavelengths over which an emittance is averaged [m]."""
     shortest, longest = film.covered_range

@@ -21,7 +21,7 @@ from lightflyer.core.quantity import (
     require_record,
 )
 from lightflyer.film.media.compound import indices
-from lightflyer.film.media.medium import Medium
+from lightflyer.film.media.medium import Medium, common_range
 from lightflyer.film.optics.transfer_matrix import (
     StackOptics,
     Structure,
@@ -198,12 +198,15 @@ class Film(Checked):
         return dataclasses.replace(self, layers=layers)
 
     @property
+    def data_range(self) -> tuple[float, float]:
+        """Wavelengths at which all materials have data, whatever their policy [m]."""
+        return common_range(medium.wavelength_range for medium in self.media)
+
+    @property
     def covered_range(self) -> tuple[float, float]:
         """Wavelengths at which the film's optics can be computed [m]."""
         # The intersection of the ranges of all materials that do not extrapolate.
-        ranges = [medium.usable_range for medium in self.media]
-        shortest = max((ends[0] for ends in ranges), default=0.0)
-        longest = min((ends[1] for ends in ranges), default=np.inf)
+        shortest, longest = common_range(medium.usable_range for medium in self.media)
         if shortest >= longest:
             limited = (one for one in self.media if one.usable_range != (0.0, np.inf))
             spans = ", ".join(dict.fromkeys(medium.describe_range() for medium in limited))
@@ -236,7 +239,7 @@ class Film(Checked):
         )
 
     def homogeneous(self) -> "Film":
-        """The film with the sheets of its graded layers as layers of their own."""
+        """The film with the sheets of its graded layers as layers."""
         if all(len(layer.material.sheets) == 1 for layer in self.layers):
             return self
         sheets = tuple(sheet for layer in self.layers for sheet in layer.sheets)

@@ -11,8 +11,7 @@ from lightflyer.files.drawing import figure_for, legend_below, new_figure
 from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, YELLOW
 from lightflyer.film.media.medium import MICROMETRE
 from lightflyer.film.optics.angles import with_mean
-from lightflyer.film.optics.integration import data_range
-from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0, planck
+from lightflyer.film.optics.spectra import SPECTRUM_RANGE, am0, planck
 
 if TYPE_CHECKING:
     from lightflyer.film.report.angular_summary import AngularSummary
@@ -54,15 +53,10 @@ def _shade(ax: Axes, wavelength: np.ndarray, shape: np.ndarray, label: str, colo
     ax.plot([], [], color=colour, alpha=0.35, lw=6, label=label)
 
 
-def _shade_light(ax: Axes, light: Spectrum, colour: str) -> None:
-    inside = (light.wavelength > SPECTRUM_RANGE[0]) & (light.wavelength < SPECTRUM_RANGE[1])
-    _shade(ax, light.wavelength[inside], light.irradiance[inside], light.name, colour)
-
-
 def _mark_extrapolated(ax: Axes, summary: "FilmSummary") -> None:
     """Hatch the wavelengths drawn at which a material has no data."""
     drawn = summary.wavelength[[0, -1]]
-    data = data_range(summary.film)
+    data = summary.film.data_range
     label: str | None = "optical data extrapolated"
     for left, right in ((drawn[0], min(data[0], drawn[1])), (max(data[1], drawn[0]), drawn[1])):
         if right > left:
@@ -75,7 +69,8 @@ def _mark_extrapolated(ax: Axes, summary: "FilmSummary") -> None:
 def draw_spectra(summary: "FilmSummary", ax: Axes) -> Axes:
     """Draw reflectance, transmittance and absorptance with the light and heat radiation."""
     for light, colour in dict(zip((summary.light, am0()), (SKY, ORANGE), strict=True)).items():
-        _shade_light(ax, light, colour)
+        inside = (light.wavelength > SPECTRUM_RANGE[0]) & (light.wavelength < SPECTRUM_RANGE[1])
+        _shade(ax, light.wavelength[inside], light.irradiance[inside], light.name, colour)
     wide = np.geomspace(*SPECTRUM_RANGE, 400)
     hottest = float(summary.temperatures.max())
     for temperature, colour in ((_SHOWN_TEMPERATURE, GREY), (hottest, VERMILION)):

@@ -83,7 +83,7 @@ def test_in_how_many_samples_a_film_survives(flyer_file):
     assert found.share_that_survives == np.sum(rest <= 400.0) / 100
     for flies, survives, words in (
         (0.8, 0.3, ("It flies, in 80 % of 100 samples, from", "survives in 30 % of the samples.")),
-        (1.0, None, ("It flies from", "its film bears 400 K.")),
+        (1.0, None, ("It flies from", "its film withstands 400 K.")),
     ):
         told = " ".join(verdict_lines(found.prediction, {}, Shares(100, flies, survives)))
         assert all(text in told for text in words)

@@ -114,7 +114,9 @@ def test_it_starts_with_the_disk_of_init_and_fits_a_phone(page, at_first):
     expect(page.locator("#lf-verdict")).to_have_attribute("data-state", "unsure")
     words = page.get_attribute("#lf-curve", "aria-label")
     assert at_first[1] in words
-    assert "Let go, it rests at 79.5 km and 502 K; its film bears 520 K and survives." in words
+    assert (
+        "Released, it rests at 79.5 km and 502 K; its film withstands 520 K and survives." in words
+    )
 
 
 def test_the_disk_of_the_paper_is_one_click_away(page):

@@ -49,15 +49,15 @@ def test_a_flight_ends_where_its_film_is_too_hot(beyond, every):
     assert float(flown.end_elapsed) == pytest.approx(crossing(beyond), abs=0.1)
     found = summarise(flown)
     assert found["film"] == {"bears_k": LIMIT, "hottest_k": pytest.approx(LIMIT, abs=1e-6)}
-    assert found["end"] == "got hotter than its film bears"
-    assert "because   it got hotter than its film bears" in lf.mission.describe(flown)
+    assert found["end"] == "got hotter than its film withstands"
+    assert "because   it got hotter than its film withstands" in lf.mission.describe(flown)
     assert "the flyer reaches" not in lf.mission.describe(flown)
 
 
 def test_a_film_that_is_too_hot_at_its_release_does_not_fly():
     flown = fly(disk(limit=300.0))
     assert float(flown.end_elapsed) == 0.0
-    assert flown.attrs["end"] == "got hotter than its film bears"
+    assert flown.attrs["end"] == "got hotter than its film withstands"
 
 
 def test_members_of_an_ensemble_end_as_the_stated_flight_does(beyond):

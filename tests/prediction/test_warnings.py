@@ -38,7 +38,7 @@ def test_every_prediction_names_the_light_it_assumes():
     [
         ({"tac_top": 0.9, "tac_bottom": 0.8}, "the gas pushes the flyer down"),
         ({"tac_top": 0.8, "tac_bottom": 0.8}, "does not push the flyer"),
-        (TACS | {"highest_temperature": "400 K"}, r"its film bears 400 K"),
+        (TACS | {"highest_temperature": "400 K"}, r"its film withstands 400 K"),
     ],
 )
 def test_what_a_designer_must_know(film, says):

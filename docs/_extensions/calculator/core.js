@@ -57,7 +57,7 @@
     const limit = limitOf(values);
     if (isTooHot(values, results.temperature)) {
       said.push(
-        `the flyer reaches ${results.temperature.toFixed(0)} K, and its film bears ` +
+        `the flyer reaches ${results.temperature.toFixed(0)} K, and its film withstands ` +
           `${limit.toFixed(0)} K`,
       );
     }
@@ -290,7 +290,7 @@
       but = `${survives ? "," : ""} in ${percent(bands.survives)} of the samples`;
     } else if (bands?.rest && bands.rest[1] > limitOf(values)) but = ", but not in all of that band";
     const film = survives ? ` and survives${but}` : but.startsWith(" in") ? `, and survives${but}` : "";
-    return `Let go, it rests at ${placeOf(rest.altitude)} and ${hot}; its film bears ${limitOf(values)} K${film}.`;
+    return `Released, it rests at ${placeOf(rest.altitude)} and ${hot}; its film withstands ${limitOf(values)} K${film}.`;
   }
 
   /** Where it needs the least light: altitude [m] and irradiance [W/m²]; null if nowhere. */

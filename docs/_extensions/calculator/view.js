@@ -303,7 +303,7 @@
     if (!results.converged) return `The heat balance has not converged ${where}.`;
     if (results.lift_over_weight >= 1 && core.isTooHot(values, results.temperature)) {
       const hot = amount("temperature", results.temperature);
-      return `Levitates ${where}, but its film melts: it is ${hot}, and bears ${core.limitOf(values)} K.`;
+      return `Levitates ${where}, but its film melts: it is ${hot}, and withstands ${core.limitOf(values)} K.`;
     }
     if (results.lift_over_weight >= 1) {
       const share = general(results.relative_payload, 3);

@@ -39,7 +39,10 @@ _LABELS = {
     "lift_over_weight": "lift over weight",
     "temperature": "temperature, available light",
 }
-_TOO_HOT, _EXTRAPOLATED = "hotter than the film bears", "outside the range of force model or gas"
+_TOO_HOT, _EXTRAPOLATED = (
+    "hotter than the film withstands",
+    "outside the range of force model or gas",
+)
 _SHAPES: dict[str, dict[str, Any]] = {
     _TOO_HOT: {"marker": "x", "ms": 5.0},
     _EXTRAPOLATED: {"marker": "o", "ms": 4.0, "mfc": "none"},

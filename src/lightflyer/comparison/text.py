@@ -32,7 +32,7 @@ def comparison_parts(comparison: "Comparison") -> Parts:
     if any(found.prediction.bands for found in comparison.flyers):
         yield "* carries most"
     if any(np.any(_too_hot(found)) for found in comparison.flyers):
-        yield "! hotter than the film bears"
+        yield "! hotter than the film withstands"
     if any(np.any(found.listed["covered"] < 1.0) for found in comparison.flyers):
         yield "~ outside the range of force model or gas"
     if any(found.setup.budget is not None for found in comparison.flyers):

@@ -152,7 +152,7 @@ class StackTables(NamedTuple):
     sequence: Sequence[int]
     film: Film  # With any thicknesses
     surrogate: ThicknessSurrogate
-    beside: dict[str, Any]  # TACs [1] and the temperature that the film bears [K]
+    beside: dict[str, Any]  # TACs [1] and the temperature that the film withstands [K]
 
 
 class Stacks(AbstractStacks):

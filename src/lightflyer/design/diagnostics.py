@@ -161,7 +161,7 @@ def _heat_diagnostics(highest: Numeric | None, temperature: Numeric) -> Iterator
                 f"{TOO_HOT} {hottest:.0f} K: does its film bear that? state its highest_temperature"
             )
     elif hottest > float(highest) * (1.0 + _ROUNDING):
-        yield f"{TOO_HOT} {hottest:.0f} K, and its film bears {float(highest):.0f} K"
+        yield f"{TOO_HOT} {hottest:.0f} K, and its film withstands {float(highest):.0f} K"
 
 
 def _shape_diagnostics(flyer: AbstractFlyer) -> Iterator[str]:

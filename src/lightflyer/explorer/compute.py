@@ -201,7 +201,7 @@ def _verdict(prediction: Prediction, spreads: Mapping[str, Any]) -> Iterator[Rea
     if verdict.rest is not None:
         at = _number(verdict.rest.coordinate * factor, where.shown_unit)
         hot = verdict.rest.values["temperature"]
-        yield _reading("verdict.rest.temperature_k", f"let go, rests at {at}", hot, "K", spreads)
+        yield _reading("verdict.rest.temperature_k", f"released, rests at {at}", hot, "K", spreads)
     if verdict.highest_temperature is not None and prediction.bands:
         parts = (
             " to ".join(f"{edge * factor:.{_DIGITS}g}" for edge in part) for part in verdict.usable

@@ -240,7 +240,7 @@ def _temperature(
         several["colour"].append(colour)
         legend.append(Line(name.removeprefix("temperature_").replace("_", " "), colour))
     if math.isfinite(level):
-        legend.append(Line("film bears", LIMIT, "dashed"))
+        legend.append(Line("film limit", LIMIT, "dashed"))
     hottest = np.nanmax(table["temperature"])
     return figure_data(
         {

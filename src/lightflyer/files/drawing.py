@@ -32,7 +32,7 @@ LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 BAND, INTERVAL = "95 % band", "95 % interval"
 """What shaded bands and error bars are, in legends."""
 
-TOO_HOT = "hotter than its film bears"  # What hatched ranges are
+TOO_HOT = "hotter than its film withstands"  # What hatched ranges are
 EXTRAPOLATED = "faint: extrapolated"  # What faint ranges are
 
 FORMATS = ("png", "svg", "pdf")  # Endings of the files that :func:`save` writes

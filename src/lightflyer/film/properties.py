@@ -80,7 +80,7 @@ class FilmProperties(Checked):
         Share of heat radiation that passes through the film, from either side [1]; a curve makes
         it a function of the temperature of a black body that radiates.
     highest_temperature : array or None
-        Temperature that the film bears [K]; None where it is not known. It changes no result:
+        Temperature that the film withstands [K]; None where it is not known. It changes no result:
         predictions warn, and optimisation stays, above it.
     transmittance_bottom : array or None
         Share of light on the bottom face that passes [1]; by default that of the top. It differs

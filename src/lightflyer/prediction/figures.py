@@ -229,7 +229,7 @@ def temperature(prediction: "Prediction", ax: Axes) -> Axes:
     limit = prediction.verdict.highest_temperature
     if limit is not None:
         hottest = max(hottest, limit)
-        ax.axhline(limit, color=VERMILION, lw=0.8, ls="--", label=f"film bears {limit:.0f} K")
+        ax.axhline(limit, color=VERMILION, lw=0.8, ls="--", label=f"film withstands {limit:.0f} K")
     ax.set_ylim(coldest - _MARGIN, hottest + _HEADROOM * (hottest - coldest))
     ax.set_ylabel("temperature [K]")
     _coordinate_axis(prediction, ax)

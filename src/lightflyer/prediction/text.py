@@ -67,7 +67,7 @@ def prediction_parts(
         )
     too_hot = bool(np.any(_too_hot(prediction)))
     if too_hot:
-        yield "* hotter in the light than its film bears"
+        yield "* hotter in the light than its film withstands"
     if prediction.asked.size and np.any(_extrapolated(prediction)):
         yield "~ outside the range of force model or gas"
     if prediction.setup.budget is not None and not verbose:
@@ -155,14 +155,14 @@ def film_lines(
     found = prediction.verdict
     bears, rest = f"{found.highest_temperature or 0.0:.0f} K", found.rest
     known = found.highest_temperature is not None
-    film = f"its film bears {bears}" if known else "its film's limit is not stated"
+    film = f"its film withstands {bears}" if known else "its film's limit is not stated"
     if rest is not None:
         band = bands.get("verdict.rest.temperature_k")
         hot = _with_band(rest.values["temperature"], band, ".0f", "K")
         above = band is not None and band[1] > (found.highest_temperature or 0.0)
         survives = _survival(bool(found.survives), above, shares.survives)
         place = _place_text(prediction, rest.coordinate)
-        yield f"Let go, it rests at {place} and {hot}; {film}{survives}."
+        yield f"Released, it rests at {place} and {hot}; {film}{survives}."
     ways = []
     if found.strongest_light and found.strongest_light < _FAR_STRONGER * prediction.available:
         ways.append(f"in up to {found.strongest_light:.4g} W/m²")
@@ -177,7 +177,7 @@ def film_lines(
         parts = "nowhere in that range"
         if found.usable:
             parts = _ranges(prediction, found.usable, bands, "verdict.usable_band")
-        yield f"Its film survives {parts}{'' if rest else f', as it bears {bears}'}."
+        yield f"Its film survives {parts}{'' if rest else f', as it withstands {bears}'}."
     elif rest is None:
         yield f"I{film[1:]}{' and survives' if known else ''}."
 

@@ -26,7 +26,7 @@ _CLOSER = 200  # places between two rows of the table, where a range ends
 class Verdict(ShortRepr):
     """Where a flyer can be used, what becomes of it when nothing holds it, and what limits it."""
 
-    #: That the film bears [K]; None where the flyer does not state it
+    #: That the film withstands [K]; None where the flyer does not state it
     highest_temperature: float | None
     #: Ranges of the coordinate in which the flyer levitates and its film survives, lowest first
     usable: list[tuple[float, float]]

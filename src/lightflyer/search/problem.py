@@ -53,7 +53,7 @@ class Constraint:
     name: str  # Name of the output
     limit: float  # In the unit of the output
     sign: float  # 1 for "at least", -1 for "at most"
-    of_film: bool = False  # Whether it is what the film bears, which nobody asked for
+    of_film: bool = False  # Whether it is what the film withstands, which nobody asked for
 
     @property
     def scale(self) -> float:
@@ -398,7 +398,7 @@ def _constraints(
 def _limits_of_film(
     highest: Any, design: AbstractDesign, section: OptimiseSection, asked: Sequence[str]
 ) -> Iterator[Constraint]:
-    """What the film bears, wherever the flyer is judged and the section names no temperature."""
+    """What the film withstands, wherever the flyer is judged and the section names no temperature."""
     if highest is None or section.beyond_range:
         return
     judged = {_HEAT} if design.coordinate_name in section.over else set()

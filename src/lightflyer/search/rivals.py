@@ -18,7 +18,7 @@ _AT_ONCE = 32  # designs whose bands are found at once
 class Rival:
     """Another design, and what makes it worth knowing."""
 
-    words: str  #: Such as ``"whatever the film bears"``
+    words: str  #: Such as ``"whatever the film withstands"``
     value: float  #: Objective, in SI units
     design: dict[str, float]  #: Free numbers by name, in the units of the design
 
@@ -27,11 +27,11 @@ def rivals_of(function: ObjectiveFunction, best: LocalOptimum, scale: float) -> 
     """Rivals of the best design of a problem with one objective."""
     problem, sign = function.problem, function.problem.objectives[0].sign
     if any(part.of_film for part in problem.constraints):
-        report("the best design whatever its film bears")
+        report("the best design whatever its film withstands")
         found = maximise_from(function.whatever_films_bear(), best.point, scale)
         if found.violation <= FEASIBLE and found.score - best.score > AGREEMENT * scale:
             design = problem.free_numbers(found.point)
-            yield Rival("whatever the film bears", sign * found.score, design)
+            yield Rival("whatever the film withstands", sign * found.score, design)
     (passed,) = range_passed(problem, [problem.free_numbers(best.point)])
     if function.is_quick or problem.beyond_range or not passed:
         return

@@ -12,7 +12,7 @@ _UNITS = {
     "un": "µN", "m_s": "m/s",
 }  # fmt: skip
 _GROUPS = {
-    "verdict": "let go",
+    "verdict": "released",
     "verdict.rest": "at rest",
     "verdict.best": "best, the film surviving",
     "best": "peak of lift",
@@ -91,7 +91,7 @@ def _span(band: dict[str, Any] | None, value: float) -> str:
     if band["low"] is None:
         spread = band.get("standard_uncertainty")
         if spread is not None and spread < _ROUNDING * abs(value):
-            spread = 0.0  # of what a limit fixes, such as the temperature that a film bears
+            spread = 0.0  # of what a limit fixes, such as the temperature that a film withstands
         return "–" if spread is None else f"± {spread:.3g}"
     high = "∞" if band["high"] is None else f"{band['high']:.4g}"
     return f"{band['low']:.4g} to {high}"

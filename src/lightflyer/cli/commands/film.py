@@ -257,7 +257,7 @@ def _show(
         console.print(f"at {point['wavelength_um']:.5g} µm: {', '.join(parts)}", soft_wrap=True)
     limit = section.limit()
     if limit is not None:
-        console.print(f"highest temperature that the film bears {limit:g} K")
+        console.print(f"highest temperature that the film withstands {limit:g} K")
     measured = section.measured_values() if summary.film.free_standing else {}
     for name, value in measured.items():
         spread = "" if value.uncertainty is None else f" ± {value.uncertainty:g}"

@@ -23,7 +23,7 @@ class TerminationReason(Reason):
     HIGHEST_ALTITUDE = 2, "reached the highest altitude"
     NO_DATA = 3, "met a place or a time without data"
     STEP_LIMIT = 4, "reached the limit of steps"
-    TOO_HOT = 5, "got hotter than its film bears"
+    TOO_HOT = 5, "got hotter than its film withstands"
     TORN = 6, "tore: a layer's tension passed its strength"
     INTERRUPTED = 7, "was interrupted"
 

@@ -28,7 +28,7 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
     rows |= {"ended": f"{found['ended']}, {end}", "because": f"it {found['end']}"}
     film, warnings = found["film"], found["warnings"]
     if film is not None:
-        rows["film"] = f"at most {film['hottest_k']:.0f} K, and bears {film['bears_k']:.0f} K"
+        rows["film"] = f"at most {film['hottest_k']:.0f} K, and withstands {film['bears_k']:.0f} K"
         warnings = [text for text in warnings if not text.startswith(TOO_HOT)]  # as said there
     rows["aloft"] = f"{found['duration_h']:.2f} h, {found['light_h']:.2f} h in light"
     for name in ("lowest", "highest"):

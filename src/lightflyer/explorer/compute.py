@@ -208,7 +208,7 @@ def _verdict(prediction: Prediction, spreads: Mapping[str, Any]) -> Iterator[Rea
         )
         words = " and ".join(f"{part} {where.shown_unit}" for part in parts) or "nowhere there"
         name = f"verdict.usable_bands{key.removeprefix(where.name)}"
-        bears = f"film survives (bears {verdict.highest_temperature:.0f} K)"
+        bears = f"film survives (withstands {verdict.highest_temperature:.0f} K)"
         yield Reading(name, bears, words, None)
 
 

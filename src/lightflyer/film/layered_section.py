@@ -228,7 +228,7 @@ class LayeredFilmSection(FilmSection):
         return known
 
     def limit(self) -> float | None:
-        """Temperature that the film withstands by the file, else by the first material to melt [K]."""
+        """Limit of the film by the file, else by the first material to melt [K]."""
         if self.highest_temperature is not None:
             return float(self.highest_temperature.value)
         known = (entry for layer in self.layers for entry in layer.entries)

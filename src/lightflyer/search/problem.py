@@ -398,7 +398,7 @@ def _constraints(
 def _limits_of_film(
     highest: Any, design: AbstractDesign, section: OptimiseSection, asked: Sequence[str]
 ) -> Iterator[Constraint]:
-    """What the film withstands, wherever the flyer is judged and the section names no temperature."""
+    """The film's limit, wherever the flyer is judged and the section names no temperature."""
     if highest is None or section.beyond_range:
         return
     judged = {_HEAT} if design.coordinate_name in section.over else set()

@@ -342,7 +342,7 @@ def _heat_averages(
         if None in given:
             raise
         return {_IN_INFRARED: Average(np.zeros(NODES), covered=np.zeros(NODES))}
-    found = {_IN_INFRARED: _transmitted(*zip(shares, given, strict=True))}
+    found: dict[str, Average] = {}
     for side, share, value in zip(_FACES, shares, given, strict=True):
         if value is not None:
             continue
@@ -352,4 +352,4 @@ def _heat_averages(
                 f"emittance of the {side} face is {np.min(mean.value):.1g}: by their data its "
                 f"layers absorb no infrared; give a measured emittance_{side}"
             )
-    return found
+    return found | {_IN_INFRARED: _transmitted(*zip(shares, given, strict=True))}

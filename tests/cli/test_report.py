@@ -83,7 +83,7 @@ def test_the_page_opens_with_what_was_found(run, points, tmp_path):
     opening = whole[whole.index("</h1>") : whole.index("<figure>")]
     assert "thin needs the least light of 2 samples, 1" in opening
     assert whole.index("<figure>") < whole.index("thin needs 0.1 % less light than thick")
-    assert whole.index("<h2>Numbers") < whole.index("read 16 rows") < whole.index("<h2>How it was")
+    assert whole.index("read 16 rows") < whole.index("<h2>Numbers") < whole.index("<h2>How it was")
 
 
 @pytest.mark.slow

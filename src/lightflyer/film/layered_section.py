@@ -4,11 +4,11 @@ import dataclasses
 import re
 from collections.abc import Mapping
 from functools import cache
-from typing import Annotated, Any, ClassVar, TypeAlias
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import pydantic
-from pydantic import Discriminator, Field, Tag, ValidationInfo
+from pydantic import Field, ValidationInfo
 
 from lightflyer.core.checks import is_traced
 from lightflyer.core.errors import ConfigurationError
@@ -34,7 +34,7 @@ from lightflyer.film.optics.spectra import Spectrum, am0, cold_white_led, spectr
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.optics.thickness import neighbouring_films
 from lightflyer.film.properties import FilmProperties
-from lightflyer.film.section import FACES, FilmSection, MeasuredFilmSection, WholeFilm
+from lightflyer.film.section import FACES, FilmSection, WholeFilm
 from lightflyer.numerics.correlation import correlation_matrix
 from lightflyer.structure.laminate import Laminate
 
@@ -377,14 +377,3 @@ def _compute(
         passing=passing,
         points_per_e_fold=COARSE_POINTS_PER_E_FOLD if coarse else POINTS_PER_E_FOLD,
     )
-
-
-AnyFilmSection: TypeAlias = Annotated[
-    Annotated[MeasuredFilmSection, Tag(MeasuredFilmSection.kind)]
-    | Annotated[LayeredFilmSection, Tag(LayeredFilmSection.kind)],
-    Discriminator(FilmSection.tag_of),
-]
-"""Type of a field that is a film: measured, or of layers.
-
-The section of a flyer of several films has it for each of them.
-"""

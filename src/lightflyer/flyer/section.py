@@ -6,8 +6,8 @@ from lightflyer.core.quantity import RADIANS_PER_DEGREE, Azimuth, Mass, Tilt
 from lightflyer.core.units import Measured
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import Alternative
-from lightflyer.film.layered_section import AnyFilmSection
 from lightflyer.film.properties import FilmProperties
+from lightflyer.film.section import FilmSection
 from lightflyer.flyer.base import AbstractFlyer
 
 _FILM = "film"
@@ -49,9 +49,7 @@ class FlyerSection(Alternative):
 
     @classmethod
     def keys_of(cls, described: type) -> dict[str, tuple[Any, Any]]:
-        films = {
-            name: (AnyFilmSection, ...) for name in cls.flyer_type.film_names() if name != _FILM
-        }
+        films = {name: (FilmSection, ...) for name in cls.flyer_type.film_names() if name != _FILM}
         return super().keys_of(described) | films
 
     def build(self, film: FilmProperties | None, incidence: float) -> AbstractFlyer:

@@ -30,7 +30,7 @@ def fit_parts(fit: "Calibration") -> Parts:
                 shown,
                 open_interval_text(*(factor * fit.intervals[row])),
                 total,
-                f"{rounded(factor * fit.total_standard_uncertainties[row])}",
+                rounded(factor * fit.total_standard_uncertainties[row]),
             )
         )
     yield f"{_points(fit)} give {listed(found)}; brackets: total 95 % intervals"
@@ -77,7 +77,7 @@ def posterior_parts(drawn: "Posterior") -> Parts:
         (
             name,
             f"{found['mean']:.4g}",
-            f"{rounded(found['standard_deviation'])}",
+            rounded(found["standard_deviation"]),
             "{:.4g} to {:.4g}".format(*found["interval_95"]),
             f"{found['r_hat']:.3f}",
             f"{found['effective_draws']:.0f}",

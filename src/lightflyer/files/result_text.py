@@ -2,6 +2,7 @@
 
 import io
 import math
+import re
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -14,6 +15,9 @@ NARROW = 80  # Columns of a narrow terminal
 Parts: TypeAlias = "Iterable[str | Table]"
 
 UNBOUNDED = 1000  # Columns in which nothing is wrapped
+
+# A command that is to be copied is one word: pip install 'lightflyer[jax]'.
+_BETWEEN_WORDS = re.compile(r" (?!install |'lightflyer\[)")
 
 
 class PrintedResult:
@@ -83,7 +87,7 @@ def width_of(table: "Table") -> "Measurement":
 
 def wrap(line: str, width: int = NARROW) -> str:
     """A text in lines that break between words; long words, such as paths, begin no line."""
-    first, *words = line.strip().split(" ")
+    first, *words = _BETWEEN_WORDS.split(line.strip())
     lines = [line[: len(line) - len(line.lstrip())] + first]
     for word in words:
         fits = len(lines[-1]) + 1 + len(word) <= width or len(word) > width // 2 >= len(lines[-1])
@@ -103,7 +107,7 @@ def unwrap(text: str, width: int = NARROW) -> list[str]:
     """Lines of a text, with those whole again that :func:`wrap` broke."""
     lines: list[str] = []
     for line in text.splitlines():
-        word = line.partition(" ")[0]
+        word = _BETWEEN_WORDS.split(line, maxsplit=1)[0]
         if word and lines and len(lines[-1].rpartition("\n")[2]) + len(word) >= width:
             lines[-1] += f"\n{line}"
         else:

@@ -35,7 +35,7 @@ def by_scipy(law, begin, times, **how):
 
     def rate(time, state):
         with by_numpy():
-            return law.rate(np.array([[time]]), state[None, None])[0, 0]
+            return law.rate(np.array([[time]]), state[None, None])[0][0, 0]
 
     return solve_ivp(rate, (times[0], times[-1]), begin, t_eval=times, **how).y.T
 

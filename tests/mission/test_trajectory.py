@@ -112,7 +112,7 @@ def test_no_place_is_special_when_sun_and_air_are_turned_as_well(sky, closed_for
     def rate(time, flown):
         with computed():
             found = [
-                law.rate(np.array([[time]]), state[None, None])
+                law.rate(np.array([[time]]), state[None, None])[0]
                 for law, state in zip(laws, flown, strict=True)
             ]
         return np.concatenate(found)[:, 0]

@@ -10,7 +10,7 @@ import enum
 import sys
 from collections import Counter
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -80,7 +80,7 @@ class RootOutcome(Module):
         return self.status == SolverStatus.CONVERGED
 
 
-class BracketSearch(Module):
+class BracketSearch(NamedTuple):
     """Where every element of a bracketed search stands."""
 
     point: Array  # To be looked at next
@@ -137,7 +137,7 @@ class BracketSearch(Module):
         )
 
 
-class _Curve(Module):
+class _Curve(NamedTuple):
     """The last two points of a search, and values there; NaN where there is none."""
 
     points: tuple[Array, Array]  # The later one first

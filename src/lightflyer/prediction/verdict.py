@@ -202,25 +202,29 @@ def _strongest_light(
     # At rest the light is the least that levitates, and the temperature is the one in that light.
     # So from the place of the least light upwards, the table of levitation lists the places of
     # rest in stronger and stronger light; a flyer that survives is followed from where it rests.
-    def at(places: np.ndarray, name: str) -> np.ndarray:
-        return evaluate(places.ravel(), names=(name,))[name].reshape(places.shape)
+    def margin(temperature: np.ndarray) -> np.ndarray:
+        return 1.0 - temperature / highest
 
     def cool(places: np.ndarray) -> np.ndarray:
-        return 1.0 - at(places, "levitation_temperature") / highest
+        found = evaluate(places.ravel(), names=(heat,))[heat]
+        return margin(found.reshape(places.shape))
 
-    grid, light = prediction.coordinates, "levitation_irradiance"
+    grid, light, heat = prediction.coordinates, "levitation_irradiance", "levitation_temperature"
     band = prediction.bands[prediction.widest or 0]
     easiest = band[0] if prediction.easiest is None else prediction.easiest.coordinate
-    places = np.unique([*band, *grid[grid > band[0]], max(band[0], easiest)])
-    places = places[~np.isnan(at(places, light))]  # those solved
-    within = places[places <= band[1]]
-    start = within.size - 1 if survives else int(np.argmin(at(within, light)))
-    places = places[start:]
-    margins = cool(places)
+    added = np.array([*band, max(band[0], easiest)])
+    more = evaluate(added, names=(light, heat))
+    places, order = np.unique([*added, *grid], return_index=True)
+    lights, heats = (np.append(more[name], prediction.table[name])[order] for name in (light, heat))
+    solved = (places >= band[0]) & ~np.isnan(lights)
+    places, lights, heats = places[solved], lights[solved], heats[solved]
+    within = int(np.count_nonzero(places <= band[1]))
+    start = within - 1 if survives else int(np.argmin(lights[:within]))
+    places, margins = places[start:], margin(heats[start:])
     first = int(np.argmin([*(margins >= 0.0), False]))
     if first in (0, places.size):
         return (np.inf if first else 0.0), None
     ends, column = places[[[first], [first - 1]]], places[:, None]
     known = rows_around(column, column, ends), rows_around(margins[:, None], column, ends)
     place = crossing(cool, ends[0], ends[1], known=known)
-    return float(at(place, light)[0]), float(place[0])
+    return float(evaluate(place, names=(light,))[light][0]), float(place[0])

@@ -11,16 +11,14 @@ derivative.
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial, reduce
-from typing import NamedTuple, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from lightflyer.array import tree
 from lightflyer.array.linear import solve_linear
 from lightflyer.array.namespace import Array, call, xp
-from lightflyer.array.records import Module
 from lightflyer.array.transformations import repeat_while, stop_gradient, with_slopes
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE
 from lightflyer.numerics.rootfind import (
@@ -59,13 +57,12 @@ _AT_PEAK = _AT_BRIGHTEST + 2  # of two looks the last
 _IN_BRACKET = _AT_PEAK + 1
 _DONE = _IN_BRACKET + 1
 
-T = TypeVar("T")
 Unknowns: TypeAlias = tuple[Array, ...]
 Balanced: TypeAlias = tuple[Array, Unknowns]
 """Force and unknowns of a heat balance, or their slopes over the light."""
 
 
-class Knot(Module):
+class Knot(NamedTuple):
     """A force in a light."""
 
     light: Array  # [W/m²]
@@ -73,7 +70,7 @@ class Knot(Module):
     slope: Array  # Over the logarithm of the light [N]
 
 
-class LeastLight(Module):
+class LeastLight(NamedTuple):
     """A search for the dimmest light, or its result."""
 
     stage: Array  # What is looked at next
@@ -278,7 +275,7 @@ def _find_step_by_step(
             careful = _force_in(equations, at.light, at.unknowns, at.tolerance)
             found, slopes = _select(lost, careful, (found, slopes))
         settled, tries = settled | lost, np.where(settled | lost, 0, tries + 1)
-        closer = replace(at, unknowns=_select(at.stage == _DONE, at.unknowns, found[1]))
+        closer = at._replace(unknowns=_select(at.stage == _DONE, at.unknowns, found[1]))
         if settled.ndim == 1 and settled.size > _FEW:
             rows = np.flatnonzero(settled)
             if rows.size:
@@ -440,6 +437,10 @@ def _vertex(left: Knot, right: Knot) -> tuple[Array, Array]:
     return left.light * ratio**way, height
 
 
-def _select(condition: Array, first: T, second: T) -> T:
-    chosen: T = tree.map_leaves(lambda a, b: xp.where(condition, a, b), first, second)
-    return chosen
+def _select(condition: Array, first: Any, second: Any) -> Any:
+    """One of two arrays, or tuples of them, in each element."""
+    if not isinstance(first, tuple):
+        return xp.where(condition, first, second)
+    pairs = zip(first, second, strict=True)
+    parts = [_select(condition, one, other) for one, other in pairs]
+    return type(first)(*parts) if hasattr(first, "_fields") else tuple(parts)

@@ -5,7 +5,7 @@ range has the slope of the side that is possible.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -34,6 +34,7 @@ class Derivatives:
     value: Table  # shape (n,)
     # shape (k + 1, n); derivatives in the k inputs and, last, the coordinate
     change: Table
+    _slope_changes: Table = field(default_factory=dict, repr=False)  # those asked for so far
 
     @cached_property
     def covariance(self) -> np.ndarray:
@@ -57,7 +58,9 @@ class Derivatives:
 
     def optimum(self, objective: str, point: int) -> np.ndarray:
         """Gradient of the coordinate of an optimum, shape (k,)."""
-        rows = self._slope_change(objective)[:, point]
+        if objective not in self._slope_changes:
+            self._slope_changes[objective] = self._slope_change(objective)
+        rows = self._slope_changes[objective][:, point]
         return -rows[:-1] / rows[-1]
 
     def _slope_change(self, name: str) -> np.ndarray:

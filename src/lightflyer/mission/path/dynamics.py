@@ -140,25 +140,32 @@ class Balanced:
         local = self.vehicle.surroundings(self.limits.inside(altitude), place, elapsed)
         return altitude, place, local
 
-    def rate(self, elapsed: Any, states: Array) -> Array:
-        """Rates [1/s], shape (members, n, 4)."""
+    def rate(self, elapsed: Any, states: Array) -> tuple[Array, Array]:
+        """Rates [1/s], shape (members, n, 4), and the largest load, shape (members, n)."""
         vehicle, altitude = self.vehicle, states[..., 3] * ALTITUDE_SCALE
         floats = vehicle.setup.flyer.floats
         # a balloon's force a little higher tells how firmly it is held
         higher = _DIFFERENCE * altitude
         heights = np.stack([altitude, altitude + higher]) if floats else altitude
         _, place, local = self._local(elapsed, states, heights)
-        unknowns = vehicle.heat(local).unknowns
+        heat = vehicle.heat(local)
+        unknowns, load = heat.unknowns, self._largest_load(local, heat, heights.shape)
         forces = vehicle.forces(local, unknowns)
         axial, slope = steady_speeds(local, forces, unknowns)
         if floats:
+            load = load[0]
             force = np.broadcast_to(forces.axial, heights.shape)
             axial = np.broadcast_to(axial, heights.shape)[0]
             axial = settle(axial, force[0], (force[0] - force[1]) / higher)
         moving = velocity(local, axial, slope)
         if floats:
             moving = Wind(*(np.broadcast_to(part, heights.shape)[0] for part in moving))
-        return rate_of(moving, place, altitude, vehicle.planet)
+        return rate_of(moving, place, altitude, vehicle.planet), load
+
+    def _largest_load(self, local: Surroundings, heat: Any, shape: tuple[int, ...]) -> Array:
+        if not self.failures:
+            return np.zeros(shape)
+        return np.broadcast_to(loads(self.vehicle, local, heat).max(axis=0), shape)
 
     def loads(self, elapsed: Any, states: Array) -> Array:
         """Loads as :func:`~.failure.loads` has them, shape (members, n, failures)."""
@@ -206,13 +213,15 @@ class Moving(Balanced):
         heat = xp.repeat(warmth[..., None], nodes, axis=-1) / _TEMPERATURE_SCALE
         return xp.concatenate([scale_state(start), moving, heat], axis=-1)
 
-    def rate(self, elapsed: Any, states: Array) -> Array:
-        """Rates [1/s], shape (members, n, components)."""
+    def rate(self, elapsed: Any, states: Array) -> tuple[Array, Array]:
+        """Rates [1/s], shape (members, n, components), and the largest load, (members, n)."""
         altitude, place, local = self.local(elapsed, states)
         vehicle, heating = self.vehicle, []
         if self.inertia is None:
-            unknowns = vehicle.heat(local).unknowns
+            heat = vehicle.heat(local)
+            unknowns, load = heat.unknowns, self._largest_load(local, heat, altitude.shape)
         else:
+            load = self.loads(elapsed, states).max(axis=-1) if self.failures else 0.0 * altitude
             temperatures = xp.moveaxis(states[..., _HEAT], -1, 0) * _TEMPERATURE_SCALE
             unknowns = tuple(temperatures / local.state.temperature - 1.0)
             equations = FlightEquations(local.flyer, local.lit, vehicle.setup.model)
@@ -227,10 +236,8 @@ class Moving(Balanced):
         speeding = speeding - xp.cross(turning, states[..., MOVING] * SPEED_SCALE)  # Coriolis
         moving = rate_of(ground, place, altitude, vehicle.planet)
         warming = [xp.broadcast_to(one, altitude.shape)[..., None] for one in heating]
-        return xp.concatenate(
-            [moving, speeding / SPEED_SCALE, *(one / _TEMPERATURE_SCALE for one in warming)],
-            axis=-1,
-        )
+        warming = [one / _TEMPERATURE_SCALE for one in warming]
+        return xp.concatenate([moving, speeding / SPEED_SCALE, *warming], axis=-1), load
 
     def loads(self, elapsed: Any, states: Array) -> Array:
         """Loads over what is borne [1], shape (members, n, failures)."""
@@ -255,7 +262,7 @@ class Moving(Balanced):
         ground, state = velocity_over_ground(states, place), local.state
         speed = _length(*(one - other for one, other in zip(ground, local.wind, strict=True)))
         speeding = SPEED_SCALE * _length(
-            *xp.moveaxis(self.rate(elapsed, states)[..., MOVING], -1, 0)
+            *xp.moveaxis(self.rate(elapsed, states)[0][..., MOVING], -1, 0)
         )
         found = (
             speed, state.gas.density(state.pressure, state.temperature),

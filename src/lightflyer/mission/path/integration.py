@@ -45,6 +45,7 @@ _FEWEST_STEPS = 2000
 _SECONDS_AN_HOUR = 3600.0
 _EVENT_TOLERANCE = 1e-10  # of altitudes in ALTITUDE_SCALE, and of loads over what is borne
 
+_NEARLY_FAILS = 0.95  # load over what is borne, from which on it is looked at closely
 _SETTLED = 0.5  # of the tolerance: what further steps of Newton's method would change
 _BEFORE = 0.1  # of the last coefficient but one, that the last is where it happens to be small
 _MEANS = 0.3  # of the error of an interval: a change that leaves it what it is
@@ -148,8 +149,8 @@ class Law(Protocol):
         What others change is followed from step to step.
         """
 
-    def rate(self, elapsed: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Rates of scaled states [1/s]; NaN where something is not known."""
+    def rate(self, elapsed: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rates of scaled states [1/s], NaN where something is not known, and the largest load."""
 
     def loads(self, elapsed: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Loads over what is borne [1], shape (members, n, failures)."""
@@ -256,6 +257,7 @@ class _Flights:
             ("slope", float, (*inner, len(range(components)[law.coupled]))), ("known", bool),
             ("moved", float), ("steps", int),  # last change by Newton's method, and its steps
             ("error", float),  # of the polynomial; NaN before it is known
+            ("load", float),  # the largest at the nodes, over what is borne
         ])  # fmt: skip
         self.law, self.accuracy, self.elapsed = law, accuracy, elapsed
         first, self.last = float(elapsed[0]), float(elapsed[-1])
@@ -346,7 +348,7 @@ class _Flights:
         new = active & ~window["known"]
         rows = np.flatnonzero(new.any(axis=1))
         if not rows.size:
-            return times, self.law.rate(*flat).reshape(states.shape)
+            return times, self._note_loads(active, *self.law.rate(*flat)).reshape(states.shape)
         if rows.size > _STILL * members:
             rows = np.arange(members)
         # neighbours of the moments that need slopes, one for each coupled component
@@ -360,17 +362,23 @@ class _Flights:
         beside = beside.reshape(rows.size, -1, components)
         if rows.size == members:
             both = zip(flat, (later, beside), strict=True)
-            found = self.law.rate(*(np.concatenate(pair, axis=1) for pair in both))
+            found, load = self.law.rate(*(np.concatenate(pair, axis=1) for pair in both))
             rate, moved = np.split(found, [flat[0].shape[1]], axis=1)
         else:
-            rate, moved = self.law.rate(*flat), self.law.take(rows).rate(later, beside)
-        rate = rate.reshape(states.shape)
+            (rate, load), (moved, _) = self.law.rate(*flat), self.law.take(rows).rate(later, beside)
+        rate = self._note_loads(active, rate, load).reshape(states.shape)
         slope = (moved.reshape(shape) - rate[at][:, None, :, _SLOPES]) / _STEP
         slope = np.einsum("ns,mcisk->minkc", _collocation().slopes, np.nan_to_num(slope))
         here = new[at]
         at = np.broadcast_to(rows[:, None], here.shape)[here], columns[here]
         self.window["slope"][at], self.window["known"][at] = slope[here], True
         return times, rate
+
+    def _note_loads(self, active: np.ndarray, rate: np.ndarray, load: np.ndarray) -> np.ndarray:
+        """Rates, once the largest load of each interval is noted."""
+        nodes = load[:, : active.shape[1] * NODES].reshape(*active.shape, NODES)
+        self.window["load"][:, : active.shape[1]] = nodes.max(axis=2)
+        return rate
 
     def _leave_unknown(self, times: np.ndarray, rate: np.ndarray) -> None:
         """Leave out intervals in which something is not known."""
@@ -527,11 +535,13 @@ class _Flights:
         law, members, marks = self.law, len(done), 1 + NODES
         limits = law.limits.lowest / ALTITUDE_SCALE, law.limits.highest / ALTITUDE_SCALE
         reasons = [TerminationReason.LOWEST_ALTITUDE, TerminationReason.HIGHEST_ALTITUDE]
-        reasons += law.failures
+        # loads were computed with the rates, before a last step that hardly changed anything
+        may_fail = bool((done & ~(window["load"] < _NEARLY_FAILS)).any())
+        reasons += law.failures if may_fail else ()
 
         def beyond(law: Law, elapsed: np.ndarray, states: np.ndarray) -> list[np.ndarray]:
             found = [limits[0] - states[..., 3], states[..., 3] - limits[1]]
-            if law.failures:
+            if may_fail:
                 found += [*np.moveaxis(law.loads(elapsed, states) - 1.0, -1, 0)]
             return found
 

@@ -36,7 +36,12 @@ from .optics.spectra import Spectrum as Spectrum
 from .optics.spectra import am0 as am0
 from .optics.spectra import cold_white_led as cold_white_led
 from .optics.spectra import planck as planck
+from .optics.spectra import spectral_line as spectral_line
 from .optics.spectra import spectrum_from_csv as spectrum_from_csv
+from .optics.sphere import Mie as Mie
+from .optics.sphere import SphereAbsorption as SphereAbsorption
+from .optics.sphere import mie as mie
+from .optics.sphere import sphere_absorption as sphere_absorption
 from .optics.stack import Film as Film
 from .optics.stack import Layer as Layer
 from .optics.thickness import thickness_uncertainty as thickness_uncertainty

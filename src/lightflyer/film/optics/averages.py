@@ -118,13 +118,18 @@ def light_shares(
     spectrum = am0() if spectrum is None else spectrum
     grid = light_grid(film, spectrum, incidence, diffuse)
     computed = float(grid.weight.sum())
+    covered = np.array([light_coverage(film, spectrum)])
+    return _averages(film, side, grid, np.array([computed]), covered, ())
+
+
+def light_coverage(film: Film, spectrum: Spectrum) -> float:
+    """Share of a light's power at which all of a film's materials have data [1]."""
     data, usable = film.data_range, film.covered_range
     try:
         _, weight = spectrum.between(max(data[0], usable[0]), min(data[1], usable[1]))
-        covered = float(weight.sum())
     except ParameterError:  # no power there
-        covered = 0.0
-    return _averages(film, side, grid, np.array([computed]), np.array([covered]), ())
+        return 0.0
+    return float(weight.sum())
 
 
 def absorptance(

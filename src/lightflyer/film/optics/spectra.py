@@ -27,6 +27,7 @@ LED_PHOSPHOR_PEAK = 0.55
 6550 K."""
 
 _LED_WAVELENGTHS = np.arange(380, 781) * 1e-9
+_LINE_WIDTH = 1e-9  # of a line, over its wavelength
 _SERIES_TERMS = 80
 _SMALL_ARGUMENT = 0.5
 
@@ -131,6 +132,29 @@ def cold_white_led() -> Spectrum:
     phosphor = np.exp(-4.0 * np.log(2.0) * ((wavelength - peak) / width) ** 2)
     shape = (chip + 2.0 * chip**5) / 3.0 + LED_PHOSPHOR_PEAK * phosphor
     return Spectrum("cold-white LED", wavelength, shape, "model, line shape of Ohno (2005)")
+
+
+@reads_units
+def spectral_line(wavelength: Length) -> Spectrum:
+    """Light of one wavelength, as that of a laser.
+
+    Parameters
+    ----------
+    wavelength : float
+        [m].
+
+    Returns
+    -------
+    Spectrum
+
+    Examples
+    --------
+    >>> spectral_line("532 nm").name
+    '532 nm'
+    """
+    require_positive(wavelength=wavelength)
+    ends = wavelength * (1.0 + _LINE_WIDTH * np.array([-0.5, 0.5]))
+    return Spectrum(f"{1e9 * float(wavelength):g} nm", ends, np.ones(2), "one wavelength")
 
 
 def _ohno_half_width() -> float:

@@ -1,0 +1,267 @@
+"""Spheres in light: efficiencies, heat sources, averages."""
+
+import numpy as np
+import pytest
+from scipy.special import spherical_jn, spherical_yn
+
+from lightflyer import ParameterError
+from lightflyer.film import (
+    Graded,
+    am0,
+    material,
+    mie,
+    planck,
+    spectral_line,
+    sphere_absorption,
+    tabulated_material,
+    vacuum,
+)
+
+# from studies/sphere_absorption/fifty_digits.py
+TO_50_DIGITS = [
+    (1.57 - 0.038j, 10.0, 0.95597090260347621467, -0.054413290391591071383),
+    (1.41 - 0.008j, 1.9729, 0.064111582208902340029, -0.0050976129853067974986),
+    (1.5 - 1.0j, 5.0, 1.2614500997566371035, 0.33946784888147189685),
+    (3.0 - 2.0j, 0.01, 0.0074637065896481439741, 0.000044473588574238453009),
+    (1.5 - 1e-9j, 8.0, 4.747234375948176744e-8, -7.7502471480205514778e-9),
+]
+
+
+@pytest.mark.parametrize(("index", "size", "absorption", "asymmetry"), TO_50_DIGITS)
+def test_heat_sources_to_50_digits(index, size, absorption, asymmetry):
+    found = mie(index, size)
+    assert found.absorption == pytest.approx(absorption, rel=1e-12)
+    assert found.source_asymmetry == pytest.approx(asymmetry, rel=1e-11)
+
+
+def test_a_published_asymmetry():
+    """Of the tests of VictoriaMaia/Photophoretic-force, whose sign says which way it drives."""
+    assert abs(mie(1.57 - 0.038j, 10.0).source_asymmetry) == pytest.approx(0.0544132904, abs=1e-10)
+
+
+def test_efficiencies_of_another_program():
+    """Values of miepython 3.3.0, ``efficiencies_mx``: extinction, scattering, back, g."""
+    known = {
+        (1.57 - 0.038j, 10.0): (2.640153922407028, 1.6841830198080157, 0.8813446977171862),
+        (1.41 - 0.008j, 1.9729): (1.1545026671972203, 1.0903910849883276, 0.6576375149808177),
+        (1.5 - 1j, 50.0): (2.1542241104192748, 1.3025519685694544, 0.8503285909404321),
+        (1.5 - 1e-6j, 300.0): (2.0611545324028206, 2.0600609373626835, 0.8273436355994687),
+        (20.0 - 30j, 5.0): (2.192738725045991, 2.0939381922951537, 0.47652811578892623),
+        (1.33 - 0.1j, 200.0): (2.0557296936046106, 1.0954622298701138, 0.9696375982936133),
+    }
+    for (index, size), values in known.items():
+        found = mie(index, size)
+        ours = found.extinction, found.scattering, found.asymmetry
+        np.testing.assert_allclose(ours, values, rtol=1e-9)
+
+
+def test_a_sphere_that_absorbs_is_no_sphere_that_amplifies():
+    """scottprahl/miepython#7: a sign of k that amplifies gave 1.0879, 1.1556 and 0.6533."""
+    for index in (1.41 - 0.008j, 1.41 + 0.008j):
+        found = mie(index, 1.9729)
+        assert found.extinction == pytest.approx(1.1545, abs=5e-5)
+        assert found.scattering == pytest.approx(1.0904, abs=5e-5)
+        assert found.asymmetry == pytest.approx(0.6576, abs=5e-5)
+
+
+def inside(index, size, points):
+    """Absorption efficiency and moment of the sources by an integral over the sphere.
+
+    Its field is summed with SciPy's Bessel functions, and integrated over radius and angle.
+    """
+    m, last = complex(index.real, abs(index.imag)), int(size + 6.0 * size ** (1 / 3) + 8)
+    n = np.arange(last + 1)[:, None]
+    hankel = spherical_jn(n, size) + 1j * spherical_yn(n, size)
+    slope = hankel + size * (
+        spherical_jn(n, size, derivative=True) + 1j * spherical_yn(n, size, derivative=True)
+    )
+    j, dj = spherical_jn(n, m * size), spherical_jn(n, m * size, derivative=True)
+    inner = j + m * size * dj
+    c = 1j / size / (j * slope - hankel * inner)
+    d = 1j * m / size / (m**2 * j * slope - hankel * inner)
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    pi, tau = np.zeros((2, last + 1, points))
+    pi[1], tau[1] = 1.0, nodes
+    for k in range(2, last + 1):
+        pi[k] = ((2 * k - 1) * nodes * pi[k - 1] - k * pi[k - 2]) / (k - 1)
+        tau[k] = k * nodes * pi[k] - (k + 1) * pi[k - 1]
+    r = 0.5 * (nodes + 1.0)
+    z = m * size * r
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = 1j**n * (2 * n + 1) / (n * (n + 1))
+        j, dj = spherical_jn(n, z), spherical_jn(n, z, derivative=True)
+        one, other = scale * c * j, -1j * scale * d * (j / z + dj)
+        radial = -1j * scale * d * n * (n + 1) * j / z
+    one, other, radial = one[1:].T, other[1:].T, radial[1:].T
+    field = (
+        np.abs(one @ pi[1:] + other @ tau[1:]) ** 2
+        + np.abs(one @ tau[1:] + other @ pi[1:]) ** 2
+        + np.abs(radial @ pi[1:]) ** 2 * (1.0 - nodes**2)
+    )
+    strength = 2.0 * m.real * m.imag * size * 0.5 * weights[:, None] * r[:, None] ** 2 * field
+    moment = -0.75 * (strength * r[:, None]) @ (weights * nodes)
+    return (strength @ weights).sum(), moment.sum()
+
+
+@pytest.mark.parametrize(
+    ("index", "size"),
+    [(1.57 - 0.038j, 10.0), (1.95 - 0.79j, 20.0), (1.33 - 1e-5j, 60.0), (2.5 - 0.01j, 3.0)],
+)
+def test_energy_and_moment_by_an_integral_over_the_sphere(index, size):
+    absorption, moment = inside(index, size, points=260)
+    found = mie(index, size)
+    assert found.absorption == pytest.approx(absorption, rel=1e-10)
+    assert found.extinction - found.scattering == pytest.approx(absorption, rel=1e-9)
+    assert found.source_asymmetry == pytest.approx(moment, rel=1e-9)
+
+
+def test_ten_thousand_random_spheres_are_finite(rng):
+    k = np.where(rng.random(10_000) < 0.1, 0.0, 10 ** rng.uniform(-12, 2, 10_000))
+    size = 10 ** rng.uniform(-4, np.log10(300.0), 10_000)
+    found = mie(10 ** rng.uniform(-1.5, 2, 10_000) - 1j * k, size)
+    assert all(np.all(np.isfinite(one)) for one in found)
+    assert np.all(found.absorption >= 0.0)
+    assert np.all(found.scattering > 0.0)
+    # all sources lie within the sphere
+    assert np.all(np.abs(found.source_asymmetry) <= 0.75 * found.absorption)
+    assert np.all(np.abs(found.asymmetry) <= 1.0)
+
+
+def test_both_signs_of_absorption_and_shapes():
+    sizes = np.geomspace(0.1, 100.0, 6).reshape(2, 3)
+    one, other = mie(1.5 - 0.1j, sizes), mie(1.5 + 0.1j, sizes)
+    for name in one._fields:
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    assert mie(1.5 - 0.1j, sizes[1, 2]).absorption == pytest.approx(one.absorption[1, 2], rel=1e-13)
+    np.testing.assert_allclose(one.pressure, one.extinction - one.asymmetry * one.scattering)
+
+
+def test_an_opaque_sphere_that_reflects_nothing_is_heated_on_its_lit_side():
+    """All stays where it falls: J₁ = 1/2, with what diffraction adds at the rim."""
+    errors = [abs(mie(1.0 + 0.02j, size).source_asymmetry - 0.5) for size in (1e3, 8e3)]
+    assert errors[1] < 0.01
+    assert errors[1] < 0.5 * errors[0]
+
+
+def ray_optics(n):
+    """Absorption efficiency and J₁ per kx of a weakly absorbing, large sphere, by rays."""
+    nodes, weights = np.polynomial.legendre.leggauss(2000)
+    incidence, weights = 0.25 * np.pi * (nodes + 1.0), 0.25 * np.pi * weights
+    refraction = np.arcsin(np.sin(incidence) / n)
+    absorption = asymmetry = 0.0
+    for reflectance in (
+        (np.sin(incidence - refraction) / np.sin(incidence + refraction)) ** 2,
+        (np.tan(incidence - refraction) / np.tan(incidence + refraction)) ** 2,
+    ):
+        chord = 0.5 * weights * np.sin(incidence) * np.cos(incidence) * np.cos(refraction)
+        chord *= 1.0 - reflectance
+        for bounce in range(30):
+            place = incidence + 0.5 * np.pi - refraction + bounce * (np.pi - 2.0 * refraction)
+            absorption += 8.0 * np.sum(chord * reflectance**bounce)
+            asymmetry += 6.0 * np.sum(
+                chord * reflectance**bounce * np.sin(refraction) * np.cos(place)
+            )
+    return absorption, asymmetry
+
+
+@pytest.mark.parametrize("n", [1.33, 1.5, 2.0])
+def test_large_weakly_absorbing_spheres_follow_rays_to_their_far_side(n):
+    size, k = np.linspace(970.0, 1030.0, 200), 1e-8
+    found = mie(n - 1j * k, size)
+    mean = np.mean(found.source_asymmetry / (k * size))
+    assert mean < 0.0
+    assert mean == pytest.approx(ray_optics(n)[1], rel=0.03)
+
+
+def test_small_spheres_absorb_as_a_dipole():
+    m, size = 1.95 - 0.79j, 1e-3
+    dipole = 4.0 * size * abs(((m**2 - 1.0) / (m**2 + 2.0)).imag)
+    assert mie(m, size).absorption == pytest.approx(dipole, rel=1e-5)
+
+
+def test_impossible_spheres_are_refused_in_a_line():
+    for index, size, word in (
+        (1.5, 0.0, "size = 0"),
+        (1.5, -1.0, "size = -1"),
+        (1.5, np.nan, "size = nan"),
+        (1.5, 1e7, "size = 1e"),
+        (-1.5, 1.0, "index"),
+        (np.nan, 1.0, "index"),
+    ):
+        with pytest.raises(ParameterError, match=word):
+            mie(index, size)
+
+
+# --- averages ---
+
+
+def grey(n, k):
+    table = np.array([1e-8, 4e-3]), np.array([n, n]), np.array([k, k])
+    return tabulated_material("grey", *table, density=1000.0)
+
+
+def test_means_over_sunlight_and_heat_by_another_integration():
+    found = sphere_absorption(grey(1.8, 0.4), 0.7e-6)
+    sun = am0()
+    spectral = mie(1.8 + 0.4j, 2.0 * np.pi * 0.7e-6 / sun.wavelength)
+    total = np.trapezoid(sun.irradiance, sun.wavelength)
+    for ours, theirs in (
+        (found.absorption_efficiency, spectral.absorption),
+        (found.asymmetry, spectral.source_asymmetry),
+        (found.pressure, spectral.pressure),
+    ):
+        mean = np.trapezoid(theirs * sun.irradiance, sun.wavelength) / total
+        assert ours == pytest.approx(mean, rel=1e-9)
+    wavelength = np.geomspace(3e-7, 3e-3, 5001)
+    heat = mie(1.8 + 0.4j, 2.0 * np.pi * 0.7e-6 / wavelength)
+    for temperature in (150.0, 300.0, 900.0):
+        weight = planck(wavelength, temperature) * wavelength
+        for ours, theirs in (
+            (found.emittance, heat.absorption),
+            (found.infrared_asymmetry, heat.source_asymmetry),
+        ):
+            mean = np.trapezoid(weight * theirs) / np.trapezoid(weight)
+            assert ours(temperature) == pytest.approx(mean, rel=1e-3)
+
+
+def test_a_line_is_one_wavelength():
+    carbon = material("a-C")
+    n, k = carbon.index(532e-9)
+    found = sphere_absorption(carbon, "1 um", spectral_line("532 nm"))
+    alone = mie(n + 1j * k, 2.0 * np.pi * 1e-6 / 532e-9)
+    assert found.absorption_efficiency == pytest.approx(alone.absorption, rel=1e-6)
+    assert found.asymmetry == pytest.approx(alone.source_asymmetry, rel=1e-6)
+
+
+def test_many_radii_are_as_one():
+    radii = np.array([[0.1e-6, 1e-6], [1e-6, 3e-6]])
+    glass = material("SiO2", extrapolation="hold")
+    found = sphere_absorption(glass, radii)
+    alone = sphere_absorption(glass, 1e-6)
+    assert found.asymmetry.shape == found.emittance(300.0).shape == (2, 2)
+    assert found.asymmetry[1, 0] == pytest.approx(alone.asymmetry, rel=1e-12)
+    assert found.infrared_asymmetry(300.0)[0, 1] == pytest.approx(
+        alone.infrared_asymmetry(300.0), rel=1e-9
+    )
+
+
+def test_missing_data_and_what_stands_for_them_are_named():
+    held = sphere_absorption(material("a-C", extrapolation="hold"), 0.5e-6)
+    assert [line.count("hold beyond") for line in held.diagnostics] == [1, 1]
+    assert "92 % of AM0" in held.diagnostics[0]
+    assert "300 K" in held.diagnostics[1]
+    assert sphere_absorption(grey(1.5, 0.1), 1e-6).diagnostics == ()
+
+
+def test_spheres_that_cannot_be_computed_are_refused_in_a_line():
+    carbon = material("a-C", extrapolation="hold")
+    for medium, radius, light, word in (
+        (carbon, -1e-6, None, "radius = -1e-06"),
+        (carbon, "1 kg", None, "kg"),
+        (carbon, 1.0, None, "too large for the theory of Mie"),
+        (material("a-C"), 1e-6, spectral_line(10e-6), "no power"),
+        (Graded((carbon, vacuum()), [0.9], [0.1]), 1e-6, None, "uniform"),
+    ):
+        with pytest.raises(ParameterError, match=word) as error:
+            sphere_absorption(medium, radius, light)
+        assert "\n" not in str(error.value)

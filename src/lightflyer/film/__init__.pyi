@@ -23,6 +23,8 @@ from .media.medium import Medium as Medium
 from .media.mixture import Graded as Graded
 from .media.mixture import Mixture as Mixture
 from .media.mixture import porous as porous
+from .optics.absorbed_powers import AbsorbedPowers as AbsorbedPowers
+from .optics.absorbed_powers import read_absorbed_powers as read_absorbed_powers
 from .optics.angles import DirectionalShares as DirectionalShares
 from .optics.angles import light_by_angle as light_by_angle
 from .optics.averages import Average as Average

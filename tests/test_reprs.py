@@ -62,7 +62,9 @@ def test_large_records_are_told_by_their_ends(rng):
     assert len(repr(light)) < 4 * LONGEST
 
 
-@pytest.mark.parametrize("kind", ["earth", "layers", "sandwich", "balloon", "hollow", "plate"])
+@pytest.mark.parametrize(
+    "kind", ["earth", "layers", "sandwich", "balloon", "hollow", "plate", "particle"]
+)
 def test_flyer_files_and_what_they_describe(kind, tmp_path):
     path = tmp_path / "flyer.toml"
     with pytest.raises(SystemExit, match="0"):

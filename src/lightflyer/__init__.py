@@ -9,10 +9,10 @@ A flyer, an environment and a force model make a prediction::
     print(lf.predict(disk, lf.Earth(), lf.Kinetic()))
 
 ==============  ================================================================
-flyers          Disk, Sandwich, Plate, HollowBody, Balloon
+flyers          Disk, Sandwich, Plate, HollowBody, Balloon, Sphere
 environments    Earth, Mars, Chamber
 force models    Kinetic, Lu2023, FreeMolecular, Schafer2025, Celenza2023,
-                ChannelPump, HollowPump, BalloonConvection
+                ChannelPump, HollowPump, BalloonConvection, Rohatschek1995
 one point       lift, equilibrium, levitate, payload
 one flyer       predict, levitation_band, propagate, calibrate, fly
 many            sweep, optimise, pareto, sensitivity, compare

@@ -48,6 +48,7 @@ from .flyer import Disk as Disk
 from .flyer import HollowBody as HollowBody
 from .flyer import Plate as Plate
 from .flyer import Sandwich as Sandwich
+from .flyer import Sphere as Sphere
 from .force import AbstractForceModel as AbstractForceModel
 from .force import BalloonConvection as BalloonConvection
 from .force import Celenza2023 as Celenza2023
@@ -56,6 +57,7 @@ from .force import FreeMolecular as FreeMolecular
 from .force import HollowPump as HollowPump
 from .force import Kinetic as Kinetic
 from .force import Lu2023 as Lu2023
+from .force import Rohatschek1995 as Rohatschek1995
 from .force import Schafer2025 as Schafer2025
 from .mission import Release as Release
 from .mission import fly as fly

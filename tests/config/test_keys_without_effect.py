@@ -12,7 +12,7 @@ from lightflyer.design.diagnostics import diagnose_at
 from lightflyer.design.tables import predicted_names, table_of
 from lightflyer.files.section import Section
 
-KINDS = ("earth", "chamber", "mars", "sandwich", "plate", "balloon", "hollow")
+KINDS = ("earth", "chamber", "mars", "sandwich", "plate", "balloon", "hollow", "particle")
 BY_UNIT = {
     "m": "3 mm", "K": "350 K", "Pa": "50 Pa", "W/m^2": "70 W/m^2", "deg": "20 deg", "kg": "3 kg",
     "": 0.04, "kg/m^2": "2 g/m^2", "kg/m^3": "2 g/cm^3", "N/m": "100 N/m", "hour": "14 h",

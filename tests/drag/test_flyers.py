@@ -13,7 +13,7 @@ from lightflyer.drag.convex import sphere_outline
 from lightflyer.flyer.hollow_geometry import FORMS
 from lightflyer.flyer.hollow_outline import hollow_outline
 
-KINDS = ("earth", "sandwich", "plate", "hollow", "balloon")
+KINDS = ("earth", "sandwich", "plate", "hollow", "balloon", "particle")
 
 
 def flyer_of(kind):

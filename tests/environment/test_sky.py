@@ -235,7 +235,7 @@ def test_derivatives_of_the_sky_forwards_and_backwards():
         np.testing.assert_allclose(forwards[:, column], change, rtol=1e-4, atol=1e-9)
 
 
-TEMPLATES = ("earth", "sandwich", "plate", "hollow", "balloon")
+TEMPLATES = ("earth", "sandwich", "plate", "hollow", "balloon", "particle")
 
 
 @pytest.mark.parametrize("kind", TEMPLATES)

@@ -22,6 +22,7 @@ KINDS = (
     "layers",
     "ligaments",
     "mars",
+    "particle",
     "plate",
     "sandwich",
 )

@@ -73,9 +73,11 @@ class FlyerFile(Section):
         if self.flyer.needs_film and self.film is None:
             raise ConfigurationError("the section [film] is missing")
         if not self.flyer.needs_film and self.film is not None:
+            own = "holds its films in sections of its own"
+            if not self.flyer.flyer_type.film_names():
+                own = "has none"
             raise ConfigurationError(
-                f'[film] does not belong to shape = "{self.flyer.tag()}", which holds its films '
-                "in sections of its own"
+                f'[film] does not belong to shape = "{self.flyer.tag()}", which {own}'
             )
         try:
             self.force.model_type.require_flyer(self.flyer.flyer_type)

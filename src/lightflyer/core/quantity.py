@@ -240,6 +240,11 @@ Radius = Annotated[
     Quantity("m", 0.0, usual="cm", open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN,
              likely=(5e-6, 20.0), known="narrower films are thicker than wide, wider ones tear"),
 ]  # fmt: skip
+ParticleRadius = Annotated[
+    Numeric,
+    Quantity("m", 0.0, usual="um", open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN,
+             likely=(1e-8, 0.05), known="smaller particles are molecules, no light lifts larger"),
+]  # fmt: skip
 Thickness = Annotated[
     Numeric,
     Quantity("m", 0.0, usual="nm", open_below=True, sizes=(1e-10, 1e-2),
@@ -361,6 +366,7 @@ OscillatorStrength = Annotated[Numeric, Quantity("", 0.0)]
 Permittivity = Annotated[Numeric, Quantity("", 0.0, sizes=(0.0, 1e4), why="no medium has more")]
 Fraction = Annotated[Numeric, Quantity("", 0.0, 1.0)]
 Multiple = Annotated[Numeric, Quantity("", 0.0, 10.0)]
+Asymmetry = Annotated[Numeric, Quantity("", -7.5, 7.5)]
 OpenFraction = Annotated[Numeric, Quantity("", 0.0, HIGHEST_OPEN_FRACTION)]
 Emittance = Annotated[
     Numeric, Quantity("", 0.0, 1.0, open_below=True,

@@ -92,8 +92,9 @@ class _Unit(NamedTuple):
 
 _PREFIXES = {
     "tera": 12, "giga": 9, "mega": 6, "kilo": 3, "hecto": 2, "deci": -1, "centi": -2, "milli": -3,
-    "micro": -6, "nano": -9, "T": 12, "G": 9, "M": 6, "k": 3, "h": 2, "d": -1, "c": -2, "m": -3,
-    "µ": -6, "μ": -6, "u": -6, "n": -9,
+    "micro": -6, "nano": -9, "pico": -12, "femto": -15, "T": 12, "G": 9, "M": 6,
+    "k": 3, "h": 2, "d": -1, "c": -2, "m": -3, "µ": -6, "μ": -6, "u": -6, "n": -9, "p": -12,
+    "f": -15,
 }  # fmt: skip
 _BASES = ("metre meter m", "gram g", "second s", "kelvin K", "ampere A", "radian rad", "bit")
 _PURE = _Unit(1.0, 0, (0,) * len(_BASES))

@@ -151,6 +151,14 @@ class OperatingPoint:
         return speed
 
     @cached_property
+    def climb_speed(self) -> Any:
+        """Speed upwards at which drag balances lift and weight in the available light [m/s]."""
+        unknowns, flyer, state = self.balance.unknowns, self.flyer, self.state
+        force = xp.asarray(self.lift - self.weight)
+        speed, _ = steady_speed(lambda speed: flyer.drag(state, unknowns, speed), force)
+        return speed
+
+    @cached_property
     def payload(self) -> Any:
         """Largest payload in the available light [kg]."""
         return self.equations.largest_payload(self.lift)

@@ -17,11 +17,14 @@ from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
 from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.sphere import Sphere
 from lightflyer.force.base import AbstractForceModel, ModelResult
 
 # units for larger values, by the one that is shown otherwise
 _LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
-_MANY = 1e4  # digits before the point, as a number, from which a larger unit is shown
+_SMALLER = {"mg": ("fg", "pg", "ng"), "µN": ("fN", "pN", "nN")}  # for what is far below
+_MANY, _FEW = 1e4, 1e-4  # numbers from which on a larger, and below which a smaller one is shown
+_FEWER = 1e3  # number from which on the larger one of the smaller ones is
 
 
 def _always(_: AbstractFlyer) -> bool:
@@ -32,6 +35,10 @@ def _is_buoyant(flyer: AbstractFlyer) -> bool:
     kind = type(flyer)
     own = AbstractFlyer.displaced_volume, AbstractFlyer.buoyancy
     return (kind.displaced_volume, kind.buoyancy) != own
+
+
+def _is_particle(flyer: AbstractFlyer) -> bool:
+    return isinstance(flyer, Sphere)
 
 
 def _has_film(flyer: AbstractFlyer) -> bool:
@@ -70,9 +77,11 @@ class Output(ShortRepr):
         """Factor and unit that suit some values; returns ``factor``, ``unit``."""
         size = np.abs(np.asarray(values, float))
         largest = float(np.max(size, where=np.isfinite(size), initial=0.0))
-        units = _LARGER.get(self.shown_unit, (self.shown_unit,))
+        units, most = _LARGER.get(self.shown_unit, (self.shown_unit,)), _MANY
+        if 0.0 < largest * self.shown[0] < _FEW and self.shown_unit in _SMALLER:
+            units, most = _SMALLER[self.shown_unit], _FEWER
         factors = [_factor(self.unit, unit) for unit in units]
-        suitable = (index for index, factor in enumerate(factors) if largest * factor < _MANY)
+        suitable = (index for index, factor in enumerate(factors) if largest * factor < most)
         index = next(suitable, len(units) - 1)
         return factors[index], units[index] or self.unit
 
@@ -170,6 +179,14 @@ _POINT = (
         lambda case: case.buoyancy,
         shown_unit="µN",
         exists=_is_buoyant,
+    ),
+    Output(
+        "climb_speed",
+        "m/s",
+        "steady speed upwards in the available light, in still air",
+        lambda case: case.climb_speed,
+        shown_unit="mm/s",
+        exists=_is_particle,
     ),
 )
 

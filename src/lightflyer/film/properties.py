@@ -23,6 +23,7 @@ from lightflyer.film.optics.curve import (
     EmittanceCurve,
     black_growth,
     coefficients_of,
+    emission_growth,
     emittance_at,
     emittance_bounds,
 )
@@ -160,13 +161,11 @@ class FilmProperties(Checked):
 
     def emission_growths(self, temperature: Numeric, excess: Numeric) -> tuple[Numeric, Numeric]:
         """Growth of each face's emission with temperature, as :meth:`emission_growth` [1]."""
-        top, bottom = (
-            face.growth(temperature, excess)
-            if isinstance(face, EmittanceCurve)
-            else face * black_growth(excess)
-            for face in (self.emittance_top, self.emittance_bottom)
+        top, bottom = self.emittance_top, self.emittance_bottom
+        return (
+            emission_growth(top, temperature, excess),
+            emission_growth(bottom, temperature, excess),
         )
-        return top, bottom
 
     def emission_bound(self, temperature: Numeric, power: Numeric) -> Numeric:
         r"""Bound of :math:`(1+\theta)^4-1` in radiative equilibrium [1]."""

@@ -10,3 +10,5 @@ from .plate import PlateSection as PlateSection
 from .sandwich import Sandwich as Sandwich
 from .sandwich import SandwichSection as SandwichSection
 from .section import FlyerSection as FlyerSection
+from .sphere import Sphere as Sphere
+from .sphere import SphereSection as SphereSection

@@ -138,9 +138,8 @@ class Balloon(AbstractClosedFlyer):
         """Mass of the film [kg]; that of the gas within is part of the buoyancy."""
         return self.film_area * self.film.areal_density
 
-    @property
-    def outer_film(self) -> tuple[FilmProperties, int]:
-        return self.film, 0
+    def outer_wall(self, unknowns: tuple[Array, ...]) -> tuple[Numeric, Numeric]:
+        return self.film.tac_top, unknowns[0]
 
     def outline(self, direction: Direction) -> Outline:
         del direction

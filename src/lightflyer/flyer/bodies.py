@@ -108,10 +108,9 @@ class AbstractThinFlyer(AbstractFlyer):
 class AbstractClosedFlyer(AbstractFlyer):
     """A closed convex body, whose drag is that of its outline."""
 
-    @property
     @abc.abstractmethod
-    def outer_film(self) -> tuple[FilmProperties, int]:
-        """Film whose top face the gas around meets, and its place among the nodes."""
+    def outer_wall(self, unknowns: tuple[Array, ...]) -> tuple[Numeric, Numeric]:
+        """TAC of what the gas around meets, and its excess [1]."""
 
     @abc.abstractmethod
     def outline(self, direction: Direction) -> Outline:
@@ -125,9 +124,8 @@ class AbstractClosedFlyer(AbstractFlyer):
         direction: Direction = "broadside",
     ) -> Array:
         """Drag of a closed body of this shape [N]."""
-        film, node = self.outer_film
         gas = (state.pressure, state.temperature, state.gas)
-        return convex_drag(speed, self.outline(direction), *gas, film.tac_top, unknowns[node])
+        return convex_drag(speed, self.outline(direction), *gas, *self.outer_wall(unknowns))
 
     def drag_diagnostics(
         self,

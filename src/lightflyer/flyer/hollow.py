@@ -305,9 +305,8 @@ class HollowBody(AbstractClosedFlyer):
             *(() if self.form == "sphere" else (f"drag of a {self.form} is an estimate",)),
         )
 
-    @property
-    def outer_film(self) -> tuple[FilmProperties, int]:
-        return self.outer, 1
+    def outer_wall(self, unknowns: tuple[Array, ...]) -> tuple[Numeric, Numeric]:
+        return self.outer.tac_top, unknowns[1]
 
     def outline(self, direction: Direction) -> Outline:
         return hollow_outline(self.form, self.size, self.outlet_radius, direction)

@@ -40,7 +40,8 @@ class FlyerSection(Alternative):
     def __init_subclass__(cls, of: type[AbstractFlyer] | None = None, **options: Any) -> None:
         if of is not None:
             cls.flyer_type = of
-            cls.needs_film = _FILM in of.film_names() or not of.film_names()
+            if "needs_film" not in vars(cls):
+                cls.needs_film = _FILM in of.film_names() or not of.film_names()
         super().__init_subclass__(of=of, **options)
 
     def idle(self) -> dict[str, str]:

@@ -55,6 +55,7 @@ AT_A_POINT = (
     "lift",
     "lift_over_weight",
     "buoyancy",
+    "climb_speed",
 )
 """Outputs reported at each coordinate asked for, besides those of the flyer's nodes, of the force
 model and of a payload's budget."""

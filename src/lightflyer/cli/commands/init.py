@@ -105,9 +105,9 @@ def init(
         mars (the disk over Mars), layers (a film given by its layers), sandwich (two perforated
         membranes over Earth), ligaments (the same on posts, which may sag and tear), plate
         (nanocardboard in the chamber), balloon (a solar balloon over Earth), hollow (a sphere that
-        pumps gas, over Earth). A mission: mission. Studies: sweep, optimise, optimise-film,
-        optimise-structure, sensitivity. Measurements: points (of levitation, to calibrate with);
-        "lightflyer lab example" writes those of the lab bench.
+        pumps gas, over Earth), particle (soot over Earth). A mission: mission. Studies: sweep,
+        optimise, optimise-film, optimise-structure, sensitivity. Measurements: points (of
+        levitation, to calibrate with); "lightflyer lab example" writes those of the lab bench.
     model
         Force model of a flyer file, in place of its own: lu2023 (the paper's fit), kinetic,
         free-molecular or another that is for the flyer.

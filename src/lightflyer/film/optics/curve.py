@@ -122,6 +122,13 @@ def emittance_at(emittance: Numeric, temperature: Numeric) -> Numeric:
     return emittance(temperature) if isinstance(emittance, EmittanceCurve) else emittance
 
 
+def emission_growth(emittance: Numeric, temperature: Numeric, excess: Numeric) -> Numeric:
+    """Growth of a face's emission with its temperature, over that of a black face [1]."""
+    if isinstance(emittance, EmittanceCurve):
+        return emittance.growth(temperature, excess)
+    return emittance * black_growth(excess)
+
+
 def coefficients_of(emittance: Numeric) -> Numeric:
     """Coefficients of a curve, or of the curve that a constant is, shape (..., NODES) [1]."""
     if isinstance(emittance, EmittanceCurve):

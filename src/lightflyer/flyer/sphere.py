@@ -1,0 +1,302 @@
+"""A sphere: a particle that light warms on one side, or whose halves accommodate unlike."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import field
+from lightflyer.core import constants
+from lightflyer.core.errors import ParameterError
+from lightflyer.core.quantity import (
+    AccommodationCoefficient,
+    Asymmetry,
+    Conductivity,
+    Density,
+    Distance,
+    Emittance,
+    Mass,
+    Multiple,
+    ParticleRadius,
+    Temperature,
+)
+from lightflyer.drag.convex import Outline, sphere_outline
+from lightflyer.drag.disk import Direction
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.environment.radiation import Attitude
+from lightflyer.files.section import DIAMETER, Spelling
+from lightflyer.film.optics.curve import emission_growth, emittance_at, emittance_bounds
+from lightflyer.film.properties import excess_of_growth
+from lightflyer.flyer.bodies import AbstractClosedFlyer
+from lightflyer.flyer.section import FlyerSection
+
+Upright = Literal["nothing", "gravity", "dipole"]
+"""What keeps the lower half of a sphere below."""
+
+_OPAQUE = 0.5  # Asymmetry factor of a sphere that absorbs all at its surface, over its efficiency
+_MOST = 0.75  # The same of one that absorbs all in a point of its surface
+_NO_TILT = "its lower half is below, or anywhere"
+_MICROMETRE, _MILLIMETRE = 1e-6, 1e-3
+_FEW = 1e-2  # energy over k T below which Langevin's function is summed as a series
+
+
+def _contradiction(
+    radius: Numeric,
+    absorption_efficiency: Numeric,
+    asymmetry: Numeric | None,
+    emittance: Numeric,
+    infrared_asymmetry: Numeric | None,
+    density: Numeric | None,
+    body_mass: Numeric | None,
+    upright: Upright,
+    mass_offset: Numeric | None,
+) -> str | None:
+    """How numbers contradict each other, or None."""
+    if (density is None) == (body_mass is None):
+        return "a sphere needs either its density or its mass"
+    for name, factor, share in (
+        ("asymmetry", asymmetry, absorption_efficiency),
+        ("infrared_asymmetry", infrared_asymmetry, emittance),
+    ):
+        if factor is not None and np.any(np.abs(factor) > _MOST * np.asarray(share)):
+            whole = "emittance" if share is emittance else "absorption_efficiency"
+            return f"{name} is at most 3/4 of {whole}: no heat is released outside of the sphere"
+    if mass_offset is not None and upright != "gravity":
+        return 'mass_offset, by which gravity turns a sphere, needs upright = "gravity"'
+    if mass_offset is not None and np.any(np.asarray(mass_offset) >= radius):
+        return "mass_offset must be less than the radius"
+    return None
+
+
+class Sphere(AbstractClosedFlyer):
+    r"""A solid sphere in light from anywhere.
+
+    Its surface is as warm as :math:`\bar T + A\cos\vartheta`, with the angle from the vertical:
+    higher harmonics push no sphere. The two unknowns are the temperatures of its poles,
+    :math:`\bar T\pm A`. With the asymmetry factor :math:`J_1` of its source of heat
+
+    .. math::
+        J_1 = \frac3{4\pi a^3 I}\int q\,z\,dV, \qquad A = \frac{J_1\,I_z\,a}{k_p + h\,a}
+
+    where z points to the light, :math:`I_z` is the net irradiance of a level face from above, and
+    h is what gas and radiation take of the first harmonic, per area and kelvin.
+
+    Attributes
+    ----------
+    radius : array
+        [m].
+    absorption_efficiency : array
+        Light that it absorbs, over that which falls on its cross section [1].
+    emittance : array or EmittanceCurve
+        Heat radiation that it emits, over that of a black sphere [1]; a curve makes it a function
+        of its temperature.
+    conductivity : array
+        Thermal conductivity :math:`k_p` [W/(m K)].
+    tac_top : array
+        Thermal accommodation coefficient (TAC) of its upper half [1].
+    tac_bottom : array or None
+        TAC of its lower half [1]; by default as above.
+    density : array or None
+        [kg/m³]. Either this or its mass is given.
+    body_mass : array or None
+        Mass without payload [kg].
+    asymmetry : array or None
+        Asymmetry factor for light [1]: positive where the lit side is warmer, negative where the
+        sphere focuses light on its far side. By default that of an opaque sphere, half of the
+        absorption efficiency.
+    infrared_asymmetry : array or None
+        The same for heat radiation; by default half of the emittance.
+    upright : {"nothing", "gravity", "dipole"}
+        What keeps its lower half below. With nothing it tumbles, and the force of unlike halves
+        averages to zero; the force of the temperature difference follows the light.
+    mass_offset : array or None
+        How far below the sphere's centre its centre of mass is [m]. Gravity then holds it as well
+        as molecules let it; None stands for a firm hold.
+    payload : array
+        Mass carried beside its own [kg].
+    attitude : None
+        A sphere has none.
+    highest_temperature : array or None
+        Temperature that it withstands [K]; None where it is not known.
+
+    Raises
+    ------
+    ParameterError
+        If a concrete number is impossible, or does not fit the others.
+
+    References
+    ----------
+    [Rohatschek1995]_
+
+    Examples
+    --------
+    >>> soot = Sphere(0.5e-6, 1.0, 0.3, 0.2, 0.9, density=1800.0)
+    >>> print(f"{soot.describe()}, {soot.own_mass * 1e15:.3f} pg")
+    sphere of 1 µm, 0.942 pg
+    """
+
+    nodes: ClassVar[tuple[str, ...]] = ("top", "bottom")
+    lifted_by: ClassVar[str] = "gas that leaves one side with more energy than the other"
+    drag_law: ClassVar[str] = "of a sphere by Cunningham's law, with inertia"
+    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
+
+    radius: ParticleRadius
+    absorption_efficiency: Multiple
+    emittance: Emittance
+    conductivity: Conductivity
+    tac_top: AccommodationCoefficient
+    tac_bottom: AccommodationCoefficient | None = None
+    density: Density | None = None
+    body_mass: Mass | None = None
+    asymmetry: Asymmetry | None = None
+    infrared_asymmetry: Asymmetry | None = None
+    upright: Upright = field(static=True, default="nothing")
+    mass_offset: Distance | None = None
+    payload: Mass = 0.0
+    attitude: Attitude | None = None
+    highest_temperature: Temperature | None = None
+
+    def __check_init__(self) -> None:
+        if self.attitude is not None:
+            raise ParameterError(f"a sphere has no attitude: {_NO_TILT}")
+
+    @property
+    def area(self) -> Numeric:
+        return np.pi * self.radius**2
+
+    @property
+    def surface(self) -> Numeric:
+        """Area of the whole sphere [m²]."""
+        return 4.0 * np.pi * self.radius**2
+
+    @property
+    def displaced_volume(self) -> Numeric:
+        return self.surface * self.radius / 3.0
+
+    @property
+    def own_mass(self) -> Numeric:
+        if self.body_mass is not None:
+            return self.body_mass
+        return self.density * self.displaced_volume
+
+    @property
+    def tacs(self) -> tuple[Numeric, Numeric]:
+        """TAC of the upper and the lower half [1]."""
+        return self.tac_top, self.tac_top if self.tac_bottom is None else self.tac_bottom
+
+    @property
+    def tac_mean(self) -> Numeric:
+        """Mean TAC of the halves [1]."""
+        top, bottom = self.tacs
+        return 0.5 * (top + bottom)
+
+    def alignment(self, state: EnvironmentState) -> Numeric:
+        r"""Mean cosine of the angle between its axis and the vertical [1]."""
+        # Langevin's function of the energy that turns it against that of molecules,
+        # .. math:: \coth x - \frac1x, \qquad x = \frac{m\,g\,s}{k_B T}
+        if self.upright == "nothing":
+            return 0.0
+        if self.mass_offset is None:
+            return 1.0
+        turning = self.own_mass * state.gravity * self.mass_offset
+        ratio = xp.asarray(turning / (constants.BOLTZMANN * state.temperature))
+        small = ratio < _FEW
+        few, much = xp.where(small, ratio, 0.0), xp.where(small, 1.0, ratio)
+        series = few * (1.0 / 3.0 - few**2 * (1.0 / 45.0 - few**2 * 2.0 / 945.0))
+        return xp.where(small, series, 1.0 / xp.tanh(much) - 1.0 / much)
+
+    def outer_wall(self, unknowns: tuple[Array, ...]) -> tuple[Numeric, Numeric]:
+        return self.tac_mean, 0.5 * (unknowns[0] + unknowns[1])
+
+    def outline(self, direction: Direction) -> Outline:
+        del direction
+        return sphere_outline(self.radius)
+
+    def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
+        level = state.radiation.on_faces()
+        return self._by_halves(
+            self.absorption_efficiency,
+            self.asymmetry,
+            state.radiation.on_sphere().beam,
+            level.beam_top - level.beam_bottom,
+        )
+
+    def heat_gains(self, state: EnvironmentState) -> tuple[Array, ...]:
+        radiation, temperature = state.radiation, state.temperature
+        level = radiation.on_faces()
+        light = self._by_halves(
+            self.absorption_efficiency,
+            self.asymmetry,
+            radiation.on_sphere().diffuse,
+            level.diffuse_top - level.diffuse_bottom,
+        )
+        above, below = radiation.infrared_excess(temperature)
+        infrared = self._by_halves(
+            emittance_at(self.emittance, temperature),
+            self.infrared_asymmetry,
+            radiation.infrared_excess_on_sphere(temperature),
+            above - below,
+        )
+        return light[0] + infrared[0], light[1] + infrared[1]
+
+    def _by_halves(
+        self, share: Numeric, asymmetry: Numeric | None, mean: Numeric, net: Numeric
+    ) -> tuple[Array, Array]:
+        """Power of the upper and the lower half, whose harmonics are those of a source [W].
+
+        ``mean``: irradiance over the sphere; ``net``: of a level face from above less from below.
+        """
+        # over a half, cos is a quarter of the sphere
+        factor = _OPAQUE * share if asymmetry is None else asymmetry
+        whole, uneven = self.surface * share * mean, self.area * factor * net
+        return 0.5 * whole + uneven, 0.5 * whole - uneven
+
+    def heat_losses(self, state: EnvironmentState, unknowns: tuple[Array, ...]) -> tuple[Any, ...]:
+        # Radiation of both harmonics, the first one to first order, and what the warmer half
+        # conducts to the other.
+        top, bottom = unknowns
+        mean, side = 0.5 * (top + bottom), 0.5 * (top - bottom)
+        black = state.radiation.stefan_boltzmann * state.temperature**4
+        emitted = self.surface * black * emission_growth(self.emittance, state.temperature, mean)
+        emittance = emittance_at(self.emittance, state.temperature * (1.0 + mean))
+        steepness = self.area * black * 4.0 * emittance * (1.0 + mean) ** 3
+        conducted = np.pi * self.radius * self.conductivity * state.temperature
+        uneven = (steepness + conducted) * side
+        return 0.5 * emitted + uneven, 0.5 * emitted - uneven
+
+    def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
+        """Excess in vacuum, of the whole sphere [1]."""
+        black = self.surface * state.radiation.stefan_boltzmann * state.temperature**4
+        lowest, highest = emittance_bounds(self.emittance)
+        limit = xp.where(power > 0.0, lowest, highest)
+        growth = power / black + (emittance_at(self.emittance, state.temperature) - limit)
+        return xp.abs(excess_of_growth(growth / limit))
+
+    def describe(self) -> str:
+        diameter = 2.0 * float(np.asarray(self.radius))
+        small = diameter < _MILLIMETRE
+        size = f"{diameter / (_MICROMETRE if small else _MILLIMETRE):g}"
+        return f"sphere of {size} {'µm' if small else 'mm'}"
+
+
+class SphereSection(FlyerSection, of=Sphere):
+    """``[flyer]``: a sphere, which has no section of a film."""
+
+    needs_film: ClassVar[bool] = False
+    default_model: ClassVar[str] = "rohatschek1995"
+    not_varied: ClassVar[Mapping[str, str]] = {
+        "highest_temperature": "is a limit and not a property",
+    }
+    spelled: ClassVar[Mapping[str, Spelling]] = {
+        "radius": DIAMETER,
+        "body_mass": Spelling("mass"),
+    }
+    first_keys: ClassVar[tuple[str, ...]] = ("shape", "diameter", "density", "mass")
+
+    shape: Literal["sphere"]
+
+    def idle(self) -> dict[str, str]:
+        """A sphere has no attitude."""
+        turned = [key for key in ("tilt", "azimuth") if getattr(self, key).value != 0.0]
+        return dict.fromkeys(turned, f"on a sphere: {_NO_TILT}")

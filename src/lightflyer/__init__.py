@@ -12,7 +12,8 @@ A flyer, an environment and a force model make a prediction::
 flyers          Disk, Sandwich, Plate, HollowBody, Balloon, Sphere
 environments    Earth, Mars, Chamber
 force models    Kinetic, Lu2023, FreeMolecular, Schafer2025, Celenza2023,
-                ChannelPump, HollowPump, BalloonConvection, Rohatschek1995
+                ChannelPump, HollowPump, BalloonConvection,
+                KineticSphere, Rohatschek1995
 one point       lift, equilibrium, levitate, payload
 one flyer       predict, levitation_band, propagate, calibrate, fly
 many            sweep, optimise, pareto, sensitivity, compare

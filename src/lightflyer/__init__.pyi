@@ -56,6 +56,7 @@ from .force import ChannelPump as ChannelPump
 from .force import FreeMolecular as FreeMolecular
 from .force import HollowPump as HollowPump
 from .force import Kinetic as Kinetic
+from .force import KineticSphere as KineticSphere
 from .force import Lu2023 as Lu2023
 from .force import Rohatschek1995 as Rohatschek1995
 from .force import Schafer2025 as Schafer2025

@@ -1,5 +1,8 @@
 """Forces on spheres, and the heat that gas takes from them."""
 
+import json
+from pathlib import Path
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,9 +13,12 @@ from lightflyer.array import tree
 from lightflyer.force import spheres
 
 GAS = lf.gas.AIR
+STUDY = Path(__file__).parents[2] / "studies" / "sphere_force" / "results.json"
+SOLVED = json.loads(STUDY.read_text(encoding="utf-8"))
 SIGMA = 5.670374419e-8
 ROHATSCHEK, FREE = lf.Rohatschek1995(), lf.force.FreeMolecularSphere()
-MODELS = (ROHATSCHEK, FREE)
+KINETIC = lf.KineticSphere()
+MODELS = (ROHATSCHEK, KINETIC, FREE)
 
 
 def sphere_of(**changed):
@@ -155,6 +161,75 @@ def test_amplitude_is_the_closed_form():
         assert float(own["side_difference"]) == pytest.approx(2.0 * amplitude, rel=1e-9)
 
 
+# --- between both limits ---
+
+
+@pytest.mark.parametrize("mean", [-0.5, 1e-3, 2.0])
+def test_kinetic_force_of_free_molecules(mean):
+    """In thin gas it is that of free molecules, however hot the sphere."""
+    flyer, thin = sphere_of(tac_top=0.5), state_at(1e-6)
+    for side in (0.0, 1e-3):
+        expected = summed(flyer, thin, mean, side)
+        assert force(KINETIC, flyer, thin, mean, side) == pytest.approx(expected, rel=1e-6)
+
+
+def test_kinetic_force_of_dense_gas():
+    """Thermal creep: F = 4π κ η² A/(ρ T), where the jump of the temperature is left behind."""
+    flyer = sphere_of(radius=100.0, tac_top=0.6, tac_bottom=None)
+    state = lf.environment.EnvironmentState(1e6, 220.0, 1e-6, GAS, lf.environment.Radiation())
+    density = 1e6 / (GAS.specific_gas_constant * 220.0)
+    creep = 4.0 * np.pi * 1.14 * float(GAS.viscosity(220.0)) ** 2 / density
+    assert force(KINETIC, flyer, state, 0.0, 1e-9) == pytest.approx(-creep * 1e-9, rel=1e-6)
+
+
+def test_kinetic_force_is_that_of_the_kinetic_equation():
+    """Shakhov's equation solved around a sphere: studies/sphere_force."""
+    for delta, found in SOLVED.items():
+        share = float(spheres.transition_share(float(delta)))
+        assert share == pytest.approx(found["force"], rel=0.05 if float(delta) > 4.0 else 0.02)
+        # the harmonic's heat, of a monatomic gas at complete accommodation
+        dense = 2.0 * 15.0 / 8.0 * np.sqrt(np.pi) / float(delta)
+        heat = float(lf.force.convection.joined_conductance(1.0, dense, 1.0))
+        assert heat == pytest.approx(found["heat"], rel=0.03)
+
+
+def test_the_gas_sees_what_leaves_the_wall():
+    """Partial accommodation in series with the gas: the temperature of what leaves, by iteration.
+
+    A wall of TAC α at T is one of α = 1 at the temperature T_e of what leaves it, where
+    α (T − T_in) = T_e − T_in and the heat is that of a wall at T_e.
+    """
+    pressure, side = 3000.0, 1e-7
+    state = state_at(pressure)
+    whole, part = sphere_of(tac_top=1.0, tac_bottom=None), sphere_of(tac_top=0.3, tac_bottom=None)
+    with lf.float64():
+        free = (FREE.heat_loss(whole, state, (side, -side))[0]) / side
+        lost = (KINETIC.heat_loss(whole, state, (side, -side))[0]) / side
+        partly = (KINETIC.heat_loss(part, state, (side, -side))[0]) / side
+    leaving = 0.0
+    for _ in range(200):
+        arriving = leaving - lost / free * leaving  # heat is what leaves less what arrives
+        leaving = 0.3 + 0.7 * arriving
+    assert partly == pytest.approx(lost * leaving, rel=1e-9)
+    ratio = force(KINETIC, part, state, 0.0, side) / force(KINETIC, whole, state, 0.0, side)
+    assert ratio == pytest.approx(leaving, rel=1e-6)
+
+
+def test_unlike_halves_are_a_first_harmonic_of_what_leaves():
+    """In linear theory a step of the temperature pushes as its first harmonic, 3/4 of the step."""
+    state, small, step = state_at(3000.0), 1e-7, 1e-4
+    flyer = sphere_of(tac_top=0.6 - step / 2, tac_bottom=0.6 + step / 2)
+    alike = sphere_of(tac_top=1.0, tac_bottom=None)
+    with lf.float64():
+        heat = 2.0 * KINETIC.heat_loss(flyer, state, (small, small))[0]
+        free = 2.0 * FREE.heat_loss(alike, state, (small, small))[0] / small
+        lost = KINETIC.heat_loss(alike, state, (small, -small))[0] * 4.0 / small
+    # (1/α - 1) of the heat separates wall and what leaves, and what leaves is cooled itself
+    harmonic = 0.75 * step * heat / free / 0.36 / (1.0 + lost / free * (1.0 / 0.6 - 1.0))
+    pushed = force(KINETIC, alike, state, 0.0, harmonic)
+    assert force(KINETIC, flyer, state, small, 0.0) == pytest.approx(-pushed, rel=1e-5)
+
+
 # --- heat and drag ---
 
 
@@ -284,12 +359,11 @@ def test_the_side_follows_the_light_and_halves_need_a_hold():
     assert tumbling == pytest.approx(alike, rel=1e-9)
 
 
-def test_error_of_the_force():
+@pytest.mark.parametrize(("model", "error"), [(ROHATSCHEK, 0.3), (KINETIC, 0.1)])
+def test_error_of_the_force(model, error):
     flyer, state = sphere_of(), state_at(300.0)
-    once = force(lf.Rohatschek1995(1.0), flyer, state, 0.1, 0.01)
-    assert once / force(ROHATSCHEK, flyer, state, 0.1, 0.01) == pytest.approx(
-        np.exp(spheres._SCATTER), rel=1e-9
-    )
+    once = force(type(model)(1.0), flyer, state, 0.1, 0.01)
+    assert once / force(model, flyer, state, 0.1, 0.01) == pytest.approx(np.exp(error), rel=1e-9)
 
 
 def test_what_is_outside_the_models_range():
@@ -297,6 +371,9 @@ def test_what_is_outside_the_models_range():
     assert ROHATSCHEK.diagnostics(sphere_of(), state, 240.0) == ()
     (hot,) = ROHATSCHEK.diagnostics(sphere_of(), state, 400.0)
     assert hot.startswith("T_h/T_c is 1.82 at 300 Pa, above 1.2: rohatschek1995 is for a sphere")
+    assert KINETIC.diagnostics(sphere_of(), state, 400.0) == ()
+    (hot,) = KINETIC.diagnostics(sphere_of(), state, 500.0)
+    assert hot.startswith("T_h/T_c is 2.27 at 300 Pa, above 2: what collisions leave of the force")
     (dense,) = FREE.diagnostics(sphere_of(radius=1e-4), state, 240.0)
     assert dense.startswith("the Knudsen number is")
     with pytest.raises(lf.ParameterError, match="Rohatschek1995 is not for Disk"):

@@ -284,7 +284,7 @@ class SphereSection(FlyerSection, of=Sphere):
     """``[flyer]``: a sphere, which has no section of a film."""
 
     needs_film: ClassVar[bool] = False
-    default_model: ClassVar[str] = "rohatschek1995"
+    default_model: ClassVar[str] = "kinetic-sphere"
     not_varied: ClassVar[Mapping[str, str]] = {
         "highest_temperature": "is a limit and not a property",
     }

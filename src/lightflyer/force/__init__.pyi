@@ -16,4 +16,5 @@ from .section import ForceSection as ForceSection
 from .simple_form import SimpleForm as SimpleForm
 from .simple_form import fit_simple_form as fit_simple_form
 from .spheres import FreeMolecularSphere as FreeMolecularSphere
+from .spheres import KineticSphere as KineticSphere
 from .spheres import Rohatschek1995 as Rohatschek1995

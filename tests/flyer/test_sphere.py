@@ -1,3 +1,4 @@
+import jax
 import numpy as np
 import pytest
 
@@ -156,6 +157,20 @@ def test_impossible_numbers_raise(changed, message):
         sphere_of(**changed)
 
 
+def test_a_medium_absorbs_and_emits_by_mie():
+    medium = lf.film.material("a-C", extrapolation="hold").with_density(1800.0)
+    found = lf.film.sphere_absorption(medium, 5e-7)
+    flyer = lf.Sphere.of(medium, 5e-7, conductivity=0.3, tac_top=0.9)
+    assert flyer.asymmetry == found.asymmetry
+    assert flyer.emittance(300.0) == found.emittance(300.0)
+    assert flyer.density == 1800.0
+    dull = lf.Sphere.of(medium, 5e-7, conductivity=0.3, tac_top=0.9, emittance=0.5, body_mass=1e-15)
+    assert (dull.emittance, dull.density, dull.own_mass) == (0.5, None, 1e-15)
+    model, state = lf.KineticSphere(), state_at(100.0, irradiance=1000.0, infrared_below=240.0)
+    warm = lf.equilibrium(flyer, state, model)
+    assert warm.absorbed_power == pytest.approx(warm.gas_power + warm.radiated_power, rel=1e-9)
+
+
 FILE = """\
 [flyer]
 shape = "sphere"
@@ -202,6 +217,68 @@ def test_file_becomes_a_sphere_with_its_model(flyer_file):
 )  # fmt: skip
 def test_mistakes_in_a_file_are_one_line_each(flyer_file, old, new, error):
     path = flyer_file(old, new, FILE)
+    with pytest.raises(lf.ConfigurationError) as caught:
+        lf.read_flyer_file(path)
+    lines = str(caught.value).splitlines()
+    assert any(line.startswith(f"{path}{error}") for line in lines), lines
+    assert len(lines) == 1
+
+
+OF_CARBON = FILE.replace(
+    "absorption_efficiency = 1.1\nemittance = 0.2\n", 'material = "a-C"\nextrapolation = "hold"\n'
+)
+
+
+def test_a_material_of_a_file(flyer_file):
+    """Exactly for its size, within 0.2 % for any other that a study asks for."""
+    file = lf.read_flyer_file(flyer_file(text=OF_CARBON))
+    design, carbon = file.design(), lf.film.material("a-C", extrapolation="hold")
+    found = lf.film.sphere_absorption(carbon, 5e-7)
+    assert design.setup.flyer.absorption_efficiency == found.absorption_efficiency
+    assert any("a-C" in text for text in design.warnings)
+    sizes = np.geomspace(0.3, 3.0, 40)  # diameters [µm]
+    with lf.float64():
+        many = design.build({"flyer.diameter": 1e-6 * sizes}).flyer
+    exact = lf.film.sphere_absorption(carbon, 0.5e-6 * sizes)
+    for name in ("absorption_efficiency", "asymmetry"):
+        np.testing.assert_allclose(
+            getattr(many, name), getattr(exact, name), rtol=2e-3, atol=2e-4, err_msg=name
+        )
+    np.testing.assert_allclose(many.emittance(300.0), exact.emittance(300.0), rtol=2e-3)
+    given = lf.read_flyer_file(flyer_file(text=OF_CARBON + "emittance = 0.5\n"))
+    assert given.build().flyer.emittance == 0.5
+
+
+def test_derivatives_over_the_size_of_a_sphere_of_a_material(flyer_file):
+    design = lf.read_flyer_file(flyer_file(text=OF_CARBON)).design()
+
+    @lf.entry_point
+    def efficiency(diameter):
+        return design.build({"flyer.diameter": diameter}).flyer.absorption_efficiency
+
+    with lf.float64():
+        slope = jax.grad(efficiency)(1e-6)
+        change = (efficiency(1.01e-6) - efficiency(0.99e-6)) / 0.02e-6
+        assert float(jax.jit(efficiency)(1e-6)) == pytest.approx(efficiency(1e-6), rel=2e-3)
+        assert np.isnan(jax.jit(efficiency)(20e-6))  # beyond the table
+    assert slope == pytest.approx(change, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "error"),
+    [
+        ('"a-C"', '"unobtainium"', ':5: flyer.material: material "unobtainium"'),
+        ('material = "a-C"\n', "", ":1: [flyer]: extrapolation has no effect without material"),
+        ('material = "a-C"\nextrapolation = "hold"\n', "",
+         ":1: [flyer]: needs absorption_efficiency and emittance, or a"),
+        ('material = "a-C"\nextrapolation = "hold"\n', "emittance = 0.2\n",
+         ":1: [flyer]: needs absorption_efficiency, or a material"),
+        ('density = "1.8 g/cm^3"\n', "", ":1: [flyer]: a sphere needs either its density or its"),
+        ('"hold"', '"hold"\nspectrum = "moon"', ':7: flyer.spectrum: spectrum "moon" is unknown'),
+    ],
+)  # fmt: skip
+def test_mistakes_about_a_material_are_one_line_each(flyer_file, old, new, error):
+    path = flyer_file(old, new, OF_CARBON)
     with pytest.raises(lf.ConfigurationError) as caught:
         lf.read_flyer_file(path)
     lines = str(caught.value).splitlines()

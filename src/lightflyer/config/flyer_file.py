@@ -261,7 +261,7 @@ class FileDesign(AbstractDesign):
             text if name == "film" else f"{name}: {text}"
             for name in self.file.films()
             for text in part_at(parts, name).warnings(incidence, passing=self._passing)
-        )
+        ) + tuple(parts["flyer"].warnings)
 
     @property
     def _passing(self) -> bool:

@@ -131,7 +131,7 @@ class DispersionSection(Section):
         )  # fmt: skip
 
 
-class _Named(Section):
+class NamedSection(Section):
     """A material by its name, or a file."""
 
     @pydantic.field_validator("material", check_fields=False)
@@ -151,14 +151,15 @@ class _Named(Section):
         return canonical_name(name)
 
 
-def _medium(name: str, policy: Extrapolation, density: Measured | None) -> Medium:
+def named_medium(name: str, policy: Extrapolation, density: Measured | None = None) -> Medium:
+    """A material by its name, or of a file."""
     found: Medium = material_from_csv(name) if names_file(name) else material(name)
     if density is not None:
         found = found.with_density(density.value)
     return found.with_extrapolation(policy)
 
 
-class PartSection(_Named):
+class PartSection(NamedSection):
     """An entry of ``parts``."""
 
     material: str
@@ -167,7 +168,7 @@ class PartSection(_Named):
     density: Density | None = None
 
 
-class TableSection(_Named):
+class TableSection(NamedSection):
     """An entry of ``tables``."""
 
     material: str
@@ -175,7 +176,7 @@ class TableSection(_Named):
 
     def medium(self, policy: Extrapolation) -> tuple[float, Medium]:
         """Temperature, as the file or the material states it [K], and medium."""
-        medium = _medium(self.material, policy, None)
+        medium = named_medium(self.material, policy, None)
         stated = self.at.value if self.at else getattr(medium, "temperature", None)
         if stated is None:
             raise ConfigurationError(
@@ -184,7 +185,7 @@ class TableSection(_Named):
         return float(stated), medium
 
 
-class LayerSection(_Named, of=Layer):
+class LayerSection(NamedSection, of=Layer):
     """An entry of ``layers``."""
 
     material: str | None = None
@@ -346,7 +347,7 @@ class LayerSection(_Named, of=Layer):
     def medium(self, policy: Extrapolation) -> Medium:
         """What the layer is made of."""
         if self.material is not None and self.porosity is None:
-            return _medium(self.material, policy, self.density)
+            return named_medium(self.material, policy, self.density)
         found: Medium
         if self.tables is not None:
             known = dict(table.medium(policy) for table in self.tables)
@@ -365,11 +366,11 @@ class LayerSection(_Named, of=Layer):
     def _mixture(self, policy: Extrapolation) -> Medium:
         if self.parts is not None:
             parts = sorted(self.parts, key=lambda part: part.fraction is not None)
-            media = tuple(_medium(part.material, policy, part.density) for part in parts)
+            media = tuple(named_medium(part.material, policy, part.density) for part in parts)
             fractions = [(part.fraction, part.fraction_bottom) for part in parts[1:]]
         else:
             solid = (
-                _medium(str(self.material), policy, None)
+                named_medium(str(self.material), policy, None)
                 if self.dispersion is None
                 else self.dispersion.medium(self._names[0], policy)
             )

@@ -73,7 +73,36 @@ class CorrelationSection(Section):
     value: Correlation
 
 
-class LayeredFilmSection(FilmSection):
+class LitSection(Section):
+    """What a spectrum of light belongs to."""
+
+    spectrum: str = "AM0"
+
+    @pydantic.field_validator("spectrum")
+    @classmethod
+    def _known_spectrum(cls, name: str, info: ValidationInfo) -> str:
+        if name in _LAMPS:
+            return name
+        if not name.lower().endswith(".csv"):
+            known = ", ".join(_LAMPS)
+            raise ConfigurationError(
+                f'spectrum "{name}" is unknown; choose from {known}, or a CSV file'
+            )
+        path = file_beside(name, info)
+        spectrum_from_csv(path)
+        return path
+
+    def light(self) -> Spectrum:
+        return light_of(self.spectrum)
+
+
+def light_of(spectrum: str) -> Spectrum:
+    """A spectrum by its name, or of a file."""
+    known = _LAMPS.get(spectrum)
+    return known() if known else spectrum_from_csv(spectrum)
+
+
+class LayeredFilmSection(FilmSection, LitSection):
     """``[film]``: layers, top to bottom, and measured values that replace computed ones."""
 
     kind: ClassVar[str] = "layered"
@@ -87,7 +116,6 @@ class LayeredFilmSection(FilmSection):
 
     layers: Annotated[tuple[LayerSection, ...], Field(min_length=1)]
     extrapolation: Policy = "error"
-    spectrum: str = "AM0"
     areal_density: ArealDensity | None = None
     absorptance: Fraction | None = None
     tac_top: AccommodationCoefficient | None = None
@@ -104,20 +132,6 @@ class LayeredFilmSection(FilmSection):
         if found and found[0] not in cls.model_fields:
             raise ConfigurationError(f"{found[0]} {_OF_SAMPLES[found[0]]}")
         return content
-
-    @pydantic.field_validator("spectrum")
-    @classmethod
-    def _known_spectrum(cls, name: str, info: ValidationInfo) -> str:
-        if name in _LAMPS:
-            return name
-        if not name.lower().endswith(".csv"):
-            known = ", ".join(_LAMPS)
-            raise ConfigurationError(
-                f'spectrum "{name}" is unknown; choose from {known}, or a CSV file'
-            )
-        path = file_beside(name, info)
-        spectrum_from_csv(path)
-        return path
 
     def film(self) -> Film:
         layers = tuple(layer.build(self.extrapolation) for layer in self.layers)
@@ -180,10 +194,6 @@ class LayeredFilmSection(FilmSection):
             and (_OF_MEDIA.match(name) or name in self._correlated_names)
         }
         return neighbouring_films(film_with, numbers, self._stated_correlations)
-
-    def light(self) -> Spectrum:
-        known = _LAMPS.get(self.spectrum)
-        return known() if known else spectrum_from_csv(self.spectrum)
 
     @property
     def _of_library(self) -> dict[str, tuple[str, Measured]]:

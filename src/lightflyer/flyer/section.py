@@ -44,6 +44,11 @@ class FlyerSection(Alternative):
                 cls.needs_film = _FILM in of.film_names() or not of.film_names()
         super().__init_subclass__(of=of, **options)
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader of any result must know beside what films say, one line each."""
+        return ()
+
     def idle(self) -> dict[str, str]:
         level = self.tilt == Measured(0.0) and self.azimuth != self.tilt
         return {"azimuth": "without tilt"} if level else {}

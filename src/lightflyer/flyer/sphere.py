@@ -1,14 +1,17 @@
 """A sphere: a particle that light warms on one side, or whose halves accommodate unlike."""
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache, partial
 from typing import Any, ClassVar, Literal
 
 import numpy as np
+import pydantic
 
-from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.namespace import Array, Numeric, by_numpy, xp
 from lightflyer.array.records import field
 from lightflyer.core import constants
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.checks import is_traced
+from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import (
     AccommodationCoefficient,
     Asymmetry,
@@ -16,6 +19,7 @@ from lightflyer.core.quantity import (
     Density,
     Distance,
     Emittance,
+    Length,
     Mass,
     Multiple,
     ParticleRadius,
@@ -26,16 +30,33 @@ from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
-from lightflyer.film.optics.curve import emission_growth, emittance_at, emittance_bounds
+from lightflyer.film.layer_section import NamedSection, Policy, named_medium
+from lightflyer.film.layered_section import LitSection, light_of
+from lightflyer.film.media.medium import Extrapolation, Medium
+from lightflyer.film.optics.curve import (
+    NODES,
+    EmittanceCurve,
+    emission_growth,
+    emittance_at,
+    emittance_bounds,
+)
+from lightflyer.film.optics.spectra import Spectrum
+from lightflyer.film.optics.sphere import sphere_absorption
 from lightflyer.film.properties import excess_of_growth
 from lightflyer.flyer.bodies import AbstractClosedFlyer
 from lightflyer.flyer.section import FlyerSection
+from lightflyer.numerics.spline import Spline
 
 Upright = Literal["nothing", "gravity", "dipole"]
 """What keeps the lower half of a sphere below."""
 
 _OPAQUE = 0.5  # Asymmetry factor of a sphere that absorbs all at its surface, over its efficiency
 _MOST = 0.75  # The same of one that absorbs all in a point of its surface
+_GIVEN = ("absorption_efficiency", "emittance")  # in a file without a material
+_COMPUTED = ("absorption_efficiency", "asymmetry", "emittance", "infrared_asymmetry")
+_SIZES = 25  # of a table, from whose interpolation more sizes follow
+_RANGE = 8.0  # of sizes over that of the file, of which searches ask
+_ROUNDING = 1e-9
 _NO_TILT = "its lower half is below, or anywhere"
 _MICROMETRE, _MILLIMETRE = 1e-6, 1e-3
 _FEW = 1e-2  # energy over k T below which Langevin's function is summed as a series
@@ -59,7 +80,9 @@ def _contradiction(
         ("asymmetry", asymmetry, absorption_efficiency),
         ("infrared_asymmetry", infrared_asymmetry, emittance),
     ):
-        if factor is not None and np.any(np.abs(factor) > _MOST * np.asarray(share)):
+        if factor is None or share is None:
+            continue
+        if np.any(np.abs(factor) > _MOST * np.asarray(share)):
             whole = "emittance" if share is emittance else "absorption_efficiency"
             return f"{name} is at most 3/4 of {whole}: no heat is released outside of the sphere"
     if mass_offset is not None and upright != "gravity":
@@ -105,7 +128,7 @@ class Sphere(AbstractClosedFlyer):
         Asymmetry factor for light [1]: positive where the lit side is warmer, negative where the
         sphere focuses light on its far side. By default that of an opaque sphere, half of the
         absorption efficiency.
-    infrared_asymmetry : array or None
+    infrared_asymmetry : array or EmittanceCurve or None
         The same for heat radiation; by default half of the emittance.
     upright : {"nothing", "gravity", "dipole"}
         What keeps its lower half below. With nothing it tumbles, and the force of unlike halves
@@ -156,6 +179,20 @@ class Sphere(AbstractClosedFlyer):
     payload: Mass = 0.0
     attitude: Attitude | None = None
     highest_temperature: Temperature | None = None
+
+    @classmethod
+    def of(
+        cls, medium: Medium, radius: Length, light: Spectrum | None = None, **given: Any
+    ) -> "Sphere":
+        """A sphere of a medium, from which its optics and density follow.
+
+        ``light``: by default sunlight. ``given``: other numbers, which replace those computed.
+        """
+        found = sphere_absorption(medium, radius, light)
+        computed = {name: getattr(found, name) for name in _COMPUTED}
+        if "body_mass" not in given:
+            computed["density"] = medium.density
+        return cls(radius, **(computed | given))
 
     def __check_init__(self) -> None:
         if self.attitude is not None:
@@ -234,7 +271,7 @@ class Sphere(AbstractClosedFlyer):
         above, below = radiation.infrared_excess(temperature)
         infrared = self._by_halves(
             emittance_at(self.emittance, temperature),
-            self.infrared_asymmetry,
+            emittance_at(self.infrared_asymmetry, temperature),
             radiation.infrared_excess_on_sphere(temperature),
             above - below,
         )
@@ -280,8 +317,8 @@ class Sphere(AbstractClosedFlyer):
         return f"sphere of {size} {'µm' if small else 'mm'}"
 
 
-class SphereSection(FlyerSection, of=Sphere):
-    """``[flyer]``: a sphere, which has no section of a film."""
+class SphereSection(FlyerSection, NamedSection, LitSection, of=Sphere):
+    """``[flyer]``: a sphere, which has no section of a film but may have a material."""
 
     needs_film: ClassVar[bool] = False
     default_model: ClassVar[str] = "kinetic-sphere"
@@ -295,8 +332,82 @@ class SphereSection(FlyerSection, of=Sphere):
     first_keys: ClassVar[tuple[str, ...]] = ("shape", "diameter", "density", "mass")
 
     shape: Literal["sphere"]
+    material: str | None = None
+    extrapolation: Policy = "error"
+    absorption_efficiency: Multiple | None = None
+    emittance: Emittance | None = None
+
+    _nominal: float = pydantic.PrivateAttr(0.0)
+
+    @pydantic.model_validator(mode="after")
+    def _has_optics(self) -> "SphereSection":
+        self._nominal = float(self._value_of("radius"))
+        if self.material is None:
+            lacking = [name for name in _GIVEN if getattr(self, name) is None]
+            if lacking:
+                raise ConfigurationError(f"needs {' and '.join(lacking)}, or a material")
+        else:
+            _optics_of_size(self.material, self.extrapolation, self.spectrum, self._nominal)
+        return self
 
     def idle(self) -> dict[str, str]:
         """A sphere has no attitude."""
         turned = [key for key in ("tilt", "azimuth") if getattr(self, key).value != 0.0]
-        return dict.fromkeys(turned, f"on a sphere: {_NO_TILT}")
+        of_media = ("extrapolation", "spectrum") if self.material is None else ()
+        return dict.fromkeys(turned, f"on a sphere: {_NO_TILT}") | dict.fromkeys(
+            of_media, "without material"
+        )
+
+    def _value_of(self, field: str) -> Any:
+        own = super()._value_of(field)
+        if field != "density" or own is not None or self.mass is not None or not self.material:  # type: ignore[attr-defined] # generated fields
+            return own
+        return named_medium(self.material, Extrapolation.ERROR).density
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        if self.material is None:
+            return ()
+        medium = named_medium(self.material, Extrapolation(self.extrapolation))
+        return sphere_absorption(medium, self._nominal, self.light()).diagnostics
+
+    def make(self, **given: Any) -> Sphere:
+        """The sphere, with what its material absorbs and emits where the file does not say."""
+        if self.material is not None:
+            found = self._optics(self._value_of("radius"))
+            given |= {key: one for key, one in found.items() if getattr(self, key) is None}
+        made: Sphere = super().make(**given)
+        return made
+
+    def _optics(self, radius: Numeric) -> dict[str, Any]:
+        """What a sphere of the material absorbs and emits; of many sizes by a table."""
+        of = partial(_optics_of_size, str(self.material), self.extrapolation, self.spectrum)
+        if is_traced(radius):
+            sizes = self._nominal * np.geomspace(1.0 / _RANGE, _RANGE, _SIZES)
+        else:
+            sizes, places = np.unique(radius, return_inverse=True)
+            if sizes.size <= _SIZES:
+                return _named_optics(np.stack([of(size) for size in sizes])[places])
+            sizes = np.geomspace(sizes[0], sizes[-1], _SIZES)
+        logarithms = np.log(sizes)
+        table = Spline.through(logarithms, np.stack([of(size) for size in sizes]))
+        place = xp.log(radius)
+        rows = table(place)
+        beyond = (place < logarithms[0] - _ROUNDING) | (place > logarithms[-1] + _ROUNDING)
+        return _named_optics(xp.where(beyond[..., None], np.nan, rows))
+
+
+@lru_cache(maxsize=1000)
+def _optics_of_size(material: str, policy: str, spectrum: str, radius: float) -> np.ndarray:
+    """Efficiency, asymmetry, and coefficients of the curves of a sphere of a material."""
+    medium = named_medium(material, Extrapolation(policy))
+    with by_numpy():  # it stays, so it must not belong to a trace
+        found = sphere_absorption(medium, radius, light_of(spectrum))
+    curves = found.emittance.coefficients, found.infrared_asymmetry.coefficients
+    return np.concatenate([[found.absorption_efficiency, found.asymmetry], *curves])
+
+
+def _named_optics(rows: Array) -> dict[str, Any]:
+    """Fields of a sphere from :func:`_optics_of_size`, shape (..., 42)."""
+    curves = (EmittanceCurve(part) for part in (rows[..., 2 : 2 + NODES], rows[..., 2 + NODES :]))
+    return dict(zip(_COMPUTED, (rows[..., 0], rows[..., 1], *curves), strict=True))

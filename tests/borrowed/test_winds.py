@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from lightflyer.environment import GriddedWind, Place
+from lightflyer.environment import US1976, GriddedWind, Place
 
 START = np.datetime64("2026-06-21T00:00", "ns")
 TIMES = START + np.arange(2) * np.timedelta64(6, "h")
@@ -125,3 +125,30 @@ def test_between_the_grid_it_is_not_the_nearest_value():
     wind = GriddedWind(weather(plane, POSITIVE))
     found = wind_at(wind, 31.0, 97.0)
     assert found == pytest.approx([15.5, 0.3 * 83.0], rel=1e-4)
+
+
+@pytest.mark.parametrize("by", ["altitude", "geopotential"])
+def test_levels_that_almost_coincide(by):
+    """https://github.com/mitre/FMACM/issues/7: at 28,000 ft −1400 kt came out, and 571 kt here."""
+    feet = np.array([10e3, 20e3, 30e3, 31e3, 31004.0])
+    knots = np.array([23.92, 126.31, 189.96, 221.55, 211.88])
+    metres = 0.3048 * feet
+    data = weather(
+        lambda level, *_: (np.interp(level, feet, knots), 0.0 * level),
+        POSITIVE, NORTH[5:-5], feet,
+    )  # fmt: skip
+    data = data.assign_coords(altitude=("altitude", metres, {"units": "m"}))
+    if by == "geopotential":
+        air = US1976()
+        geopotential = 9.80665 * 6356766.0 * metres / (6356766.0 + metres)
+        hPa = np.asarray(air.pressure(metres)) / 100.0
+        data = data.rename(altitude="pressure").assign_coords(
+            pressure=("pressure", hPa, {"units": "hPa"})
+        )
+        data["z"] = data.u * 0.0 + xr.DataArray(geopotential, dims="pressure")
+        data["z"].attrs["units"] = "m**2/s**2"
+    wind = GriddedWind(data, US1976())
+    # 45° N: the geopotential counts from the ellipsoid there
+    heights = np.linspace(metres[0] + 30.0, metres[-1] - 30.0, 2001)
+    found, _ = wind_at(wind, np.full(2001, 45.0), np.full(2001, 3.0), heights)
+    assert found == pytest.approx(np.interp(heights, metres, knots), abs=7.0)

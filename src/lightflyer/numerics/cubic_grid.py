@@ -10,7 +10,7 @@ from lightflyer.array.namespace import Array, xp
 from lightflyer.array.records import Module, field
 
 _ORDER = 4  # coefficients of a cubic, and nodes that one piece looks at
-_PARABOLA = 3  # nodes that make one
+MOST_UNEVEN = 3.0  # ratio of neighbouring widths up to which a parabola is trusted
 
 
 class Axis(Module):
@@ -20,7 +20,7 @@ class Axis(Module):
 
     # The slope at a node is that of the parabola through it and its two neighbours; at an end of
     # the axis, of the parabola through the last three nodes. Three nodes make one parabola, two a
-    # line, one a constant.
+    # line, one a constant. Where widths are uneven, see :func:`share_of_next`.
 
     nodes: Any  # shape (n,)
     # shape (pieces,); first of the nodes that a piece looks at; on an axis with a period, the next
@@ -82,14 +82,29 @@ def _piece(nodes: np.ndarray, piece: int, window: int) -> np.ndarray:
 
 def _slope(nodes: np.ndarray, at: int) -> np.ndarray:
     """Weights of the nodes in the derivative at one of them, of the parabola around it."""
-    count = min(_PARABOLA, nodes.size)
-    first = int(np.clip(at - 1, 0, nodes.size - count))
-    weights = np.zeros(nodes.size)
-    for node in range(first, first + count):
-        others = [other for other in range(first, first + count) if other != node]
-        terms = [np.prod([nodes[at] - nodes[k] for k in others if k != gone]) for gone in others]
-        weights[node] = sum(terms) / np.prod([nodes[node] - nodes[k] for k in others])
-    return weights
+    width = np.diff(nodes)
+    secants = np.diff(np.eye(nodes.size), axis=0) / width[:, None]
+    if width.size == 1:
+        return secants[0]
+    inner = int(np.clip(at, 1, width.size - 1))
+    after = share_of_next(*width[inner - 1 : inner + 1])
+    slope = (1.0 - after) * secants[inner - 1] + after * secants[inner]
+    return slope if inner == at else 2.0 * secants[0 if at == 0 else -1] - slope
+
+
+def share_of_next(before: Any, after: Any) -> Any:
+    """Share of the secant after a node in the slope there; ``before``, ``after``: the widths.
+
+    That of the parabola through three nodes, which rests on the narrower width. A step between
+    nodes that almost coincide would swing the curve over the wide one beside it, by as much as the
+    widths differ: beyond a ratio of 3 its share falls with the square of their ratio.
+    """
+    ratio = before / after
+    uneven = np.maximum(ratio, 1.0 / ratio)
+    narrow = uneven / (1.0 + uneven)
+    limit = MOST_UNEVEN / (1.0 + MOST_UNEVEN) * (MOST_UNEVEN / uneven) ** 2
+    narrow = np.where(uneven > MOST_UNEVEN, limit, narrow)
+    return np.where(ratio > 1.0, narrow, 1.0 - narrow)
 
 
 def interpolate(table: Any, axes: Sequence[Axis], position: Sequence[Any]) -> Array:

@@ -12,6 +12,7 @@ from lightflyer.environment.atmosphere.us1976 import US1976
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.environment.wind.gradient import CENTRIFUGAL, normal_gravity
 from lightflyer.environment.wind.layouts import called, unit_of
+from lightflyer.numerics.cubic_grid import MOST_UNEVEN, share_of_next
 
 GAS_CONSTANT = constants.GAS_CONSTANT_US1976 / constants.MOLAR_MASS_AIR  # of dry air [J/(kg K)]
 _RADIUS = 6.356766e6  # of the Earth in the standard atmosphere [m]; [USSA1976]_
@@ -99,7 +100,8 @@ def new_levels(mean: np.ndarray, low: float, high: float) -> np.ndarray:
     """
     places = np.arange(_BETWEEN * (mean.size - 1) + 1) / _BETWEEN
     finer = np.interp(places, np.arange(mean.size), mean)
-    return np.array([low, *finer[(finer > low + 1.0) & (finer < high - 1.0)], high])
+    room = np.gradient(finer) / MOST_UNEVEN  # or the slopes at the ends would rest on little
+    return np.array([low, *finer[(finer > low + room) & (finer < high - room)], high])
 
 
 def on_altitudes(
@@ -133,8 +135,8 @@ def _slopes(altitude: np.ndarray, field: np.ndarray) -> np.ndarray:
     steep = np.diff(field, axis=1) / step
     if steep.shape[1] == 1:
         return np.concatenate([steep, steep], axis=1)
-    before, after = step[:, :-1], step[:, 1:]
-    inner = (steep[:, :-1] * after + steep[:, 1:] * before) / (before + after)
+    after = share_of_next(step[:, :-1], step[:, 1:])
+    inner = (1.0 - after) * steep[:, :-1] + after * steep[:, 1:]
     first = 2.0 * steep[:, :1] - inner[:, :1]
     last = 2.0 * steep[:, -1:] - inner[:, -1:]
     return np.concatenate([first, inner, last], axis=1)

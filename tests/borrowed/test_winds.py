@@ -141,9 +141,9 @@ def test_levels_that_almost_coincide(by):
     if by == "geopotential":
         air = US1976()
         geopotential = 9.80665 * 6356766.0 * metres / (6356766.0 + metres)
-        hPa = np.asarray(air.pressure(metres)) / 100.0
+        pressure = np.asarray(air.pressure(metres)) / 100.0
         data = data.rename(altitude="pressure").assign_coords(
-            pressure=("pressure", hPa, {"units": "hPa"})
+            pressure=("pressure", pressure, {"units": "hPa"})
         )
         data["z"] = data.u * 0.0 + xr.DataArray(geopotential, dims="pressure")
         data["z"].attrs["units"] = "m**2/s**2"

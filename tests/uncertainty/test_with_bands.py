@@ -8,6 +8,7 @@ import xarray as xr
 
 import lightflyer as lf
 from lightflyer import cli
+from lightflyer.config.designs import as_design
 from lightflyer.force.kinetic.model import KineticSection
 from lightflyer.force.lu2023 import Lu2023ForceSection
 from lightflyer.force.membranes.schafer2025 import Schafer2025
@@ -118,3 +119,19 @@ def test_the_written_file_is_the_dataset(kind, tmp_path):
         for name in (*expected.variables, *written.variables):
             assert written[name].attrs == expected[name].attrs
             assert written[name].dims == expected[name].dims
+
+
+def test_bands_to_first_order_end_with_the_range_of_the_force_model():
+    """At 61 km, where the kinetic tables end, that of the irradiance was eight times as wide."""
+    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+    disk, over = lf.Disk(film, radius=0.01), np.linspace(58e3, 66e3, 33)
+    design = as_design(disk, lf.Earth(), lf.Kinetic()).with_open_errors()
+    found = lf.propagate(design, samples=0, over=over)
+    evaluated = lf.predict(disk, lf.Earth(), lf.Kinetic(), at=over)
+    covered = evaluated.at["covered"] > 0.0
+    assert 5 < covered.sum() < 30
+    for name in ("levitation_irradiance", "temperature", "payload"):
+        np.testing.assert_array_equal(np.isfinite(found.low[name]), covered)
+        width = (found.high[name] - found.low[name])[covered]
+        assert np.abs(np.diff(np.log(width))).max() < 0.7
+    assert found.plot()

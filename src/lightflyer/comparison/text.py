@@ -121,7 +121,7 @@ def needs_table(comparison: "Comparison") -> Table:
 
 
 def _too_hot(found: "Compared") -> np.ndarray:
-    """Where, of the listed coordinates, the film is hotter than it bears."""
+    """Where, of the listed coordinates, the film is hotter than it withstands."""
     highest = found.prediction.verdict.highest_temperature
     return found.listed["temperature"] > (math.inf if highest is None else highest)
 

@@ -298,7 +298,7 @@ MolarMass = Annotated[
         why="hydrogen and UF6 are between"),
 ]  # fmt: skip
 Tension = Annotated[
-    Numeric, Quantity("N/m", 0.0, open_below=True, sizes=(1e-9, 1e8), why="no film bears more"),
+    Numeric, Quantity("N/m", 0.0, open_below=True, sizes=(1e-9, 1e8), why="no film is stronger"),
 ]  # fmt: skip
 Modulus = Annotated[
     Numeric, Quantity("Pa", 0.0, open_below=True, sizes=(1e3, 2e12),
@@ -309,7 +309,7 @@ Expansion = Annotated[
     Numeric, Quantity("1/K", sizes=(1e-9, 1e-2), why="glass and rubber are between"),
 ]  # fmt: skip
 Stress = Annotated[
-    Numeric, Quantity("Pa", sizes=(1e-3, 2e11), why="no solid bears more"),
+    Numeric, Quantity("Pa", sizes=(1e-3, 2e11), why="no solid is stronger"),
 ]  # fmt: skip
 Irradiance = Annotated[
     Numeric, Quantity("W/m^2", 0.0, sizes=(1e-30, 1e8),

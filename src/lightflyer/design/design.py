@@ -80,7 +80,7 @@ class AbstractStacks(abc.ABC):
 
     @abc.abstractmethod
     def limit(self, sequence: Sequence[int]) -> float:
-        """Temperature that a stack bears [K]; infinite where it is not known."""
+        """Temperature that a stack withstands [K]; infinite where it is not known."""
 
     @abc.abstractmethod
     def exact(self, sequence: Sequence[int], values: Mapping[str, float]) -> Any:

@@ -158,7 +158,7 @@ def _heat_diagnostics(highest: Numeric | None, temperature: Numeric) -> Iterator
     if highest is None:
         if hottest > UNSTATED_LIMIT:
             yield (
-                f"{TOO_HOT} {hottest:.0f} K: does its film bear that? state its highest_temperature"
+                f"{TOO_HOT} {hottest:.0f} K: if its film withstands that, state highest_temperature"
             )
     elif hottest > float(highest) * (1.0 + _ROUNDING):
         yield f"{TOO_HOT} {hottest:.0f} K, and its film withstands {float(highest):.0f} K"
@@ -200,7 +200,7 @@ def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:
         ),
         "load_over_buckling": (
             pressed > 1.0,
-            f"{_BUCKLED[thin]}: what presses it is {rounded(pressed)} times what it bears",
+            f"{_BUCKLED[thin]}: the pressure on it is {rounded(pressed)} times what it withstands",
         ),
     }
     return {name: words for name, (fails, words) in told.items() if fails}

@@ -144,7 +144,7 @@ class OperatingPoint:
 
     @cached_property
     def bearable_wind(self) -> Any:
-        """Speed of air along the axis whose drag is the load that the flyer bears where held."""
+        """Speed of air along the axis whose drag is the largest load on the held flyer."""
         unknowns, flyer, state = self.balance.unknowns, self.flyer, self.state
         load = xp.asarray(self.shape.bearable_load)
         speed, _ = steady_speed(lambda speed: flyer.drag(state, unknowns, speed), load)
@@ -218,7 +218,7 @@ class OperatingPoint:
 
     @cached_property
     def rest(self) -> "OperatingPoint":
-        """The upper edge of the widest band, at which it comes to rest when let go."""
+        """The upper edge of the widest band, at which it comes to rest when released."""
         return self.at(self.band.upper, self.band.exists & ~self.band.upper_open)
 
     @cached_property

@@ -346,7 +346,7 @@ _SHAPE = (
         shown_unit="mm",
         json_unit="mm",
     ),
-    _of_shape("stress_over_strength", "", "largest tension in a layer over what that bears"),
+    _of_shape("stress_over_strength", "", "largest tension in a layer over its strength"),
     _of_shape("gap_closed", "", "share of the gap that the membranes close between ligaments"),
     _of_shape(_BUCKLES, "", "compression, or pressure from outside, over that at which it buckles"),
     _of_shape("buckling_pressure", "Pa", "pressure from outside at which its shell buckles"),

@@ -208,8 +208,8 @@ def _verdict(prediction: Prediction, spreads: Mapping[str, Any]) -> Iterator[Rea
         )
         words = " and ".join(f"{part} {where.shown_unit}" for part in parts) or "nowhere there"
         name = f"verdict.usable_bands{key.removeprefix(where.name)}"
-        bears = f"film survives (withstands {verdict.highest_temperature:.0f} K)"
-        yield Reading(name, bears, words, None)
+        survives = f"film survives (withstands {verdict.highest_temperature:.0f} K)"
+        yield Reading(name, survives, words, None)
 
 
 def _own(setup: Setup, name: str) -> Reading:

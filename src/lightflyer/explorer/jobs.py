@@ -87,7 +87,7 @@ def listening() -> Iterator[None]:
 
 
 def bands(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
-    """95 % bands of the curves, to first order, and of the results, by samples."""
+    """95 % bands of the curves and of the results."""
     del choices
     design = workplace.design(document)
     report("propagating the ±")
@@ -96,8 +96,8 @@ def bands(workplace: Workplace, document: Document, choices: Choices) -> dict[st
     if uncertainty is not None:
         names = ", ".join(uncertainty.inputs.names)
         note = (
-            f"Shaded: 95 % bands to first order, by derivatives, from the ± of {names}. Results "
-            f"have the bands of {uncertainty.samples} samples, as lightflyer predict has them."
+            f"Shaded, and beside results: 95 % bands, from {uncertainty.samples} samples of the ± "
+            f"of {names}, as lightflyer predict has them."
         )
     found = readings(prediction_of(design), uncertainty)
     return {

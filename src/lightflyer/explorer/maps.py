@@ -79,7 +79,7 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
 
 
 def _usable_payload(setup: Setup, coordinates: np.ndarray) -> np.ndarray:
-    """Largest payload at coordinates, shape (n,); NaN where the film is hotter than it bears."""
+    """Largest payload at coordinates, shape (n,); NaN where the film does not survive."""
     table = Evaluator(setup)(coordinates, names=("temperature", "payload"))
     highest = setup.flyer.highest_temperature
     hot = table["temperature"] > (np.inf if highest is None else float(highest))

@@ -335,7 +335,7 @@ _BANDED = {
 
 
 def bands(uncertainty: PredictionUncertainty | None) -> dict[str, Any]:
-    """95 % bands of the curves, to first order."""
+    """95 % bands of the curves."""
     found: dict[str, Any] = {}
     for figure, output in _BANDED.items():
         columns: Columns = {"x": [], "low": [], "high": []}

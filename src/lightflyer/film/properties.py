@@ -216,7 +216,7 @@ def area_weighted_mean(
     Returns
     -------
     FilmProperties
-        Means over the area; the highest temperature is that of the film which bears least.
+        Means over the area; the highest temperature is that of the film that withstands least.
 
     Raises
     ------
@@ -264,7 +264,7 @@ def excess_of_growth(growth: Numeric) -> Array:
 
 
 def lowest_limit(films: Sequence[FilmProperties]) -> Numeric | None:
-    """Temperature that all of some films bear [K]; None where none states one."""
+    """Temperature that all of some films withstand [K]; None where none states one."""
     limits = [film.highest_temperature for film in films if film.highest_temperature is not None]
     if not limits:
         return None

@@ -96,7 +96,7 @@ class AbstractFlyer(Checked):
 
     @property
     def highest_temperature(self) -> Numeric | None:
-        """Temperature that all its films bear [K]; None where it is not known."""
+        """Temperature that all its films withstand [K]; None where it is not known."""
         return lowest_limit([getattr(self, name) for name in self.film_names()])
 
     @classmethod

@@ -37,16 +37,16 @@ _NONE = 1e-30  # in place of no stress to spare [Pa], so that derivatives stay f
 class Shape(NamedTuple):
     """How a flyer holds its shape; NaN where that is not known."""
 
-    #: Largest tension in a layer over what it bears [1]; NaN where no layer's strength is known
+    #: Largest tension in a layer over its strength [1]; NaN where no layer's strength is known
     stress_over_strength: Numeric
     curvature: Numeric = math.nan  #: The larger one of its principal curvatures [1/m]
     deflection: Numeric = math.nan  #: How far its edge is from the height of its middle [m]
     gap_closed: Numeric = math.nan  #: Share of the gap by which two membranes come closer [1]
     #: Compression, or pressure from outside, over that at which it buckles [1]
     load_over_buckling: Numeric = math.nan
-    buckling_pressure: Numeric = math.nan  #: Pressure from outside that a shell bears [Pa]
+    buckling_pressure: Numeric = math.nan  #: Pressure from outside that a shell withstands [Pa]
     lift_kept: Numeric = math.nan  #: Lift of the curled flyer over that of a flat one [1]
-    #: Load beside its payload's that it bears where it is held or carries [N]
+    #: Load beside its payload's that it withstands where it is held or carries [N]
     bearable_load: Numeric = math.nan
     lowest_frequency: Numeric = math.nan  #: Of a flat flyer, without gas [Hz]
 

@@ -139,7 +139,7 @@ def _filling_diagnostics(
     worst = tension.ravel()[tightest]
     if flyer.film_strength is not None and worst > np.min(flyer.film_strength):
         yield (
-            f"the film must bear {worst:.3g} N/m at {pressure.ravel()[tightest]:.3g} Pa, and its "
+            f"the film must withstand {worst:.3g} N/m at {pressure.ravel()[tightest]:.3g} Pa; its "
             f"film_strength is {np.min(flyer.film_strength):.3g} N/m"
         )
 

@@ -106,7 +106,7 @@ def find_usable(
     tolerance: float = EDGE_TOLERANCE,
     flat: float = FLAT,
 ) -> Usable:
-    """Find the parts of bands in which films bear a temperature, and the best place in them."""
+    """Find the parts of bands in which films survive, and the best place in them."""
     # of all bands, shape (2, bands, m), and of the place of most payload, (m,)
 
     def margins(places: np.ndarray) -> np.ndarray:

@@ -88,7 +88,7 @@ def verdict_lines(
     *,
     payload: bool = True,
 ) -> Iterator[str]:
-    """What flies, where, what becomes of it when let go, and what its film allows."""
+    """What flies, where, what becomes of it when released, and what its film allows."""
     setup, found = prediction.setup, prediction.verdict
     own_mass, aboard = _mass(float(setup.flyer.own_mass)), _mass(float(setup.flyer.payload), "g")
     carried = f", payload {aboard}" if float(setup.flyer.payload) else ""
@@ -151,11 +151,11 @@ def _percent(share: float | None) -> str:
 def film_lines(
     prediction: "Prediction", bands: Bands = _NONE, shares: Shares = _UNKNOWN
 ) -> Iterator[str]:
-    """What becomes of a flyer when let go, and where and in which light its film survives."""
+    """What becomes of a flyer when released, and where and in which light its film survives."""
     found = prediction.verdict
-    bears, rest = f"{found.highest_temperature or 0.0:.0f} K", found.rest
+    limit, rest = f"{found.highest_temperature or 0.0:.0f} K", found.rest
     known = found.highest_temperature is not None
-    film = f"its film withstands {bears}" if known else "its film's limit is not stated"
+    film = f"its film withstands {limit}" if known else "its film's limit is not stated"
     if rest is not None:
         band = bands.get("verdict.rest.temperature_k")
         hot = _with_band(rest.values["temperature"], band, ".0f", "K")
@@ -177,7 +177,7 @@ def film_lines(
         parts = "nowhere in that range"
         if found.usable:
             parts = _ranges(prediction, found.usable, bands, "verdict.usable_band")
-        yield f"Its film survives {parts}{'' if rest else f', as it withstands {bears}'}."
+        yield f"Its film survives {parts}{'' if rest else f', as it withstands {limit}'}."
     elif rest is None:
         yield f"I{film[1:]}{' and survives' if known else ''}."
 
@@ -374,7 +374,7 @@ def _short_table(prediction: "Prediction", width: int) -> Table:
 
 
 def _too_hot(prediction: "Prediction") -> np.ndarray:
-    """Where, of the coordinates asked for, the light makes the film hotter than it bears."""
+    """Where, of the coordinates asked for, the light makes the film hotter than it withstands."""
     highest = prediction.verdict.highest_temperature
     return prediction.at["temperature"] > (math.inf if highest is None else highest)
 

@@ -50,8 +50,8 @@ class Verdict(ShortRepr):
     strongest_light: float | None
     #: Where it rests in that light; None where that is zero, infinite or unknown
     strongest_rest: float | None
-    #: Payloads between which it comes to rest, let go, where its film survives [kg], though it does
-    #: not with its own payload; None where there are none
+    #: Payloads between which it comes to rest, when released, where its film survives [kg], though
+    #: it does not with its own payload; None where there are none
     ballast: tuple[float, float] | None
     #: Parts of the bands that the ranges of force model and gas cover; elsewhere they are
     #: extrapolated

@@ -81,7 +81,7 @@ class Choice:
         problem = make_problem(self.stacks.design, section, None, self.source)
         if any(part.of_film for part in problem.constraints):
             return problem
-        # every stack bears another temperature
+        # every stack withstands another temperature
         highest = self.stacks.limit(self.stacks.sequences[0])
         limits = _limits_of_film(highest, self.stacks.design, section, problem.asked)
         return replace(problem, constraints=(*problem.constraints, *limits))

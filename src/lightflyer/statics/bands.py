@@ -111,7 +111,7 @@ def levitation_band(
         Coordinates searched, altitudes [m] or pressures [Pa]; by default what the environment
         finds worth searching.
     usable : bool
-        Whether its films must bear their temperature in the band, where the flyer states what
+        Whether its films must withstand their temperature in the band, where the flyer states what
         they bear.
     throw : bool
         Raise where an edge has not converged (not under JAX's transformations).

@@ -1,4 +1,4 @@
-"""What a film bears where it is held, and what a payload hangs from."""
+"""What a film withstands where it is held, and what a payload hangs from."""
 
 import math
 
@@ -37,7 +37,7 @@ def fold_tension(
 def tether_mass(
     weight: Numeric, length: Numeric, density: Numeric, strength: Numeric, safety: Numeric = 2.0
 ) -> Array:
-    """Mass of a tether that bears a weight [kg].
+    """Mass of a tether that carries a weight [kg].
 
     ``weight`` [N], ``length`` [m], ``density`` [kg/m³], ``strength`` [Pa], ``safety`` [1].
     """

@@ -6,7 +6,9 @@ from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.entry_point import entry_point
 from lightflyer.structure.laminate import Stiffness
 
-SPHERE_KNOCK_DOWN = 0.14  # share of the classical pressure that built spheres bear [NASA-SP-8032]
+SPHERE_KNOCK_DOWN = (
+    0.14  # share of the classical pressure that built spheres withstand [NASA-SP-8032]
+)
 CYLINDER_KNOCK_DOWN = 0.75  # and cylinders under lateral pressure [NASA-SP-8007]
 _RING = 3.0  # of a ring, or the free end of a tube: p = 3 D/R³ [TimoshenkoGere1961]
 _CYLINDER = math.pi * math.sqrt(6.0) / 9.0 * 12.0**0.75

@@ -185,7 +185,7 @@ class PredictionUncertainty(PrintedResult):
 
     @property
     def share_that_survives(self) -> float | None:
-        """Share of the samples that rest somewhere, let go, where the film survives, or None."""
+        """Share of the samples whose film survives where they rest when released, or None."""
         heat = self.sampled.get("verdict.rest.temperature_k")
         highest = self.prediction.verdict.highest_temperature
         return None if heat is None or highest is None else float(np.mean(heat <= highest))
@@ -419,6 +419,8 @@ def _quantiles(table: Table) -> tuple[Table, Table]:
 def _normal_bands(slopes: Derivatives, names: tuple[str, ...]) -> tuple[Table, Table]:
     low, high = {}, {}
     for name in names:
-        value, spread = slopes.value[name], slopes.spreads(name)
+        # beyond the model's range its continuation bends, and says nothing of how far it is off
+        value = np.where(slopes.value["covered"] > 0.0, slopes.value[name], np.nan)
+        spread = slopes.spreads(name)
         low[name], high[name] = _normal_ends(value, spread, positive=name == _POSITIVE)
     return low, high

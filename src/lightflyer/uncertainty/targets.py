@@ -123,7 +123,7 @@ def find_targets(prediction: Prediction) -> tuple[list[Target], np.ndarray]:
 
 
 def _add_verdict(found: _Targets, band: str, key: str) -> None:
-    """Add what becomes of the flyer, let go, where its film survives, and what it carries there."""
+    """Add where the released flyer rests, where its film survives, and what it carries there."""
     verdict, bands = found.prediction.verdict, found.prediction.bands
     if verdict.rest is not None:
         found.at(verdict.rest.coordinate, UPPER, _LIFT)

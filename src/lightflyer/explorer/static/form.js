@@ -152,7 +152,7 @@ export class Form {
     return row;
   }
 
-  // Ends of the sliders, as the server says; those of a slider in use stay until it is let go.
+  // Ends of the sliders, as the server says; those of a slider in use stay until it is released.
   setEnds(ends) {
     for (const [dotted, one] of Object.entries(ends)) {
       const field = this.fields.get(dotted);

@@ -23,7 +23,7 @@ _SECOND = 1e9  # nanoseconds
 _HALF_TURN, _TURN, _POLE = 180.0, 360.0, 90.0  # degrees
 _FEWEST = 3  # Corners of a polygon
 _DIGITS = 6, 6, 1  # of longitude and latitude, a tenth of a metre, and of the altitude
-MOST_MEMBERS = 200  # Members of an ensemble that are drawn: a globe does not bear more lines
+MOST_MEMBERS = 200  # Members of an ensemble that are drawn: more lines would hide the globe
 
 
 def write_kml(dataset: "xr.Dataset", path: Path) -> None:

@@ -103,7 +103,7 @@ def _summarise_spread(dataset: "xr.Dataset") -> dict[str, Any]:
 
 
 def heat_of_film(dataset: "xr.Dataset") -> dict[str, Any] | None:
-    """How hot the film was, and what it bears; None where that is not stated."""
+    """How hot the film was, and what it withstands; None where that is not stated."""
     highest = dataset.attrs.get("highest_temperature_k")
     if highest is None:
         return None

@@ -154,7 +154,7 @@ def test_spectrum_with_errors_and_falling_wavelengths(write):
     content = "wavelength [nm],irradiance_err,irradiance_W/m2/nm\n700,9,1.5\n500,9,2.5\n"
     wavelength, irradiance = read_spectrum_csv(write(content))
     np.testing.assert_allclose(wavelength, [500e-9, 700e-9])
-    assert irradiance.tolist() == [2.5, 1.5]
+    assert irradiance.tolist() == [2.5e9, 1.5e9]
 
 
 def test_names_of_files_and_of_materials():

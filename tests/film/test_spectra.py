@@ -67,15 +67,18 @@ GOOD = "wavelength [nm],irradiance [W/m^2/nm]\n400,0\n500,2\n600,0\n"
 def test_ones_own_lamp(tmp_path):
     path = tmp_path / "lamp.csv"
     path.write_text(GOOD)
-    assert spectrum_from_csv(path).total == pytest.approx(200e-9)
+    assert spectrum_from_csv(path).total == pytest.approx(
+        200.0
+    )  # W/m²: the unit was left out of it
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
         ("500", "700", "out of order"),
-        ("2\n", "-2\n", "irradiance = -2 is not"),
+        ("2\n", "-2\n", "irradiance = -2 W/m.2/nm is not"),
         ("500,2\n", "", "zero"),
+        ("W/m^2/nm", "mol/(s m^2 nm)", "is unknown; give one that converts to W/m"),
     ],
 )
 def test_a_bad_lamp_gets_one_clear_line(tmp_path, old, new, message):

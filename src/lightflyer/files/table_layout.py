@@ -19,9 +19,10 @@ COMMENTS = ("#", "//", "!")
 """Beginnings of comment lines."""
 
 _COMMA_IN_NUMBER = re.compile(r"^\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*$")
-_NAME_AND_UNIT = re.compile(r"^(.*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?$")
+_IN_BRACKETS = r"\[[^\[\]]*\]|\((?:[^()]|\([^()]*\))*\)"  # round ones stand in units too
+_NAME_AND_UNIT = re.compile(rf"^(.*?)\s*({_IN_BRACKETS})?$")
 _NAME_AND_SUFFIX = re.compile(r"^(.*[^\s_])[\s_]+(\S+)$")
-_SPACED_CELL = re.compile(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?")
+_SPACED_CELL = re.compile(rf"[^\s\[(]+(?:\s*(?:{_IN_BRACKETS}))?")
 _NO_UNIT = ("1", "-", "fraction", "a.u.", "arb. units")
 _ERRORS = ("err", "error", "std", "stdev", "sd", "sigma", "se", "unc", "uncertainty", "u", "min",
            "max", "low", "high", "lower", "upper", "plus", "minus")  # fmt: skip
@@ -281,7 +282,7 @@ def _split_name(cell: str) -> tuple[str, str]:
     if whole in _WHOLE_NAMES:
         return _WHOLE_NAMES[whole]
     match = _NAME_AND_UNIT.match(text)
-    base, unit = (match[1], match[2] or "") if match else (text, "")
+    base, unit = (match[1], (match[2] or "")[1:-1].strip()) if match else (text, "")
     for mark in (",", "/", " in "):
         if not unit and mark in base:
             base, _, unit = base.partition(mark)

@@ -1,6 +1,5 @@
 """Rows of a table as numbers and texts, and what is wrong with the rows that cannot be read."""
 
-import datetime
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -33,7 +32,6 @@ _DATE = re.compile(
     rf"|\d{{1,2}}[. -]+{_MONTH}\.?(?:[. -]*\d{{2,4}})?$|{_MONTH}[. -]+\d{{2,4}}$",
     re.I,
 )
-_CLOCK, _MIDNIGHT = re.compile(r"^\d\d:\d\d"), datetime.date(1970, 1, 1)
 _SPACED = re.compile(rf"\d[{SPACES}{APOSTROPHES}]\d")
 _PERCENT = 100.0
 
@@ -230,8 +228,6 @@ def _read_row(
         value = marks.number(cell)
         if value is None:
             value = _in_percent(cell, one, marks)
-        if value is None and column.quantity.unit == "s":
-            value = _moment(cell, one)
         if value is None:
             _require_plain(cell, f"{place}: {column.name}")
             return _not_a_number(cell, column.name), said
@@ -259,20 +255,6 @@ def _in_percent(cell: str, one: Placed, marks: Marks) -> float | None:
         return None
     value = marks.number(cell[:-1].rstrip())
     return value if value is None or one.column.any_unit else value / _PERCENT / one.scale
-
-
-def _moment(cell: str, one: Placed) -> float | None:
-    """Seconds of a date since 1970, or of a time of day since midnight, in the column's unit."""
-    try:
-        if _CLOCK.match(cell):
-            clock = datetime.time.fromisoformat(cell)
-            day = datetime.datetime.combine(_MIDNIGHT, clock)
-        else:
-            day = datetime.datetime.fromisoformat(cell)
-    except ValueError:
-        return None
-    day = day if day.tzinfo else day.replace(tzinfo=datetime.UTC)
-    return (day.timestamp() - one.offset) / one.scale
 
 
 def _require_plain(cell: str, place: str) -> None:

@@ -50,7 +50,7 @@ _IMAGINARY = Column("permittivity_imaginary", Quantity("", 0.0), (
 _INDEX_COLUMNS = (*_ABSCISSAE, _N, _K, _REAL, _IMAGINARY)
 _SPECTRUM_COLUMNS = (
     Column("wavelength", Length, ("lambda", "wl"), required=True, suggested_unit="um"),
-    Column("irradiance", Quantity("", 0.0), required=True, any_unit=True),
+    Column("irradiance", Quantity("W/m^3", 0.0), required=True, assumed_unit="W/m^3"),
 )
 # the two blocks that refractiveindex.info writes one below the other, in micrometres
 _BLOCK = re.compile(r'^\s*"?(?:wl|wavelength)\b.*[,;\t]\s*"?([nk])"?\s*$', re.I)
@@ -204,7 +204,7 @@ def _tables(path: Path, page: object) -> Iterator[tuple[str, np.ndarray]]:
     """Kind (n, k or nk) and columns of each table of a page, wavelengths in metres."""
     entries = page.get("DATA") if isinstance(page, dict) else None
     if not isinstance(entries, list):
-        raise ConfigurationError(f"{path}: is no page of refractiveindex.info: it has no DATA")
+        raise ConfigurationError(f"{path}: is not a page of refractiveindex.info: it has no DATA")
     seen = set()
     for entry in entries:
         kind = str(entry.get("type", "")) if isinstance(entry, dict) else ""

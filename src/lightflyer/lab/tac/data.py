@@ -49,7 +49,6 @@ COLUMNS = (
     Column(
         "ambient_temperature", Temperature, ("t_ambient", "t_gas", "gas_temperature", "ambient")
     ),
-    Column("time", Quantity("s"), ("t", "elapsed_time"), assumed_unit="s"),
 )
 """Columns of a run; voltage and current may stand in place of power."""
 

@@ -359,6 +359,7 @@ def test_data_that_end_say_so():
         (lambda d: d.isel(lat=slice(10, 60)), "latitude of albedo must reach"),
         (lambda d: d.isel(month=slice(0, 6)), "month of albedo must be the numbers 1 to 12"),
         (lambda d: 3.0 * d, "albedo = .* is not between 0 and 1"),
+        (lambda d: d.assign(infrared=d.infrared * 100.0), "infrared = 2.4e.04 .* is unlikely"),
         (lambda d: d.rename(lat="y"), "has the dimension y, which is none of"),
         (lambda d: d.where(d.lat > 0), "missing values"),
         (lambda d: d.drop_vars("lat"), "the dimension lat has no coordinates"),

@@ -23,12 +23,16 @@ _NO_DATE = "is not a date; write it such as 2026-06-21T12:00:00Z"
 
 
 def require_hour(instant: Any) -> Any:
-    """Raise :class:`ParameterError` for a day without an hour, which is no instant; else it."""
-    try:
-        datetime.date.fromisoformat(str(instant).strip())
-    except ValueError:
-        return instant
-    raise ParameterError(f"{instant} is a day; add the hour, as in {instant}T12:00Z")
+    """The date; raises :class:`ParameterError` for a day without an hour, and for a number."""
+    day = f"{instant} is a day; add the hour, as in {instant}T12:00Z"
+    # of a number of seconds nobody knows since when
+    for reads, said in ((datetime.date.fromisoformat, day), (float, f"{instant} {_NO_DATE}")):
+        try:
+            reads(str(instant).strip())
+        except ValueError:
+            continue
+        raise ParameterError(said)
+    return instant
 
 
 def seconds_of(instant: Any) -> Any:

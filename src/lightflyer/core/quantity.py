@@ -315,6 +315,11 @@ Irradiance = Annotated[
     Numeric, Quantity("W/m^2", 0.0, sizes=(1e-30, 1e8),
         why="the surface of the sun gives 6.3e7 W/m²"),
 ]  # fmt: skip
+Infrared = Annotated[
+    Numeric, Quantity("W/m^2", 0.0, sizes=(1e-30, 1e8),
+        why="the surface of the sun gives 6.3e7 W/m²",
+        likely=(0.0, 1500.0), known="black surroundings of 400 K radiate 1450 W/m²"),
+]  # fmt: skip
 Acceleration = Annotated[
     Numeric, Quantity("m/s^2", 0.0, open_below=True, sizes=(1e-6, 1e3),
         why="asteroids and the sun are between"),

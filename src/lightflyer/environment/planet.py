@@ -20,6 +20,7 @@ from lightflyer.core.quantity import (
     Checked,
     Flattening,
     Fraction,
+    Infrared,
     Irradiance,
     PlanetRadius,
     RotationRate,
@@ -77,7 +78,7 @@ class Planet(Checked):
     gravity: Acceleration | None = None
     irradiance: Irradiance | None = None
     albedo: Fraction = 0.0
-    infrared: Irradiance | None = None
+    infrared: Infrared | None = None
     effective_radius: PlanetRadius | None = None
     limb: Limb | None = None
     highest_searched: float = field(static=True, default=math.inf)

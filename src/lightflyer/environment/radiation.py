@@ -14,6 +14,7 @@ from lightflyer.core.quantity import (
     AngularRadius,
     Checked,
     Fraction,
+    Infrared,
     Irradiance,
     PolarAngle,
 )
@@ -137,8 +138,8 @@ class Radiation(Checked):
     azimuth: Angle = 0.0
     albedo: Fraction = 0.0
     diffuse_above: Irradiance = 0.0
-    infrared_above: Irradiance | None = None
-    infrared_below: Irradiance | None = None
+    infrared_above: Infrared | None = None
+    infrared_below: Infrared | None = None
     ground_view: Fraction | None = None
     stefan_boltzmann: Numeric = constants.STEFAN_BOLTZMANN
     visible: Fraction | None = None

@@ -12,6 +12,7 @@ from lightflyer.core.quantity import (
     Acceleration,
     Fraction,
     Incidence,
+    Infrared,
     Irradiance,
 )
 from lightflyer.core.units import Measured, scale_and_offset
@@ -42,8 +43,8 @@ class EnvironmentSection(Alternative, abc.ABC):
     gravity: Acceleration | None = None
     irradiance: Irradiance
     incidence: Incidence = Measured(0.0)
-    infrared_top: Irradiance | None = None
-    infrared_bottom: Irradiance | None = None
+    infrared_top: Infrared | None = None
+    infrared_bottom: Infrared | None = None
     albedo: Fraction = Measured(0.0)
 
     @property

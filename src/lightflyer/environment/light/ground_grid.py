@@ -10,7 +10,7 @@ from lightflyer.core.checks import is_traced, require_data
 from lightflyer.core.clock import EPOCH, dates_of
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError, ParameterError
-from lightflyer.core.quantity import RADIANS_PER_DEGREE, Fraction, Irradiance, quantity_of
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, Fraction, Infrared, quantity_of
 from lightflyer.core.text import span
 from lightflyer.environment.base import Place
 from lightflyer.environment.light.ground import AbstractGround, UniformGround
@@ -23,7 +23,7 @@ _MONTHS = 12
 _REACH = 10.0 * RADIANS_PER_DEGREE  # of data towards the poles, less than which is a gap
 _CLOSED = 1.01  # spacings that may be missing of a circle of longitudes
 
-_KINDS = {"albedo": Fraction, "infrared": Irradiance}
+_KINDS = {"albedo": Fraction, "infrared": Infrared}
 _NAMES = {
     "time": ("time", "month"),
     "latitude": ("latitude", "lat"),
@@ -220,6 +220,8 @@ def _check(array: Any, name: str) -> np.ndarray:
         quantity.check(name, values)
     except ParameterError as error:
         raise ConfigurationError(f"ground: {error}") from None
+    if doubt := quantity.unlikely(values):
+        raise ConfigurationError(f"ground: {name} = {doubt}")
     return values
 
 

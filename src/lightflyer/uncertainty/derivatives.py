@@ -53,15 +53,13 @@ class Derivatives:
 
     def level(self, name: str, point: int) -> np.ndarray:
         """Gradient of the coordinate at which an output keeps its value, shape (k,)."""
-        rows = self.change[name][:, point]
-        return -rows[:-1] / rows[-1]
+        return _moved(self.change[name][:, point])
 
     def optimum(self, objective: str, point: int) -> np.ndarray:
         """Gradient of the coordinate of an optimum, shape (k,)."""
         if objective not in self._slope_changes:
             self._slope_changes[objective] = self._slope_change(objective)
-        rows = self._slope_changes[objective][:, point]
-        return -rows[:-1] / rows[-1]
+        return _moved(self._slope_changes[objective][:, point])
 
     def _slope_change(self, name: str) -> np.ndarray:
         """Derivatives of an output's slope over the coordinate, shape (k + 1, n)."""
@@ -87,6 +85,11 @@ class Derivatives:
                 for change, moves in zip(changes[:-1, 0], moving, strict=True)
             ]
         )
+
+
+def _moved(rows: np.ndarray) -> np.ndarray:
+    """Gradient of the coordinate at which what has these derivatives stays; NaN for a flat one."""
+    return -rows[:-1] / (rows[-1] or np.nan)
 
 
 def _directions(

@@ -47,7 +47,7 @@ def add_bands(panel: str, ax: "Axes", uncertainty: "PredictionUncertainty") -> N
     if panel == "payload":
         scale, _ = display_unit_at_best(uncertainty.prediction, "payload")
         bottom, top = ax.get_ylim()
-        highest = _HEADROOM * scale * float(np.nanmax(uncertainty.high["payload"], initial=0.0))
+        highest = _HEADROOM * scale * float(np.nanmax(uncertainty.high["payload"]))
         ax.set_ylim(bottom, max(top, highest))
     if bands:
         # one entry for bands of several colours

@@ -419,8 +419,9 @@ def _quantiles(table: Table) -> tuple[Table, Table]:
 def _normal_bands(slopes: Derivatives, names: tuple[str, ...]) -> tuple[Table, Table]:
     low, high = {}, {}
     for name in names:
-        # beyond the model's range its continuation bends, and says nothing of how far it is off
-        value = np.where(slopes.value["covered"] > 0.0, slopes.value[name], np.nan)
-        spread = slopes.spreads(name)
+        value, spread = slopes.value[name], slopes.spreads(name)
+        if group_of(name) == LEVITATION:
+            # beyond the model's range its continuation bends, and tells nothing of its error
+            value = np.where(slopes.value["covered"] > 0.0, value, np.nan)
         low[name], high[name] = _normal_ends(value, spread, positive=name == _POSITIVE)
     return low, high

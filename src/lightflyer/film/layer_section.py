@@ -153,7 +153,7 @@ class NamedSection(Section):
 
 def named_medium(name: str, policy: Extrapolation, density: Measured | None = None) -> Medium:
     """A material by its name, or of a file."""
-    found: Medium = material_from_csv(name) if names_file(name) else material(name)
+    found = material(name)
     if density is not None:
         found = found.with_density(density.value)
     return found.with_extrapolation(policy)

@@ -24,7 +24,8 @@ from lightflyer.film.media.database import (
     page_material,
 )
 from lightflyer.film.media.effective_media import Shape, maxwell_garnett
-from lightflyer.film.media.materials import Material, Segment, vacuum
+from lightflyer.film.media.material_csv import names_file
+from lightflyer.film.media.materials import Material, Segment, material_from_csv, vacuum
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium
 
 _Lookup: TypeAlias = Callable[
@@ -116,7 +117,8 @@ def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ER
         Of the library, such as ``"Ge"``, ``"PET"`` or its other name ``"mylar"``; see
         :func:`material_names`. Or any page of refractiveindex.info, with the extra ``materials``,
         as shelf/book/page such as ``"main/Cr/Johnson"``; see
-        :func:`~lightflyer.film.media.database.search_pages`. Or one that a plug-in adds.
+        :func:`~lightflyer.film.media.database.search_pages`. Or a file, as of
+        :func:`material_from_csv`. Or one that a plug-in adds.
     extrapolation : Extrapolation or str
         Policy outside the range of its data.
 
@@ -144,6 +146,8 @@ def material(name: str, *, extrapolation: Extrapolation | str = Extrapolation.ER
     >>> print(f"{n:.3f} {k:.3f}")
     3.702 2.429
     """
+    if names_file(name):
+        return material_from_csv(name).with_extrapolation(extrapolation)
     if looks_like_page(name):
         return page_material(database_page(name)).with_extrapolation(extrapolation)
     found = canonical_name(name)

@@ -204,7 +204,7 @@ KINETIC = "kinetic --kn 1 --tac-top 0.8 --tac-bottom 0.9"
 COMMANDS = [
     ("predict", r"predict needs FLYER_FILE \(TOML file .*see lightflyer predict --help"),
     ("predict flyer.toml --at", r"--at needs a value \(altitudes such as"),
-    ("map x.zarr", r"map needs --x \(field across, such as diameter\) and --value \(output, such"),
+    ("map x.zarr", r"map needs --x \(field of the horizontal axis, .* and --value \(output, such"),
     ("predict nothere.toml", "nothere.toml: cannot be read: No such file"),
     ("predict folder", "folder: cannot be read: Is a directory"),
     ("predict empty.toml", "is empty; 'lightflyer init' writes an example"),

@@ -69,7 +69,7 @@ def test_mistakes_are_one_line_each(run, files, tmp_path):
     broken = tmp_path / "broken.toml"
     broken.write_text(files[0].read_text("utf-8").replace("2 cm", "-2 cm"), "utf-8")
     for arguments, told in (
-        ((files[0],), "compare takes 2 to 9 flyers, and here are 1"),
+        ((files[0],), "compare takes 2 to 9 flyers, not 1"),
         ((files[0], chamber), "narrow is described over altitude and chamber over pressure"),
         ((files[0], broken), "broken.toml:7: flyer.diameter"),
         ((files[0], tmp_path / "none.toml"), "none.toml: cannot be read"),

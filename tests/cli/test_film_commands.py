@@ -173,7 +173,7 @@ def test_materials_are_searched(run):
     assert "more pages of refractiveindex.info have it: give more words" in text
     code, _, errors = run("materials", "--search", " ")
     assert code == 2
-    assert "the search has no word" in errors
+    assert "the search is empty" in errors
 
 
 def test_a_density_in_the_wrong_unit_is_said(run, film_file):

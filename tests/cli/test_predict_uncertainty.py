@@ -113,3 +113,12 @@ def test_bad_input(run, folder, old, new, arguments, says):
     assert says in errors
     assert errors.count("\n") == 1
     assert not (folder / "out").exists()
+
+
+@pytest.mark.parametrize(("highest", "has_bands"), [("520 K", True), ("300 K", False)])
+def test_brackets_are_explained_where_there_are_any(run, folder, highest, has_bands):
+    text = FILE.replace("[environment]", f'highest_temperature = "{highest}"\n[environment]')
+    (folder / "flyer.toml").write_text(text, encoding="utf-8")
+    code, out, _ = run("predict", folder / "flyer.toml", "--samples", "0")
+    assert code == 0
+    assert ("brackets: 95 % bands" in out) == has_bands == ("(" in out)

@@ -169,9 +169,9 @@ def test_figure_tells_nine_flyers_apart(designs):
 @pytest.mark.parametrize(
     ("arguments", "options", "message"),
     [
-        (1, {}, "compare takes 2 to 9 flyers, and here are 1"),
-        (10, {}, "and here are 10"),
-        (2, {"searched": (8e4, 6e4)}, "80 km to 60 km is no range"),
+        (1, {}, "compare takes 2 to 9 flyers, not 1"),
+        (10, {}, "flyers, not 10"),
+        (2, {"searched": (8e4, 6e4)}, "80 km to 60 km is not a range"),
         (2, {"searched": (0.0, 2e6)}, "^disk of 2 cm: searched altitude"),
         (2, {"samples": 5}, "samples = 5"),
     ],
@@ -183,7 +183,7 @@ def test_what_cannot_be_compared_is_refused(designs, arguments, options, message
 
 def test_one_flyer_is_no_comparison(designs):
     for one in (designs[0], "flyer.toml", designs[0].flyer):
-        with pytest.raises(lf.ParameterError, match="here are 1"):
+        with pytest.raises(lf.ParameterError, match="flyers, not 1"):
             lf.compare(one)
 
 

@@ -272,7 +272,9 @@ def test_several_files_are_one(tmp_path, monkeypatch):
     np.testing.assert_allclose(parts, found, atol=1e-12)
     other = data.isel(time=[3], latitude=slice(1, None))
     other.to_netcdf(tmp_path / "day-3.nc", engine="h5netcdf")
-    with pytest.raises(lf.ConfigurationError, match="no one grid: their latitudes or longitudes"):
+    with pytest.raises(
+        lf.ConfigurationError, match="do not share one grid: their latitudes or longitudes"
+    ):
         GriddedWind.from_file(tmp_path / "day-*.nc")
     with pytest.raises(lf.ConfigurationError, match="no file has such a name"):
         GriddedWind.from_file(tmp_path / "week-*.nc")
@@ -360,7 +362,9 @@ def test_files_that_are_not_usable_get_one_line(tmp_path):
         GriddedWind.from_file(tmp_path / "era5.grib")
     bent = wrf(canonical())
     bent["XLAT"] = bent.XLAT + 0.1 * bent.west_east
-    with pytest.raises(lf.ConfigurationError, match="no grid of latitudes and longitudes"):
+    with pytest.raises(
+        lf.ConfigurationError, match="do not form a grid of latitudes and longitudes"
+    ):
         GriddedWind(bent)
 
 

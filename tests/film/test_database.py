@@ -86,8 +86,8 @@ def test_a_film_without_k_absorbs_nothing_and_has_no_ratio():
     ("name", "message"),
     [
         ("main/Cr/Jonson", "did you mean main/Cr/Johnson"),
-        ("Rakic/BB", "is no page of refractiveindex.info"),
-        ("https://refractiveindex.info/?shelf=main", "is no page of refractiveindex.info"),
+        ("Rakic/BB", "is not a page of refractiveindex.info"),
+        ("https://refractiveindex.info/?shelf=main", "is not a page of refractiveindex.info"),
         ("main/Si/Daub", "has no refractive index n, only k"),
         ("other/CR-39/poly", "has n and k at no range of wavelengths"),
         ("main/GaSe/Kato-o", "has n = nan"),
@@ -134,7 +134,7 @@ def test_a_search_finds_formula_author_and_words():
     assert all(page.book == "Ge" for page in search_pages("germanium film"))
     assert search_pages("germaniu")  # a part of a word, as no page has it whole
     assert search_pages("xyzzy") == []
-    with pytest.raises(lf.ParameterError, match="has no word"):
+    with pytest.raises(lf.ParameterError, match="is empty"):
         search_pages("  ")
 
 

@@ -57,8 +57,8 @@ def test_a_straight_line_replaces_what_is_between():
     ("text", "says"),
     [
         ("2400-2280 cm^-1", "must be below"),
-        ("2280 cm^-1", "is no range"),
-        ("2280-2400", "is no range"),
+        ("2280 cm^-1", "is not a range"),
+        ("2280-2400", "is not a range"),
         ("2280-2400 kg", "wrong kind"),
         (" , ", "has no range"),
     ],

@@ -32,7 +32,7 @@ def test_numbers_of_nested_records(tmp_path):
 @pytest.mark.parametrize("content", ["{", "[]", '{"tac": {"value": 1, "interval_95": 3}}'])
 def test_a_damaged_record_is_named(tmp_path, content):
     (tmp_path / "tac.json").write_text(content, encoding="utf-8")
-    with pytest.raises(lf.ConfigurationError, match=r"tac\.json: is no record of lightflyer"):
+    with pytest.raises(lf.ConfigurationError, match=r"tac\.json: is not a record of lightflyer"):
         collect_records([tmp_path])
 
 

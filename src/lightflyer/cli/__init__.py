@@ -59,7 +59,7 @@ app.command(
 app.command(
     "lightflyer.cli.commands.explore:explore_command",
     name="explore",
-    help="Open a page on which a flyer's numbers can be moved.",
+    help="Open a page to change a flyer's numbers and see what follows.",
 )
 app.command(
     "lightflyer.cli.missions.fly:fly_command",
@@ -69,7 +69,7 @@ app.command(
 app.command(
     "lightflyer.cli.missions.spread:spread_command",
     name="spread",
-    help="Spread a swarm: which shares still fly, and are near a place, after days.",
+    help="Fly a swarm for days: what share is still aloft, and near a place.",
 )
 app.command(
     "lightflyer.cli.missions.steering:drift_command",

@@ -118,8 +118,8 @@ class ResultOptions(FigureOptions):
     Parameters
     ----------
     report
-        HTML page to write everything into that is printed and drawn, with the files read, the
-        command and the versions: one file that can be mailed.
+        HTML page for all that is printed and drawn, with the files read, the command and the
+        versions: one file that can be mailed.
     """
 
     report: Path | None = None

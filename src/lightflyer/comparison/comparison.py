@@ -324,7 +324,7 @@ def _designs_by_name(
         what = [what]
     parts = list(what.values() if isinstance(what, Mapping) else what)
     if not FEWEST <= len(parts) <= MOST:
-        raise ParameterError(f"compare takes {FEWEST} to {MOST} flyers, and here are {len(parts)}")
+        raise ParameterError(f"compare takes {FEWEST} to {MOST} flyers, not {len(parts)}")
     designs = [as_design(one, environment, model) for one in parts]
     if isinstance(what, Mapping):
         return dict(zip(what, designs, strict=True))
@@ -358,8 +358,8 @@ def _range_of(where: Coordinate, searched: tuple[Any, Any]) -> tuple[float, floa
         factor, _ = scale_and_offset(where.unit, where.shown_unit)
         unit = where.shown_unit
         raise ParameterError(
-            f"{where.name}: {low * factor:g} {unit} to {high * factor:g} {unit} is no range; the "
-            "first must be the lower one"
+            f"{where.name}: {low * factor:g} {unit} to {high * factor:g} {unit} is not a range; "
+            "the first must be the lower one"
         )
     return low, high
 

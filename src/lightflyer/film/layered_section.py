@@ -146,7 +146,7 @@ class LayeredFilmSection(FilmSection, LitSection):
         for entry in self.correlated:
             for name in entry.of:
                 if not spreads.get(name):
-                    raise ConfigurationError(f"correlated: {name} is no number with ± in [film]")
+                    raise ConfigurationError(f"correlated: {name} is not a number with ± in [film]")
             if entry.of[0] == entry.of[1]:
                 raise ConfigurationError(f"correlated: {entry.of[0]} is named twice in one entry")
         names = self._correlated_names

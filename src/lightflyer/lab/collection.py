@@ -90,7 +90,7 @@ def collect_records(folders: str | Path | Sequence[str | Path]) -> list[Recorded
                 ]
             except (OSError, ValueError, KeyError, TypeError, RecursionError):
                 raise ConfigurationError(
-                    f"{path}: is no record of lightflyer, or damaged"
+                    f"{path}: is not a record of lightflyer, or is damaged"
                 ) from None
     return list(dict.fromkeys(found))
 

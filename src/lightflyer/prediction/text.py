@@ -59,7 +59,7 @@ def prediction_parts(
     """The verdict, a table around the bands, and what must be known; ``verbose``: all of it."""
     # ``sources``: where the bands are from, told in short; ``payload``: tell the largest one
     width = min(width, NARROW)
-    told = verdict_lines(prediction, bands, shares, payload=payload)
+    told = [*verdict_lines(prediction, bands, shares, payload=payload)]
     yield from (wrap(line, width) for line in told)
     if prediction.asked.size:
         yield from (
@@ -76,7 +76,8 @@ def prediction_parts(
     if verbose:
         yield _results(prediction, prediction.summary())
     yield from (wrap(line, width) for line in warning_lines(prediction.other_warnings))
-    yield wrap(_force_line(prediction, sources), width)
+    has_brackets = any("(" in line for line in told)
+    yield wrap(_force_line(prediction, sources * has_brackets), width)
     if verbose:
         yield wrap("; ".join(prediction.assumptions), width)
 

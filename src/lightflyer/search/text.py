@@ -120,8 +120,8 @@ def _constraint_line(optimum: "Optimum", constraint: "Constraint") -> str:
         effect = f"active: 1 % looser is worth {worth}"
     at, limit_shown = (amount(value, unit) for value in (optimum.outputs[name], limit))
     if constraint.of_film:
-        limit = f"the film withstands {limit_shown}"
-        return f"{name} {at} ({limit}{'' if gain is None else f'; {effect}'})"
+        withstands = f"the film withstands {limit_shown}"
+        return f"{name} {at} ({withstands}{'' if gain is None else f'; {effect}'})"
     return f"{name} {at} ({word} {limit_shown}; {effect})"
 
 

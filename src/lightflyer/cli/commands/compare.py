@@ -37,7 +37,7 @@ def compare_command(
     samples
         Monte Carlo samples for the bands of files with ±; 0 for first order alone.
     seed
-        Of the samples.
+        Seed of the samples' random numbers.
     figures
         How figures are written.
     """

@@ -47,7 +47,7 @@ def explore_command(
         TOML file of a flyer or a mission; by default a disk over Earth. Files that it names are
         read; the page itself can name files of its folder only.
     port
-        Port at which the page is served; the next free one where it is in use, 0 for any.
+        Port of the page; the next free one if that is in use; 0 for any.
     browser
         Open the page in the browser.
     """

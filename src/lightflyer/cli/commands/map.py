@@ -33,9 +33,9 @@ def map_command(
     results
         Folder that "lightflyer sweep" wrote.
     x
-        Field across, such as diameter.
+        Field of the horizontal axis, such as diameter.
     y
-        Field up, such as altitude; without it the value itself is drawn upwards.
+        Field of the vertical axis, such as altitude; by default the value itself.
     value
         Output, such as relative_payload.
     at

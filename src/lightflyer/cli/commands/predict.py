@@ -54,7 +54,7 @@ def predict_command(
     samples
         Monte Carlo samples for the bands of a file with ±; 0 for first order alone.
     seed
-        Of the samples.
+        Seed of the samples' random numbers.
     figures
         How figures are written.
     """

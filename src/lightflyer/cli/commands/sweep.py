@@ -48,7 +48,7 @@ def sweep_command(
     workers
         Threads on this machine; by default one for each processor and two more.
     chunk
-        Most designs that are computed and stored together; by default 262144.
+        Largest number of designs computed and stored together; by default 262144.
     device
         Compute on the processors or on all GPUs; by default where JAX does.
     yes

@@ -31,8 +31,8 @@ def fly_command(
         one.
     out
         Folder to write figures, the dataset (NetCDF), the flight as a table (CSV), the tracks
-        (KML, GeoJSON) and the summary (JSON) into. Of an interrupted command it keeps the flights
-        of ensemble and launches: the same command goes on.
+        (KML, GeoJSON) and the summary (JSON) into. If interrupted, the same command continues
+        from the flights of the ensemble or the launches that it kept.
     json_output
         Print one JSON object instead of tables.
     figures

@@ -32,7 +32,7 @@ def spread_command(
         TOML file with the sections [mission] and [mission.ensemble]. Near is within
         [mission.station], by default 100 km about the place of the release.
     members
-        How many are released; by default those of [mission.ensemble].
+        Number released; by default that of [mission.ensemble].
     out
         Folder to write the shares over time (NetCDF), the summary (JSON) and the figure into. It
         keeps what was flown: the same command continues where it was interrupted.

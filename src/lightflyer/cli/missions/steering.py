@@ -86,7 +86,7 @@ def drift_command(
     flyer_file
         TOML file of the flyer. Its own tilt has no effect.
     azimuth
-        Towards which the top face is tilted, from the same axis as the light's.
+        Direction towards which the top face is tilted, from the same axis as the light's.
     options
         Where, and how results are written.
     """
@@ -144,9 +144,9 @@ def swarm_command(
     tether
         Mass over length of a tether; a fibre of 3 um of polyethylene has "7e-9 kg/m".
     spacing
-        Distance of neighbours; by default three diameters.
+        Distance between neighbours; by default three diameters.
     depth
-        Of the payload below the layer of flyers; by default twice the layer's radius.
+        Depth of the payload below the layer of flyers; by default twice the layer's radius.
     options
         Where, and how results are written.
     """

@@ -175,7 +175,7 @@ def dimensions_of(dataset: Any, variable: str) -> dict[str, str]:
         if not kinds or kinds[0] in found:
             raise ConfigurationError(
                 f"winds: {own} has the dimension {dimension}, which is none of time, "
-                "altitude or pressure, latitude, longitude, or is so twice; rename it or select "
+                "altitude or pressure, latitude, longitude, or occurs twice; rename it or select "
                 "one entry"
             )
         found[kinds[0]] = str(dimension)
@@ -205,7 +205,7 @@ def _scale(array: Any, target: str) -> np.ndarray:
 def _degrees(array: Any) -> np.ndarray:
     unit = unit_of(array) or "degrees"
     if not unit.startswith(_DEGREES):
-        raise ConfigurationError(f'winds: units of {called(array)}: "{unit}" is none of degrees')
+        raise ConfigurationError(f'winds: units of {called(array)}: "{unit}" is not degrees')
     return np.asarray(array.values, float) * RADIANS_PER_DEGREE
 
 
@@ -227,7 +227,7 @@ def _seconds(array: Any) -> np.ndarray:
         name = called(array)
         if " since " in unit_of(array):
             raise ConfigurationError(
-                f"winds: {name} must be dates (UTC) and is numbers; take xarray.decode_cf(dataset)"
+                f"winds: {name} must be dates (UTC), not numbers; take xarray.decode_cf(dataset)"
             )
         raise ConfigurationError(
             f"winds: {name} must be dates (UTC); give it units such as "
@@ -273,8 +273,8 @@ def _field(
     name = called(array)
     if unit == "m/s" and np.any(np.abs(values) > _FASTEST):
         raise ConfigurationError(
-            f"winds: {name} reaches {np.nanmax(np.abs(values)):.3g} m/s, and no wind {_FASTEST:g} "
-            "m/s: mark missing values by _FillValue, and check the units"
+            f"winds: {name} reaches {np.nanmax(np.abs(values)):.3g} m/s, and no wind exceeds "
+            f"{_FASTEST:g} m/s: mark missing values by _FillValue, and check the units"
         )
     if unit == "K" and np.any(values < _COLDEST):
         raise ConfigurationError(
@@ -333,7 +333,9 @@ def heights_of(fields: Fields) -> tuple[np.ndarray | None, str]:
         return None, "the atmosphere"
     altitude = altitude_of(geopotential, fields.axes[2][:, None])
     if np.any(np.diff(altitude, axis=1) <= 0.0):
-        raise ConfigurationError("winds: the heights of the data do not grow from level to level")
+        raise ConfigurationError(
+            "winds: the heights of the data do not increase from level to level"
+        )
     return altitude, told
 
 

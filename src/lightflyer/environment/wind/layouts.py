@@ -71,7 +71,7 @@ def load_parts(path: str | Path, parts: list[Any]) -> Any:
         return xarray.combine_by_coords(loaded, combine_attrs="override", join="exact")
     except ValueError as error:
         reason = str(error).partition("\n")[0]
-        raise ConfigurationError(f"{path}: these files are no one grid: {reason}") from None
+        raise ConfigurationError(f"{path}: these files do not share one grid: {reason}") from None
 
 
 def weather_files(path: str | Path) -> list[str]:
@@ -236,8 +236,8 @@ def _of_wrf(dataset: Any) -> Any:
     latitude, longitude = (grid.reshape(-1, *grid.shape[-2:]) for grid in (latitude, longitude))
     if max(np.ptp(latitude, axis=2).max(), np.ptp(longitude, axis=1).max()) > _EVEN:
         raise ConfigurationError(
-            "winds: XLAT and XLONG are no grid of latitudes and longitudes; put the file on one, "
-            "such as by cdo remapbil"
+            "winds: XLAT and XLONG do not form a grid of latitudes and longitudes; interpolate "
+            "the file to one, such as by cdo remapbil"
         )
     levels = pressure.reshape(-1, pressure.shape[-1])[0]
     places = {

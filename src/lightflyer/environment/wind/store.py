@@ -89,7 +89,7 @@ class Store:
         ]
         if any(not np.array_equal(own[0], one) for own in self._own[2:] for one in own):
             raise ConfigurationError(
-                f"{path}: these files are no one grid: their latitudes or longitudes differ"
+                f"{path}: these files do not share one grid: their latitudes or longitudes differ"
             )
         source = [np.unique(np.concatenate(own)) for own in self._own]
         if source[3][-1] - source[3][0] > _TURN - 1e-6:  # 0° and 360° are both there

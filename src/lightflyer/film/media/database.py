@@ -129,7 +129,7 @@ def database_page(name: str) -> DatabasePage:
         raise ParameterError(f'material "{name}" has several pages: {names}')
     near = [known[key].name for key in difflib.get_close_matches(wanted, known, n=3, cutoff=0.6)]
     hint = f"did you mean {' or '.join(near)}?" if near else "try lightflyer materials --search"
-    raise ParameterError(f'material "{name}" is no page of {SITE}; {hint}')
+    raise ParameterError(f'material "{name}" is not a page of {SITE}; {hint}')
 
 
 def _key(name: str) -> str:
@@ -164,7 +164,7 @@ def search_pages(text: str) -> list[DatabasePage]:
     """
     words = text.lower().split()
     if not words:
-        raise ParameterError("the search has no word")
+        raise ParameterError("the search is empty")
     whole = [re.compile(rf"(?<!\w){re.escape(word)}(?!\w)") for word in words]
     texts = {page: page._text.lower() for page in database_pages().values()}
     found = [page for page, all_ in texts.items() if all(one.search(all_) for one in whole)]

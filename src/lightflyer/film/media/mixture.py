@@ -232,7 +232,7 @@ class Graded(Compound):
 
     def __check_init__(self) -> None:
         if self.count < 1:
-            raise ParameterError(f"count = {self.count} is no number of sheets")
+            raise ParameterError(f"count = {self.count} is not a number of sheets")
         self._at(0.0), self._at(1.0)  # raise
 
     def _at(self, depth: float) -> Mixture:

@@ -32,7 +32,9 @@ def without_air(spectrum: MeasuredSpectrum, air: MeasuredSpectrum) -> MeasuredSp
     if air.quantity != "transmittance":
         raise ParameterError(f"{air.source}: shows {air.quantity}, not transmittance of air")
     if np.array_equal(air.value, spectrum.value):
-        raise ParameterError(f"{air.source}: has the same data as {spectrum.source}; it is no air")
+        raise ParameterError(
+            f"{air.source}: has the same data as {spectrum.source}; it is not a spectrum of air"
+        )
     if np.any(air.value <= 0.0):
         raise ParameterError(f"{air.source}: its transmittance is not above zero everywhere")
     at, value, said = spectrum.wavenumber, spectrum.value.copy(), []
@@ -72,7 +74,7 @@ def parse_ranges(text: str) -> list[tuple[float, float]]:
         whole = ends("--straight-line", part.strip(), "m^-1")
         if whole is None:
             raise ConfigurationError(
-                f'--straight-line: "{part.strip()}" is no range; write "2280-2400 cm^-1"'
+                f'--straight-line: "{part.strip()}" is not a range; write "2280-2400 cm^-1"'
             )
         found.append(whole)
     if not found:

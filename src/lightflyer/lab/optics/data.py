@@ -260,7 +260,9 @@ def _free_numbers(file: SampleFile) -> tuple[tuple[FreeNumber, ...], dict[str, t
         for name in (entry.number, *entry.same):
             if name not in given:
                 fit = ", ".join(key for key in given if why_not(key) is None) or "none"
-                raise ConfigurationError(f"{name} is no number that [film] gives; it gives {fit}")
+                raise ConfigurationError(
+                    f"{name} is not a number that [film] gives; it gives {fit}"
+                )
             if reason := why_not(name):
                 raise ConfigurationError(f"{name} {reason}")
             if name in taken:

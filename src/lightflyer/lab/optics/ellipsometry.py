@@ -125,7 +125,7 @@ class EllipsometrySection(MeasuredFile):
             if not 0.0 < angle < _GRAZING:
                 raise ConfigurationError(
                     f"{self.file}: incidence = {angle:g} deg must be above 0 and below 90 deg; at "
-                    "normal incidence Ψ and Δ tell nothing"
+                    "normal incidence Ψ and Δ carry no information"
                 )
             here = np.flatnonzero(angles == angle)
             here = here[np.argsort(wavenumber[here])]

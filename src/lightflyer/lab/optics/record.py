@@ -68,8 +68,8 @@ def update_layers(
         one = fit.numbers[name]
         if all(fit.open_ends[name]) or not (one.uncertainty or 0.0) < abs(one.value):
             raise ConfigurationError(
-                f"{path}: the spectra do not tell {name}; fix it in {fit.sample.source}, or state "
-                "it with ±; the file is unchanged"
+                f"{path}: the spectra do not determine {name}; fix it in {fit.sample.source}, or "
+                "state it with ±; the file is unchanged"
             )
     require_no_doubt(path, fit.warnings, insist=insist)
     document: Any = tomlkit.parse(read_text(path))

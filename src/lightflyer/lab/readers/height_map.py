@@ -128,7 +128,7 @@ def _from_list(path: Path, matrix: NumberMatrix) -> tuple[NumberMatrix, float, d
     if len(x) < _LEAST_PLACES or len(y) < _LEAST_PLACES or any(
         np.ptp(one) > _UNEVEN * one.mean() for one in steps
     ):  # fmt: skip
-        raise ConfigurationError(f"{path}: its list of x, y and height is no even grid")
+        raise ConfigurationError(f"{path}: its list of x, y and height is not an even grid")
     heights = np.empty((len(y), len(x)))
     heights[row, column] = values[:, 2]
     note = f"a list of x, y and height is read as {len(x)} x {len(y)} pixels"

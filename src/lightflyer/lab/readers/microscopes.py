@@ -225,7 +225,7 @@ def _channel(path: Path, kind: Instrument, reader: Any, info: Any, size: int) ->
     lateral, unit = info.unit if isinstance(info.unit, tuple) else (info.unit, info.data_unit)
     side = metres(lateral or "")
     if side is None:
-        raise ConfigurationError(f"{path}: the unit of its sides, {lateral}, is no length")
+        raise ConfigurationError(f"{path}: the unit of its sides, {lateral}, is not a length")
     width, length = (float(one) * side for one in info.physical_sizes)
 
     def read() -> np.ndarray:

@@ -143,7 +143,9 @@ def _read_tiff(source: Source, scale: Scale | None = None) -> "ThermalImage":
         try:
             kelvin = np.where(values == float(text.strip("\0 ")), np.nan, kelvin)
         except ValueError:
-            raise ConfigurationError(f"{path}: its tag of GDAL for no data is no number") from None
+            raise ConfigurationError(
+                f"{path}: its GDAL tag for missing data is not a number"
+            ) from None
     notes = (f"the first of {count} images in the file is read",) if count > 1 else ()
     return ThermalImage(str(path), kelvin, notes=notes)
 
@@ -162,7 +164,7 @@ def _gdal_scale(path: Path, tags: dict[int, Any]) -> Scale | None:
         step, zero = scale_and_offset(items["unittype"], "K")
         factor, offset = float(items.get("scale", "1")), float(items.get("offset", "0"))
     except (ElementTree.ParseError, ValueError, ConfigurationError) as error:
-        raise ConfigurationError(f"{path}: its tag of GDAL cannot be read: {error}") from None
+        raise ConfigurationError(f"{path}: its GDAL tag cannot be read: {error}") from None
     return Scale(factor * step, offset * step + zero)
 
 

@@ -213,7 +213,7 @@ def planet_of(environment: AbstractEnvironment) -> Planet:
     planet = environment.planet
     if planet is None:
         raise ParameterError(
-            f"a mission needs a planet below it, which {type(environment).__name__} has not"
+            f"a mission needs a planet below it; {type(environment).__name__} has none"
         )
     return planet
 

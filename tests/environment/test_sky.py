@@ -342,7 +342,7 @@ def test_data_that_end_say_so():
     after = Place.at("2026-02-02T00:00Z", 10.0, 20.0)
     earth = lf.Earth(sky=Daylight(ground=ground))
     with pytest.raises(
-        lf.ParameterError, match="albedo on the ground ends at 2026-02-01T00:00 UTC"
+        lf.ParameterError, match="albedo on the ground ends at 2026-02-01 00:00 UTC"
     ):
         earth.state(70e3, after)
     margin = earth.sky.margins(70e3, after)

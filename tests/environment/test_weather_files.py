@@ -7,9 +7,9 @@ import xarray as xr
 from scipy.interpolate import RegularGridInterpolator
 
 import lightflyer as lf
+from lightflyer.core.clock import seconds_of
 from lightflyer.environment import GriddedWind, Place
 from lightflyer.environment.wind import store
-from lightflyer.environment.wind.dataset import EPOCH
 from lightflyer.environment.wind.heights import GAS_CONSTANT, altitude_of
 
 START = np.datetime64("2026-06-21T00:00", "ns")
@@ -423,7 +423,7 @@ def test_calendars_without_true_dates(tmp_path, monkeypatch, calendar):
         with_times("m.nc", "days since 2026-06-21", 0.0, 1.0, calendar=calendar)
     pytest.importorskip("cftime")
     exec(str(caught.value).split("then ")[1], {"xarray": xr})
-    assert "2026-06-21T00:00 UTC to 2026-06-22" in GriddedWind.from_file("dates.nc").describe()[0]
+    assert "2026-06-21 00:00 UTC to 2026-06-22" in GriddedWind.from_file("dates.nc").describe()[0]
     with pytest.raises(lf.ConfigurationError, match=f"calendar {calendar}"):
         GriddedWind(xr.open_dataset("m.nc"))
 
@@ -438,7 +438,7 @@ def test_calendars_without_true_dates(tmp_path, monkeypatch, calendar):
 )
 def test_days_since_the_year_one(tmp_path, unit, calendar, first):
     wind = with_times(tmp_path / "old.nc", unit, first, first + 1.0, calendar=calendar)
-    assert wind.describe()[0].startswith("wind: data, 2026-06-21T00:00 UTC to 2026-06-2")
+    assert wind.describe()[0].startswith("wind: data, 2026-06-21 00:00 UTC to 2026-06-2")
 
 
 def test_a_time_that_no_library_reads_is_not_a_damaged_file(tmp_path):

@@ -8,7 +8,7 @@ import numpy as np
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core import constants
 from lightflyer.core.entry_point import entry_point
-from lightflyer.core.quantity import Checked, Fraction, Irradiance
+from lightflyer.core.quantity import Checked, Fraction, Infrared
 from lightflyer.core.text import span
 from lightflyer.environment.base import Place
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
@@ -52,7 +52,7 @@ class UniformGround(AbstractGround):
     """
 
     albedo: Fraction = EARTH_ALBEDO
-    infrared: Irradiance = EARTH_INFRARED
+    infrared: Infrared = EARTH_INFRARED
 
     def albedo_at(self, place: Place) -> Array:
         return _everywhere(self.albedo, place)

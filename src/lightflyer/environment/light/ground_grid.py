@@ -7,7 +7,7 @@ import numpy as np
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import Module
 from lightflyer.core.checks import is_traced, require_data
-from lightflyer.core.clock import EPOCH, dates_of
+from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Fraction, Infrared, quantity_of
@@ -33,18 +33,8 @@ _NAMES = {
 
 class _Field(Module):
     values: Any  # shape (t, y, x)
-    time: Axis  # [s], [rad], [rad]
-    latitude: Axis  # [s], [rad], [rad]
-    longitude: Axis  # [s], [rad], [rad]
+    axes: tuple[Axis, Axis, Axis]  # of time [s], latitude and longitude [rad]
     ends: tuple[Any, Any] | None  # First and last time of data [s]; None where they never end
-
-    def at(self, place: Place) -> Array:
-        position = (place.time, place.latitude, place.longitude)
-        value = interpolate(self.values, (self.time, self.latitude, self.longitude), position)
-        if self.ends is None:
-            return value
-        first, last = self.ends
-        return xp.where((place.time >= first) & (place.time <= last), value, np.nan)
 
 
 class GriddedGround(AbstractGround):
@@ -133,13 +123,15 @@ class GriddedGround(AbstractGround):
 
 @entry_point
 def _field_at(field: _Field, place: Place) -> Array:
-    return field.at(place)
+    value = interpolate(field.values, field.axes, (place.time, place.latitude, place.longitude))
+    if field.ends is None:
+        return value
+    first, last = field.ends
+    return xp.where((place.time >= first) & (place.time <= last), value, np.nan)
 
 
 def _date(seconds: Any) -> str:
-    if is_traced(seconds):
-        return "its date"
-    return f"{np.datetime_as_string(dates_of(seconds), 'm')} UTC"
+    return "its date" if is_traced(seconds) else date_text(seconds)
 
 
 def _words(field: _Field) -> str:
@@ -180,7 +172,7 @@ def _read(array: Any, name: str) -> _Field:
     if "latitude" in names:
         latitude, values = _to_poles(latitude, values, name)
     around = _TURN if "longitude" in names else None
-    return _Field(values, Axis(time, period), Axis(latitude), Axis(longitude, around), ends)
+    return _Field(values, (Axis(time, period), Axis(latitude), Axis(longitude, around)), ends)
 
 
 def _dimensions(array: Any, name: str) -> dict[str, str]:
@@ -230,10 +222,8 @@ def _months(array: Any, name: str) -> np.ndarray:
     months = np.asarray(array.values)
     if sorted(months.tolist()) != list(range(1, _MONTHS + 1)):
         raise ConfigurationError(f"ground: month of {name} must be the numbers 1 to 12")
-    starts = np.array([np.datetime64(f"2001-{month:02d}-01") for month in range(1, 13)])
-    ends = np.append(starts[1:], np.datetime64("2002-01-01"))
-    middles = (_since_epoch(starts) + _since_epoch(ends)) / 2.0
-    return np.mod(middles[months - 1], _YEAR)
+    edges = seconds_of(np.arange("2001-01", "2002-02", dtype="datetime64[M]").astype("M8[s]"))
+    return np.mod(0.5 * (edges[:-1] + edges[1:])[months - 1], _YEAR)
 
 
 def _seconds(array: Any, name: str) -> np.ndarray:
@@ -241,12 +231,7 @@ def _seconds(array: Any, name: str) -> np.ndarray:
         raise ConfigurationError(
             f"ground: time of {name} must be dates (UTC), or month the numbers 1 to 12"
         )
-    return _since_epoch(array.values)
-
-
-def _since_epoch(dates: np.ndarray) -> np.ndarray:
-    epoch = np.datetime64(EPOCH.replace(tzinfo=None), "ns")
-    return (dates.astype("datetime64[ns]") - epoch) / np.timedelta64(1, "s")
+    return np.asarray(seconds_of(array.values))
 
 
 def _around(longitude: np.ndarray, values: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:

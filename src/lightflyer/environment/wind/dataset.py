@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lightflyer.core import constants
+from lightflyer.core.clock import seconds_of
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE
 from lightflyer.core.units import scale_and_offset
@@ -18,9 +19,6 @@ from lightflyer.environment.wind.heights import (
     on_altitudes,
 )
 from lightflyer.environment.wind.layouts import called, in_one_layout, not_of_the_sun, unit_of
-
-EPOCH = np.datetime64("2000-01-01T12:00:00", "ns")
-"""Origin of :attr:`lightflyer.environment.Place.time`."""
 
 LARGEST = 30_000_000  # Most points of a dataset's variables, which are in memory at once
 
@@ -233,7 +231,7 @@ def _seconds(array: Any) -> np.ndarray:
             f"winds: {name} must be dates (UTC); give it units such as "
             '"hours since 2024-06-21" and open it by xarray, which decodes them'
         )
-    return (array.values.astype("datetime64[ns]") - EPOCH) / np.timedelta64(1, "s")
+    return np.asarray(seconds_of(array.values))
 
 
 def _known_air(dataset: Any, given: list[str]) -> dict[str, str]:

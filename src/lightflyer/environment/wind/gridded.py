@@ -10,13 +10,14 @@ from lightflyer.array import tree
 from lightflyer.array.namespace import Numeric, xp
 from lightflyer.array.records import Module, field
 from lightflyer.core.checks import is_traced
+from lightflyer.core.clock import date_text
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude
 from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind, Air, near_poles, next_to
-from lightflyer.environment.wind.dataset import EPOCH, WindGrid, read_grid
+from lightflyer.environment.wind.dataset import WindGrid, read_grid
 from lightflyer.environment.wind.store import Store, open_wind
 from lightflyer.numerics.cubic_grid import Axis, interpolate
 
@@ -58,7 +59,7 @@ class Reach(Module):
         time, level, latitude, longitude = self.ends
         found: dict[str, Numeric] = {}
         if time[0] != time[1]:
-            found |= _margins("time", place.time, time, _HOUR, *map(_date, time))
+            found |= _margins("time", place.time, time, _HOUR, *map(date_text, time))
         lowest, highest = self._level_names()
         unit = TWO_KILOMETRES if self.atmosphere is None else _LOG_PRESSURE
         height = self.level(altitude, place)
@@ -74,7 +75,7 @@ class Reach(Module):
 
     def describe(self) -> str:
         """Times and levels, in words."""
-        begin, end = (_date(value) for value in self.ends[0])
+        begin, end = map(date_text, self.ends[0])
         period = "constant in time" if begin == end else f"{begin} to {end}"
         return f"{period}, {' to '.join(self._level_names())}"
 
@@ -93,11 +94,6 @@ def _margins(
         f"{name} {below} the data of the wind, which begin at {first}": (value - low) / unit,
         f"{name} {above} the data of the wind, which end at {last}": (high - value) / unit,
     }
-
-
-def _date(seconds: float) -> str:
-    date = EPOCH + np.timedelta64(round(seconds), "s")
-    return f"{np.datetime_as_string(date, unit='m')} UTC"
 
 
 @entry_point

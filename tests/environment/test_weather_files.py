@@ -394,7 +394,7 @@ def test_heights_that_contradict_pressures(case, is_warm):
     advice = f'set dataset["{name}"].attrs["units"] = "{meant}"'
     assert str(caught.value).endswith(advice)
     exec(advice.removeprefix("set "), {"dataset": data})
-    place = Place(0.5, 0.3, (START - EPOCH) / np.timedelta64(1, "s") + 9e3)
+    place = Place(0.5, 0.3, float(seconds_of(START)) + 9e3)
     np.testing.assert_allclose(
         GriddedWind(data).velocity(3e4, place)[:2], right.velocity(3e4, place)[:2], rtol=1e-9
     )

@@ -48,7 +48,7 @@ from lightflyer.film.media.library import (
     mechanics_of,
 )
 from lightflyer.film.media.material_csv import names_file
-from lightflyer.film.media.materials import material_from_csv, vacuum
+from lightflyer.film.media.materials import vacuum
 from lightflyer.film.media.medium import Extrapolation, Medium
 from lightflyer.film.media.mixture import SHEETS, Graded, Mixture
 from lightflyer.film.optics.stack import Layer
@@ -140,12 +140,8 @@ class NamedSection(Section):
         """Its canonical name; raises here, where the line of the flyer file is known."""
         if name is None:
             return None
-        if names_file(name):
-            path = file_beside(name, info)
-            material_from_csv(path)
-            return path
-        if looks_like_page(name):
-            found = database_page(name).name
+        if names_file(name) or looks_like_page(name):
+            found = file_beside(name, info) if names_file(name) else database_page(name).name
             material(found)
             return found
         return canonical_name(name)

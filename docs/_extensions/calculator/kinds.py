@@ -248,6 +248,32 @@ KINDS = (
         },
         15.0, "kg", (1.0, 1e4), "an open balloon of one temperature",
     ),
+    Kind(
+        "particle", "Particle", "particle",
+        {
+            "Particle": (
+                Number("flyer.diameter", "diameter", "um", 0.1, 100.0, 3, logarithmic=True),
+                Number("flyer.payload", "payload carried", "pg", 0.0, 1000.0, 1),
+                Number("altitude", "altitude", "km", 10.0, 120.0, 1),
+                Number("flyer.density", "density", "g/cm^3", 0.01, 20.0, 3, logarithmic=True),
+                Number("flyer.conductivity", "thermal conductivity", "W/(m*K)", 0.01, 400.0, 3,
+                       logarithmic=True),
+                Number("flyer.mass_offset", "middle to centre of mass", "nm", 0.1, 1e4, 3,
+                       logarithmic=True),
+            ),
+            "Surface": (
+                Number("flyer.absorption_efficiency", "absorption efficiency", "", 0.01, 3.0),
+                Number("flyer.emittance", "emittance", "", 0.01, 1.0),
+                Number("flyer.infrared_asymmetry", "asymmetry of heat radiation, J₁", "", -0.5,
+                       0.5),
+                Number("flyer.tac_top", "accommodation coefficient (TAC), top", "", 0.3, 1.0),
+                Number("flyer.tac_bottom", "accommodation coefficient (TAC), bottom", "", 0.3,
+                       1.0),
+            ),
+            _LIGHT: _AROUND,
+        },
+        60.0, "pg", (10.0, 1e5), "a sphere that gravity holds upright as well as molecules let it",
+    ),
 )  # fmt: skip
 """All kinds, the first one that of the front page."""
 

@@ -22,7 +22,7 @@ from lightflyer.core.quantity import (
     Roughness,
     Thickness,
 )
-from lightflyer.core.units import Measured
+from lightflyer.core.units import Measured, parse
 from lightflyer.files.section import Section
 from lightflyer.files.toml_file import file_beside
 from lightflyer.film.computed import ComputedFilm, with_measurements
@@ -30,7 +30,13 @@ from lightflyer.film.layer_section import OF_NO_MEDIUM, LayerSection, Policy
 from lightflyer.film.media.library import MECHANICS
 from lightflyer.film.media.medium import Extrapolation, Medium
 from lightflyer.film.optics.integration import COARSE_POINTS_PER_E_FOLD, POINTS_PER_E_FOLD
-from lightflyer.film.optics.spectra import Spectrum, am0, cold_white_led, spectrum_from_csv
+from lightflyer.film.optics.spectra import (
+    Spectrum,
+    am0,
+    cold_white_led,
+    spectral_line,
+    spectrum_from_csv,
+)
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.optics.thickness import neighbouring_films
 from lightflyer.film.properties import FilmProperties
@@ -83,10 +89,15 @@ class LitSection(Section):
     def _known_spectrum(cls, name: str, info: ValidationInfo) -> str:
         if name in _LAMPS:
             return name
-        if not name.lower().endswith(".csv"):
+        is_file = name.lower().endswith(".csv")
+        if name[:1].isdigit() and not is_file:
+            light_of(name)
+            return name
+        if not is_file:
             known = ", ".join(_LAMPS)
             raise ConfigurationError(
-                f'spectrum "{name}" is unknown; choose from {known}, or a CSV file'
+                f'spectrum "{name}" is unknown; choose from {known}, or a CSV file, or a '
+                'wavelength such as "532 nm"'
             )
         path = file_beside(name, info)
         spectrum_from_csv(path)
@@ -98,8 +109,11 @@ class LitSection(Section):
 
 def light_of(spectrum: str) -> Spectrum:
     """A spectrum by its name, or of a file."""
-    known = _LAMPS.get(spectrum)
-    return known() if known else spectrum_from_csv(spectrum)
+    if spectrum in _LAMPS:
+        return _LAMPS[spectrum]()
+    if spectrum.lower().endswith(".csv"):
+        return spectrum_from_csv(spectrum)
+    return spectral_line(parse(spectrum, "m", "nm").value)
 
 
 class LayeredFilmSection(FilmSection, LitSection):

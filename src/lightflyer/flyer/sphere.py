@@ -30,9 +30,11 @@ from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
+from lightflyer.files.toml_file import file_beside
 from lightflyer.film.layer_section import NamedSection, Policy, named_medium
 from lightflyer.film.layered_section import LitSection, light_of
 from lightflyer.film.media.medium import Extrapolation, Medium
+from lightflyer.film.optics.absorbed_powers import read_absorbed_powers
 from lightflyer.film.optics.curve import (
     NODES,
     EmittanceCurve,
@@ -334,10 +336,18 @@ class SphereSection(FlyerSection, NamedSection, LitSection, of=Sphere):
     shape: Literal["sphere"]
     material: str | None = None
     extrapolation: Policy = "error"
+    absorbed_powers: str | None = None
     absorption_efficiency: Multiple | None = None
     emittance: Emittance | None = None
 
     _nominal: float = pydantic.PrivateAttr(0.0)
+
+    @pydantic.field_validator("absorbed_powers")
+    @classmethod
+    def _readable(cls, name: str, info: pydantic.ValidationInfo) -> str:
+        path = file_beside(name, info)
+        read_absorbed_powers(path)
+        return path
 
     @pydantic.model_validator(mode="after")
     def _has_optics(self) -> "SphereSection":
@@ -354,9 +364,12 @@ class SphereSection(FlyerSection, NamedSection, LitSection, of=Sphere):
         """A sphere has no attitude."""
         turned = [key for key in ("tilt", "azimuth") if getattr(self, key).value != 0.0]
         of_media = ("extrapolation", "spectrum") if self.material is None else ()
-        return dict.fromkeys(turned, f"on a sphere: {_NO_TILT}") | dict.fromkeys(
-            of_media, "without material"
-        )
+        stated = () if self.asymmetry is None else ("absorbed_powers",)  # type: ignore[attr-defined] # a generated field
+        return {
+            **dict.fromkeys(turned, f"on a sphere: {_NO_TILT}"),
+            **dict.fromkeys(of_media, "without material"),
+            **dict.fromkeys(stated, "beside asymmetry"),
+        }
 
     def _value_of(self, field: str) -> Any:
         own = super()._value_of(field)
@@ -376,6 +389,10 @@ class SphereSection(FlyerSection, NamedSection, LitSection, of=Sphere):
         if self.material is not None:
             found = self._optics(self._value_of("radius"))
             given |= {key: one for key, one in found.items() if getattr(self, key) is None}
+        if self.absorbed_powers is not None:
+            share = read_absorbed_powers(self.absorbed_powers).asymmetry
+            stated = self._value_of("absorption_efficiency")
+            given["asymmetry"] = share * given.get("absorption_efficiency", stated)
         made: Sphere = super().make(**given)
         return made
 

@@ -70,7 +70,11 @@ def _presets(kind: Kind) -> list[tuple[str, str]]:
     """Designs to begin with, each with the address that shows it."""
     from published import calculator_state, published
 
-    found = ((f"{one.source}: {one.title}", calculator_state(one)) for one in published())
+    found = (
+        (f"{one.source}: {one.title}", calculator_state(one))
+        for one in published()
+        if one.in_calculator
+    )
     links = [(title, link) for title, (name, link) in found if name == kind.name]
     return [(f"that of lightflyer init --kind {kind.template}", "#design:"), *links]
 

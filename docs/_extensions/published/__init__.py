@@ -27,7 +27,8 @@ _HERE = Path(__file__).parent
 _PAGES = "flyers-published"  # folder of the pages, which are made, and of the flyer files
 _UP = "../"  # from these pages to the others
 _SCRIPT = "published.js"
-_KILO, _MILLIGRAM, _GRAM = 1e3, 1e-6, 1e-3
+_KILO, _PICOGRAM, _NANOGRAM, _MILLIGRAM, _GRAM = 1e3, 1e-15, 1e-12, 1e-6, 1e-3
+_WAS = {"flew": "flew.", "computed": "was computed, and has not been built."}
 
 
 def page(flyer: Published) -> str:
@@ -53,7 +54,7 @@ def page(flyer: Published) -> str:
             size=_size(flyer),
             source=flyer.source,
             cited=linked(flyer.source, _UP) + online(flyer.source),
-            status="It flew." if flyer.flew else "It was computed, and has not been built.",
+            status=f"It {_WAS.get(flyer.how, f'was {flyer.how}.')}",
             claimed=flyer.claimed,
             told=told,
             lines=lines,
@@ -115,6 +116,8 @@ def _calculator_link(flyer: Published) -> str:
     from calculator.kinds import KINDS
     from calculator.page import page_of
 
+    if not flyer.in_calculator:
+        return ""
     name, link = calculator_state(flyer)
     page = page_of(next(one for one in KINDS if one.name == name))
     return f' The <a href="../{page}{escape(link)}">calculator</a> shows it.'
@@ -133,6 +136,8 @@ def _band(flyer: Published) -> str:
 
 
 def _mass(kilograms: float) -> str:
+    if kilograms < _NANOGRAM:
+        return f"{kilograms / _PICOGRAM:.3g} pg"
     if kilograms < _GRAM:
         return f"{kilograms / _MILLIGRAM:.3g} mg"
     return f"{kilograms / _GRAM:.3g} g" if kilograms < 1.0 else f"{kilograms:.3g} kg"
@@ -159,7 +164,7 @@ def _flyer_table() -> str:
     rows = "".join(
         f'<tr><th scope="row"><a href="{_PAGES}/{one.name}.html">{escape(one.title)}</a></th>'
         f"<td>{linked(one.source)}{online(one.source)}</td>"
-        f"<td>{'flew' if one.flew else 'computed'}</td>"
+        f"<td>{one.how}</td>"
         f"<td>{escape(one.claimed)}</td><td>{escape(_band(one))}</td></tr>"
         for one in published()
     )
@@ -182,7 +187,7 @@ def _pair() -> str:
             "rows": [
                 ["source", one.source],
                 ["published", one.claimed],
-                ["seen to fly", "yes" if one.flew else "no, computed"],
+                ["seen to fly", {"flew": "yes", "computed": "no, computed"}.get(one.how, one.how)],
                 ["size", _size(one)],
                 ["own mass", _mass(one.verdict()["own_mass"])],
                 ["we find that it flies", _band(one)],

@@ -28,6 +28,8 @@ class Published:
     title, kind, source : str
     flew : bool
         Whether it was seen to fly.
+    how : str
+        The same in a word or two.
     claimed : str
         What the publication says, in a sentence.
     told : list of tuple of str
@@ -47,6 +49,7 @@ class Published:
     kind: str
     source: str
     flew: bool
+    how: str
     claimed: str
     told: list[tuple[str, str, str]]
     said: str
@@ -61,10 +64,15 @@ class Published:
             where.startswith("(guess)") for keys in self.file.values() for _, where in keys.values()
         )
 
+    @property
+    def in_calculator(self) -> bool:
+        """Whether the calculator can show it; gravity is that of Earth there."""
+        return "gravity" not in self.file["environment"]
+
     def flyer_file(self) -> str:
         """Its flyer file, each number with where it is from."""
         lines = [
-            f"# {self.title}, {self.source}: {'flew' if self.flew else 'computed'}.",
+            f"# {self.title}, {self.source}: {self.how}.",
             "# What is guessed is marked (guess). Run:  lightflyer predict FILE",
         ]
         for section, keys in self.file.items():
@@ -127,6 +135,7 @@ def _row(name: str, content: dict[str, Any]) -> Published:
         kind=content["kind"],
         source=content["source"],
         flew=content["flew"],
+        how=content.get("how", "flew" if content["flew"] else "computed"),
         claimed=content["claimed"],
         told=[(what, value, where) for what, value, where in content["told"]],
         said=content["said"],

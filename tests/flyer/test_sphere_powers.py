@@ -67,6 +67,7 @@ def test_a_sphere_in_the_light_of_a_laser(tmp_path):
     ("keys", "said"),
     [
         ('absorption_efficiency = 1\nabsorbed_powers = "no.txt"', "no.txt"),
+        ('absorption_efficiency = 1\nabsorbed_powers = "IntField-X"', "IntField-X: cannot"),
         ('absorption_efficiency = 1\nabsorbed_powers = "flyer.toml"', "flyer.toml"),
         ('absorption_efficiency = 1\nasymmetry = 0\nabsorbed_powers = "q.txt"', "beside asymmetry"),
         ('material = "a-C"\nspectrum = "moon"', 'a wavelength such as "532 nm"'),

@@ -66,8 +66,10 @@ class Published:
 
     @property
     def in_calculator(self) -> bool:
-        """Whether the calculator can show it; gravity is that of Earth there."""
-        return "gravity" not in self.file["environment"]
+        """Whether the calculator can show it: by the gravity of Earth, a particle in its air."""
+        around = self.file["environment"]
+        in_air = self.kind != "sphere" or around["kind"][0] == "earth"
+        return "gravity" not in around and in_air
 
     def flyer_file(self) -> str:
         """Its flyer file, each number with where it is from."""

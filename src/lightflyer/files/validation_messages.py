@@ -78,7 +78,9 @@ def _other_mistake(mistake: Any, dotted: str) -> str:
     shown = in_toml(value)
     if isinstance(value, str) and shown in message:
         return f"{dotted}: {message}"
-    return f"{dotted} = {shortened(shown)}: {message[0].lower()}{message[1:]}"
+    first = message.partition(" ")[0]  # a name of a file keeps its capitals
+    text = message[0].lower() + message[1:] if first == first.capitalize() else message
+    return f"{dotted} = {shortened(shown)}: {text}"
 
 
 def _explain_kind(wanted: str) -> Callable[[Any, str], str]:

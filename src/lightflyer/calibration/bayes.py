@@ -173,8 +173,19 @@ def posterior(
         raise ParameterError(f"seed must not be negative, got {seed}")
     names = [*calibration.names, *([SCATTER] if calibration.estimated_scatter else [])]
     with by_jax():
+        low, high = _prior_ends(calibration)
+        least, most = np.log(_SCATTER_RANGE)
+        start = {"parameters": np.clip(np.log(calibration.values), low + _INSIDE, high - _INSIDE)}
+        if calibration.estimated_scatter:
+            scatter = np.log(calibration.uncertainty[:1])
+            start[SCATTER] = np.clip(scatter, least + _INSIDE, most - _INSIDE)
         mcmc = numpyro.infer.MCMC(
-            _sampler(numpyro, calibration),
+            numpyro.infer.NUTS(
+                probabilistic_model(calibration),
+                dense_mass=True,  # coefficients are correlated
+                forward_mode_differentiation=True,  # few parameters
+                init_strategy=numpyro.infer.init_to_value(values=start),
+            ),
             num_warmup=warmup,
             num_samples=-(-samples // CHAINS),
             num_chains=CHAINS,
@@ -208,22 +219,6 @@ def _numpyro() -> ModuleType:
             "the posterior needs numpyro: pip install 'lightflyer[posterior]'"
         ) from error
     return numpyro
-
-
-def _sampler(numpyro: ModuleType, calibration: Calibration) -> Any:
-    """NUTS over the logarithms of parameters and scatter, started at the fit."""
-    low, high = _prior_ends(calibration)
-    least, most = np.log(_SCATTER_RANGE)
-    start = {"parameters": np.clip(np.log(calibration.values), low + _INSIDE, high - _INSIDE)}
-    if calibration.estimated_scatter:
-        scatter = np.log(calibration.uncertainty[:1])
-        start[SCATTER] = np.clip(scatter, least + _INSIDE, most - _INSIDE)
-    return numpyro.infer.NUTS(
-        probabilistic_model(calibration),
-        dense_mass=True,  # coefficients are correlated
-        forward_mode_differentiation=True,  # few parameters
-        init_strategy=numpyro.infer.init_to_value(values=start),
-    )
 
 
 def _prior_ends(calibration: Calibration) -> tuple[np.ndarray, np.ndarray]:

@@ -141,17 +141,27 @@ def _calibration(
     _require_distinct(here.jacobian * fit.weight[:, None], problem.names)
     estimated = not points.has_uncertainty
     scaled = scale_errors and not estimated
-    _require_freedom(freedom, points.source, scaled=scaled)
+    if scaled and not freedom:
+        raise ParameterError(
+            f"{points.source}: as many parameters as points leave nothing to scale errors by"
+        )
     values, residuals = np.exp(best), fit.measured - here.value
     order = np.lexsort((points.pressure, np.array(points.samples)))
     alike = alike_points((residuals * fit.weight)[order])
     scale = cost / freedom if estimated or scaled else 1.0
     variance = alike * scale
     limit = cost + _threshold(variance, freedom, estimated=estimated or scaled)
-    in_logarithms = _covariance(fit, best) * variance
+    weighted = fit.at(best).jacobian * fit.weight[:, None]
+    in_logarithms = np.asarray(np.linalg.inv(weighted.T @ weighted)) * variance
     inputs = from_inputs(fit, best)
     steps = np.sqrt(np.diag(in_logarithms))
-    _require_determined(problem, best, steps)
+    at_end = np.abs(best - problem.bounds).min(axis=0) < _NEAR_END
+    for row in np.flatnonzero(at_end & (steps > _UNDETERMINED)):
+        value = math.exp(best[row])
+        raise ParameterError(
+            f"the points do not determine {problem.names[row]}: {value:.3g} ± "
+            f"{value * steps[row]:.2g}, at the end of its range; fit fewer parameters, or fix it"
+        )
     ends = np.array([fit.interval(best, limit, row, step) for row, step in enumerate(steps)])
     if estimated:
         wider = _unevenness(here.jacobian, residuals, in_logarithms)
@@ -180,30 +190,6 @@ def _calibration(
         fitted=np.exp(here.value),
         warnings=(),
     )
-
-
-def _require_determined(problem: Problem, best: np.ndarray, steps: np.ndarray) -> None:
-    """Raise where a parameter went to the end of its range because the points leave it free."""
-    at_end = np.abs(best - problem.bounds).min(axis=0) < _NEAR_END
-    for row in np.flatnonzero(at_end & (steps > _UNDETERMINED)):
-        value = math.exp(best[row])
-        raise ParameterError(
-            f"the points do not determine {problem.names[row]}: {value:.3g} ± "
-            f"{value * steps[row]:.2g}, at the end of its range; fit fewer parameters, or fix it"
-        )
-
-
-def _require_freedom(freedom: int, source: str, *, scaled: bool) -> None:
-    if scaled and not freedom:
-        raise ParameterError(
-            f"{source}: as many parameters as points leave nothing to scale errors by"
-        )
-
-
-def _covariance(fit: LeastSquares, best: np.ndarray) -> np.ndarray:
-    """Covariance of the log-parameters for residuals of unit variance."""
-    weighted = fit.at(best).jacobian * fit.weight[:, None]
-    return np.asarray(np.linalg.inv(weighted.T @ weighted))
 
 
 def _unevenness(jacobian: np.ndarray, residuals: np.ndarray, covariance: np.ndarray) -> np.ndarray:

@@ -319,7 +319,11 @@ def read_points(
         One line that names file, line and column.
     """
     table = read_table(path, LEVITATION_COLUMNS, layout=columns, strict=strict, closed=strict)
-    _require_figures(table)
+    for line, figure in zip(table.lines, table.texts.get("figure", ()), strict=False):
+        if figure.upper() not in FIGURES:
+            raise ConfigurationError(
+                f'{table.source}:{line}: figure = "{figure}" is not one of {", ".join(FIGURES)}'
+            )
     shown = table.numbers["pressure"]
     pressure, said = (gauge or Gauge()).correct(shown)
     numbers = table.numbers | {"pressure": pressure}
@@ -341,11 +345,3 @@ def read_points(
         reading=tuple(table.notes),
         notes=tuple(said),
     )
-
-
-def _require_figures(table: Table) -> None:
-    for line, figure in zip(table.lines, table.texts.get("figure", ()), strict=False):
-        if figure.upper() not in FIGURES:
-            raise ConfigurationError(
-                f'{table.source}:{line}: figure = "{figure}" is not one of {", ".join(FIGURES)}'
-            )

@@ -69,19 +69,15 @@ class LevitationModel(Module):
             for (fields, factor), row in zip(self.targets, rows, strict=True)
             for field in fields
         }
-        setup = self.design.build(numbers, self._prepare_at(shifts))
-        state = setup.environment.state(xp.exp(log_pressure - pressure_error))
-        found = levitate(setup.flyer, state, setup.model, throw=False)
-        irradiance = xp.where(found.levitates, found.irradiance, 1.0)
-        return xp.where(found.levitates, xp.log(irradiance) + light_error, UNREACHABLE)
-
-    def _prepare_at(self, shifts: Any) -> Any:
-        """The costly part of the design at errors of the inputs."""
         prepared = self.prepared
         for number, change in zip(self.movers, self.changes, strict=True):
             shift = shifts[..., number] if shifts.ndim == 1 else shifts[..., number, None]
             prepared = change.apply(prepared, shift)
-        return prepared
+        setup = self.design.build(numbers, prepared)
+        state = setup.environment.state(xp.exp(log_pressure - pressure_error))
+        found = levitate(setup.flyer, state, setup.model, throw=False)
+        irradiance = xp.where(found.levitates, found.irradiance, 1.0)
+        return xp.where(found.levitates, xp.log(irradiance) + light_error, UNREACHABLE)
 
 
 _STEP = 1e-5  # of a logarithm, and of a standard uncertainty, over which slopes are taken
@@ -196,13 +192,28 @@ def problem_of(
             "calibration needs an environment over pressure, such as a chamber; the coordinate of "
             f"this environment is {design.coordinate_name}"
         )
-    _require_enough(points, len(free))
+    count = len(free)
+    if not count:
+        raise ParameterError("no parameters to fit")
+    scatter = 0 if points.has_uncertainty else 1
+    if len(points) < count + scatter:
+        also = " and their scatter" if scatter else ""
+        raise ParameterError(
+            f"{points.source}: {len(points)} point{'s' * (len(points) != 1)} cannot determine "
+            f"{count} parameters{also}"
+        )
     columns = {name: target_of(design, name, describes_flyer=True) for name in points.properties}
     stated = {target.fields: points.properties[name] for name, target in columns.items()}
     parameters = tuple(_parameter(text, points, design, stated) for text in free)
     targets = {target.fields: target for target in columns.values()}
     targets |= {parameter.target.fields: parameter.target for parameter in parameters}
-    _require_separate(design, targets)
+    fields = [field for group in targets for field in group]
+    both = design.conflict(fields)
+    if both is not None:
+        raise ParameterError(f"{both[0]} and {both[1]} cannot both be given")
+    for one in fields:
+        if fields.count(one) > 1:
+            raise ParameterError(f"{one} is given twice, by itself and for both faces")
     index = {fields: _index(fields, points, parameters) for fields in targets}
     inputs = fit_inputs(points, design, columns, index, instruments or {})
     targets |= inputs.targets
@@ -220,18 +231,6 @@ def problem_of(
         changes=tuple(inputs.changes.values()),
     )
     return Problem(points, model, parameters, inputs)
-
-
-def _require_enough(points: Points, parameters: int) -> None:
-    if not parameters:
-        raise ParameterError("no parameters to fit")
-    scatter = 0 if points.has_uncertainty else 1
-    if len(points) < parameters + scatter:
-        also = " and their scatter" if scatter else ""
-        raise ParameterError(
-            f"{points.source}: {len(points)} point{'s' * (len(points) != 1)} cannot determine "
-            f"{parameters} parameters{also}"
-        )
 
 
 def _row(target: Target, points: Points, stated: Mapping[Fields, np.ndarray]) -> np.ndarray:
@@ -278,14 +277,3 @@ def _index(fields: Fields, points: Points, parameters: Sequence[Parameter]) -> n
                 raise ParameterError(f"{parameter.name} is fitted twice")
             index[parameter.chosen] = number
     return index
-
-
-def _require_separate(design: AbstractDesign, targets: Mapping[Fields, Target]) -> None:
-    """Raise where two names set the same number of the design, each in its own way."""
-    fields = [field for group in targets for field in group]
-    both = design.conflict(fields)
-    if both is not None:
-        raise ParameterError(f"{both[0]} and {both[1]} cannot both be given")
-    for one in fields:
-        if fields.count(one) > 1:
-            raise ParameterError(f"{one} is given twice, by itself and for both faces")

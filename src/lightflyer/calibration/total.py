@@ -53,17 +53,12 @@ def from_inputs(fit: LeastSquares, best: np.ndarray) -> FromInputs:
     if not count:
         empty = np.zeros((best.size, 0))
         return FromInputs(empty, np.zeros((best.size,) * 2), np.stack([best, best], axis=1))
-    factor = _square_root(inputs.correlation)
+    values, vectors = np.linalg.eigh(inputs.correlation)
+    factor = np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
     search = _Search(replace(fit, shifts=np.zeros(count)), factor)
     slopes = search.slopes(best, np.zeros(count))
     ends = [[search.end(best, number, sign) for sign in (-1.0, 1.0)] for number in range(best.size)]
     return FromInputs(slopes, slopes @ inputs.correlation @ slopes.T, np.array(ends))
-
-
-def _square_root(correlation: np.ndarray) -> np.ndarray:
-    """Square root of a correlation matrix, which may be singular."""
-    values, vectors = np.linalg.eigh(correlation)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -46,106 +46,40 @@ app = cyclopts.App(
 app.register_install_completion_command(
     help="Install completion of commands and options for this shell: bash, zsh, fish or PowerShell."
 )
-app.command(
-    "lightflyer.cli.commands.init:init",
-    name="init",
-    help="Write a commented flyer file to start from.",
-)
-app.command(
-    "lightflyer.cli.commands.predict:predict_command",
-    name="predict",
-    help="Predict where a flyer levitates, what it carries and how hot it gets.",
-)
-app.command(
-    "lightflyer.cli.commands.explore:explore_command",
-    name="explore",
-    help="Open a page to change a flyer's numbers and see what follows.",
-)
-app.command(
-    "lightflyer.cli.missions.fly:fly_command",
-    name="fly",
-    help="Fly a mission: where a flyer goes, whether it survives the night, what ends it.",
-)
-app.command(
-    "lightflyer.cli.missions.spread:spread_command",
-    name="spread",
-    help="Fly a swarm for days: what share is still aloft, and near a place.",
-)
-app.command(
-    "lightflyer.cli.missions.steering:drift_command",
-    name="drift",
-    help="How fast a tilted flyer drifts sideways, over altitude and tilt.",
-)
-app.command(
-    "lightflyer.cli.missions.steering:stability_command",
-    name="stability",
-    help="Whether a flyer keeps level with its payload hanging below it.",
-)
-app.command(
-    "lightflyer.cli.missions.steering:swarm_command",
-    name="swarm",
-    help="How many flyers on tethers carry one payload together.",
-)
-app.command(
-    "lightflyer.cli.commands.compare:compare_command",
-    name="compare",
-    help="Compare several flyers over altitude or pressure.",
-)
-app.command(
-    "lightflyer.cli.commands.film:film_command",
-    name="film",
-    help="Compute absorptance, emittance and areal density of a film from its layers.",
-)
-app.command(
-    "lightflyer.cli.commands.materials:materials_command",
-    name="materials",
-    help="List the materials for layers.",
-)
-app.command(
-    "lightflyer.cli.commands.calibrate:calibrate_command",
-    name="calibrate",
-    help="Fit force coefficients and film properties to measured levitation points.",
-)
-app.command(
-    "lightflyer.cli.lab:app",
-    name="lab",
-    help="Reduce raw measurements to numbers with intervals, figures and records.",
-)
-app.command(
-    "lightflyer.cli.commands.sweep:sweep_command",
-    name="sweep",
-    help="Compute many designs of a study into a folder.",
-)
-app.command(
-    "lightflyer.cli.commands.map:map_command",
-    name="map",
-    help="Draw the results of a sweep: maps, best designs, Pareto fronts.",
-)
-app.command(
-    "lightflyer.cli.commands.optimise:optimise_command",
-    name="optimise",
-    help="Find the best design of a study, by gradients from many starts.",
-)
-app.command(
-    "lightflyer.cli.commands.sensitivity:sensitivity_command",
-    name="sensitivity",
-    help="Which uncertain property costs most: what to measure next.",
-)
-app.command(
-    "lightflyer.cli.commands.paper:paper_command",
-    name="paper",
-    help="Recompute the paper: its claims, figures and tables beside ours.",
-)
-app.command(
-    "lightflyer.cli.commands.kinetic:kinetic_command",
-    name="kinetic",
-    help="Solve the kinetic equation around a hot thin disk.",
-)
-app.command(
-    "lightflyer.cli.commands.doctor:doctor_command",
-    name="doctor",
-    help="Say what is installed: extras, devices, libraries, plug-ins, caches.",
-)
+_COMMANDS = {
+    "init": "Write a commented flyer file to start from.",
+    "predict": "Predict where a flyer levitates, what it carries and how hot it gets.",
+    "explore": "Open a page to change a flyer's numbers and see what follows.",
+    "fly": "Fly a mission: where a flyer goes, whether it survives the night, what ends it.",
+    "spread": "Fly a swarm for days: what share is still aloft, and near a place.",
+    "drift": "How fast a tilted flyer drifts sideways, over altitude and tilt.",
+    "stability": "Whether a flyer keeps level with its payload hanging below it.",
+    "swarm": "How many flyers on tethers carry one payload together.",
+    "compare": "Compare several flyers over altitude or pressure.",
+    "film": "Compute absorptance, emittance and areal density of a film from its layers.",
+    "materials": "List the materials for layers.",
+    "calibrate": "Fit force coefficients and film properties to measured levitation points.",
+    "lab": "Reduce raw measurements to numbers with intervals, figures and records.",
+    "sweep": "Compute many designs of a study into a folder.",
+    "map": "Draw the results of a sweep: maps, best designs, Pareto fronts.",
+    "optimise": "Find the best design of a study, by gradients from many starts.",
+    "sensitivity": "Which uncertain property costs most: what to measure next.",
+    "paper": "Recompute the paper: its claims, figures and tables beside ours.",
+    "kinetic": "Solve the kinetic equation around a hot thin disk.",
+    "doctor": "Say what is installed: extras, devices, libraries, plug-ins, caches.",
+}
+_ELSEWHERE = {  # than in commands.NAME:NAME_command
+    "init": "commands.init:init",
+    "fly": "missions.fly:fly_command",
+    "spread": "missions.spread:spread_command",
+    "drift": "missions.steering:drift_command",
+    "stability": "missions.steering:stability_command",
+    "swarm": "missions.steering:swarm_command",
+    "lab": "lab:app",
+}
+for _name, _help in _COMMANDS.items():
+    _where = _ELSEWHERE.get(_name, f"commands.{_name}:{_name}_command")
+    app.command(f"lightflyer.cli.{_where}", name=_name, help=_help)
 
 
 def _add_plugins(asked: str) -> None:

@@ -80,7 +80,12 @@ class Report:
             save(figure, [vector, pixels])
             small = vector.stat().st_size <= _LARGEST_FIGURE
             content, kind = (vector, "svg+xml") if small else (pixels, "png")
-            shown = _alternative(figure)
+            names = []
+            for axes in figure.axes:
+                across, up = axes.get_xlabel(), axes.get_ylabel()
+                if up or across:
+                    names.append(f"{up} over {across}" if up and across else up or across)
+            shown = "; ".join(dict.fromkeys(names)).replace("$", "") or "figure"
             caption = f"{name.replace('-', ' ').replace('_', ' ').capitalize()}: {shown}"
             width = round(_PIXELS * figure.get_figwidth())
             self._figures.append(page.image(content.read_bytes(), kind, shown, caption, width))
@@ -113,11 +118,20 @@ class Report:
         parts += _results(self._results[len(words) :])
         if inputs:
             parts += [page.heading("Files"), *(part for path in inputs for part in _file(path))]
+        from lightflyer.core.extras import version_of  # slow to import
+
         parts += [
             page.heading("How it was made"),
             page.code("lightflyer " + shlex.join(self._arguments)),
             page.paragraph(f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"),
-            page.table(_versions()),
+            page.table(
+                [
+                    ("lightflyer", lightflyer.__version__),
+                    ("Python", platform.python_version()),
+                    *((name, version_of(name)) for name in _MADE_WITH),
+                    ("system", f"{platform.system()}, {platform.machine()}"),
+                ]
+            ),
         ]
         return page.page(title, parts)
 
@@ -238,16 +252,6 @@ def _table(table: Table) -> str:
     )
 
 
-def _alternative(figure: "Figure") -> str:
-    """What a figure shows, by the names of its axes."""
-    shown = []
-    for axes in figure.axes:
-        across, up = axes.get_xlabel(), axes.get_ylabel()
-        if up or across:
-            shown.append(f"{up} over {across}" if up and across else up or across)
-    return "; ".join(dict.fromkeys(shown)).replace("$", "") or "figure"
-
-
 def _file(path: Path) -> Iterator[str]:
     if path.is_dir():
         yield page.paragraph(f"{path.name}, the store of a sweep")
@@ -262,14 +266,3 @@ def _file(path: Path) -> Iterator[str]:
     if len(content) > _LARGEST_INPUT or b"\0" in content:
         return
     yield page.code(content.decode("utf-8-sig", errors="replace"))
-
-
-def _versions() -> list[tuple[str, str]]:
-    from lightflyer.core.extras import version_of  # slow to import
-
-    return [
-        ("lightflyer", lightflyer.__version__),
-        ("Python", platform.python_version()),
-        *((name, version_of(name)) for name in _MADE_WITH),
-        ("system", f"{platform.system()}, {platform.machine()}"),
-    ]

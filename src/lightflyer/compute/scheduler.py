@@ -192,28 +192,23 @@ def _naming_loss(address: str) -> Iterator[None]:
         ) from None
 
 
-def _await_answer(address: str) -> None:
-    """Raise unless a scheduler answers in time; a Dask client waits for ever for a silent one."""
-    from distributed.comm.core import connect
-
-    async def greet() -> None:
-        comm = await connect(address, timeout=ANSWER_WITHIN)
-        comm.abort()
-
-    async def greet_in_time() -> None:
-        await asyncio.wait_for(greet(), ANSWER_WITHIN)
-
-    # in a thread of its own: this one may have a running loop, as in a notebook
-    with ThreadPoolExecutor(1) as pool:
-        pool.submit(lambda: asyncio.run(greet_in_time())).result()
-
-
 @contextmanager
 def connect_client(address: str) -> Iterator[Any]:
     """A client of an existing Dask scheduler whose workers can do the work."""
     distributed = extra("distributed", "--scheduler", "sweep")
     try:
-        _await_answer(address)
+        from distributed.comm.core import connect
+
+        async def greet() -> None:
+            comm = await connect(address, timeout=ANSWER_WITHIN)
+            comm.abort()
+
+        async def greet_in_time() -> None:
+            await asyncio.wait_for(greet(), ANSWER_WITHIN)
+
+        # in a thread of its own: this one may have a running loop, as in a notebook
+        with ThreadPoolExecutor(1) as pool:
+            pool.submit(lambda: asyncio.run(greet_in_time())).result()
         client = distributed.Client(address, timeout=ANSWER_WITHIN, set_as_default=False)
     except Exception as error:  # whatever else listens there may answer anything
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__

@@ -7,7 +7,7 @@ import re
 import tempfile
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, Protocol, TextIO
+from typing import Any, Literal, NamedTuple, Protocol
 
 from lightflyer.core.atomic_files import TEMPORARY, remove_if_interrupted
 from lightflyer.core.errors import ConfigurationError, Doubt, OutputError
@@ -121,7 +121,16 @@ def write_design(
     require_free(path)
     document = tomlkit.parse(text.removeprefix(_first_line(text)))
     for name, (value, unit) in values.items():
-        table, key = _table_of(document, tomlkit, name)
+        *sections, key = name.split(".")
+        table: Any = document
+        for section in sections:
+            if section.isdigit():
+                table = table[int(section)]
+                continue
+            if section not in table:
+                table.add(section, tomlkit.table())
+            table = table[section]
+
         if name.startswith("film."):
             _make_room(table, key)
         before = table.get(key, "")
@@ -150,20 +159,6 @@ def _in_line(table: Any) -> bool:
 def _first_line(text: str) -> str:
     """The first line of a file that an earlier search wrote."""
     return text.partition("\n")[0] + "\n" if text.startswith(_WRITTEN) else ""
-
-
-def _table_of(document: Any, tomlkit: Any, name: str) -> tuple[Any, str]:
-    """The table that holds a dotted name, made where it is missing, and the last key."""
-    *sections, key = name.split(".")
-    table = document
-    for section in sections:
-        if section.isdigit():
-            table = table[int(section)]
-            continue
-        if section not in table:
-            table.add(section, tomlkit.table())
-        table = table[section]
-    return table, key
 
 
 def emittance_keys(face: Face) -> list[tuple[str, str]]:
@@ -220,30 +215,24 @@ def replace_file(path: Path, text: str, measured: Collection[str] = ()) -> None:
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
     with remove_if_interrupted(Path(name)), os.fdopen(handle, "w", encoding="utf-8") as file:
-        _check_and_rename(file, Path(name), path, text, measured)
+        staged = Path(name)
+        from lightflyer.config.reader import read_flyer_file
 
-
-def _check_and_rename(
-    file: TextIO, staged: Path, path: Path, text: str, measured: Collection[str]
-) -> None:
-    """Write the text to a temporary file, and rename that where it is a valid flyer file."""
-    from lightflyer.config.reader import read_flyer_file
-
-    try:
-        with file:
-            file.write(text)
         try:
-            _require_likely(read_flyer_file(staged), measured)
-        except ConfigurationError as error:
-            said = "; ".join(str(error).replace(str(staged), str(path)).splitlines())
-            left = "the file is unchanged" if path.exists() else "nothing is written"
-            raise ConfigurationError(f"{said}; {left}") from None
-        staged.chmod(_mode_of(path))
-        os.replace(staged, path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
-    finally:
-        staged.unlink(missing_ok=True)
+            with file:
+                file.write(text)
+            try:
+                _require_likely(read_flyer_file(staged), measured)
+            except ConfigurationError as error:
+                said = "; ".join(str(error).replace(str(staged), str(path)).splitlines())
+                left = "the file is unchanged" if path.exists() else "nothing is written"
+                raise ConfigurationError(f"{said}; {left}") from None
+            staged.chmod(_mode_of(path))
+            os.replace(staged, path)
+        except OSError as error:
+            raise OutputError(f"{path}: cannot be written: {error.strerror}") from None
+        finally:
+            staged.unlink(missing_ok=True)
 
 
 def _require_likely(file: Any, measured: Collection[str]) -> None:

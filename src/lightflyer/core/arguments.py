@@ -72,7 +72,8 @@ class Reader:
         if not self._refuse:
             return value
         plain = np.asarray(value) if isinstance(value, list) else value
-        if isinstance(value, str) or hasattr(value, "magnitude") or not _is_numeric(plain):
+        no_number = isinstance(plain, np.ndarray) and plain.dtype.kind not in "biufc"
+        if isinstance(value, str) or hasattr(value, "magnitude") or no_number:
             raise ParameterError(
                 f"{self._function}() takes numbers in SI units, not {name} = {value!s:.60}"
             )
@@ -89,10 +90,6 @@ def _kinds_of(annotation: Any) -> tuple[type, ...]:
     return tuple(PathLike if one is Path else one for one in kinds) if known else ()
 
 
-def _is_numeric(value: Any) -> bool:
-    return not isinstance(value, np.ndarray) or value.dtype.kind in "biufc"
-
-
 def strip_labels(whole: Any) -> Any:
     """The same without names of dimensions."""
     return tree.map_leaves(lambda leaf: leaf.to_numpy() if is_labelled(leaf) else leaf, whole)
@@ -105,7 +102,7 @@ def align(arguments: Any) -> tuple[Any, Callable[[Any], Any]]:
         return _align_columns(arguments, columns)
     labelled = [leaf for leaf in tree.leaves(arguments) if is_labelled(leaf)]
     if not labelled:
-        return arguments, _unchanged
+        return arguments, lambda result: result
     for unit in (leaf.attrs.get("units", "") for leaf in labelled):
         if not is_si(unit):
             raise ParameterError(f'an array in "{unit}" is given where numbers are in SI units')
@@ -150,7 +147,3 @@ def _align_columns(arguments: Any, columns: list[Any]) -> tuple[Any, Callable[[A
         return type(first)(leaf, index=first.index) if fits else leaf
 
     return found, lambda result: tree.map_leaves(named, result)
-
-
-def _unchanged(result: Any) -> Any:
-    return result

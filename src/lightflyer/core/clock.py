@@ -44,7 +44,17 @@ def seconds_of(instant: Any) -> Any:
     if is_tracer(instant) or isinstance(instant, Real):
         return _require_numbers(instant)
     if isinstance(instant, str | datetime.date):
-        return _seconds_of_date(instant)
+        require_hour(instant)
+        if isinstance(instant, str):
+            try:
+                instant = datetime.datetime.fromisoformat(instant)
+            except ValueError:
+                raise ParameterError(f'time = "{instant}" {_NO_DATE}') from None
+        _require_known(instant, instant != instant)  # as NaT alone is
+        assert isinstance(instant, datetime.datetime)  # a day without an hour was refused
+        if instant.tzinfo is None:
+            instant = instant.replace(tzinfo=datetime.UTC)
+        return float((instant - EPOCH).total_seconds())
     if is_labelled(instant) and instant.dtype.kind not in "iuf":
         return instant.copy(data=seconds_of(instant.to_numpy())).drop_attrs()
     array = np.asarray(instant)
@@ -62,20 +72,6 @@ def seconds_of(instant: Any) -> Any:
     if array.dtype.kind not in "iuf":
         raise ParameterError(f"time = {instant!s:.60} {_NO_DATE}")
     return _require_numbers(array if isinstance(instant, list | tuple) else instant)
-
-
-def _seconds_of_date(instant: str | datetime.date) -> float:
-    require_hour(instant)
-    if isinstance(instant, str):
-        try:
-            instant = datetime.datetime.fromisoformat(instant)
-        except ValueError:
-            raise ParameterError(f'time = "{instant}" {_NO_DATE}') from None
-    _require_known(instant, instant != instant)  # as NaT alone is
-    assert isinstance(instant, datetime.datetime)  # a day without an hour was refused
-    if instant.tzinfo is None:
-        instant = instant.replace(tzinfo=datetime.UTC)
-    return float((instant - EPOCH).total_seconds())
 
 
 def _require_numbers(seconds: Any) -> Any:

@@ -17,10 +17,12 @@ import dataclasses
 import inspect
 import math
 import operator
+import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial, reduce
+from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, ClassVar, Literal, get_args, get_origin
 
@@ -134,43 +136,36 @@ class Quantity:
     def _in_unit(self, name: str, value: Any) -> Any:
         """What has a unit of its own, without it; anything else as it is."""
         if isinstance(value, str):
-            value = self._number_of_text(name, value)
+            try:
+                measured = parse(value, self.unit, self.usual, difference=self.difference)
+            except ConfigurationError as error:
+                raise ParameterError(f"{name} = {error}") from None
+            value = measured.value if measured.uncertainty is None else measured
         if isinstance(value, Measured):
             raise ParameterError(f"{name} = {value.value:g}{_NO_UNCERTAINTY}")
         if is_labelled(value):
-            return self._number_of_labelled(name, value)
+            unit = value.attrs.get("units")
+            if hasattr(value.data, "magnitude"):
+                value = value.copy(data=self._number_of_pint(name, value.data))
+            elif unit is not None:
+                try:
+                    scale, offset = scale_and_offset(file_unit(str(unit)), self.unit)
+                except ConfigurationError as error:
+                    raise ParameterError(f"units of {name}: {error}") from None
+                if (scale, offset) != (1.0, 0.0):
+                    value = scale * value + (0.0 if self.difference else offset)
+            return value.drop_attrs() if value.ndim else value.to_numpy()
         if hasattr(value, "magnitude"):
             return self._number_of_pint(name, value)
         if isinstance(value, list | tuple) and any(isinstance(one, str) for one in value):
             return [self._in_unit(name, one) for one in value]
         return value
 
-    def _number_of_text(self, name: str, text: str) -> Any:
-        try:
-            measured = parse(text, self.unit, self.usual, difference=self.difference)
-        except ConfigurationError as error:
-            raise ParameterError(f"{name} = {error}") from None
-        return measured.value if measured.uncertainty is None else measured
-
     def _number_of_pint(self, name: str, value: Any) -> Any:
         unit = self.unit or "dimensionless"
         if not value.is_compatible_with(unit):
             raise ParameterError(f"{name} = {value:g~P} does not convert to {self.unit}")
         return value.to(unit).magnitude
-
-    def _number_of_labelled(self, name: str, value: Any) -> Any:
-        """An array of xarray in the unit; without attributes, which would outlive the unit."""
-        unit = value.attrs.get("units")
-        if hasattr(value.data, "magnitude"):
-            value = value.copy(data=self._number_of_pint(name, value.data))
-        elif unit is not None:
-            try:
-                scale, offset = scale_and_offset(file_unit(str(unit)), self.unit)
-            except ConfigurationError as error:
-                raise ParameterError(f"units of {name}: {error}") from None
-            if (scale, offset) != (1.0, 0.0):
-                value = scale * value + (0.0 if self.difference else offset)
-        return value.drop_attrs() if value.ndim else value.to_numpy()
 
     def read(self, value: Any) -> Measured:
         """Number in the unit from a text, a bare number or a :class:`Measured`."""
@@ -225,196 +220,95 @@ def _array_of(value: Any) -> np.ndarray:
         return np.asarray(value, object)
 
 
-HIGHEST_TAC = 1.3
+def _read_kinds() -> dict[str, Quantity]:
+    text = (Path(__file__).parents[1] / "data" / "kinds.toml").read_text(encoding="utf-8")
+    found = {}
+    for name, kind in tomllib.loads(text).items():
+        known: dict[str, Any] = kind
+        pairs = {key: tuple(ends) for key, ends in known.items() if isinstance(ends, list)}
+        found[name] = Quantity(**known | pairs)
+    # of a model: an object has None where it is not asked for
+    own = replace(found["StandardErrors"], in_files=Measured(0.0, 1.0))
+    return found | {"StandardErrors": own}
+
+
+_KINDS = _read_kinds()
+
+Length = Annotated[Numeric, _KINDS["Length"]]
+Radius = Annotated[Numeric, _KINDS["Radius"]]
+ParticleRadius = Annotated[Numeric, _KINDS["ParticleRadius"]]
+Thickness = Annotated[Numeric, _KINDS["Thickness"]]
+Roughness = Annotated[Numeric, _KINDS["Roughness"]]
+Distance = Annotated[Numeric, _KINDS["Distance"]]
+LinearDensity = Annotated[Numeric, _KINDS["LinearDensity"]]
+GroundDistance = Annotated[Numeric, _KINDS["GroundDistance"]]
+Altitude = Annotated[Numeric, _KINDS["Altitude"]]
+Mass = Annotated[Numeric, _KINDS["Mass"]]
+ArealDensity = Annotated[Numeric, _KINDS["ArealDensity"]]
+Density = Annotated[Numeric, _KINDS["Density"]]
+Pressure = Annotated[Numeric, _KINDS["Pressure"]]
+Temperature = Annotated[Numeric, _KINDS["Temperature"]]
+ChamberTemperature = Annotated[Numeric, _KINDS["ChamberTemperature"]]
+TemperatureOffset = Annotated[Numeric, _KINDS["TemperatureOffset"]]
+MolarMass = Annotated[Numeric, _KINDS["MolarMass"]]
+Tension = Annotated[Numeric, _KINDS["Tension"]]
+Modulus = Annotated[Numeric, _KINDS["Modulus"]]
+PoissonRatio = Annotated[Numeric, _KINDS["PoissonRatio"]]
+Expansion = Annotated[Numeric, _KINDS["Expansion"]]
+Stress = Annotated[Numeric, _KINDS["Stress"]]
+Irradiance = Annotated[Numeric, _KINDS["Irradiance"]]
+Infrared = Annotated[Numeric, _KINDS["Infrared"]]
+Acceleration = Annotated[Numeric, _KINDS["Acceleration"]]
+Velocity = Annotated[Numeric, _KINDS["Velocity"]]
+WindSpeed = Annotated[Numeric, _KINDS["WindSpeed"]]
+Speed = Annotated[Numeric, _KINDS["Speed"]]
+Duration = Annotated[Numeric, _KINDS["Duration"]]
+SpecificHeat = Annotated[Numeric, _KINDS["SpecificHeat"]]
+Conductivity = Annotated[Numeric, _KINDS["Conductivity"]]
+Power = Annotated[Numeric, _KINDS["Power"]]
+Frequency = Annotated[Numeric, _KINDS["Frequency"]]
+LinkDistance = Annotated[Numeric, _KINDS["LinkDistance"]]
+DataRate = Annotated[Numeric, _KINDS["DataRate"]]
+Decibels = Annotated[Numeric, _KINDS["Decibels"]]
+Efficiency = Annotated[Numeric, _KINDS["Efficiency"]]
+PhotonEnergy = Annotated[Numeric, _KINDS["PhotonEnergy"]]
+EnergyGap = Annotated[Numeric, _KINDS["EnergyGap"]]
+OscillatorStrength = Annotated[Numeric, _KINDS["OscillatorStrength"]]
+Permittivity = Annotated[Numeric, _KINDS["Permittivity"]]
+Fraction = Annotated[Numeric, _KINDS["Fraction"]]
+Multiple = Annotated[Numeric, _KINDS["Multiple"]]
+OpenFraction = Annotated[Numeric, _KINDS["OpenFraction"]]
+Emittance = Annotated[Numeric, _KINDS["Emittance"]]
+AccommodationCoefficient = Annotated[Numeric, _KINDS["AccommodationCoefficient"]]
+Coefficient = Annotated[Numeric, _KINDS["Coefficient"]]
+ForceCoefficient = Annotated[Numeric, _KINDS["ForceCoefficient"]]
+Correlation = Annotated[Numeric, _KINDS["Correlation"]]
+StandardErrors = Annotated[Numeric, _KINDS["StandardErrors"]]
+Incidence = Annotated[Numeric, _KINDS["Incidence"]]
+Tilt = Annotated[Numeric, _KINDS["Tilt"]]
+Steepness = Annotated[Numeric, _KINDS["Steepness"]]
+Azimuth = Annotated[Numeric, _KINDS["Azimuth"]]
+SolarLongitude = Annotated[Numeric, _KINDS["SolarLongitude"]]
+Latitude = Annotated[Numeric, _KINDS["Latitude"]]
+Longitude = Annotated[Numeric, _KINDS["Longitude"]]
+PolarAngle = Annotated[Numeric, _KINDS["PolarAngle"]]
+LargestTilt = Annotated[Numeric, _KINDS["LargestTilt"]]
+Angle = Annotated[Numeric, _KINDS["Angle"]]
+PlanetRadius = Annotated[Numeric, _KINDS["PlanetRadius"]]
+RotationRate = Annotated[Numeric, _KINDS["RotationRate"]]
+Flattening = Annotated[Numeric, _KINDS["Flattening"]]
+AngularRadius = Annotated[Numeric, _KINDS["AngularRadius"]]
+Refractivity = Annotated[Numeric, _KINDS["Refractivity"]]
+LocalTime = Annotated[Numeric, _KINDS["LocalTime"]]
+OpticalDepth = Annotated[Numeric, _KINDS["OpticalDepth"]]
+SolarFlux = Annotated[Numeric, _KINDS["SolarFlux"]]
+GeomagneticIndex = Annotated[Numeric, _KINDS["GeomagneticIndex"]]
+
+HIGHEST_TAC = _KINDS["AccommodationCoefficient"].highest
 """Largest TAC accepted. None can exceed one, but measured values do by their systematic error."""
 
-HIGHEST_OPEN_FRACTION = 0.999  # Largest share of holes accepted: without film there is no flyer
-
-_BETWEEN = "atoms are larger, flyers smaller"
-
-Length = Annotated[
-    Numeric, Quantity("m", 0.0, usual="cm", open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN)
-]
-Radius = Annotated[
-    Numeric,
-    Quantity("m", 0.0, usual="cm", open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN,
-             likely=(5e-6, 20.0), known="narrower films are thicker than wide, wider ones tear"),
-]  # fmt: skip
-ParticleRadius = Annotated[
-    Numeric,
-    Quantity("m", 0.0, usual="um", open_below=True, sizes=(1e-10, 1e4), why=_BETWEEN,
-             likely=(1e-8, 0.05), known="smaller particles are molecules, no light lifts larger"),
-]  # fmt: skip
-Thickness = Annotated[
-    Numeric,
-    Quantity("m", 0.0, usual="nm", open_below=True, sizes=(1e-10, 1e-2),
-             why="atoms are larger, films are thinner", likely=(3e-10, 2e-4),
-             known="graphene is the thinnest film, and no light lifts one as thick as paper"),
-]  # fmt: skip
-Roughness = Annotated[
-    Numeric,
-    Quantity("m", 0.0, usual="nm", sizes=(1e-11, 1e-4), why="atoms are larger, films are smoother"),
-]  # fmt: skip
-Distance = Annotated[Numeric, Quantity("m", 0.0, usual="cm", sizes=(1e-10, 1e4), why=_BETWEEN)]
-LinearDensity = Annotated[
-    Numeric, Quantity("kg/m", 0.0, sizes=(1e-15, 1e2), why="nanotubes and ropes are between"),
-]  # fmt: skip
-GroundDistance = Annotated[
-    Numeric, Quantity("m", 0.0, usual="km", open_below=True, sizes=(1.0, 1e8),
-        why="a place is wider than a metre and narrower than a planet"),
-]  # fmt: skip
-Altitude = Annotated[
-    Numeric, Quantity("m", 0.0, usual="km", sizes=(0.0, 1e9), why="the moon is nearer than that"),
-]  # fmt: skip
-Mass = Annotated[
-    Numeric, Quantity("kg", 0.0, usual="mg", sizes=(0.0, 1e4), why="no flyer carries more")
-]
-ArealDensity = Annotated[
-    Numeric, Quantity("kg/m^2", 0.0, usual="g/m^2", open_below=True, sizes=(1e-7, 1e2),
-        why="graphene weighs more, 1 cm of steel less", likely=(5e-7, 0.1),
-        known="graphene has 7.6e-7, paper has 0.08"),
-]  # fmt: skip
-Density = Annotated[
-    Numeric, Quantity("kg/m^3", 0.0, open_below=True, sizes=(0.1, 2.3e4),
-        why="aerogels and osmium are between", likely=(100.0, 2.3e4),
-        known="aerogels are lighter, other solids are not"),
-]  # fmt: skip
-Pressure = Annotated[
-    Numeric, Quantity("Pa", 0.0, open_below=True, sizes=(1e-15, 1e7),
-        why="beyond there is no gas, or none that is ideal"),
-]  # fmt: skip
-Temperature = Annotated[
-    Numeric, Quantity("K", 0.0, open_below=True, sizes=(1.0, 5e3),
-        why="no gas is colder, and its molecules fall apart above"),
-]  # fmt: skip
-ChamberTemperature = Annotated[
-    Numeric, Quantity("K", 0.0, open_below=True, sizes=(1.0, 5e3),
-        why="no gas is colder, and its molecules fall apart above", likely=(70.0, 550.0),
-        known="liquid nitrogen cools a chamber to 77 K, and none is baked above 550 K"),
-]  # fmt: skip
-TemperatureOffset = Annotated[Numeric, Quantity("K", -100.0, 100.0, difference=True)]
-MolarMass = Annotated[
-    Numeric, Quantity("kg/mol", 0.0, open_below=True, sizes=(1e-3, 0.4),
-        why="hydrogen and UF6 are between"),
-]  # fmt: skip
-Tension = Annotated[
-    Numeric, Quantity("N/m", 0.0, open_below=True, sizes=(1e-9, 1e8), why="no film is stronger"),
-]  # fmt: skip
-Modulus = Annotated[
-    Numeric, Quantity("Pa", 0.0, open_below=True, sizes=(1e3, 2e12),
-        why="aerogels and diamond are between"),
-]  # fmt: skip
-PoissonRatio = Annotated[Numeric, Quantity("", -0.99, 0.499)]
-Expansion = Annotated[
-    Numeric, Quantity("1/K", sizes=(1e-9, 1e-2), why="glass and rubber are between"),
-]  # fmt: skip
-Stress = Annotated[
-    Numeric, Quantity("Pa", sizes=(1e-3, 2e11), why="no solid is stronger"),
-]  # fmt: skip
-Irradiance = Annotated[
-    Numeric, Quantity("W/m^2", 0.0, sizes=(1e-30, 1e8),
-        why="the surface of the sun gives 6.3e7 W/m²"),
-]  # fmt: skip
-Infrared = Annotated[
-    Numeric, Quantity("W/m^2", 0.0, sizes=(1e-30, 1e8),
-        why="the surface of the sun gives 6.3e7 W/m²",
-        likely=(0.0, 1500.0), known="black surroundings of 400 K radiate 1450 W/m²"),
-]  # fmt: skip
-Acceleration = Annotated[
-    Numeric, Quantity("m/s^2", 0.0, open_below=True, sizes=(1e-6, 1e3),
-        why="asteroids and the sun are between"),
-]  # fmt: skip
-Velocity = Annotated[
-    Numeric, Quantity("m/s", sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth"),
-]  # fmt: skip
-WindSpeed = Annotated[
-    Numeric, Quantity("m/s", sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth",
-        likely=(-300.0, 300.0), known="storms of the thermosphere reach 300 m/s"),
-]  # fmt: skip
-Speed = Annotated[
-    Numeric, Quantity("m/s", 0.0, sizes=(0.0, 1e4), why="a flyer that fast leaves the Earth"),
-]  # fmt: skip
-Duration = Annotated[
-    Numeric, Quantity("s", 0.0, usual="h", open_below=True, sizes=(1.0, 1e10),
-        why="no mission lasts three centuries"),
-]  # fmt: skip
-SpecificHeat = Annotated[
-    Numeric, Quantity("J/(kg*K)", 0.0, open_below=True, sizes=(10.0, 2e4),
-        why="gold and hydrogen are between"),
-]  # fmt: skip
-Conductivity = Annotated[
-    Numeric, Quantity("W/(m*K)", 0.0, sizes=(1e-6, 1e4), why="aerogels and graphene are between"),
-]  # fmt: skip
-Power = Annotated[
-    Numeric, Quantity("W", 0.0, sizes=(1e-18, 1e6), why="no flyer has more, and no radio less"),
-]  # fmt: skip
-Frequency = Annotated[
-    Numeric, Quantity("Hz", 0.0, open_below=True, sizes=(1e3, 1e13), why="radio is between"),
-]  # fmt: skip
-LinkDistance = Annotated[
-    Numeric, Quantity("m", 0.0, open_below=True, sizes=(1e-2, 1e12),
-        why="Mars and Earth are between"),
-]  # fmt: skip
-DataRate = Annotated[
-    Numeric, Quantity("bit/s", 0.0, open_below=True, sizes=(1e-4, 1e12), why="no radio is faster"),
-]  # fmt: skip
-Decibels = Annotated[Numeric, Quantity("", -100.0, 100.0)]
-Efficiency = Annotated[Numeric, Quantity("", 0.0, 1.0, open_below=True)]
-PhotonEnergy = Annotated[
-    Numeric, Quantity("J", 0.0, open_below=True, sizes=(1e-24, 1e-15),
-        why="radio waves and x-rays are between"),
-]  # fmt: skip
-EnergyGap = Annotated[
-    Numeric, Quantity("J", 0.0, sizes=(0.0, 1e-17), why="no solid has a wider gap"),
-]  # fmt: skip
-OscillatorStrength = Annotated[Numeric, Quantity("", 0.0)]
-Permittivity = Annotated[Numeric, Quantity("", 0.0, sizes=(0.0, 1e4), why="no medium has more")]
-Fraction = Annotated[Numeric, Quantity("", 0.0, 1.0)]
-Multiple = Annotated[Numeric, Quantity("", 0.0, 10.0)]
-Asymmetry = Annotated[Numeric, Quantity("", -7.5, 7.5)]
-OpenFraction = Annotated[Numeric, Quantity("", 0.0, HIGHEST_OPEN_FRACTION)]
-Emittance = Annotated[
-    Numeric, Quantity("", 0.0, 1.0, open_below=True,
-        likely=(5e-3, 1.0), known="polished gold has 0.02"),
-]  # fmt: skip
-AccommodationCoefficient = Annotated[
-    Numeric, Quantity("", 0.0, HIGHEST_TAC, open_below=True,
-        likely=(0.2, HIGHEST_TAC), known="technical surfaces in air have 0.6 to 1"),
-]  # fmt: skip
-Coefficient = Annotated[Numeric, Quantity("", 0.0, open_below=True)]
-ForceCoefficient = Annotated[
-    Numeric, Quantity("", 0.0, open_below=True,
-        likely=(0.04, 30.0), known="the paper has 0.4 and 3"),
-]  # fmt: skip
-Correlation = Annotated[Numeric, Quantity("", -1.0, 1.0)]
-StandardErrors = Annotated[
-    Numeric, Quantity("", -10.0, 10.0, in_files=Measured(0.0, 1.0),
-        likely=(-3.0, 3.0), known="a model is seldom off by three of its standard errors"),
-]  # fmt: skip
-Incidence = Annotated[Numeric, Quantity("deg", 0.0, 90.0)]
-Tilt = Annotated[Numeric, Quantity("deg", 0.0, 180.0)]
-Steepness = Annotated[Numeric, Quantity("deg", 0.0, 90.0)]
-Azimuth = Annotated[Numeric, Quantity("deg", -360.0, 360.0)]
-SolarLongitude = Annotated[Numeric, Quantity("deg", 0.0, 360.0)]
-Latitude = Annotated[Numeric, Quantity("deg", -90.0, 90.0)]
-Longitude = Annotated[Numeric, Quantity("deg", -180.0, 360.0)]
-PolarAngle = Annotated[Numeric, Quantity("rad", 0.0, math.pi)]
-LargestTilt = Annotated[Numeric, Quantity("rad", 0.0, 0.5 * math.pi)]
-Angle = Annotated[Numeric, Quantity("rad", -2.0 * math.pi, 2.0 * math.pi)]
-PlanetRadius = Annotated[
-    Numeric, Quantity("m", 0.0, open_below=True, sizes=(1e5, 1e8),
-        why="Ceres and Jupiter are between"),
-]  # fmt: skip
-RotationRate = Annotated[
-    Numeric, Quantity("rad/s", sizes=(1e-9, 1e-2), why="Venus and Jupiter are between"),
-]  # fmt: skip
-Flattening = Annotated[Numeric, Quantity("", 0.0, 0.5)]
-AngularRadius = Annotated[Numeric, Quantity("rad", 0.0, 0.1, open_below=True)]
-Refractivity = Annotated[Numeric, Quantity("", 0.0, 1e-2)]
-LocalTime = Annotated[Numeric, Quantity("hour", 0.0, 24.0)]
-OpticalDepth = Annotated[Numeric, Quantity("", 0.0, 20.0)]
-SolarFlux = Annotated[Numeric, Quantity("", 40.0, 500.0)]
-GeomagneticIndex = Annotated[Numeric, Quantity("", 0.0, 400.0)]
+HIGHEST_OPEN_FRACTION = _KINDS["OpenFraction"].highest
+"""Largest share of holes accepted: without film there is no flyer."""
 
 RADIANS_PER_DEGREE = math.pi / 180.0
 """A factor, not :func:`math.radians`, so that an angle may also be an array or traced by JAX."""

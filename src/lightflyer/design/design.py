@@ -271,7 +271,9 @@ class ObjectDesign(AbstractDesign):
             for name in names:
                 if not self._uncertainties.get(name):
                     raise ConfigurationError(f"a correlation of {name} has no effect without its ±")
-        self._require_joint_distribution()
+        matrix = correlation_matrix([*self._uncertainties], self._correlations)
+        if self._uncertainties and np.linalg.eigvalsh(matrix)[0] < -_ROUNDING:
+            raise ConfigurationError("no joint distribution has the correlations stated")
 
     def __repr__(self) -> str:
         setup = self._base
@@ -291,12 +293,6 @@ class ObjectDesign(AbstractDesign):
         except ConfigurationError as error:
             raise ConfigurationError(f"{name}: {error}") from None
         return float(spread)
-
-    def _require_joint_distribution(self) -> None:
-        names = list(self._uncertainties)
-        matrix = correlation_matrix(names, self._correlations)
-        if names and np.linalg.eigvalsh(matrix)[0] < -_ROUNDING:
-            raise ConfigurationError("no joint distribution has the correlations stated")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _unpickle, (dumps((self._base, self._uncertainties, self._correlations)),)

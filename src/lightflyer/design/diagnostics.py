@@ -47,13 +47,22 @@ def _state(environment: AbstractEnvironment, coordinate: Numeric) -> Environment
 
 def diagnose(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
     """Diagnostics of a flyer in some surroundings; ``temperature`` (n,)."""
+    name = type(setup.model).__name__
+    found: tuple[str, ...] = ()
+    if state.wall_distance is not None and not setup.model.feels_walls:
+        found += (f"the walls around the flyer have no effect: {name} is for open space",)
+    ends = (state.floor_distance, state.lid_distance)
+    if any(end is not None for end in ends) and not setup.model.feels_floor:
+        but = "" if state.floor_excess is None else " but on the gas temperature"
+        found += (f"floor and lid have no effect{but}: {name} knows none",)
+    temperatures = np.stack(np.broadcast_arrays(state.temperature, temperature))
     return (
         *_number_diagnostics(setup),
         *_sun_diagnostics(state),
-        *_walls_diagnostics(setup, state),
+        *found,
         *setup.model.diagnostics(setup.flyer, state, temperature),
         *setup.flyer.diagnostics(state, temperature),
-        *_gas_diagnostics(state, temperature),
+        *state.gas.diagnostics(temperatures, state.pressure),
         *_cells_diagnostics(setup, state),
         *_shape_diagnostics(setup.flyer),
         *_heat_diagnostics(setup.flyer.highest_temperature, temperature),
@@ -75,7 +84,11 @@ def diagnose_designs(
     if name in several[0]:
         places = np.array([[values[name] for values in several]])
     else:
-        places = _within_bands(whole, setups[0].searched, len(setups))
+        searched = setups[0].searched
+        count = len(setups)
+        band = levitation_band(whole.flyer, whole.environment, whole.model, searched, throw=False)
+        lower, upper = (np.broadcast_to(end, count) for end in (band.lower, band.upper))
+        places = np.linspace(lower, upper, _LOOKS)
     flies = ~np.isnan(places[0])
     state = whole.environment.state(np.where(flies, places, setups[0].searched[0]))
     found = equilibrium(whole.flyer, state, whole.model, throw=False).temperature
@@ -96,13 +109,6 @@ def _together(setups: Sequence[Setup]) -> Setup:
     return tree.map_leaves(joined, *setups)
 
 
-def _within_bands(whole: Setup, searched: tuple[float, float], count: int) -> np.ndarray:
-    """Places within the band of each of some setups, shape (n, count); NaN where one has none."""
-    band = levitation_band(whole.flyer, whole.environment, whole.model, searched, throw=False)
-    lower, upper = (np.broadcast_to(end, count) for end in (band.lower, band.upper))
-    return np.linspace(lower, upper, _LOOKS)
-
-
 def _number_diagnostics(setup: Setup) -> Iterator[str]:
     """That numbers of a set-up are possible, but most likely of a wrong unit."""
     parts = {"flyer.": setup.flyer, "environment.": setup.environment, "force.": setup.model}
@@ -120,19 +126,6 @@ def _sun_diagnostics(state: EnvironmentState) -> Iterator[str]:
         yield f"the sun is {below:.0f}° below the horizontal, hidden by the planet: it is night"
 
 
-def _walls_diagnostics(setup: Setup, state: EnvironmentState) -> tuple[str, ...]:
-    """That walls, floor or lid are given and the force model knows none."""
-    name = type(setup.model).__name__
-    found: tuple[str, ...] = ()
-    if state.wall_distance is not None and not setup.model.feels_walls:
-        found += (f"the walls around the flyer have no effect: {name} is for open space",)
-    ends = (state.floor_distance, state.lid_distance)
-    if any(end is not None for end in ends) and not setup.model.feels_floor:
-        but = "" if state.floor_excess is None else " but on the gas temperature"
-        found += (f"floor and lid have no effect{but}: {name} knows none",)
-    return found
-
-
 def _cells_diagnostics(setup: Setup, state: EnvironmentState) -> Iterator[str]:
     """Diagnostics of solar cells that a flyer has no room for, or that have no light."""
     if setup.budget is None or setup.budget.cells is None:
@@ -146,11 +139,6 @@ def _cells_diagnostics(setup: Setup, state: EnvironmentState) -> Iterator[str]:
             f"the payload's solar cells need {largest / float(setup.flyer.area):.3g} times the "
             "area of the flyer"
         )
-
-
-def _gas_diagnostics(state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
-    ends = np.stack(np.broadcast_arrays(state.temperature, temperature))
-    return state.gas.diagnostics(ends, state.pressure)
 
 
 def _heat_diagnostics(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:

@@ -211,7 +211,16 @@ def legend_below(
     rows = -(-len(handles) // most)
     figure = ax.get_figure(root=True)
     assert figure is not None  # axes that can be drawn on have one
-    below = ScaledTranslation(0.0, -_depth(ax) / _POINTS_PER_INCH, figure.dpi_scale_trans)
+    chosen = mpl.rcParams
+    ticks = chosen["xtick.major.size"] + chosen["xtick.major.pad"]
+    ticks += _LINE * FontProperties(size=chosen["xtick.labelsize"]).get_size_in_points()
+    lines = 1 + ax.get_xlabel().count("\n")
+    label = chosen["axes.labelpad"] + lines * _LINE * float(ax.xaxis.label.get_fontsize())
+    below = ScaledTranslation(
+        0.0,
+        -float(ticks + (label if ax.get_xlabel() else 0.0)) / _POINTS_PER_INCH,
+        figure.dpi_scale_trans,
+    )
     room = ax.get_subplotspec()
     columns = 1 if room is None else room.get_gridspec().ncols
     width = _OF_COLUMN * figure.get_figwidth() * figure.dpi / columns
@@ -234,16 +243,6 @@ def legend_below(
         )
         if legend.get_window_extent(renderer).width < width:
             break
-
-
-def _depth(ax: Axes) -> float:
-    """Height of ticks, their labels and the label under axes [points]."""
-    chosen = mpl.rcParams
-    ticks = chosen["xtick.major.size"] + chosen["xtick.major.pad"]
-    ticks += _LINE * FontProperties(size=chosen["xtick.labelsize"]).get_size_in_points()
-    lines = 1 + ax.get_xlabel().count("\n")
-    label = chosen["axes.labelpad"] + lines * _LINE * float(ax.xaxis.label.get_fontsize())
-    return float(ticks + (label if ax.get_xlabel() else 0.0))
 
 
 def shared_legend(

@@ -49,7 +49,16 @@ def _decode(content: bytes, name: str) -> str:
         if encoding != "utf-8" or marked:
             said = f"is not a text file, or damaged: {encoding.upper()} cannot be read"
             raise ConfigurationError(f"{name}:{line}: {said}") from None
-    _require_one_encoding(content, name, line)
+    for one in content.splitlines():
+        if one.isascii():
+            continue
+        try:
+            one.decode("utf-8")
+        except UnicodeDecodeError:
+            continue
+        raise ConfigurationError(
+            f"{name}:{line}: is damaged: most of the file is UTF-8, this line is not"
+        )
     try:
         return content.decode("cp1252")
     except UnicodeDecodeError as error:
@@ -69,17 +78,3 @@ def _wide(content: bytes) -> str | None:
     if second > _MANY and first < _FEW:
         return "utf-16-le"
     return "utf-16-be" if first > _MANY and second < _FEW else None
-
-
-def _require_one_encoding(content: bytes, name: str, line: int) -> None:
-    """Refuse a UTF-8 file with damaged bytes, which Windows-1252 would show as other letters."""
-    for one in content.splitlines():
-        if one.isascii():
-            continue
-        try:
-            one.decode("utf-8")
-        except UnicodeDecodeError:
-            continue
-        raise ConfigurationError(
-            f"{name}:{line}: is damaged: most of the file is UTF-8, this line is not"
-        )

@@ -86,26 +86,22 @@ def split_number(cell: str) -> Number | None:
         return None if whole is None or exponent else Number(sign, whole, "", "", "", last)
     before, after = body.rsplit(last, 1)
     if len(marks) == 1:
-        return _one_mark(sign, before, after, exponent, last)
+        grouped = not exponent and _ungroup(f"{before}{last}{after}", last) is not None
+        if last in _NAMES:
+            if not (before or after) or (last == COMMA and not after):
+                return None
+            if grouped:
+                return Number(sign, before, after, "", open=last)
+            return Number(sign, before, after, exponent, decimal=last)
+        if not grouped:
+            return None
+        if last == SPACES[0]:  # may also be a lost delimiter
+            return Number(sign, before, after, "", open=last)
+        return Number(sign, before + after, "", "", thousands=last)
     whole = _ungroup(before, marks[0])
     if whole is None or last not in _NAMES or (last == COMMA and not after):
         return None
     return Number(sign, whole, after, exponent, last, marks[0])
-
-
-def _one_mark(sign: str, before: str, after: str, exponent: str, mark: str) -> Number | None:
-    grouped = not exponent and _ungroup(f"{before}{mark}{after}", mark) is not None
-    if mark in _NAMES:
-        if not (before or after) or (mark == COMMA and not after):
-            return None
-        if grouped:
-            return Number(sign, before, after, "", open=mark)
-        return Number(sign, before, after, exponent, decimal=mark)
-    if not grouped:
-        return None
-    if mark == SPACES[0]:  # may also be a lost delimiter
-        return Number(sign, before, after, "", open=mark)
-    return Number(sign, before + after, "", "", thousands=mark)
 
 
 def _ungroup(body: str, mark: str) -> str | None:
@@ -138,25 +134,21 @@ class _Evidence:
             for line, cell in cells:
                 number = split_number(cell)
                 if number is not None:
-                    self._take(name, line, cell, number)
-            self._require_one_decimal(name)
+                    self.numbers[name].append(number)
+                    if number.decimal:
+                        self.decimal.setdefault(number.decimal, (line, cell))
+                    if number.thousands:
+                        self.thousands.setdefault(number.thousands, (line, cell))
+                    if number.open:
+                        self.open.setdefault(number.open, {}).setdefault(name, []).append(
+                            (line, number)
+                        )
+            if {one.decimal for one in self.numbers[name]} >= {POINT, COMMA}:
+                self._contradict(self.decimal[COMMA], self.decimal[POINT])
         for mark in set(self.thousands) & set(self.decimal):
             self._contradict(self.thousands[mark], self.decimal[mark])
         if {POINT, COMMA} <= set(self.thousands):
             self._contradict(self.thousands[POINT], self.thousands[COMMA])
-
-    def _take(self, name: str, line: int, cell: str, number: Number) -> None:
-        self.numbers[name].append(number)
-        if number.decimal:
-            self.decimal.setdefault(number.decimal, (line, cell))
-        if number.thousands:
-            self.thousands.setdefault(number.thousands, (line, cell))
-        if number.open:
-            self.open.setdefault(number.open, {}).setdefault(name, []).append((line, number))
-
-    def _require_one_decimal(self, name: str) -> None:
-        if {one.decimal for one in self.numbers[name]} >= {POINT, COMMA}:
-            self._contradict(self.decimal[COMMA], self.decimal[POINT])
 
     def _contradict(self, one: tuple[int, str], other: tuple[int, str]) -> None:
         raise ConfigurationError(

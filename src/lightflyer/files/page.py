@@ -6,49 +6,20 @@ Every text is escaped here, so that nothing that a file contains becomes markup.
 import base64
 import html
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-
-_STYLE = """
-:root { color-scheme: light dark; --line: #bbb; --shade: #f2f2f2; --warn: #a33b00; }
-@media (prefers-color-scheme: dark) {
-  :root { --line: #555; --shade: #2a2a2a; --warn: #ffb084; }
-}
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
-h1, h2, h3 { line-height: 1.2; overflow-wrap: anywhere; }
-h2 { margin-top: 2rem; border-bottom: 1px solid var(--line); }
-.scroll { overflow-x: auto; margin: 1rem 0; }
-table { border-collapse: collapse; }
-caption { text-align: left; font-weight: bold; padding: .25rem 0; }
-th, td { border: 1px solid var(--line); padding: .25rem .6rem; text-align: left;
-  vertical-align: top; white-space: pre-wrap; }
-th { background: var(--shade); }
-.right { text-align: right; font-variant-numeric: tabular-nums; }
-.verdict { border-left: .3rem solid var(--line); padding-left: .8rem; font-size: 1.1rem; }
-.verdict p { margin: .3rem 0; }
-figcaption { margin-top: .3rem; }
-.warning { color: var(--warn); font-weight: bold; }
-pre { background: var(--shade); padding: .75rem; overflow-x: auto; font-size: .875rem; }
-p, li { overflow-wrap: anywhere; }
-figure { margin: 1rem 0; break-inside: avoid; }
-img { max-width: 100%; height: auto; background: white; }
-.scroll img { max-width: none; }
-@media print {
-  body { max-width: none; margin: 0; font-size: 10pt; }
-  .scroll { overflow: visible; } .scroll img { max-width: 100%; }
-  tr { break-inside: avoid; } pre { white-space: pre-wrap; }
-}
-"""
 
 
 def page(title: str, parts: Iterable[str]) -> str:
     """A page of parts; ``title``: plain text."""
     body = "\n".join(parts)
+    style = (Path(__file__).parents[1] / "data" / "page.css").read_text(encoding="utf-8")
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{html.escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n"
+        f"<title>{html.escape(title)}</title>\n<style>\n{style}</style>\n</head>\n"
         f"<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n"
     )
 

@@ -148,7 +148,10 @@ def find_layout(
     if option:  # names every column, from the first row of numbers on
         names = [name.strip() for name in option.split(",")]
         for first in rows:
-            stated = _delimiter_of_row(lines[first], len(names), delimiter)
+            line = lines[first]
+            width = len(names)
+            marked = delimiter or next((mark for mark in ("\t", ";") if mark in line), None)
+            stated = marked if marked or len(line.split()) == width or "," not in line else ","
             if _is_number(split_cells(lines[first], stated)[0]):
                 place = f"--columns of {path}"
                 return Layout(stated, names, first, _place(columns, names, place, closed=True))
@@ -190,11 +193,6 @@ def _is_number(cell: str) -> bool:
     except ValueError:
         return bool(_COMMA_IN_NUMBER.match(cell))
     return True
-
-
-def _delimiter_of_row(line: str, width: int, stated: str | None) -> str | None:
-    marked = stated or next((mark for mark in ("\t", ";") if mark in line), None)
-    return marked if marked or len(line.split()) == width or "," not in line else ","
 
 
 def _header_cells(

@@ -67,7 +67,22 @@ def check(
     try:
         return model.model_validate(document, context={FOLDER: path.parent}), []
     except pydantic.ValidationError as error:
-        relevant = _relevant_mistakes(error.errors(), document, kind)
+        mistakes: list[Any] = [*error.errors()]
+        meant = set(filter(None, (_intended_key(mistake, document, kind) for mistake in mistakes)))
+        missing: dict[tuple[Any, ...], Any] = {}
+        relevant: list[Any] = []  # missing keys of a section once, and none that is misspelt
+        for mistake in mistakes:
+            if mistake["type"] == "too_short" and _has_wrong_entries(mistake, mistakes):
+                continue
+            if mistake["type"] != "missing":
+                relevant.append(mistake)
+            elif _dotted_name(mistake) not in meant:
+                *section, key = mistake["loc"]
+                if section and tuple(section) in missing:
+                    missing[tuple(section)]["keys"].append(key)
+                else:
+                    relevant.append({**mistake, "keys": [key]})
+                    missing[tuple(section)] = relevant[-1]
         return None, [_explain(mistake, document, text, path, kind) for mistake in relevant]
 
 
@@ -139,28 +154,6 @@ _GRAMMAR = {
     "Cannot overwrite a value": _TWICE,
     "Illegal character '\\n'": "a text is not closed by quotes",
 }
-
-
-def _relevant_mistakes(
-    mistakes: Sequence[Any], document: dict[str, Any], kind: FileKind
-) -> list[Any]:
-    """Mistakes worth a line: not that a misspelt key is missing; missing keys of a section once."""
-    meant = set(filter(None, (_intended_key(mistake, document, kind) for mistake in mistakes)))
-    missing: dict[tuple[Any, ...], Any] = {}
-    told = []
-    for mistake in mistakes:
-        if mistake["type"] == "too_short" and _has_wrong_entries(mistake, mistakes):
-            continue
-        if mistake["type"] != "missing":
-            told.append(mistake)
-        elif _dotted_name(mistake) not in meant:
-            *section, key = mistake["loc"]
-            if section and tuple(section) in missing:
-                missing[tuple(section)]["keys"].append(key)
-            else:
-                told.append({**mistake, "keys": [key]})
-                missing[tuple(section)] = told[-1]
-    return told
 
 
 def _has_wrong_entries(short: Any, mistakes: Sequence[Any]) -> bool:

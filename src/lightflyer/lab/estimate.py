@@ -128,7 +128,12 @@ def weighted_mean(estimates: Sequence[Estimate], *, common: float = 0.0) -> Esti
     for one in estimates:
         require_record("an estimate", (Estimate,), one)
     if len(estimates) == 1:
-        return _widen(estimates[0], common)
+        one = estimates[0]
+        if not common:
+            return one
+        low, high = (math.hypot(end - one.value, NORMAL_FACTOR * common) for end in one.interval)
+        uncertainty = None if one.uncertainty is None else math.hypot(one.uncertainty, common)
+        return Estimate(one.value, (one.value - low, one.value + high), one.unit, uncertainty)
     if not estimates or not all(one.uncertainty for one in estimates):
         raise ParameterError("a weighted mean needs estimates with uncertainties above zero")
     values = np.array([one.value for one in estimates])
@@ -140,15 +145,6 @@ def weighted_mean(estimates: Sequence[Estimate], *, common: float = 0.0) -> Esti
     factor = max(student_factor(freedom) * math.sqrt(scatter), NORMAL_FACTOR)
     half = math.hypot(factor / math.sqrt(weights.sum()), NORMAL_FACTOR * common)
     return Estimate.covering(mean, half, estimates[0].unit)
-
-
-def _widen(one: Estimate, common: float) -> Estimate:
-    """An estimate with a further, independent standard uncertainty."""
-    if not common:
-        return one
-    low, high = (math.hypot(end - one.value, NORMAL_FACTOR * common) for end in one.interval)
-    uncertainty = None if one.uncertainty is None else math.hypot(one.uncertainty, common)
-    return Estimate(one.value, (one.value - low, one.value + high), one.unit, uncertainty)
 
 
 def _variance_between(values: np.ndarray, variances: np.ndarray) -> float:

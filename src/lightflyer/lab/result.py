@@ -255,7 +255,18 @@ class Outcome:
 
     def document(self) -> dict[str, Any]:
         """The JSON object, with the warnings and what was read."""
-        read = [_table_json(one) if isinstance(one, Table) else one for one in self.read]
+        read = [
+            {
+                "file": one.source,
+                "rows": len(one),
+                "rejected": rejected_json(one.rejected),
+                "columns_not_used": one.unused,
+                "notes": one.notes,
+            }
+            if isinstance(one, Table)
+            else one
+            for one in self.read
+        ]
         return {**self.summary, "warnings": list(self.warnings), "read": read}
 
     def lines(self) -> Parts:
@@ -283,16 +294,6 @@ class Listing:
 def figures_by(figures: str, *results: Any, **options: Any) -> "Callable[[], Mapping[str, Figure]]":
     """Function that draws results by ``"module:function"``, which is imported when it is called."""
     return lambda: imported(figures)(*results, **options)
-
-
-def _table_json(table: Table) -> dict[str, Any]:
-    return {
-        "file": table.source,
-        "rows": len(table),
-        "rejected": rejected_json(table.rejected),
-        "columns_not_used": table.unused,
-        "notes": table.notes,
-    }
 
 
 def rejected_json(rejected: Iterable[Any]) -> list[dict[str, Any]]:

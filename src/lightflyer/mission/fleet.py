@@ -232,7 +232,21 @@ def fly_all(
     flight, where it is known. ``work``: has those of an interrupted call.
     """
     if flights.together and flights.vehicle.waves is not None:
-        flights = _around_guide(flights, limits, elapsed, accuracy)
+        (vehicle, start), (member, _) = flight_of(flights, 0), flight_of(flights, 1)
+        guiding = replace(vehicle, wind_error=member.wind_error, waves=member.waves)
+        guide, _ = follow(guiding, start, limits, elapsed, accuracy)
+        last = int(np.flatnonzero(np.isfinite(guide.altitude))[-1])
+        latitude, longitude = geographic(np.asarray(guide.position)[: last + 1])
+        turned = np.unwrap(longitude)
+        # after its end a flight goes on along the parallel, as it did at last
+        rate = (
+            (turned[last] - turned[last - 1]) / (elapsed[last] - elapsed[last - 1]) if last else 0.0
+        )
+        at = np.minimum(np.arange(elapsed.size), last)
+        middle = unit_vectors(latitude[at], turned[at] + rate * (elapsed - elapsed[at]))
+        assert flights.vehicle.waves is not None
+        waves = replace(flights.vehicle.waves, middle=Spline.through(elapsed, np.asarray(middle)))
+        flights = replace(flights, vehicle=replace(flights.vehicle, waves=waves))
     count, alone = flights.count, int(first is not None)
     states = scale(flights.starts)
     law = Balanced(flights.vehicle, np.reshape(flights.starts.place.time, (-1, 1)), limits)
@@ -314,25 +328,3 @@ def flight_of(flights: Flights, row: int) -> tuple[Vehicle, Start]:
     """Who flies one of the flights, and from where; the vehicle's numbers have the shape (1, 1)."""
     one = take(flights, np.array([row]))
     return one.vehicle, tree.map_leaves(lambda leaf: leaf[0], one.starts)
-
-
-def _around_guide(
-    flights: Flights, limits: Limits, elapsed: np.ndarray, accuracy: Accuracy
-) -> Flights:
-    """The flights of a swarm, in waves whose phases follow from the distance to its guide.
-
-    The guide is the flyer as it is stated, in the weather of the swarm and in waves as drawn.
-    """
-    (vehicle, start), (member, _) = flight_of(flights, 0), flight_of(flights, 1)
-    guiding = replace(vehicle, wind_error=member.wind_error, waves=member.waves)
-    guide, _ = follow(guiding, start, limits, elapsed, accuracy)
-    last = int(np.flatnonzero(np.isfinite(guide.altitude))[-1])
-    latitude, longitude = geographic(np.asarray(guide.position)[: last + 1])
-    turned = np.unwrap(longitude)
-    # after its end a flight goes on along the parallel, as it did at last
-    rate = (turned[last] - turned[last - 1]) / (elapsed[last] - elapsed[last - 1]) if last else 0.0
-    at = np.minimum(np.arange(elapsed.size), last)
-    middle = unit_vectors(latitude[at], turned[at] + rate * (elapsed - elapsed[at]))
-    assert flights.vehicle.waves is not None
-    waves = replace(flights.vehicle.waves, middle=Spline.through(elapsed, np.asarray(middle)))
-    return replace(flights, vehicle=replace(flights.vehicle, waves=waves))

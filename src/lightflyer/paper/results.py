@@ -178,7 +178,35 @@ def _payload_values(column: Column) -> dict[str, float]:
     }
 
 
-def _chamber_values(column: Column) -> dict[str, float]:
+def common_values() -> dict[str, float]:
+    """Numbers that do not depend on the reading."""
+    pressures, _ = atmosphere(np.array([50e3, 100e3]))
+    _, temperatures = atmosphere(np.linspace(50e3, 100e3, 5001))
+    peak = 0.5 * (planck_peak(400.0) + planck_peak(500.0))
+    density = facts()["density"]
+    areal = sum(density[name] * thickness * _NANOMETRE for name, thickness in _LAYERS)
+    names = {"infrared": "emissivity", "visible": "absorptivity"}
+    values = {
+        f"{names[row['band']]}_{row['sample'].lower()}": row["absorptance_from_t_and_r"]
+        for row in table_1()
+    }
+    for row in table_s2():
+        sample = row["sample"].lower()
+        values[f"tac_{sample}"], values[f"tac_spread_{sample}"] = row["mean"], row["deviation"]
+    return {
+        "pressure_50km": float(pressures[0]),
+        "pressure_100km": float(pressures[1]),
+        "mesosphere_coldest": float(temperatures.min()),
+        "mesosphere_warmest": float(temperatures.max()),
+        "areal_density": float(areal * _GRAMS),
+        "planck_peak": peak,
+        "planck_peak_wavelength": 1e4 / peak,
+        **values,
+    }
+
+
+def column_values(column: Column) -> dict[str, float]:
+    """Numbers of one column, without the common ones."""
     best = {
         (coating, size): optimum(column, film(coating), size * _CENTIMETRE)
         for coating in ("ge", "cnt")
@@ -196,44 +224,7 @@ def _chamber_values(column: Column) -> dict[str, float]:
     for size in (2, 3, 4):
         ratio = best["ge", size]["irradiance"] / best["cnt", size]["irradiance"]
         values[f"reduction_{size}cm"] = 100.0 * (1.0 - ratio)
-    return values
-
-
-def common_values() -> dict[str, float]:
-    """Numbers that do not depend on the reading."""
-    pressures, _ = atmosphere(np.array([50e3, 100e3]))
-    _, temperatures = atmosphere(np.linspace(50e3, 100e3, 5001))
-    peak = 0.5 * (planck_peak(400.0) + planck_peak(500.0))
-    density = facts()["density"]
-    areal = sum(density[name] * thickness * _NANOMETRE for name, thickness in _LAYERS)
-    return {
-        "pressure_50km": float(pressures[0]),
-        "pressure_100km": float(pressures[1]),
-        "mesosphere_coldest": float(temperatures.min()),
-        "mesosphere_warmest": float(temperatures.max()),
-        "areal_density": float(areal * _GRAMS),
-        "planck_peak": peak,
-        "planck_peak_wavelength": 1e4 / peak,
-        **_table_values(),
-    }
-
-
-def _table_values() -> dict[str, float]:
-    """What follows from the other numbers of Tables 1 and S2."""
-    names = {"infrared": "emissivity", "visible": "absorptivity"}
-    values = {
-        f"{names[row['band']]}_{row['sample'].lower()}": row["absorptance_from_t_and_r"]
-        for row in table_1()
-    }
-    for row in table_s2():
-        sample = row["sample"].lower()
-        values[f"tac_{sample}"], values[f"tac_spread_{sample}"] = row["mean"], row["deviation"]
-    return values
-
-
-def column_values(column: Column) -> dict[str, float]:
-    """Numbers of one column, without the common ones."""
-    return {**_altitude_values(column), **_payload_values(column), **_chamber_values(column)}
+    return {**_altitude_values(column), **_payload_values(column), **values}
 
 
 def kinetic_values() -> dict[str, float | None]:

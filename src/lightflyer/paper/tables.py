@@ -5,7 +5,6 @@ A cell that the text does not give is None, in CSV ``not available``.
 
 import math
 import statistics
-from collections.abc import Sequence
 from typing import Any
 
 from lightflyer.paper.conditions import facts
@@ -27,11 +26,6 @@ def difference_uncertainty(first: float, second: float, correlation: float) -> f
     # .. math:: u^2 = u_1^2 + u_2^2 - 2\rho\,u_1 u_2
     variance = first**2 + second**2 - 2.0 * correlation * first * second
     return math.sqrt(max(variance, 0.0))  # rounding may leave a negative zero
-
-
-def mean_and_spread(values: Sequence[float]) -> tuple[float, float]:
-    """Mean of several values and their standard deviation (of a sample)."""
-    return statistics.mean(values), statistics.stdev(values)
 
 
 def table_1() -> list[Row]:
@@ -71,7 +65,8 @@ def _accommodation_row(stated: Row) -> Row:
     for number, (tac, lowest, highest) in enumerate(tests, start=1):
         row |= {f"test_{number}": tac, f"lowest_{number}": lowest, f"highest_{number}": highest}
     row["literature"] = stated.get("literature")
-    row["mean"], row["deviation"] = mean_and_spread(stated["tests"])
+    values = stated["tests"]
+    row["mean"], row["deviation"] = statistics.mean(values), statistics.stdev(values)
     row["printed_mean"] = stated.get("tac")
     row["printed_uncertainty"] = stated.get("tac_uncertainty")
     return row

@@ -118,7 +118,21 @@ def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axe
         bar = ax.get_figure().colorbar(filled, ax=ax)  # type: ignore[union-attr]
         bar.set_label(wrap_label(label) + ("\nmedian of the samples" if sampled else ""))
         handles += _fade_extrapolated(ax, horizontal, vertical, flying, dataset, (y, x))
-        handles += _best_per_column(ax, horizontal, vertical, flying, value)
+        least = less_is_better(value)
+        score = np.where(np.isfinite(flying), -flying if least else flying, -np.inf)
+        even = np.log(vertical) if ax.get_yscale() == "log" else vertical
+        best = np.array([_peak(even, column) for column in score.T])
+        best = np.exp(best) if ax.get_yscale() == "log" else best
+        words = "least" if least else "most"
+        across = ax.get_xlabel().replace("\n", " ").partition(" [")[0]
+        handles += ax.plot(
+            horizontal,
+            best,
+            color=VERMILION,
+            lw=2.0,
+            label=f"{words} at each {across}",
+            path_effects=outline_effects(3.5, "white"),
+        )
     if able is not None:
         hatched = _not_flying(dataset, sampled=sampled)
         handles += _cannot_fly(ax, horizontal, vertical, able.values, hatched, sampled=sampled)
@@ -147,23 +161,6 @@ def _fade_extrapolated(
     veil = level.astype(float)
     ax.contourf(horizontal, vertical, veil, levels=[_HALF, 1.5], colors="white", alpha=0.65)
     return [Patch(facecolor="white", edgecolor=GREY, linewidth=0.5, label=EXTRAPOLATED)]
-
-
-def _best_per_column(
-    ax: Axes, horizontal: np.ndarray, vertical: np.ndarray, values: np.ndarray, name: str
-) -> list[Any]:
-    """A line through the best place of each column."""
-    least = less_is_better(name)
-    score = np.where(np.isfinite(values), -values if least else values, -np.inf)
-    even = np.log(vertical) if ax.get_yscale() == "log" else vertical
-    best = np.array([_peak(even, column) for column in score.T])
-    best = np.exp(best) if ax.get_yscale() == "log" else best
-    words = "least" if least else "most"
-    across = ax.get_xlabel().replace("\n", " ").partition(" [")[0]
-    return ax.plot(
-        horizontal, best, color=VERMILION, lw=2.0, label=f"{words} at each {across}",
-        path_effects=outline_effects(3.5, "white"),
-    )  # fmt: skip
 
 
 def _peak(places: np.ndarray, score: np.ndarray) -> float:

@@ -206,18 +206,6 @@ def _plain(entry: Any) -> Any:
 
 def in_memory(study: Study, device: str | None = None) -> "xr.Dataset":
     """The outputs of a study as a dataset in memory."""
-    _say_memory(study)
-    results, failures = Evaluator(study, device)(0, study.size)
-    dataset = empty_dataset(study)
-    dims = [dimension.name for dimension in study.dimensions]
-    for name, output in study.known_outputs.items():
-        dataset[name] = (dims, results[name].reshape(study.shape), output.attributes)
-    dataset.attrs |= {"complete": True, "not_converged": failures}
-    return dataset
-
-
-def _say_memory(study: Study) -> None:
-    """Say what memory a large study needs before it takes it; refuse what is not there."""
     numbers = len(study.outputs) + len(study.fields) + _NUMBERS_BESIDE
     need = study.size * numbers * _BYTES
     told = f"{study.size:.3g} designs need about {need / _GIGABYTE:.3g} GB of memory"
@@ -227,6 +215,13 @@ def _say_memory(study: Study) -> None:
         raise ConfigurationError(f"{told}, of which {free / _GIGABYTE:.3g} GB are free; {instead}")
     if need > _GIGABYTE:
         warnings.warn(f"{told}; {instead}", ParameterWarning, stacklevel=3)
+    results, failures = Evaluator(study, device)(0, study.size)
+    dataset = empty_dataset(study)
+    dims = [dimension.name for dimension in study.dimensions]
+    for name, output in study.known_outputs.items():
+        dataset[name] = (dims, results[name].reshape(study.shape), output.attributes)
+    dataset.attrs |= {"complete": True, "not_converged": failures}
+    return dataset
 
 
 def _free_memory() -> float:

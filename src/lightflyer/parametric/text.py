@@ -23,7 +23,12 @@ def map_parts(dataset: "xr.Dataset", fields: list[str], output: str) -> "tuple[s
     """The best design that is drawn, and the best at some values of the first field."""
     # ``dataset``: with one or two fields that are not fixed, as it is drawn
     best, word = best_design(dataset, output), "least" if less_is_better(output) else "largest"
-    flying = _flying(dataset, output)
+    able, values = margin(dataset), dataset[output]
+    if SAMPLE in values.dims:
+        values = over_samples(values)["median"]
+        able = None if able is None else (able >= 0.0).where(able.notnull()).mean(SAMPLE) - _HALF
+    values = values.where(np.isfinite(values))
+    flying = values if able is None else values.where(able >= 0.0)
     finding = f"no design has a {output}"
     if best is not None:
         where = {name: best.where[name] for name in fields}
@@ -45,16 +50,6 @@ def map_parts(dataset: "xr.Dataset", fields: list[str], output: str) -> "tuple[s
         for row in zip(*(part.values for part in [*columns, flying]), strict=True)
     )
     return finding, table_of(headings, rows, left=(), collapse_padding=True, pad_edge=False)
-
-
-def _flying(dataset: "xr.Dataset", output: str) -> "xr.DataArray":
-    """Values of the designs that fly, with samples their medians."""
-    able, values = margin(dataset), dataset[output]
-    if SAMPLE in values.dims:
-        values = over_samples(values)["median"]
-        able = None if able is None else (able >= 0.0).where(able.notnull()).mean(SAMPLE) - _HALF
-    values = values.where(np.isfinite(values))
-    return values if able is None else values.where(able >= 0.0)
 
 
 def _cell(value: float) -> str:

@@ -147,26 +147,21 @@ def _coordinate_axis(prediction: "Prediction", ax: Axes) -> None:
     ax.set_xlabel(f"{where.long_name.rpartition(' ')[2]} [{where.shown_unit}]")
     ax.grid(alpha=0.25, which="both" if where.logarithmic else "major")
     if where.name != "pressure":
-        _pressure_axis(prediction, ax, low, high)
+        places = prediction.coordinates * across(prediction)
+        log_pressure = np.log10(prediction.table["pressure"])
 
+        def to_log_pressure(x: Any) -> np.ndarray:
+            return np.interp(x, places, log_pressure)
 
-def _pressure_axis(prediction: "Prediction", ax: Axes, low: float, high: float) -> None:
-    """The same axis in pressure, through the table: log-pressure is monotonic in altitude."""
-    places = prediction.coordinates * across(prediction)
-    log_pressure = np.log10(prediction.table["pressure"])
+        def to_place(x: Any) -> np.ndarray:
+            return np.interp(x, log_pressure[::-1], places[::-1])
 
-    def to_log_pressure(x: Any) -> np.ndarray:
-        return np.interp(x, places, log_pressure)
-
-    def to_place(x: Any) -> np.ndarray:
-        return np.interp(x, log_pressure[::-1], places[::-1])
-
-    top = ax.secondary_xaxis("top", functions=(to_log_pressure, to_place))
-    decades = np.arange(np.floor(log_pressure.min()), np.ceil(log_pressure.max()) + 1)
-    ticks = np.add.outer(decades, np.log10([1.0, 3.0])).ravel()
-    inside = (ticks > to_log_pressure(high)) & (ticks < to_log_pressure(low))
-    top.set_xticks(ticks[inside], [f"{float(f'{10**tick:.1g}'):g}" for tick in ticks[inside]])
-    top.set_xlabel("pressure [Pa]")
+        top = ax.secondary_xaxis("top", functions=(to_log_pressure, to_place))
+        decades = np.arange(np.floor(log_pressure.min()), np.ceil(log_pressure.max()) + 1)
+        ticks = np.add.outer(decades, np.log10([1.0, 3.0])).ravel()
+        inside = (ticks > to_log_pressure(high)) & (ticks < to_log_pressure(low))
+        top.set_xticks(ticks[inside], [f"{float(f'{10**tick:.1g}'):g}" for tick in ticks[inside]])
+        top.set_xlabel("pressure [Pa]")
 
 
 def irradiance(prediction: "Prediction", ax: Axes) -> Axes:

@@ -314,7 +314,12 @@ def predict_design(
     evaluate, where = Evaluator(setup), setup.environment.coordinate
     coordinates = search_grid(setup, POINTS)
     table = evaluate(coordinates)
-    bands, best, easiest = _edges_and_optima(Rows(evaluate, coordinates, table))
+    rows = Rows(evaluate, coordinates, table)
+    found = find_edges_and_optima(rows.tabulate, rows.places, rows.columns)
+    bands, best = rows.ranges(found.edges), rows.place(found.best, found.at_best)
+    easiest: Place | None = rows.place(found.easiest, found.at_easiest)
+    if easiest is not None and np.isnan(easiest.coordinate):
+        easiest = None
     asked = _reported_coordinates(where, coordinates, at, bands or [(best.coordinate,) * 2])
     at_asked = evaluate(asked) if asked.size else dict.fromkeys(table, asked)
     edges = np.array(bands).reshape(-1, 2)
@@ -388,19 +393,6 @@ def _describe_unsolved(where: Coordinate, coordinates: np.ndarray, table: Table)
                 f"{what} missed its tolerance at {missing.sum()} of {missing.size} {where.name}s, "
                 f"{' to '.join(dict.fromkeys(ends))} {where.shown_unit}: missing there"
             )
-
-
-def _edges_and_optima(
-    rows: Rows,
-) -> tuple[list[tuple[float, float]], Place, Place | None]:
-    """Bands, place of the largest payload, and of the least light where any lifts the flyer."""
-    found = find_edges_and_optima(rows.tabulate, rows.places, rows.columns)
-    easiest = rows.place(found.easiest, found.at_easiest)
-    return (
-        rows.ranges(found.edges),
-        rows.place(found.best, found.at_best),
-        None if np.isnan(easiest.coordinate) else easiest,
-    )
 
 
 def _map(evaluate: Evaluator, coordinates: np.ndarray, easiest: Place | None) -> TemperatureMap:

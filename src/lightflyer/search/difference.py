@@ -74,15 +74,10 @@ def measured_differences(
             continue
         difference = inputs[top] - inputs[bottom]
         errors = ACCURACY * np.random.default_rng(seed).normal(size=(_DRAWS, difference.size))
-        removed = _explained((difference + errors).ravel(), np.tile(output, _DRAWS))
+        measured, told = (difference + errors).ravel(), np.tile(output, _DRAWS)
+        removed = 0.0
+        if told.std():
+            fitted = np.polynomial.Polynomial.fit(measured, told, _DEGREE)(measured)
+            removed = float(np.clip(1.0 - np.var(told - fitted) / np.var(told), 0.0, 1.0))
         found.append(MeasuredDifference(top, bottom, float(difference.std()), removed))
     return tuple(found)
-
-
-def _explained(given: np.ndarray, output: np.ndarray) -> float:
-    """Share of the output's variance that a cubic in what is given explains [1]."""
-    spread = float(output.std())
-    if not spread:
-        return 0.0
-    fitted = np.polynomial.Polynomial.fit(given, output, _DEGREE)(given)
-    return float(min(max(1.0 - np.var(output - fitted) / spread**2, 0.0), 1.0))

@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lightflyer.files.display_units import in_words, scale_and_label
@@ -43,14 +42,6 @@ def tornado_figure(found: "Indices") -> Figure:
     figure = new_figure(columns=2, width=5.0, height=_FRAME + _ROW * len(found.names))
     ranges, shares = figure.axes
     order = np.argsort(found.total)
-    _draw_ranges(found, order, ranges)
-    _draw_shares(found, order, shares)
-    for ax in figure.axes:
-        legend_below(ax)
-    return figure
-
-
-def _draw_ranges(found: "Indices", order: np.ndarray, ax: Axes) -> None:
     factor, label = scale_and_label(found.dataset.low.rename(found.output))
     rows = np.arange(order.size)
     for ends, colour, words in (
@@ -58,27 +49,27 @@ def _draw_ranges(found: "Indices", order: np.ndarray, ax: Axes) -> None:
         (found.high, MORE, "input at its 97.5 % quantile"),
     ):
         width = factor * (ends[order] - found.nominal)
-        ax.barh(rows, width, left=factor * found.nominal, color=colour, label=words)
-    ax.axvline(factor * found.nominal, color=GREY, lw=1.0)
+        ranges.barh(rows, width, left=factor * found.nominal, color=colour, label=words)
+    ranges.axvline(factor * found.nominal, color=GREY, lw=1.0)
     names = [" and\n".join(map(in_words, found.groups[number])) for number in order]
-    ax.set_yticks(rows, names)
-    ax.set_xlabel(wrap_label(label))
-    ax.locator_params(axis="x", nbins=_TICKS)
-
-
-def _draw_shares(found: "Indices", order: np.ndarray, ax: Axes) -> None:
-    rows = np.arange(order.size)
+    ranges.set_yticks(rows, names)
+    ranges.set_xlabel(wrap_label(label))
+    ranges.locator_params(axis="x", nbins=_TICKS)
     for index, spread, colour, words, offset in (
         (found.total, found.total_interval, GREEN, "with interactions", _BAR / 2.0),
         (found.first, found.first_interval, VERMILION, "alone", -_BAR / 2.0),
     ):
-        ax.barh(rows + offset, index[order], _BAR, color=colour, label=words)
-        bars = ax.errorbar(index[order], rows + offset, xerr=spread[order], ls="", color="black",
-                           lw=1.2, capsize=2)  # fmt: skip
+        shares.barh(rows + offset, index[order], _BAR, color=colour, label=words)
+        bars = shares.errorbar(
+            index[order], rows + offset, xerr=spread[order], ls="", color="black", lw=1.2, capsize=2
+        )
     bars.set_label(INTERVAL)
-    ax.axvline(0.0, color=GREY, lw=1.0)
-    ax.set_yticks(rows, [])
-    ax.set_xlabel("share of the variance (Sobol index)")
+    shares.axvline(0.0, color=GREY, lw=1.0)
+    shares.set_yticks(rows, [])
+    shares.set_xlabel("share of the variance (Sobol index)")
+    for ax in figure.axes:
+        legend_below(ax)
+    return figure
 
 
 def elasticity_figure(optimum: "Optimum") -> Figure:

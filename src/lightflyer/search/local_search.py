@@ -87,22 +87,17 @@ def maximise_in_full(
     ends = []
     for number, found in enumerate(rivals[:_RIVALS]):
         report("computing films in full", number, min(len(rivals), _RIVALS))
-        ends.append(_repeat(function, found, scale))
+        for _ in range(_REPEATS):
+            function.match(found.point)
+            again = maximise_from(function, found.point, scale)
+            moved, found = float(np.abs(again.point - found.point).max()), again
+            if moved <= _AT_REST:
+                break
+        function.match(found.point)
+        scores, _ = function.scores_and_jacobian(found.point)
+        ends.append(replace(found, score=float(scores[0])))
     satisfying = [found for found in ends if found.violation <= FEASIBLE]
     best = max(satisfying or ends, key=lambda found: found.score)
     if len(ends) > 1:
         function.match(best.point)
     return best
-
-
-def _repeat(function: ObjectiveFunction, found: LocalOptimum, scale: float) -> LocalOptimum:
-    for _ in range(_REPEATS):
-        function.match(found.point)
-        again = maximise_from(function, found.point, scale)
-        moved = float(np.abs(again.point - found.point).max())
-        found = again
-        if moved <= _AT_REST:
-            break
-    function.match(found.point)
-    scores, _ = function.scores_and_jacobian(found.point)
-    return replace(found, score=float(scores[0]))

@@ -2,8 +2,9 @@
 
 import copy
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from lightflyer.core.quantity import impossible_as_nan
 from lightflyer.design.outputs import outputs_of
 from lightflyer.design.tables import evaluate
 from lightflyer.files.result_text import listed
-from lightflyer.search.problem import PROBABILITY, Constraint, Objective, Problem
+from lightflyer.search.problem import PROBABILITY, Choice, Constraint, Objective, Problem
 
 SCREENED = 512  # Designs looked at together: first over the whole cube, then around the starts
 
@@ -30,47 +31,6 @@ _ANY_HEAT = 1e6  # above any temperature [K]
 _SILVERMAN = 1.06  # width of a kernel over the spread, times n^(1/5)
 
 
-@dataclass(frozen=True)
-class Context:
-    """What the films of layers of a search are computed with."""
-
-    tables: Any  # See :class:`~lightflyer.design.design.Surrogate`; None where no film changes
-    # Films computed in full less those on a coarse grid, where the two were last compared; None
-    # before, and where no film changes
-    shift: Any
-    limits: np.ndarray  # shape (constraints,); limits, which may depend on the film
-
-
-@dataclass(frozen=True)
-class _Films:
-    """Films of some designs, and how they change with the errors of uncertain thicknesses."""
-
-    # shape (1 + 2 u, n, ...); nominal, then with each error at plus and at minus one standard
-    # uncertainty
-    films: Any
-    uncertain: tuple[str, ...]  # Names of the u numbers
-
-    def at(self, errors: Mapping[str, np.ndarray]) -> Any:
-        """Films at some errors, in standard uncertainties, of second order in each of them.
-
-        ``errors`` (s,); arrays of shape (n, s, ...). Without errors (n, ...).
-        """
-        # Products of two errors are left out.
-
-        def moved(leaf: np.ndarray) -> np.ndarray:
-            if not errors:
-                return leaf[0]
-            found = leaf[0][:, None]
-            for place, name in enumerate(self.uncertain):
-                above, below = leaf[1 + 2 * place][:, None], leaf[2 + 2 * place][:, None]
-                error = errors[name].reshape(-1, *[1] * (leaf.ndim - 2))
-                bend = above - 2.0 * leaf[0][:, None] + below
-                found = found + 0.5 * error * (above - below) + 0.5 * error * error * bend
-            return found
-
-        return tree.map_leaves(moved, self.films)
-
-
 class ObjectiveFunction:
     """Objectives and constraints of a problem over the unit cube of its free numbers."""
 
@@ -81,9 +41,13 @@ class ObjectiveFunction:
     def __init__(self, problem: Problem):
         self.problem = problem
         costly = problem.needs_recompute
+        # :class:`~lightflyer.design.design.Surrogate` of the films of layers, with its tables, and
+        # films computed in full less its own where the two were last compared; None where no film
+        # changes
         self._quick = problem.design.surrogate(costly) if costly else None
-        limits = np.array([part.limit for part in problem.constraints])
-        self._context = Context(None if self._quick is None else self._quick.tables, None, limits)
+        self._tables = None if self._quick is None else self._quick.tables
+        self._shift: Any = None
+        self._limits = np.array([part.limit for part in problem.constraints])
         self._exact: Callable[[Mapping[str, float]], Any] = problem.design.precompute
         known = outputs_of(problem.design.setup)
         searched = any(known[name].over_band for name in problem.outputs)
@@ -96,12 +60,11 @@ class ObjectiveFunction:
         """Whether films of layers change, which are then computed on a coarse grid."""
         return self._quick is not None
 
-    def turn_to(
-        self, tables: Any, limits: np.ndarray, exact: Callable[[Mapping[str, float]], Any]
-    ) -> None:
-        """Go on with another film."""
-        self._context = Context(tables, None, limits)
-        self._exact = exact
+    def turn_to(self, choice: Choice, sequence: tuple[int, ...]) -> None:
+        """Go on with another stack of layers."""
+        self._tables, self._shift = choice.stacks.tables(sequence), None
+        self._limits = choice.limits(self.problem, sequence)
+        self._exact = partial(choice.stacks.exact, sequence)
 
     def match(self, point: np.ndarray) -> None:
         """Compute the films at a point in full; from now on all are shifted by the difference."""
@@ -112,12 +75,11 @@ class ObjectiveFunction:
             if name != coordinate
         }
         exact, quick = self._exact(values), self._quick_films(values)
-        shift = tree.map_leaves(lambda one, other: np.asarray(one - other), exact, quick)
-        self._context = replace(self._context, shift=shift)
+        self._shift = tree.map_leaves(lambda one, other: np.asarray(one - other), exact, quick)
 
     def _quick_films(self, values: Mapping[str, float]) -> Any:
         with impossible_as_nan():
-            return self._quick(values, self._context.tables)  # type: ignore[misc]
+            return self._quick(values, self._tables)  # type: ignore[misc]
 
     def all_values(self, point: Any) -> dict[str, Any]:
         """Values of all numbers that are free, fixed or uncertain, at points (..., k)."""
@@ -132,17 +94,14 @@ class ObjectiveFunction:
         """Outputs at a point, with uncertain ones reduced to one number; ``point`` (k,)."""
         scores, _ = self.scores_and_jacobian(point)
         problem, count = self.problem, len(self.problem.objectives)
-        limits = self._context.limits
-        limited = {
-            part.name: float(limit + part.sign * scale * score)
-            for part, limit, scale, score in zip(
-                problem.constraints, limits, _scales(limits), scores[count:], strict=True
-            )
-        }
-        return limited | {
-            part.name: float(part.sign * score)
-            for part, score in zip(problem.objectives, scores[:count], strict=True)
-        }
+        found = {}
+        for part, limit, score in zip(
+            problem.constraints, self._limits, scores[count:], strict=True
+        ):
+            found[part.name] = float(limit + part.sign * (abs(limit) or 1.0) * score)
+        for one, score in zip(problem.objectives, scores[:count], strict=True):
+            found[one.name] = float(one.sign * score)
+        return found
 
     def scores_of_many(self, points: np.ndarray) -> np.ndarray:
         """Scores at points, shape (n, objectives + constraints); ``points`` (n, k)."""
@@ -203,8 +162,7 @@ class ObjectiveFunction:
         """The same function without the limits of its films."""
         function = copy.copy(self)
         of_film = np.array([part.of_film for part in self.problem.constraints], bool)
-        limits = np.where(of_film, _ANY_HEAT, self._context.limits)
-        function._context = replace(self._context, limits=limits)
+        function._limits = np.where(of_film, _ANY_HEAT, self._limits)
         return function
 
     def without_errors(self) -> "ObjectiveFunction":
@@ -213,52 +171,59 @@ class ObjectiveFunction:
             return self
         nominal = replace(self.problem, samples={}, quantile=None, constraints=())
         function = ObjectiveFunction(nominal)
-        function._context = self._context
+        function._tables, function._shift = self._tables, self._shift
         return function
 
     def _scores(self, given: Mapping[str, np.ndarray]) -> np.ndarray:
         """Scores of a few designs, shape (n, m); ``given`` (n,)."""
-        problem, limits = self.problem, self._context.limits
-        judged: Sequence[Objective | Constraint] = (*problem.objectives, *problem.constraints)
-        values = self._values(given, {(part.name, part.sign) for part in judged})
-        columns = [part.sign * values[part.name, part.sign] for part in problem.objectives]
-        for part, limit, scale in zip(problem.constraints, limits, _scales(limits), strict=True):
-            columns.append(part.sign * (values[part.name, part.sign] - limit) / scale)
-        return np.stack(columns, axis=1)
-
-    def _values(
-        self, given: Mapping[str, np.ndarray], parts: set[tuple[str, float]]
-    ) -> dict[tuple[str, float], np.ndarray]:
-        """Outputs, (n,), by name and by whether more (1) or less (-1) is better."""
-        errors, films, design = self._errors(), self._films(given), self.problem.design
+        problem, design = self.problem, self.problem.design
+        errors = {  # of the uncertain numbers in their standard uncertainties, (s,)
+            name: column
+            if name in problem.tolerances
+            else (column - np.mean(column)) / self._spread(name, {})
+            for name, column in problem.samples.items()
+        }
         values: dict[str, Any] = dict(given)
         if errors:  # samples are the last axis
             values = {name: column[:, None] for name, column in given.items()}
             for name, error in errors.items():
                 values[name] = values[name] + self._spread(name, values) * error
         shape = np.broadcast_shapes(*map(np.shape, values.values()))
+        films = self._films(given, errors)
         with impossible_as_nan(), warnings.catch_warnings():
             warnings.simplefilter("ignore", ParameterWarning)
-            prepared = None if films is None else films.at(errors)
-            setup = tree.map_leaves(number, design.build(values, prepared))
+            setup = tree.map_leaves(number, design.build(values, films))
             coordinate = values.get(design.coordinate_name)
-            table, _ = evaluate(setup, self.problem.outputs, coordinate)
-            found = {name: np.broadcast_to(column, shape) for name, column in table.items()}
-            if not errors:
-                return {(name, sign): found[name] for name, sign in parts}
-            return {
-                (name, sign): _smooth_share(found["lift_over_weight"] - 1.0)
-                if name == PROBABILITY
-                else self._reduce(found[name], sign)
-                for name, sign in parts
-            }
+            table, _ = evaluate(setup, problem.outputs, coordinate)
+        found = {name: np.broadcast_to(column, shape) for name, column in table.items()}
 
-    def _films(self, given: Mapping[str, np.ndarray]) -> _Films | None:
-        """Films of designs, and how they change with the errors of uncertain thicknesses."""
+        def reduced(part: Objective | Constraint) -> np.ndarray:
+            """An output, or of its samples the mean, or the quantile on the side that is worse."""
+            if not errors:
+                return found[part.name]
+            if part.name == PROBABILITY:  # by a kernel estimate, which has a derivative
+                margins = found["lift_over_weight"] - 1.0
+                width = np.std(margins, axis=-1, keepdims=True) * margins.shape[-1] ** -0.2
+                width = np.maximum(_SILVERMAN * width, np.finfo(float).tiny)
+                return np.mean(ndtr(margins / width), axis=-1)
+            if problem.quantile is None:
+                return np.mean(found[part.name], axis=-1)
+            side = problem.quantile if part.sign > 0.0 else 1.0 - problem.quantile
+            return np.asarray(np.quantile(found[part.name], side, axis=-1))
+
+        columns = [part.sign * reduced(part) for part in problem.objectives]
+        for part, limit in zip(problem.constraints, self._limits, strict=True):
+            columns.append(part.sign * (reduced(part) - limit) / (abs(limit) or 1.0))
+        return np.stack(columns, axis=1)
+
+    def _films(self, given: Mapping[str, np.ndarray], errors: Mapping[str, np.ndarray]) -> Any:
+        """Films of designs, of shape (n, ...), at errors of shape (s,) of shape (n, s, ...)."""
+        # of second order in each error, of a film at plus and minus one standard uncertainty;
+        # products of two errors are left out
         if self._quick is None:
             return None
         problem, coordinate = self.problem, self.problem.design.coordinate_name
-        uncertain = tuple(problem.design.needs_recompute(list(problem.samples)))
+        uncertain = problem.design.needs_recompute(list(problem.samples))
         names = [name for name in given if name != coordinate]
         films = []
         for row in zip(*(given[name] for name in names), strict=True):
@@ -270,9 +235,21 @@ class ObjectiveFunction:
             quick = [self._quick_films(case) for case in cases]
             films.append(tree.map_leaves(lambda *leaves: np.stack(leaves), *quick))
         stacked = tree.map_leaves(lambda *leaves: np.stack(leaves, axis=1), *films)
-        if self._context.shift is not None:
-            stacked = tree.map_leaves(np.add, stacked, self._context.shift)
-        return _Films(stacked, uncertain)
+        if self._shift is not None:
+            stacked = tree.map_leaves(np.add, stacked, self._shift)
+
+        def moved(leaf: np.ndarray) -> np.ndarray:
+            if not errors:
+                return leaf[0]
+            found = leaf[0][:, None]
+            for place, name in enumerate(uncertain):
+                above, below = leaf[1 + 2 * place][:, None], leaf[2 + 2 * place][:, None]
+                error = errors[name].reshape(-1, *[1] * (leaf.ndim - 2))
+                bend = above - 2.0 * leaf[0][:, None] + below
+                found = found + 0.5 * error * (above - below) + 0.5 * error * error * bend
+            return found
+
+        return tree.map_leaves(moved, stacked)
 
     def _spread(self, name: str, given: Mapping[str, Any]) -> Any:
         """Standard uncertainty of a number."""
@@ -280,24 +257,6 @@ class ObjectiveFunction:
         if tolerance is not None:
             return tolerance.spread(given[name])
         return float(np.std(self.problem.samples[name])) or 1.0
-
-    def _errors(self) -> dict[str, np.ndarray]:
-        """Errors of the uncertain numbers in their standard uncertainties, by name, (s,)."""
-        tolerances = self.problem.tolerances
-        return {
-            name: column
-            if name in tolerances
-            else (column - np.mean(column)) / self._spread(name, {})
-            for name, column in self.problem.samples.items()
-        }
-
-    def _reduce(self, columns: np.ndarray, sign: float) -> np.ndarray:
-        """The mean of samples, or their quantile on the side that is worse, (n,)."""
-        quantile = self.problem.quantile
-        if quantile is None:
-            return np.mean(columns, axis=-1)
-        side = quantile if sign > 0.0 else 1.0 - quantile
-        return np.asarray(np.quantile(columns, side, axis=-1))
 
     def _parameters(self) -> dict[str, float]:
         """Numbers of the design that are neither free nor zero nor costly, by dotted name."""
@@ -317,14 +276,3 @@ class ObjectiveFunction:
             for name, value in (stated | problem.fixed | means).items()
             if name not in free and name != design.coordinate_name
         }
-
-
-def _scales(limits: Any) -> Any:
-    """Sizes of limits, by which violations of constraints are measured."""
-    return abs(limits) + (limits == 0.0)
-
-
-def _smooth_share(margins: np.ndarray) -> np.ndarray:
-    """Share of positive margins, (n,), by a kernel estimate so that it has a derivative."""
-    width = _SILVERMAN * np.std(margins, axis=-1, keepdims=True) * margins.shape[-1] ** -0.2
-    return np.mean(ndtr(margins / np.maximum(width, np.finfo(float).tiny)), axis=-1)

@@ -11,7 +11,7 @@ theorem), although the best design moves with it.
 """
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -239,20 +239,62 @@ def find_optimum(function: ObjectiveFunction) -> Optimum:
         searches = _climb(function, starts, scale)
         satisfying = [found for found in searches if found.violation <= FEASIBLE]
         notes = ("no design within the bounds keeps its film as cool as it must be",)
-    _require_some(satisfying, searches)
+    if not satisfying:
+        least = min(searches, key=lambda found: found.violation)
+        raise LightflyerError(
+            "no design satisfies the constraints; the best violates that of "
+            f"{least.violated} by {100.0 * least.violation:.3g} % of its limit; widen the bounds "
+            "or the limits"
+        )
     best = max(satisfying, key=lambda found: found.score)
     near = AGREEMENT * max(abs(best.score), scale)
     agreeing = sum(abs(found.score - best.score) <= near for found in satisfying)
     if function.is_quick:
         best = maximise_in_full(function, satisfying, scale)
-    return _describe(
-        function,
-        best,
+    rivals, objective = tuple(rivals_of(function, best, scale)), problem.objectives[0]
+    design = problem.free_numbers(best.point)
+    warnings = [*notes, *diagnose_solution(problem, design)]
+    least_of_flying = _LEAST_OF_FLYING.get(objective.name, -np.inf)
+    if not problem.samples and objective.sign > 0.0 and best.score < least_of_flying:
+        warnings.append(
+            "the best design does not lift its weight: none within bounds and constraints flies"
+        )
+    # gain per scaled unit by which each constraint is loosened
+    scores, slopes = function.scores_and_jacobian(best.point)
+    inside = (best.point > _AT_BOUND) & (best.point < 1.0 - _AT_BOUND)
+    active = np.flatnonzero(scores[1:] <= FEASIBLE)
+    multipliers = np.zeros(len(problem.constraints))
+    if active.size and inside.any():
+        normals = slopes[1 + active][:, inside].T
+        gains, *_ = np.linalg.lstsq(normals, -slopes[0][inside], rcond=None)
+        multipliers[active] = np.maximum(gains, 0.0)
+    gradient = function.parameter_gradient(best.point, multipliers)
+    relative = {name: float(slope) / best.score for name, slope in gradient.items() if float(slope)}
+    return Optimum(
+        problem=problem,
+        value=objective.sign * best.score,
+        design=design,
+        outputs=function.outputs_at(best.point),
+        active_bounds={
+            bounds.field.name: "low" if fraction <= _AT_BOUND else "high"
+            for bounds, fraction, is_inside in zip(problem.bounds, best.point, inside, strict=True)
+            if not is_inside
+        },
+        active_constraints={
+            part.name: objective.sign * float(multiplier) / part.scale
+            for part, multiplier in zip(problem.constraints, multipliers, strict=True)
+            if multiplier > 0.0
+        },
+        # Some differ by rounding only, as those of irradiance and absorptance: then by name.
+        elasticities=dict(
+            sorted(relative.items(), key=lambda item: (-float(f"{abs(item[1]):.5e}"), item[0]))
+        ),
         starts=len(searches),
         agreeing=agreeing,
         evaluations=sum(found.evaluations for found in searches),
-        rivals=tuple(rivals_of(function, best, scale)),
-        notes=notes,
+        warnings=tuple(warnings),
+        as_made=simulate_making(function, best.point),
+        rivals=rivals,
     )
 
 
@@ -263,16 +305,6 @@ def _climb(function: ObjectiveFunction, starts: np.ndarray, scale: float) -> lis
         report("climbing from several starts", len(searches), len(starts))
         searches.append(maximise_from(function, start, scale))
     return searches
-
-
-def _require_some(satisfying: Sequence[LocalOptimum], searches: Sequence[LocalOptimum]) -> None:
-    if not satisfying:
-        least = min(searches, key=lambda found: found.violation)
-        raise LightflyerError(
-            "no design satisfies the constraints; the best violates that of "
-            f"{least.violated} by {100.0 * least.violation:.3g} % of its limit; widen the bounds "
-            "or the limits"
-        )
 
 
 def _screen(function: ObjectiveFunction) -> tuple[np.ndarray, float]:
@@ -291,109 +323,20 @@ def _screen(function: ObjectiveFunction) -> tuple[np.ndarray, float]:
     function.require_effects(points[known], scores[known])
     spread = np.ptp(np.percentile(scores[known, 0], [25.0, 100.0]))
     scale = float(spread) or float(np.abs(scores[known, 0]).max()) or 1.0
-    starts = _apart(points[known], scores[known], scale, problem.starts)
-    if function.is_quick:
-        return starts, scale  # a gradient costs as much as a few designs
-    for half in _HALF_SIDES:
-        starts = _best_nearby(function, starts, half * (2.0 * points - 1.0), scale)
-    return starts, scale
-
-
-def _apart(points: np.ndarray, scores: np.ndarray, scale: float, most: int) -> np.ndarray:
-    """The best points that are apart from each other."""
     chosen: list[np.ndarray] = []
-    for point in points[np.argsort(-merit(scores, scale))]:
+    for point in points[known][np.argsort(-merit(scores[known], scale))]:
         if all(np.abs(point - other).max() >= _APART for other in chosen):
             chosen.append(point)
-        if len(chosen) == most:
+        if len(chosen) == problem.starts:
             break
-    return np.array(chosen)
-
-
-def _best_nearby(
-    function: ObjectiveFunction, starts: np.ndarray, steps: np.ndarray, scale: float
-) -> np.ndarray:
-    """The best point near each start; hundreds of points cost as much as two gradients."""
-    each = len(steps) // len(starts)
-    if each <= 1:
-        return starts
-    near = np.clip(starts[:, None] + steps[:each], 0.0, 1.0)
-    near[:, 0] = starts
-    flat = near.reshape(-1, starts.shape[1])
-    scores = function.scores_of_many(flat)
-    best = np.argmax(merit(scores, scale).reshape(len(starts), each), axis=1)
-    return near[np.arange(len(starts)), best]
-
-
-def _describe(
-    function: ObjectiveFunction,
-    best: LocalOptimum,
-    *,
-    starts: int,
-    agreeing: int,
-    evaluations: int,
-    rivals: tuple[Rival, ...],
-    notes: tuple[str, ...],
-) -> Optimum:
-    problem = function.problem
-    names = [bounds.field.name for bounds in problem.bounds]
-    at_bound = {
-        name: "low" if fraction <= _AT_BOUND else "high"
-        for name, fraction in zip(names, best.point, strict=True)
-        if not _AT_BOUND < fraction < 1.0 - _AT_BOUND
-    }
-    design = problem.free_numbers(best.point)
-    objective = problem.objectives[0]
-    warnings = (*notes, *diagnose_solution(problem, design))
-    multipliers = _multipliers(function, best.point)
-    return Optimum(
-        problem=problem,
-        value=objective.sign * best.score,
-        design=design,
-        outputs=function.outputs_at(best.point),
-        active_bounds=at_bound,
-        active_constraints={
-            part.name: objective.sign * float(multiplier) / part.scale
-            for part, multiplier in zip(problem.constraints, multipliers, strict=True)
-            if multiplier > 0.0
-        },
-        elasticities=_elasticities(function, best, multipliers),
-        starts=starts,
-        agreeing=agreeing,
-        evaluations=evaluations,
-        warnings=(*warnings, *_does_not_lift(problem, best.score)),
-        as_made=simulate_making(function, best.point),
-        rivals=rivals,
-    )
-
-
-def _does_not_lift(problem: Problem, score: float) -> tuple[str, ...]:
-    """What to say of a best design whose largest lift is below its weight."""
-    (objective,) = problem.objectives
-    least = _LEAST_OF_FLYING.get(objective.name, -np.inf)
-    if problem.samples or objective.sign < 0.0 or score >= least:
-        return ()
-    return ("the best design does not lift its weight: none within bounds and constraints flies",)
-
-
-def _multipliers(function: ObjectiveFunction, point: np.ndarray) -> np.ndarray:
-    """Gain per scaled unit by which each constraint is loosened, shape (constraints,)."""
-    scores, slopes = function.scores_and_jacobian(point)
-    inside = (point > _AT_BOUND) & (point < 1.0 - _AT_BOUND)
-    active = np.flatnonzero(scores[1:] <= FEASIBLE)
-    multipliers = np.zeros(len(function.problem.constraints))
-    if active.size and inside.any():
-        normals = slopes[1 + active][:, inside].T
-        found, *_ = np.linalg.lstsq(normals, -slopes[0][inside], rcond=None)
-        multipliers[active] = np.maximum(found, 0.0)
-    return multipliers
-
-
-def _elasticities(
-    function: ObjectiveFunction, best: LocalOptimum, multipliers: np.ndarray
-) -> dict[str, float]:
-    """Elasticity of the optimum in every number that is not free, the largest first."""
-    slopes = function.parameter_gradient(best.point, multipliers)
-    found = {name: float(slope) / best.score for name, slope in slopes.items() if float(slope)}
-    # Some differ by rounding only, as those of irradiance and absorptance: then by name.
-    return dict(sorted(found.items(), key=lambda item: (-float(f"{abs(item[1]):.5e}"), item[0])))
+    starts = np.array(chosen)
+    each = len(points) // len(starts)
+    if function.is_quick or each <= 1:
+        return starts, scale  # a gradient costs as much as a few designs
+    for half in _HALF_SIDES:  # hundreds of points cost as much as two gradients
+        near = np.clip(starts[:, None] + half * (2.0 * points[:each] - 1.0), 0.0, 1.0)
+        near[:, 0] = starts
+        around = function.scores_of_many(near.reshape(-1, starts.shape[1]))
+        best = np.argmax(merit(around, scale).reshape(len(starts), each), axis=1)
+        starts = near[np.arange(len(starts)), best]
+    return starts, scale

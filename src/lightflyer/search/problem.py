@@ -12,12 +12,12 @@ from lightflyer.array.records import ShortRepr
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Quantity
-from lightflyer.design.design import AbstractDesign, AbstractStacks, Field
+from lightflyer.design.design import AbstractDesign, AbstractStacks
 from lightflyer.design.outputs import check_outputs, outputs_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.search.bounds import Bounds, Tolerance, errors_of, read_bounds
-from lightflyer.study.axes import Axis, read_entry
+from lightflyer.study.axes import read_entry
 from lightflyer.study.distributions import Distribution, draw_samples, stated_distributions
 from lightflyer.study.sections import OptimiseSection, SamplingSection, from_arguments
 from lightflyer.study.study import Source, errors_at, read_study_file, require_compatible
@@ -30,7 +30,7 @@ _HEAT = "temperature"
 # at rest, and with the most that it carries by itself
 _HEAT_OF = dict.fromkeys(("lowest_altitude", "highest_altitude", "band_width"), "rest_temperature")
 _HEAT_OF |= {"afloat_payload": "afloat_temperature"}
-_LIMITS = ("at_least", "at_most")
+_LIMITS = {"at_least": 1.0, "at_most": -1.0}
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,12 @@ class Choice:
         """The problem of any of the stacks, without uncertainty: each thickness is a share."""
         shares = {name: {"from": 0.0, "to": 1.0} for name in self.stacks.shares}
         sure = {k: v for k, v in self.section.constraints.items() if k != PROBABILITY}
-        over = {name: _nominal(entry) for name, entry in self.section.over.items()}
+        over = {  # without uncertainty
+            name: {key: value for key, value in entry.items() if key != "uncertainty"}
+            if isinstance(entry, Mapping) and "distribution" not in entry
+            else entry
+            for name, entry in self.section.over.items()
+        }
         changes = {"over": shares | over, "constraints": sure, "uncertainty": None, "stacks": None}
         section = self.section.model_copy(update=changes)
         problem = make_problem(self.stacks.design, section, None, self.source)
@@ -97,13 +102,6 @@ class Choice:
         changes = {"over": self.section.over | over, "stacks": None}
         section = self.section.model_copy(update=changes)
         return make_problem(design, section, self.sampling, self.source)
-
-
-def _nominal(entry: Any) -> Any:
-    """Bounds without their uncertainty; anything else as it is."""
-    if isinstance(entry, Mapping) and "distribution" not in entry:
-        return {key: value for key, value in entry.items() if key != "uncertainty"}
-    return entry
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,7 +230,32 @@ def make_problem(
     if section.stacks is not None:
         return _with_choice(design, section, sampling, source)
     given = list(section.over)
-    bounds, fixed, distributions = _read_over(design, section.over, source)
+    bounds: list[Bounds] = []
+    fixed: dict[str, float] = {}
+    distributions: list[Distribution] = []
+    for name, entry in section.over.items():
+        with errors_at(source, "optimise", "over", name):
+            known = design.field(name)
+            if isinstance(entry, Mapping) and "distribution" not in entry:
+                bounds.append(read_bounds(entry, known))
+                continue
+            found = read_entry(entry, known)
+            if isinstance(found, Distribution):
+                distributions.append(found)
+            elif found.single:
+                fixed[name] = float(found.values[0])
+            else:
+                raise ConfigurationError(
+                    'is a list; a free number has bounds, { from = "...", to = "..." }'
+                )
+    require_compatible(design, list(section.over), source, "optimise", "over")
+    with errors_at(source, "optimise"):
+        if not bounds:
+            raise ConfigurationError(
+                'needs over with at least one free number, such as "flyer.diameter" = '
+                '{ from = "0.5 cm", to = "5 cm" }'
+            )
+
     objectives = _objectives(design, section, source)
     uncertain = section.uncertainty
     if uncertain is not None:
@@ -245,7 +268,10 @@ def make_problem(
                 'distribution, such as "0.80 ± 0.01", in over, or give a free number an '
                 'uncertainty = "5 %"'
             )
-    _require_quick(design, [*given, *(part.field.name for part in distributions)], source)
+    # the optics of a film of layers are not computed in full every time
+    for name in design.needs_recompute([*given, *(part.field.name for part in distributions)]):
+        with errors_at(source, "optimise", "over", name):
+            design.surrogate([name])
     stated = _constraints(design, section, source)
     asked = [*(part.name for part in objectives), *(part.name for part in stated)]
     highest = design.setup.flyer.highest_temperature
@@ -259,7 +285,7 @@ def make_problem(
     return Problem(
         design=design,
         objectives=objectives,
-        bounds=bounds,
+        bounds=tuple(bounds),
         fixed=fixed,
         constraints=constraints,
         samples=draw_samples(distributions, *how) if distributions else {},
@@ -281,7 +307,18 @@ def _with_choice(
     assert asked is not None  # as looked up
     with errors_at(source, "optimise", "stacks"):
         stacks = design.stacks(asked, source.path.parent if source else None)
-        _check_bounds(stacks)
+        # bounds of each material's thickness, before a long search
+        checked: set[int] = set()
+        for sequence in stacks.sequences:
+            if set(sequence) <= checked:
+                continue
+            chosen, over = stacks.choose(sequence)
+            for name, entry in over.items():
+                try:
+                    read_bounds(entry, chosen.field(name))
+                except ConfigurationError as error:
+                    raise ConfigurationError(f"materials: {chosen.label(name)}: {error}") from None
+            checked |= set(sequence)
     with errors_at(source, "optimise"):
         if PROBABILITY in (*section.maximise, *section.minimise):
             raise ConfigurationError(f"{PROBABILITY} cannot rank stacks; search with the payload")
@@ -290,63 +327,6 @@ def _with_choice(
     limit = math.inf if asked.time_limit is None else float(asked.time_limit.value)
     choice = Choice(stacks, section, sampling, source, limit)
     return replace(choice.any_stack(), choice=choice)
-
-
-def _check_bounds(stacks: AbstractStacks) -> None:
-    """Raise where the bounds of a material's thickness are none, before a long search."""
-    checked: set[int] = set()
-    for sequence in stacks.sequences:
-        if not set(sequence) <= checked:
-            design, over = stacks.choose(sequence)
-            for name, entry in over.items():
-                try:
-                    read_bounds(entry, design.field(name))
-                except ConfigurationError as error:
-                    raise ConfigurationError(f"materials: {design.label(name)}: {error}") from None
-            checked |= set(sequence)
-
-
-def _read_over(
-    design: AbstractDesign, over: Mapping[str, Any], source: Source | None
-) -> tuple[tuple[Bounds, ...], dict[str, float], list[Distribution]]:
-    bounds: list[Bounds] = []
-    fixed: dict[str, float] = {}
-    distributions: list[Distribution] = []
-    for name, entry in over.items():
-        with errors_at(source, "optimise", "over", name):
-            found = _read_free(entry, design.field(name))
-        if isinstance(found, Bounds):
-            bounds.append(found)
-        elif isinstance(found, Distribution):
-            distributions.append(found)
-        else:
-            fixed[name] = float(found.values[0])
-    require_compatible(design, list(over), source, "optimise", "over")
-    with errors_at(source, "optimise"):
-        if not bounds:
-            raise ConfigurationError(
-                'needs over with at least one free number, such as "flyer.diameter" = '
-                '{ from = "0.5 cm", to = "5 cm" }'
-            )
-    return tuple(bounds), fixed, distributions
-
-
-def _read_free(entry: Any, known: Field) -> Bounds | Axis | Distribution:
-    if isinstance(entry, Mapping) and "distribution" not in entry:
-        return read_bounds(entry, known)
-    found = read_entry(entry, known)
-    if isinstance(found, Axis) and not found.single:
-        raise ConfigurationError(
-            'is a list; a free number has bounds, { from = "...", to = "..." }'
-        )
-    return found
-
-
-def _require_quick(design: AbstractDesign, names: list[str], source: Source | None) -> None:
-    """Raise where the optics of a film of layers would have to be computed in full every time."""
-    for name in design.needs_recompute(names):
-        with errors_at(source, "optimise", "over", name):
-            design.surrogate([name])
 
 
 def _objectives(
@@ -368,13 +348,9 @@ def _objectives(
                     f"{objective.name} is an objective already; name each output once"
                 )
             seen.add(objective.name)
-            _check_output(design, objective.name, list(section.over))
+            if objective.name != PROBABILITY:
+                check_outputs([objective.name], design.setup, list(section.over))
     return objectives
-
-
-def _check_output(design: AbstractDesign, name: str, given: Sequence[str]) -> None:
-    if name != PROBABILITY:
-        check_outputs([name], design.setup, given)
 
 
 def _constraints(
@@ -387,11 +363,17 @@ def _constraints(
                 raise ConfigurationError(
                     'is not a limit; write { at_most = "400 K" } or { at_least = ... }'
                 )
-            _check_output(design, name, list(section.over))
-            ends = {word: _limit(design, name, word, text) for word, text in limits.items()}
+            if name != PROBABILITY:
+                check_outputs([name], design.setup, list(section.over))
+            quantity, ends = Quantity(_unit_of(design, name)), {}
+            for word, text in limits.items():
+                try:
+                    ends[word] = float(quantity.read(text).value)
+                except ConfigurationError as error:
+                    raise ConfigurationError(f"{word}: {error}") from None
             if ends.get("at_least", -math.inf) > ends.get("at_most", math.inf):
                 raise ConfigurationError("at_least is above at_most: no design satisfies both")
-            found += [Constraint(name, limit, _sign(word)) for word, limit in ends.items()]
+            found += [Constraint(name, limit, _LIMITS[word]) for word, limit in ends.items()]
     return tuple(found)
 
 
@@ -405,14 +387,3 @@ def _limits_of_film(
     judged |= {_HEAT_OF[name] for name in asked if name in _HEAT_OF}
     for name in sorted(judged - set(asked)):
         yield Constraint(name, float(highest), -1.0, of_film=True)
-
-
-def _limit(design: AbstractDesign, name: str, word: str, text: Any) -> float:
-    try:
-        return float(Quantity(_unit_of(design, name)).read(text).value)
-    except ConfigurationError as error:
-        raise ConfigurationError(f"{word}: {error}") from None
-
-
-def _sign(word: str) -> float:
-    return 1.0 if word == "at_least" else -1.0

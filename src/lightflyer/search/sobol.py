@@ -356,127 +356,88 @@ def sensitivity(
 
 def _indices(study: SensitivityStudy) -> list[Indices]:
     sampling = extra("SALib.sample.sobol", "a sensitivity study", "optimise")
-    space = _space(study)
+    # the unit cube of the inputs' shares, as SALib describes it
+    names, sets, ends = [*study.names], study.groups, np.array(_ENDS)
+    groups = [str(row) for name in names for row, group in enumerate(sets) if name in group]
+    if len(sets) == 1:
+        # SALib takes one group for none, so there is another, which nothing depends on
+        names, groups = [*names, "nothing"], [*groups, "nothing"]
+    bounds = [[0.0, 1.0]] * len(names)
+    space = {"num_vars": len(names), "names": names, "groups": groups, "bounds": bounds}
     power = 2 ** int(np.ceil(np.log2(study.points)))
     seeds = np.random.default_rng(study.seed).integers(2**31, size=min(REPLICATES, power))
     each = power // seeds.size
     shares = np.concatenate(
         [sampling.sample(space, each, calc_second_order=False, seed=int(seed)) for seed in seeds]
     )
-    sizes, designs = _designs(study, shares, power)
-    table = _evaluate(study, designs)
-    ends = np.cumsum(sizes)[:-1]
-    drawn = {name: values[: sizes[0]] for name, values in designs.items()}
-    medians = study.fixed | {name: float(values[sizes[0]]) for name, values in designs.items()}
-    said = study.design.sampling_warnings
-    if study.design.coordinate_name in medians:
-        said = tuple(dict.fromkeys((*said, *diagnose_design(study.design, medians))))
-    return [
-        _output_indices(study, space, name, np.split(table[name], ends), drawn, said)
-        for name in study.outputs
-    ]
-
-
-def _output_indices(
-    study: SensitivityStudy, space: dict[str, Any], output: str, blocks: list[np.ndarray],
-    drawn: Mapping[str, np.ndarray], said: tuple[str, ...],
-) -> Indices:  # fmt: skip
-    """Indices of an output from its values in each block of designs.
-
-    ``drawn``: inputs of the first block, by dotted name; ``said``: warnings.
-    """
-    values, middle, *alone, down, up = blocks
-    if np.isnan(values).any():
-        raise ConfigurationError(
-            f"{output}: {100.0 * np.mean(np.isnan(values)):.3g} % of the samples have none; "
-            "choose an output that every design has, such as lift_over_weight"
-        )
-    nominal, count = float(middle[0]), len(study.groups)
-    (first, total), half = indices_with_intervals(values, len(set(space["groups"])), count)
-    low, high = np.transpose(
-        [
-            part if len(group) == 1 else np.quantile(part, _ENDS)
-            for group, part in zip(study.groups, alone, strict=True)
-        ]
-    )
-    known = outputs_of(study.design.setup)[output]
-    return Indices(
-        output=output,
-        attributes=known.attributes,
-        groups=study.groups,
-        measurable=tuple(
-            all(study.design.field(name).quantity != _OWN_ERROR for name in group)
-            for group in study.groups
-        ),
-        nominal=nominal,
-        mean=float(values.mean()),
-        spread=float(values.std()),
-        first=first,
-        total=total,
-        first_interval=half[0],
-        total_interval=half[1],
-        low=low,
-        high=high,
-        elasticity=_elasticities(study, nominal, up - down),
-        warnings=said,
-        differences=measured_differences(values, drawn, study.seed),
-        shown=known.display_unit_for([nominal, *low, *high]),
-    )
-
-
-def _space(study: SensitivityStudy) -> dict[str, Any]:
-    """The unit cube of the inputs' shares, as SALib describes it."""
-    names = [*study.names]
-    groups = [str(row) for name in names for row, group in enumerate(study.groups) if name in group]
-    if len(study.groups) == 1:
-        # SALib takes one group for none, so there is another, which nothing depends on
-        names, groups = [*names, "nothing"], [*groups, "nothing"]
-    bounds = [[0.0, 1.0]] * len(names)
-    return {"num_vars": len(names), "names": names, "groups": groups, "bounds": bounds}
-
-
-def _designs(
-    study: SensitivityStudy, shares: np.ndarray, base: int
-) -> tuple[list[int], dict[str, np.ndarray]]:
-    """Sizes of the blocks of designs, and the inputs of all of them."""
-    # The blocks: the samples; all inputs at their medians; each group alone, at the ends of an
-    # input's range or over samples of a pair; each input a small step down; each a step up.
-    names, count = study.names, len(study.inputs)
+    # Blocks of designs: the samples; all inputs at their medians; each group alone, at the ends of
+    # an input's range or over samples of a pair; each input a small step down; each a step up.
+    count = len(study.inputs)
     sampled = shares[:, :count]
     blocks = [sampled, np.full((1, count), 0.5)]
-    for group in study.groups:
-        columns = [names.index(name) for name in group]
-        alone = sampled[:: len(shares) // base] if len(group) > 1 else np.array(_ENDS)[:, None]
+    for group in sets:
+        columns = [study.names.index(name) for name in group]
+        alone = sampled[:: len(shares) // power] if len(group) > 1 else ends[:, None]
         block = np.full((len(alone), count), 0.5)
         block[:, columns] = alone[:, columns] if len(group) > 1 else alone
         blocks.append(block)
-    drawn = correlate(np.concatenate(blocks), names, study.design.correlations)
-    designs = {}
+    drawn = correlate(np.concatenate(blocks), study.names, study.design.correlations)
+    designs, medians, steps = {}, np.zeros(count), np.zeros(count)
     for column, part in enumerate(study.inputs):
-        median, step = _median_and_step(part)
-        near = np.full(2 * count, median)
-        near[column] -= step
-        near[count + column] += step
+        low, medians[column], high = part.quantile(np.array([_ENDS[0], 0.5, _ENDS[1]]))
+        steps[column] = _STEP * float(high - low)
+        near = np.full(2 * count, medians[column])
+        near[column] -= steps[column]
+        near[count + column] += steps[column]
         designs[part.field.name] = np.concatenate([part.quantile(drawn[:, column]), near])
-    return [*map(len, blocks), count, count], designs
-
-
-def _median_and_step(part: Distribution) -> tuple[float, float]:
-    low, median, high = part.quantile(np.array([_ENDS[0], 0.5, _ENDS[1]]))
-    return float(median), _STEP * float(high - low)
-
-
-def _elasticities(study: SensitivityStudy, nominal: float, change: np.ndarray) -> dict[str, float]:
-    """Relative change of an output over that of each input, from a small step both ways."""
-    medians, steps = np.array([_median_and_step(part) for part in study.inputs]).T
-    slopes = change / (2.0 * steps)
-    relative = np.where(medians == 0.0, np.nan, slopes * medians / nominal)
-    return dict(zip(study.names, relative.tolist(), strict=True))
-
-
-def _evaluate(study: SensitivityStudy, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    designs = Study(study.design, (Dimension(SAMPLE, values),), study.fixed, study.outputs)
-    evaluate = Evaluator(designs)
-    evaluate.counted = Counted("computing designs", designs.size, "designs")
-    outputs, _ = evaluate(0, designs.size)
-    return outputs
+    whole = Study(study.design, (Dimension(SAMPLE, designs),), study.fixed, study.outputs)
+    evaluate = Evaluator(whole)
+    evaluate.counted = Counted("computing designs", whole.size, "designs")
+    table, _ = evaluate(0, whole.size)
+    said, nominals = study.design.sampling_warnings, dict(zip(study.names, medians, strict=True))
+    if study.design.coordinate_name in study.fixed | nominals:
+        more = diagnose_design(study.design, study.fixed | nominals)
+        said = tuple(dict.fromkeys((*said, *more)))
+    places, found = np.cumsum([*map(len, blocks), count]), []
+    for output in study.outputs:
+        values, middle, *each, down, up = np.split(table[output], places)
+        if np.isnan(values).any():
+            raise ConfigurationError(
+                f"{output}: {100.0 * np.mean(np.isnan(values)):.3g} % of the samples have none; "
+                "choose an output that every design has, such as lift_over_weight"
+            )
+        nominal = float(middle[0])
+        (first, total), half = indices_with_intervals(values, len(set(groups)), len(sets))
+        low, high = np.transpose(
+            [
+                part if len(group) == 1 else np.quantile(part, _ENDS)
+                for group, part in zip(sets, each, strict=True)
+            ]
+        )
+        slopes = (up - down) / (2.0 * steps)
+        elasticity = np.where(medians == 0.0, np.nan, slopes * medians / nominal)
+        known = outputs_of(study.design.setup)[output]
+        inputs = {name: column[: len(values)] for name, column in designs.items()}
+        found.append(Indices(
+            output=output,
+            attributes=known.attributes,
+            groups=sets,
+            measurable=tuple(
+                all(study.design.field(name).quantity != _OWN_ERROR for name in group)
+                for group in sets
+            ),
+            nominal=nominal,
+            mean=float(values.mean()),
+            spread=float(values.std()),
+            first=first,
+            total=total,
+            first_interval=half[0],
+            total_interval=half[1],
+            low=low,
+            high=high,
+            elasticity=dict(zip(study.names, elasticity.tolist(), strict=True)),
+            warnings=said,
+            differences=measured_differences(values, inputs, study.seed),
+            shown=known.display_unit_for([nominal, *low, *high]),
+        ))  # fmt: skip
+    return found

@@ -6,7 +6,6 @@ stacks, as a stack is no more than its tables of n and k.
 """
 
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -95,13 +94,18 @@ def choose_stack(problem: Problem) -> tuple[Problem, Ranking]:
             "within the constraints; widen the bounds or the limits"
         )
     screened = len(entries)
-    better = list(_improve(function, choice, entries[:IMPROVED], scale, ends))
-    better.sort(key=lambda entry: -entry.merit)
-    best = list(_compute_in_full(function, choice, better[:IN_FULL], scale, ends))
-    best.sort(key=lambda entry: -entry.merit)
-    rest = better[len(best) :]
-    sign = problem.objectives[0].sign
-    ranked = tuple(_rank(choice, entry, sign) for entry in (*best, *rest) if entry.found)
+    better = _improve(function, choice, entries[:IMPROVED], scale, ends, in_full=False)
+    best = _improve(function, choice, better[:IN_FULL], scale, ends, in_full=True)
+    ranked = tuple(
+        RankedStack(
+            materials=choice.stacks.labels(entry.sequence),
+            thickness=choice.stacks.thicknesses(entry.sequence, entry.found.point),
+            value=problem.objectives[0].sign * entry.found.score,
+            in_full=entry.in_full,
+        )
+        for entry in (*best, *better[len(best) :])
+        if entry.found is not None
+    )
     notes = [*choice.stacks.notes]
     if time.monotonic() > ends:
         notes.append(
@@ -113,14 +117,6 @@ def choose_stack(problem: Problem) -> tuple[Problem, Ranking]:
     return choice.problem_of(winner.sequence), ranking
 
 
-def _turn(function: ObjectiveFunction, choice: Choice, sequence: tuple[int, ...]) -> None:
-    function.turn_to(
-        choice.stacks.tables(sequence),
-        choice.limits(function.problem, sequence),
-        lambda values: choice.stacks.exact(sequence, values),
-    )
-
-
 def _screen(function: ObjectiveFunction, choice: Choice, ends: float) -> tuple[list[_Entry], float]:
     """Stacks by the best of a sample of films, the best first, and the scale of the objective."""
     problem, sequences = function.problem, choice.stacks.sequences
@@ -130,7 +126,7 @@ def _screen(function: ObjectiveFunction, choice: Choice, ends: float) -> tuple[l
         if number and time.monotonic() > ends:
             break
         report("screening stacks", number, len(sequences), "stacks")
-        _turn(function, choice, sequence)
+        function.turn_to(choice, sequence)
         table.append(function.scores_of_many(points))
     scores = np.array(table)
     values = scores[..., 0][np.isfinite(scores).all(axis=-1)]
@@ -153,45 +149,27 @@ def merit(scores: np.ndarray, scale: float) -> np.ndarray:
 
 
 def _improve(
-    function: ObjectiveFunction, choice: Choice, entries: list[_Entry], scale: float, ends: float
-) -> Iterator[_Entry]:
-    """Stacks with the best thicknesses on the coarse grid."""
+    function: ObjectiveFunction, choice: Choice, entries: list[_Entry], scale: float, ends: float,
+    *, in_full: bool,
+) -> list[_Entry]:  # fmt: skip
+    """Stacks with the best thicknesses on the coarse grid or the full ones, the best first."""
+
+    def merit_of(found: LocalOptimum) -> float:
+        penalty = INFEASIBLE * found.violation if found.violation > FEASIBLE else 0.0
+        return found.score / scale - penalty
+
+    done = []
     for number, entry in enumerate(entries):
         if number and time.monotonic() > ends:
-            return
-        report("improving thicknesses", number, len(entries), "stacks")
-        _turn(function, choice, entry.sequence)
-        searches = [maximise_from(function, point, scale) for point in entry.points]
-        entry.found = max(searches, key=lambda found: _merit_of(found, scale))
-        entry.merit = _merit_of(entry.found, scale)
-        yield entry
-
-
-def _compute_in_full(
-    function: ObjectiveFunction, choice: Choice, entries: list[_Entry], scale: float, ends: float
-) -> Iterator[_Entry]:
-    """Stacks with the best thicknesses on the full grids."""
-    for number, entry in enumerate(entries):
-        if number and time.monotonic() > ends:
-            return
-        report("computing stacks in full", number, len(entries), "stacks")
-        _turn(function, choice, entry.sequence)
-        assert entry.found is not None  # as improved
-        entry.found = maximise_in_full(function, [entry.found], scale)
-        entry.merit, entry.in_full = _merit_of(entry.found, scale), True
-        yield entry
-
-
-def _merit_of(found: LocalOptimum, scale: float) -> float:
-    penalty = INFEASIBLE * found.violation if found.violation > FEASIBLE else 0.0
-    return found.score / scale - penalty
-
-
-def _rank(choice: Choice, entry: _Entry, sign: float) -> RankedStack:
-    assert entry.found is not None  # as asked
-    return RankedStack(
-        materials=choice.stacks.labels(entry.sequence),
-        thickness=choice.stacks.thicknesses(entry.sequence, entry.found.point),
-        value=sign * entry.found.score,
-        in_full=entry.in_full,
-    )
+            break
+        doing = "computing stacks in full" if in_full else "improving thicknesses"
+        report(doing, number, len(entries), "stacks")
+        function.turn_to(choice, entry.sequence)
+        if in_full and entry.found is not None:
+            entry.found = maximise_in_full(function, [entry.found], scale)
+        else:
+            searches = [maximise_from(function, point, scale) for point in entry.points]
+            entry.found = max(searches, key=merit_of)
+        entry.merit, entry.in_full = merit_of(entry.found), in_full
+        done.append(entry)
+    return sorted(done, key=lambda entry: -entry.merit)

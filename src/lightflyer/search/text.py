@@ -1,14 +1,11 @@
 """Optima, fronts and sensitivities in words: lines and tables."""
 
 import math
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
-
-from rich.table import Table
 
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.files.display_units import amount, suitable
-from lightflyer.files.result_text import Parts, warning_lines, wrap
+from lightflyer.files.result_text import Parts, table_of, warning_lines, wrap
 from lightflyer.prediction.text import prediction_parts
 
 if TYPE_CHECKING:
@@ -16,7 +13,6 @@ if TYPE_CHECKING:
     from lightflyer.search.optimiser import Optimum
     from lightflyer.search.problem import Constraint, Problem
     from lightflyer.search.sobol import Indices
-    from lightflyer.search.stacks import Ranking
     from lightflyer.search.tolerance import AsMade
 
 _SHOWN_ELASTICITIES = 8
@@ -32,7 +28,18 @@ def optimum_parts(optimum: "Optimum") -> Parts:
     problem = optimum.problem  # with the chosen stack, where there were several
     objective = problem.objectives[0]
     if optimum.ranking is not None:
-        yield from _ranking_parts(problem, optimum.ranking)
+        unit = problem.unit_of(problem.objectives[0].name)
+        shown = optimum.ranking.stacks[:_STACKS]
+        factor, unit = suitable(unit, max(abs(stack.value) for stack in shown))
+        rows: list[tuple[str, ...]] = []
+        for stack in shown:
+            layers = zip(stack.materials, stack.thickness, strict=True)
+            listed = ", ".join(f"{name} {_NANOMETRES * size:.4g}" for name, size in layers)
+            note = "" if stack.in_full else " (films within a few thousandths)"
+            rows.append((f"{factor * stack.value:.5g}", listed + note))
+        name = problem.objectives[0].name
+        yield table_of((f"{name}\n[{unit or '1'}]", "stack, top to bottom\n[nm]"), rows, left=(1,))
+        yield f"{optimum.ranking.screened} of {optimum.ranking.allowed} stacks were compared"
     what = objective.name
     if problem.samples:
         of = "mean" if problem.quantile is None else f"{100.0 * problem.quantile:g} % quantile"
@@ -40,10 +47,7 @@ def optimum_parts(optimum: "Optimum") -> Parts:
         what = f"{of} of {what} over {count} samples of {', '.join(problem.samples)}"
     value = amount(optimum.value, problem.unit_of(objective.name))
     yield f"{objective.word} {what}: {value}"
-    table = Table(box=None, padding=(0, 1))
-    for heading in ("field", "best", "unit", "from", "to", ""):
-        left = heading in ("field", "unit", "")
-        table.add_column(heading, justify="left" if left else "right")
+    rows = []
     for bounds in problem.bounds:
         name = bounds.field.name
         end = optimum.active_bounds.get(name)
@@ -52,8 +56,8 @@ def optimum_parts(optimum: "Optimum") -> Parts:
         factor, unit = suitable(bounds.field.quantity.unit, optimum.design[name])
         numbers = optimum.design[name], bounds.low, bounds.high
         best, low, high = (f"{number * factor:.6g}" for number in numbers)
-        table.add_row(name, best, unit, low, high, note)
-    yield table
+        rows.append((name, best, unit, low, high, note))
+    yield table_of(("field", "best", "unit", "from", "to", ""), rows, left=(0, 2, 5))
     for constraint in problem.constraints:
         yield _constraint_line(optimum, constraint)
     note = "" if optimum.active_bounds else "; no bound is active"
@@ -69,7 +73,9 @@ def optimum_parts(optimum: "Optimum") -> Parts:
     if optimum.as_made is not None:
         yield from _tolerance_parts(problem, optimum.as_made)
     if optimum.elasticities:
-        yield _elasticities_table(optimum)
+        most = [*optimum.elasticities.items()][:_SHOWN_ELASTICITIES]
+        changes = ((name, f"{elasticity:+.3g}") for name, elasticity in most)
+        yield table_of(("1 % more of", "changes the optimum by [%]"), changes)
     yield from warning_lines(optimum.warnings)
 
 
@@ -78,16 +84,11 @@ def design_parts(optimum: "Optimum") -> Parts:
     # Where the best payload was asked for, there is no second one but for the study's limits.
     asked = optimum.problem.objectives[0].name in _PAYLOADS
     yield from prediction_parts(optimum.prediction, payload=not asked)
-    if asked:
-        yield from _without_limits(optimum)
-
-
-def _without_limits(optimum: "Optimum") -> Iterator[str]:
-    """What the best design would carry elsewhere, and which limits of the study forbid it."""
     problem, prediction = optimum.problem, optimum.prediction
     best, name = prediction.verdict.best, problem.design.coordinate_name
-    if best is None or not prediction.asked.size:
+    if not asked or best is None or not prediction.asked.size:
         return
+    # what it would carry elsewhere, and which limits of the study forbid it
     values, carried = best.values, best.values["payload"]
     if carried < _MORE * prediction.at["payload"][0]:
         return
@@ -125,73 +126,45 @@ def _constraint_line(optimum: "Optimum", constraint: "Constraint") -> str:
     return f"{name} {at} ({word} {limit_shown}; {effect})"
 
 
-def _ranking_parts(problem: "Problem", ranking: "Ranking") -> Parts:
-    """Stacks of layers among which the film was chosen."""
-    unit = problem.unit_of(problem.objectives[0].name)
-    shown = ranking.stacks[:_STACKS]
-    factor, unit = suitable(unit, max(abs(stack.value) for stack in shown))
-    table = Table(box=None, padding=(0, 1))
-    table.add_column(f"{problem.objectives[0].name}\n[{unit or '1'}]", justify="right")
-    table.add_column("stack, top to bottom\n[nm]", justify="left")
-    for stack in shown:
-        layers = zip(stack.materials, stack.thickness, strict=True)
-        words = ", ".join(f"{name} {_NANOMETRES * size:.4g}" for name, size in layers)
-        note = "" if stack.in_full else " (films within a few thousandths)"
-        table.add_row(f"{factor * stack.value:.5g}", words + note)
-    yield table
-    yield f"{ranking.screened} of {ranking.allowed} stacks were compared"
-
-
 def _tolerance_parts(problem: "Problem", made: "AsMade") -> Parts:
     """What is lost where the design is not made exactly."""
     objective = problem.objectives[0]
     unit = problem.unit_of(objective.name)
     sizes = [size for effect in made.effects.values() for size in (effect.less, effect.more)]
     factor, shown = suitable(unit, max(map(abs, sizes)))
-    table = Table(box=None, padding=(0, 1))
-    table.add_column("made with ± (1 σ)", justify="left")
-    for heading in ("", f"too small: {objective.name} [{shown or '1'}]", "too large"):
-        table.add_column(heading, justify="right")
+    rows = []
     for name, effect in made.effects.items():
         size = amount(effect.spread, problem.design.field(name).quantity.unit, 3)
         note = " (assumed)" if effect.assumed else ""
         changes = (f"{factor * change:+.3g}" for change in (effect.less, effect.more))
-        table.add_row(name, f"± {size}{note}", *changes)
-    yield table
+        rows.append((name, f"± {size}{note}", *changes))
+    too_small = f"too small: {objective.name} [{shown or '1'}]"
+    yield table_of(("made with ± (1 σ)", "", too_small, "too large"), rows)
     yield (
         f"made so, with all errors at once: mean {amount(made.mean, unit, 4)}, and "
         f"{100.0 * (1.0 - made.low_share):g} % are better than {amount(made.low, unit, 4)}"
     )
 
 
-def _elasticities_table(optimum: "Optimum") -> Table:
-    table = Table(box=None, padding=(0, 1))
-    table.add_column("1 % more of", justify="left")
-    table.add_column("changes the optimum by [%]", justify="right")
-    for name, elasticity in list(optimum.elasticities.items())[:_SHOWN_ELASTICITIES]:
-        table.add_row(name, f"{elasticity:+.3g}")
-    return table
-
-
 def front_parts(front: "Front") -> Parts:
     """Some of the designs of a front."""
     problem = front.problem
-    table = Table(box=None, padding=(0, 1))
-    columns = []
-    for part in problem.objectives:
-        factor, unit = suitable(problem.unit_of(part.name), front.objectives[part.name])
-        table.add_column(f"{part.name}\n[{unit or '1'}] ({part.word})", justify="right")
-        columns.append(factor * front.objectives[part.name])
-    for bounds in problem.bounds:
-        values = front.designs[bounds.field.name]
-        factor, unit = suitable(bounds.field.quantity.unit, values)
-        table.add_column(f"{bounds.field.name}\n[{unit or '1'}]", justify="right")
+    numbers = [
+        (part.name, problem.unit_of(part.name), front.objectives[part.name], f" ({part.word})")
+        for part in problem.objectives
+    ] + [
+        (one.field.name, one.field.quantity.unit, front.designs[one.field.name], "")
+        for one in problem.bounds
+    ]
+    headings, columns = [], []
+    for name, si_unit, values, word in numbers:
+        factor, unit = suitable(si_unit, values)
+        headings.append(f"{name}\n[{unit or '1'}]{word}")
         columns.append(factor * values)
     count = len(columns[0])
     step = max(1, count // _ROWS)
-    for row in range(0, count, step):
-        table.add_row(*(f"{column[row]:.5g}" for column in columns))
-    yield table
+    rows = ([f"{column[row]:.5g}" for column in columns] for row in range(0, count, step))
+    yield table_of(headings, rows, left=())
     shown = "" if step == 1 else f"; one in {step} is shown"
     yield f"{count} designs on the front, {front.evaluations} computed{shown}"
     yield from warning_lines(front.warnings)
@@ -205,23 +178,26 @@ def indices_parts(found: "Indices") -> Parts:
         f"{found.output} {factor * found.nominal:.4g}{unit}; over all inputs "
         f"{factor * found.mean:.4g} ± {factor * found.spread:.2g}{unit}"
     )
-    table = Table(box=None, padding=(0, 1, 0, 0))  # so that it fits into 80 columns
     ends = (f"at its\n{end} %\n[{name or '1'}]" for end in ("2.5", "97.5"))
     shares = ("share of\nvariance\n[%]", "with inter-\nactions\n[%]")
-    headings = ("input", *shares, "elasticity", *ends)
-    for heading in headings:
-        left = heading == "input"
-        table.add_column(heading, justify="left" if left else "right", no_wrap=True)
-    for row in (-found.total).argsort():
-        table.add_row(
+    rows = (
+        (
             "\n".join(found.groups[row]),
             _share(found.first[row], found.first_interval[row]),
             _share(found.total[row], found.total_interval[row]),
-            "\n".join(_sign_text(found.elasticity[name]) for name in found.groups[row]),
+            "\n".join(
+                "–" if math.isnan(one := found.elasticity[name]) else f"{one:+.3g}"
+                for name in found.groups[row]
+            ),
             _short(factor * found.low[row]),
             _short(factor * found.high[row]),
         )
-    yield table
+        for row in (-found.total).argsort()
+    )
+    table = table_of(("input", *shares, "elasticity", *ends), rows, padding=(0, 1, 0, 0))
+    for column in table.columns:
+        column.no_wrap = True
+    yield table  # which fits into 80 columns
     if not found.ranked:
         advice = "too few points to say what to measure next: the 95 % interval of a share reaches "
         advice += f"{100.0 * found.first_interval.max():.0f} % to either side; raise points"
@@ -238,11 +214,11 @@ def indices_parts(found: "Indices") -> Parts:
             f"variance and leave ± {factor * spread:.2g}{unit}; tangential momentum measured on "
             "both faces removes a part of that"
         )
-    for one in found.differences if found.ranked else ():
+    for pair in found.differences if found.ranked else ():
         yield wrap(
-            f"the difference {one.top} less {one.bottom}, known to ± {one.known:.2g}: measuring it "
-            f"to ± {one.accuracy:g} would remove {100.0 * one.removed:.0f} % of the variance and "
-            f"leave ± {factor * one.spread_after(found.spread):.2g}{unit}"
+            f"the difference {pair.top} less {pair.bottom}, known to ± {pair.known:.2g}: measuring "
+            f"it to ± {pair.accuracy:g} would remove {100.0 * pair.removed:.0f} % of the variance "
+            f"and leave ± {factor * pair.spread_after(found.spread):.2g}{unit}"
         )
 
 
@@ -255,7 +231,3 @@ def _short(value: float) -> str:
     """Few digits where a power of ten takes room: the table fits into 80 columns."""
     text = f"{value:.4g}"
     return f"{value:.3g}" if "e" in text else text
-
-
-def _sign_text(elasticity: float) -> str:
-    return "–" if math.isnan(elasticity) else f"{elasticity:+.3g}"

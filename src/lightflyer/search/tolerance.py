@@ -1,6 +1,5 @@
 """What is lost where a design is not made exactly: errors of thicknesses and of other numbers."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +10,7 @@ from scipy.stats import qmc
 from lightflyer.array.records import ShortRepr
 from lightflyer.search.bounds import Tolerance
 from lightflyer.search.objectives import ObjectiveFunction
-from lightflyer.search.problem import PROBABILITY, Problem
+from lightflyer.search.problem import PROBABILITY
 
 ASSUMED = Tolerance(0.05, relative=True)
 """Standard uncertainty of a layer's thickness where a study states none: evaporated and sputtered
@@ -66,12 +65,24 @@ def simulate_making(function: ObjectiveFunction, point: np.ndarray) -> AsMade | 
     # The errors are normal and independent. Each flyer's films are computed with all errors at
     # once.
     problem = function.problem
-    tolerances = tolerances_of(problem)
+    # those stated, and assumed ones of free thicknesses
+    names = [bounds.field.name for bounds in problem.bounds]
+    thicknesses = [name for name in names if name.endswith(".thickness")]
+    assumed = dict.fromkeys(problem.design.needs_recompute(thicknesses), ASSUMED)
+    tolerances = assumed | problem.tolerances
     if not tolerances or problem.objectives[0].name == PROBABILITY:
         return None
     given = {name: float(value) for name, value in function.all_values(point).items()}
     spreads = {name: float(one.spread(given[name])) for name, one in tolerances.items()}
-    table = _designs(given, spreads, problem.seed)
+    # the nominal design, each number one standard uncertainty off, and drawn ones
+    count = len(spreads)
+    steps = np.zeros((2 * count, count))
+    steps[0::2], steps[1::2] = -np.eye(count), np.eye(count)
+    drawn = ndtri(qmc.Sobol(count, rng=problem.seed).random(SAMPLES))
+    errors = np.concatenate([np.zeros((1, count)), steps, drawn])
+    table = {name: np.full(len(errors), value) for name, value in given.items()}
+    for number, (name, spread) in enumerate(spreads.items()):
+        table[name] = table[name] + spread * errors[:, number]
     values = problem.objectives[0].sign * function.without_errors().scores_of_designs(table)[:, 0]
     nominal, moved, drawn = values[0], values[1 : 1 + 2 * len(spreads)], values[-SAMPLES:]
     stated = problem.tolerances
@@ -82,27 +93,3 @@ def simulate_making(function: ObjectiveFunction, point: np.ndarray) -> AsMade | 
     share = LOW if problem.objectives[0].sign > 0.0 else 1.0 - LOW
     low = float(np.quantile(drawn, share))
     return AsMade(effects, float(np.mean(drawn)), low, SAMPLES)
-
-
-def tolerances_of(problem: Problem) -> dict[str, Tolerance]:
-    """Stated tolerances of free numbers by name, and assumed ones of free thicknesses."""
-    names = [bounds.field.name for bounds in problem.bounds]
-    thicknesses = problem.design.needs_recompute(
-        [name for name in names if name.endswith(".thickness")]
-    )
-    return dict.fromkeys(thicknesses, ASSUMED) | problem.tolerances
-
-
-def _designs(
-    given: Mapping[str, float], spreads: Mapping[str, float], seed: int
-) -> dict[str, np.ndarray]:
-    """The nominal design, each number one standard uncertainty off, and drawn ones; by name."""
-    count = len(spreads)
-    steps = np.zeros((2 * count, count))
-    steps[0::2], steps[1::2] = -np.eye(count), np.eye(count)
-    drawn = ndtri(qmc.Sobol(count, rng=seed).random(SAMPLES))
-    errors = np.concatenate([np.zeros((1, count)), steps, drawn])
-    columns = {name: np.full(len(errors), value) for name, value in given.items()}
-    for number, (name, spread) in enumerate(spreads.items()):
-        columns[name] = columns[name] + spread * errors[:, number]
-    return columns

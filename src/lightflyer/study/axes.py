@@ -40,9 +40,16 @@ def read_entry(entry: Any, field: Field) -> Axis | Distribution:
     if hasattr(entry, "to_numpy") or hasattr(entry, "magnitude"):
         entry = np.asarray(field.quantity.number(field.name, entry))
     if isinstance(entry, np.ndarray) and entry.ndim:
-        return _array_axis(entry, field)
+        if entry.ndim != 1:
+            raise ConfigurationError(f"has {entry.ndim} dimensions; give values along one")
+        if entry.dtype.kind not in "fiu":
+            raise ConfigurationError(f"must be an array of real numbers, not of {entry.dtype}")
+        require(field, entry)
+        if field.name == _ALTITUDE:
+            warn_of_kilometres(entry)
+        return _axis(field, entry.astype(float))
     if isinstance(entry, list | tuple) and not isinstance(entry, Measured):
-        return _list_axis(entry, field)
+        return _axis(field, np.array([field.quantity.read(one).value for one in entry]))
     if isinstance(entry, Mapping):
         return (_distribution if "distribution" in entry else _range)(entry, field)
     if isinstance(entry, np.ndarray | np.number):
@@ -61,21 +68,6 @@ def require(field: Field, values: np.ndarray) -> None:
         field.quantity.check(field.name, values)
     except ParameterError as error:
         raise ConfigurationError(f"{error} {field.quantity.unit}".rstrip()) from None
-
-
-def _array_axis(values: np.ndarray, field: Field) -> Axis:
-    if values.ndim != 1:
-        raise ConfigurationError(f"has {values.ndim} dimensions; give values along one")
-    if values.dtype.kind not in "fiu":
-        raise ConfigurationError(f"must be an array of real numbers, not of {values.dtype}")
-    require(field, values)
-    if field.name == _ALTITUDE:
-        warn_of_kilometres(values)
-    return _axis(field, values.astype(float))
-
-
-def _list_axis(entries: Sequence[Any], field: Field) -> Axis:
-    return _axis(field, np.array([field.quantity.read(entry).value for entry in entries]))
 
 
 def _axis(field: Field, values: np.ndarray) -> Axis:

@@ -107,12 +107,13 @@ def calibrate_command(
         How figures are written.
     """
     out = figures.folder(out)
+    from lightflyer.calibration import bayes
     from lightflyer.calibration.fitting import calibrate
     from lightflyer.calibration.gauge import read_gauge
     from lightflyer.calibration.points import read_points
     from lightflyer.calibration.text import fit_parts
     from lightflyer.config.reader import read_flyer_file
-    from lightflyer.config.update import require_no_doubt
+    from lightflyer.config.update import require_no_doubt, update_flyer_file
 
     points = read_points(points_file, columns=columns, gauge=read_gauge(gauge, gauge_factor))
     points = points if keep_ground_effect else points.without_ground_effect()
@@ -131,15 +132,24 @@ def calibrate_command(
         irradiance_accuracy=optional_share("--irradiance-accuracy", irradiance_accuracy),
         scale_errors=scale_errors,
     )
-    drawn = _draw(fit, samples, seed) if posterior else None
+    drawn = bayes.posterior(fit, samples=samples, seed=seed) if posterior else None
     summary = fit.summary() | ({} if drawn is None else {"posterior": drawn.summary()})
     files = {"calibration.json": summary, "residuals.csv": partial(_write_residuals, fit)}
     if drawn is not None:
         files["posterior.csv"] = partial(_write_draws, drawn)
     if update is not None:
         require_no_doubt(update, fit.warnings, insist=insist)
-    written = figures.write_folder(out, files, lambda: _figures(fit, drawn))
-    changes = [] if update is None else _update(update, fit, points_file, insist=insist)
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.calibration.figures import calibration_figure, posterior_figure
+
+        found = {"residuals": calibration_figure(fit)}
+        return found if drawn is None else found | {"posterior": posterior_figure(drawn)}
+
+    written, changes = figures.write_folder(out, files, draw), []
+    if update is not None:
+        origin = f"calibrate, {points_file.name}"
+        changes = update_flyer_file(update, fit.for_flyer_file(), origin, insist=insist)
     if json_output:
         print_json(summary)
         return
@@ -157,27 +167,6 @@ def calibrate_command(
     figures.tell(console, written, hint)
     for text in changes:
         say(console, f"{update}: {text}")
-
-
-def _update(path: Path, fit: "Calibration", points_file: Path, *, insist: bool) -> list[str]:
-    """Write fitted numbers into a flyer file; lines that say what was written."""
-    from lightflyer.config.update import update_flyer_file
-
-    origin = f"calibrate, {points_file.name}"
-    return update_flyer_file(path, fit.for_flyer_file(), origin, insist=insist)
-
-
-def _draw(fit: "Calibration", samples: int, seed: int) -> "Posterior":
-    from lightflyer.calibration.bayes import posterior
-
-    return posterior(fit, samples=samples, seed=seed)
-
-
-def _figures(fit: "Calibration", drawn: "Posterior | None") -> "dict[str, Figure]":
-    from lightflyer.calibration.figures import calibration_figure, posterior_figure
-
-    figures = {"residuals": calibration_figure(fit)}
-    return figures if drawn is None else figures | {"posterior": posterior_figure(drawn)}
 
 
 def _write_draws(drawn: "Posterior", path: Path) -> None:

@@ -31,40 +31,60 @@ def doctor_command(*, json_output: Json = False) -> None:
     json_output
         Print one JSON object instead of tables.
     """
-    found = {
+    import numpy as np
+
+    blas = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
+    devices = load_jax().devices() if has_jax() else []
+    load_plugins()
+    found: dict[str, Any] = {
         "lightflyer": lightflyer.__version__,
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.release()}, {platform.machine()}",
         "cores": os.cpu_count(),
-        **_numerics(),
+        "jax": load_jax().__version__ if has_jax() else None,
+        "devices": [f"{device.device_kind} ({device.platform})" for device in devices],
+        "numpy": np.__version__,
+        "blas": f"{blas['name']} {blas['version']}",
         "requirements": _requirements(None),
         "extras": {name: _requirements(name) for name in _extras()},
-        "plug_ins": _plug_ins(),
+        "plug_ins": [f"{entry.name} ({entry.value})" for entry in plugins()],
         "compiled_code": _cache(),
     }
     if json_output:
         print_json(found)
         return
     console = printer()
-    console.print(_overview(found))
-    console.print(_extras_table(found["extras"]))
+    table = Table(show_header=False, box=None)
+    rows = {
+        "lightflyer": f"{found['lightflyer']} in {Path(lightflyer.__file__).parent}",
+        "Python": f"{found['python']}, {sys.executable}",
+        "system": f"{found['system']}, {found['cores']} cores",
+        "JAX": f"{found['jax']} on {', '.join(found['devices'])}"
+        if found["jax"]
+        else "not installed",
+        "NumPy": f"{found['numpy']} with {found['blas']}",
+        "plug-ins": ", ".join(found["plug_ins"]) or "none",
+        "compiled code": _in_words(found["compiled_code"]),
+    }
+    for name, text in rows.items():
+        table.add_row(name, text)
+    console.print(table)
+    extras = found["extras"]
+    table = Table("extra")
+    table.add_column("", no_wrap=True)  # a command to copy
+    table.add_column("packages")
+    for name, packages in extras.items():
+        complete = not any(entry["problem"] for entry in packages)
+        state = "ready" if complete else f"pip install 'lightflyer[{name}]'"
+        listed = [
+            f"{entry['package']} {entry['version'] if not entry['problem'] else entry['problem']}"
+            for entry in packages
+        ]
+        table.add_row(name, state, ", ".join(listed))
+    console.print(table)
     lacking = [entry for entry in found["requirements"] if entry["problem"]]
     for entry in lacking:
         console.print(f"{entry['package']}: {entry['problem']}; pip install --upgrade lightflyer")
-
-
-def _numerics() -> dict[str, Any]:
-    """Devices and libraries of linear algebra."""
-    import numpy as np
-
-    blas = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
-    devices = load_jax().devices() if has_jax() else []
-    return {
-        "jax": load_jax().__version__ if has_jax() else None,
-        "devices": [f"{device.device_kind} ({device.platform})" for device in devices],
-        "numpy": np.__version__,
-        "blas": f"{blas['name']} {blas['version']}",
-    }
 
 
 def _extras() -> list[str]:
@@ -95,12 +115,6 @@ def _state(need: Requirement) -> dict[str, Any]:
     return {"package": need.name, "version": version, "problem": problem}
 
 
-def _plug_ins() -> list[str]:
-    """What other packages add; a warning for each one that is broken."""
-    load_plugins()
-    return [f"{entry.name} ({entry.value})" for entry in plugins()]
-
-
 def _cache() -> dict[str, Any]:
     """Where the code of Numba and XLA is kept, and how much."""
     folder = cache_folder()
@@ -119,24 +133,6 @@ def _cache() -> dict[str, Any]:
     }
 
 
-def _overview(found: dict[str, Any]) -> Table:
-    table = Table(show_header=False, box=None)
-    rows = {
-        "lightflyer": f"{found['lightflyer']} in {Path(lightflyer.__file__).parent}",
-        "Python": f"{found['python']}, {sys.executable}",
-        "system": f"{found['system']}, {found['cores']} cores",
-        "JAX": f"{found['jax']} on {', '.join(found['devices'])}"
-        if found["jax"]
-        else "not installed",
-        "NumPy": f"{found['numpy']} with {found['blas']}",
-        "plug-ins": ", ".join(found["plug_ins"]) or "none",
-        "compiled code": _in_words(found["compiled_code"]),
-    }
-    for name, text in rows.items():
-        table.add_row(name, text)
-    return table
-
-
 def _in_words(cache: dict[str, Any]) -> str:
     if cache["folder"] is None:
         return f"not kept: {SETTING} says so"
@@ -149,18 +145,3 @@ def _in_words(cache: dict[str, Any]) -> str:
         return f"not kept: {cache['folder']} cannot be written; {SETTING}=FOLDER names another"
     size = cache["bytes"] / _MEGABYTE
     return f"{cache['files']} files, {size:.0f} MB in {cache['folder']}"
-
-
-def _extras_table(extras: dict[str, list[dict[str, Any]]]) -> Table:
-    table = Table("extra")
-    table.add_column("", no_wrap=True)  # a command to copy
-    table.add_column("packages")
-    for name, packages in extras.items():
-        complete = not any(entry["problem"] for entry in packages)
-        state = "ready" if complete else f"pip install 'lightflyer[{name}]'"
-        listed = [
-            f"{entry['package']} {entry['version'] if not entry['problem'] else entry['problem']}"
-            for entry in packages
-        ]
-        table.add_row(name, state, ", ".join(listed))
-    return table

@@ -69,6 +69,7 @@ def film_command(
     """
     out = figures.folder(out)
     from lightflyer.config.reader import read_film_file
+    from lightflyer.film.report.angular_summary import AngularSummary, write_csv, write_spectral_csv
     from lightflyer.film.report.summary import FilmSummary
 
     section = read_film_file(film_file)
@@ -90,20 +91,55 @@ def film_command(
         ],
         others=others,
     )  # fmt: skip
-    by_angle = None if directions is None else _by_angle(summary, directions)
+    by_angle = None
+    if directions is not None:
+        by_angle = AngularSummary.of(film, summary.light, directions, summary.temperatures)
     warnings = [*summary.warnings, *beyond]
-    described = summary.to_json() | {"origin": _origins(section), "warnings": warnings}
+    described = summary.to_json() | {
+        "origin": {
+            name: {"origin": "measured", "value": value.value, "uncertainty": value.uncertainty}
+            for name, value in section.measured_values().items()
+        },
+        "warnings": warnings,
+    }
     described |= {} if at is None else {"at": points}
-    described |= {} if by_angle is None else {"angles": _angles_json(by_angle)}
-    files = {"film.json": described} | ({} if by_angle is None else _angle_files(by_angle))
-    paths = figures.write_folder(out, files, lambda: _figures(summary, by_angle))
+    files: dict[str, Any] = {"film.json": described}
+    if by_angle is not None:
+        described["angles"] = _angles_json(by_angle)
+        files |= {
+            "film-angles.csv": partial(write_csv, by_angle),
+            "film-angles-spectral.csv": partial(write_spectral_csv, by_angle),
+            "film-angles.nc": lambda path: write_netcdf(by_angle.to_dataset(), path),
+        }
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.film.report.figures import angle_figures, film_figures
+
+        return film_figures(summary) | ({} if by_angle is None else angle_figures(by_angle))
+
+    paths = figures.write_folder(out, files, draw)
     if json_output:
         print_json(described)
         return
     console = printer()
     _show(console, section, summary, points)
     if by_angle is not None:
-        _show_angles(console, by_angle)
+        import numpy as np
+
+        from lightflyer.film.optics.angles import shares_by_name
+
+        number = int(np.argmin(abs(by_angle.temperatures - _SHOWN_TEMPERATURE)))
+        shown = f"{by_angle.temperatures[number]:g} K"
+        light = shares_by_name(by_angle.lit)
+        heat = shares_by_name(by_angle.thermal)["absorptance"][..., number]
+        columns = [light["reflectance"], light["transmittance"], light["absorptance"], heat]
+        names = ("reflectance", "transmittance", "absorptance", f"emittance, {shown}")
+        heads = ("angle\n[deg]", *(f"{name}\ns / p / mean" for name in names))
+        table = _table(f"by angle, of {by_angle.light.name}, top", heads)
+        for place, angle in enumerate(np.degrees(by_angle.incidence)):
+            cells = (" / ".join(f"{one:.3f}" for one in part[:, place]) for part in columns)
+            table.add_row(f"{angle:.4g}", *cells)
+        console.print(table)
     show(console, warning_lines(warnings))
     if summary.uncertainty is None:
         console.print("state ± of the layers' thicknesses for intervals")
@@ -149,14 +185,6 @@ def _points(
     return points, beyond
 
 
-def _origins(section: "SampleSection") -> dict[str, Any]:
-    """Measured values of the file, which replace the computed ones in predictions."""
-    return {
-        name: {"origin": "measured", "value": value.value, "uncertainty": value.uncertainty}
-        for name, value in section.measured_values().items()
-    }
-
-
 def _directions(angles: str | None) -> Any:
     """Angles of ``--angles`` [rad], or None."""
     if angles is None:
@@ -170,28 +198,6 @@ def _directions(angles: str | None) -> Any:
     if np.any(asked < 0.0) or np.any(asked >= right):
         raise ConfigurationError(f'--angles "{angles}": angles are from 0 to below 90 degrees')
     return asked
-
-
-def _by_angle(summary: "FilmSummary", directions: Any) -> "AngularSummary":
-    from lightflyer.film.report.angular_summary import AngularSummary
-
-    return AngularSummary.of(summary.film, summary.light, directions, summary.temperatures)
-
-
-def _angle_files(by_angle: "AngularSummary") -> dict[str, Any]:
-    from lightflyer.film.report.angular_summary import write_csv, write_spectral_csv
-
-    return {
-        "film-angles.csv": partial(write_csv, by_angle),
-        "film-angles-spectral.csv": partial(write_spectral_csv, by_angle),
-        "film-angles.nc": lambda path: write_netcdf(by_angle.to_dataset(), path),
-    }
-
-
-def _figures(summary: "FilmSummary", by_angle: "AngularSummary | None") -> "dict[str, Figure]":
-    from lightflyer.film.report.figures import angle_figures, film_figures
-
-    return film_figures(summary) | ({} if by_angle is None else angle_figures(by_angle))
 
 
 def _angles_json(by_angle: "AngularSummary") -> dict[str, Any]:
@@ -214,26 +220,6 @@ def _angles_json(by_angle: "AngularSummary") -> dict[str, Any]:
     }
 
 
-def _show_angles(console: Console, by_angle: "AngularSummary") -> None:
-    """Print shares of the light, and the emittance at one temperature, by angle."""
-    import numpy as np
-
-    from lightflyer.film.optics.angles import shares_by_name
-
-    number = int(np.argmin(abs(by_angle.temperatures - _SHOWN_TEMPERATURE)))
-    shown = f"{by_angle.temperatures[number]:g} K"
-    light = shares_by_name(by_angle.lit)
-    heat = shares_by_name(by_angle.thermal)["absorptance"][..., number]
-    columns = [light["reflectance"], light["transmittance"], light["absorptance"], heat]
-    heads = ("angle\n[deg]", *(f"{name}\ns / p / mean" for name in
-             ("reflectance", "transmittance", "absorptance", f"emittance, {shown}")))  # fmt: skip
-    table = _table(f"by angle, of {by_angle.light.name}, top", heads)
-    for place, angle in enumerate(np.degrees(by_angle.incidence)):
-        cells = (" / ".join(f"{one:.3f}" for one in part[:, place]) for part in columns)
-        table.add_row(f"{angle:.4g}", *cells)
-    console.print(table)
-
-
 def _show(
     console: Console,
     section: "SampleSection",
@@ -242,7 +228,32 @@ def _show(
 ) -> None:
     from lightflyer.film.media.medium import MICROMETRE
 
-    _show_layers(console, section, summary)
+    for layer, written in zip(summary.film.layers, section.written_layers, strict=True):
+        spread = written.thickness.uncertainty
+        stated = "" if spread is None else f" ± {spread * _NANOMETRES:g} nm"
+        console.print(
+            f"{layer.material.name:10} {layer.thickness_text:>8}{stated}  {layer.material.source}",
+            soft_wrap=True,
+        )
+    for name, medium in (("above", summary.film.above), ("below", summary.film.below)):
+        if medium is not None:
+            console.print(f"{name} it {medium.name}, endless  {medium.source}", soft_wrap=True)
+    if summary.film.unknown_density is None:
+        mass = float(summary.film.areal_density) * _GRAMS
+        interval = _span(summary.interval("areal_density_g_m2"))
+        console.print(f"areal density     {mass:.4g} g/m²{interval}")
+    lights = {"AM0": ("solar", summary.solar)}
+    if summary.lamp is not summary.solar:
+        lights[summary.light.name] = ("lamp", summary.lamp)
+    for light, (kind, averages) in lights.items():
+        for side, mean in averages.items():
+            interval = _span(summary.interval(f"{kind}_absorptance_{side}"))
+            console.print(f"absorptance       {mean.value:.4f}{interval} of {light}, {side}"
+                          f"{_bound_text(mean)}", soft_wrap=True)  # fmt: skip
+        passing = summary.passing[kind]
+        interval = _span(summary.interval(f"{kind}_transmittance"))
+        console.print(f"transmittance     {passing.value:.4f}{interval} of {light}"
+                      f"{_bound_text(passing)}", soft_wrap=True)  # fmt: skip
     for table in (_emittances(summary), _intervals(summary), _missing(summary)):
         if table is not None:
             console.print(table)
@@ -262,41 +273,6 @@ def _show(
     for name, value in measured.items():
         spread = "" if value.uncertainty is None else f" ± {value.uncertainty:g}"
         console.print(f"measured, used in predictions: {name} {value.value:g}{spread}")
-
-
-def _show_layers(console: Console, section: "SampleSection", summary: "FilmSummary") -> None:
-    """Print the layers, their mass and what they absorb of the light."""
-    for layer, written in zip(summary.film.layers, section.written_layers, strict=True):
-        spread = written.thickness.uncertainty
-        stated = "" if spread is None else f" ± {spread * _NANOMETRES:g} nm"
-        console.print(
-            f"{layer.material.name:10} {layer.thickness_text:>8}{stated}  {layer.material.source}",
-            soft_wrap=True,
-        )
-    for name, medium in (("above", summary.film.above), ("below", summary.film.below)):
-        if medium is not None:
-            console.print(f"{name} it {medium.name}, endless  {medium.source}", soft_wrap=True)
-    if summary.film.unknown_density is None:
-        mass = float(summary.film.areal_density) * _GRAMS
-        interval = _interval(summary, "areal_density_g_m2")
-        console.print(f"areal density     {mass:.4g} g/m²{interval}")
-    lights = {"AM0": ("solar", summary.solar)}
-    if summary.lamp is not summary.solar:
-        lights[summary.light.name] = ("lamp", summary.lamp)
-    for light, (kind, averages) in lights.items():
-        for side, mean in averages.items():
-            interval = _interval(summary, f"{kind}_absorptance_{side}")
-            console.print(f"absorptance       {mean.value:.4f}{interval} of {light}, {side}"
-                          f"{_bound_text(mean)}", soft_wrap=True)  # fmt: skip
-        passing = summary.passing[kind]
-        interval = _interval(summary, f"{kind}_transmittance")
-        console.print(f"transmittance     {passing.value:.4f}{interval} of {light}"
-                      f"{_bound_text(passing)}", soft_wrap=True)  # fmt: skip
-
-
-def _interval(summary: "FilmSummary", name: str) -> str:
-    """95 % interval of a single value, in words."""
-    return _span(summary.interval(name))
 
 
 def _span(ends: Any) -> str:
@@ -327,7 +303,7 @@ def _emittances(summary: "FilmSummary") -> Table:
         table.add_row(
             f"{temperature:g}",
             *(f"{values[name][row]:.4f}" for name in names),
-            _ratio(values["selectivity"][row]),
+            f"{values['selectivity'][row]:.2f}".replace("nan", "–"),  # of a zero emittance
             f"{values['infrared_transmittance'][row]:.4f}",
         )
     return table
@@ -336,15 +312,6 @@ def _emittances(summary: "FilmSummary") -> Table:
 def _side_headings(what: str, sides: Sequence[str]) -> list[str]:
     """Headings of a column a side, of which the first says what it is."""
     return [f"{what if not number else ''}\n{side}" for number, side in enumerate(sides)]
-
-
-def _ratio(value: float) -> str:
-    """A ratio, a dash where its denominator is zero."""
-    return f"{value:.2f}".replace("nan", "–")
-
-
-def _from_to(ends: Any) -> str:
-    return f"{ends[0]:.4g} to {ends[1]:.4g}".replace("nan to nan", "–")
 
 
 def _intervals(summary: "FilmSummary") -> Table | None:
@@ -358,8 +325,9 @@ def _intervals(summary: "FilmSummary") -> Table | None:
     names = (*(f"emittance_{side}" for side in sides), "selectivity", "infrared_transmittance")
     columns = [summary.interval(name) for name in names]
     for row, temperature in enumerate(summary.temperatures):
-        ends = [column[:, row] for column in columns if column is not None]
-        table.add_row(f"{temperature:g}", *map(_from_to, ends))
+        pairs = (column[:, row] for column in columns if column is not None)
+        ends = (f"{low:.4g} to {high:.4g}".replace("nan to nan", "–") for low, high in pairs)
+        table.add_row(f"{temperature:g}", *ends)
     return table
 
 

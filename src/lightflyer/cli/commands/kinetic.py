@@ -1,6 +1,6 @@
 """``lightflyer kinetic``: force and heat of a thin disk from the kinetic equation."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from inspect import signature
 from pathlib import Path
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions, ResultOptions
+from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
 from lightflyer.cli.options import Json, only_with
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.core.errors import ParameterError
@@ -17,7 +17,6 @@ from lightflyer.files.result_text import table_of
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.table import Table
 
     from lightflyer.kinetic_theory import Chamber, ChamberSolution, Solution
 
@@ -152,18 +151,31 @@ def kinetic_command(
         heated: dict[str, Any] = {
             "top_temperature": 1.0 if top_temperature is None else top_temperature,
             "bottom_temperature": 1.0 if bottom_temperature is None else bottom_temperature,
-            "temperature_ratio": _for_both_faces(temperature_ratio, top_temperature_ratio),
+            "temperature_ratio": (
+                temperature_ratio
+                if temperature_ratio is None or top_temperature_ratio is None
+                else (top_temperature_ratio, temperature_ratio)
+            ),
             "gas": gas,
             "wall": wall,
             "tangential_accommodation": tangential_accommodation,
             "rotational_accommodation": rotational_accommodation,
         }
-        chamber = _chamber(
-            {"floor": floor, "lid": lid, "side": side},
-            {"floor": floor_temperature, "lid": lid_temperature, "side": side_temperature},
-            tuple(reservoir or ()),
-            chamber_tac,
-        )
+        chamber = None
+        if floor is not None and lid is not None and side is not None:  # or none is
+            from lightflyer.kinetic_theory import Chamber, Surface
+
+            places = {
+                "floor": (floor, floor_temperature),
+                "lid": (lid, lid_temperature),
+                "side": (side, side_temperature),
+            }
+            chamber = Chamber(
+                **{
+                    name: Surface(distance, name not in (reservoir or ()), temperature, chamber_tac)
+                    for name, (distance, temperature) in places.items()
+                }
+            )
         others = {
             "open_fraction": open_fraction,
             "boundary": boundary,
@@ -176,7 +188,12 @@ def kinetic_command(
         solution = _solve(faces, heated, others, film, chamber)
         if stage is not None:
             report("drawing the flow")
-            written = _write(stage, solution, figures)
+            from lightflyer.kinetic_theory.figures import flow_figure
+
+            described = solution.to_json() | {"inputs": solution.inputs}
+            write_json(stage("kinetic.json"), described)
+            drawn = figures.write(stage, lambda: {"flow": flow_figure(solution)})
+            written = ["kinetic.json", *drawn]
     if json_output:
         print_json(solution.to_json())
     else:
@@ -208,36 +225,30 @@ def _solve(
     return solve_in_chamber(kn, tac_top, tac_bottom, **heated, **film, chamber=chamber)
 
 
-def _chamber(
-    distances: dict[str, float | None],
-    temperatures: dict[str, float],
-    reservoirs: tuple[SurfaceName, ...],
-    tac: float,
-) -> "Chamber | None":
-    """Chamber of given options, or none."""
-    if None in distances.values():  # then all are: each option needs the next
-        return None
-    from lightflyer.kinetic_theory import Chamber, Surface
-
-    return Chamber(
-        **{
-            name: Surface(distance, name not in reservoirs, temperatures[name], tac)
-            for name, distance in distances.items()
-            if distance is not None
-        }
-    )
-
-
-def _for_both_faces(ratio: float | None, top: float | None) -> float | tuple[float, float] | None:
-    return ratio if ratio is None or top is None else (top, ratio)
-
-
 def _show(console: "Console", solution: "Solution | ChamberSolution") -> None:
     described = solution.to_json()
     console.print(solution.title, soft_wrap=True)
-    console.print(_table(described))
+    errors, rows = described["error_estimate"], []
+    for label, name in (
+        ("force", "force_ratio"),
+        ("heat", "heat_ratio"),
+        ("heat, top", "heat_ratio_top"),
+        ("heat, bottom", "heat_ratio_bottom"),
+    ):
+        value, error = described[name], errors.get(name)
+        shown = "–" if value is None else f"{value:.5f}"
+        rows.append((label, shown, "" if error is None else f"± {error:.1g}"))
+    console.print(table_of(("", "over free-\nmolecular [1]", "error"), rows))
     if "forces" in described:
-        console.print(_surfaces(described))
+        rows = [
+            (name, f"{force:.6f}", f"{described['heats'][name]:.6f}")
+            for name, force in described["forces"].items()
+        ]
+        rows.append(("error, disk", f"± {errors['force']:.1g}", f"± {errors['heat']:.1g}"))
+        if closure := described["closure"]:
+            sums = f"{closure['force']:.0e}", f"{closure['heat']:.0e}"
+            rows.append(("sum over sum of sizes", *sums))
+        console.print(table_of(("", "force up\n[pA]", "heat out\n[p√(2RT_c)A]"), rows))
         profile = described["film_temperature"]
         if described["imbalance"] is not None:
             console.print(
@@ -266,40 +277,3 @@ def _name_as_options() -> Iterator[None]:
         option = "--kn" if name == "knudsen" else f"--{name.replace('_', '-')}"
         known = name in signature(kinetic_command).parameters or name == "knudsen"
         raise ParameterError(f"{option}{space}{rest}" if known else str(error)) from None
-
-
-def _surfaces(described: dict[str, Any]) -> "Table":
-    errors, closure = described["error_estimate"], described["closure"]
-    rows = [
-        (name, f"{force:.6f}", f"{described['heats'][name]:.6f}")
-        for name, force in described["forces"].items()
-    ]
-    rows.append(("error, disk", f"± {errors['force']:.1g}", f"± {errors['heat']:.1g}"))
-    if closure:
-        sums = f"{closure['force']:.0e}", f"{closure['heat']:.0e}"
-        rows.append(("sum over sum of sizes", *sums))
-    return table_of(("", "force up\n[pA]", "heat out\n[p√(2RT_c)A]"), rows)
-
-
-def _write(
-    stage: Callable[[str], Path], solution: "Solution | ChamberSolution", figures: FigureOptions
-) -> list[str]:
-    from lightflyer.kinetic_theory.figures import flow_figure
-
-    write_json(stage("kinetic.json"), solution.to_json() | {"inputs": solution.inputs})
-    return ["kinetic.json", *figures.write(stage, lambda: {"flow": flow_figure(solution)})]
-
-
-def _table(described: dict[str, Any]) -> "Table":
-    errors = described["error_estimate"]
-    rows = []
-    for label, name in (
-        ("force", "force_ratio"),
-        ("heat", "heat_ratio"),
-        ("heat, top", "heat_ratio_top"),
-        ("heat, bottom", "heat_ratio_bottom"),
-    ):
-        value, error = described[name], errors.get(name)
-        shown = "–" if value is None else f"{value:.5f}"
-        rows.append((label, shown, "" if error is None else f"± {error:.1g}"))
-    return table_of(("", "over free-\nmolecular [1]", "error"), rows)

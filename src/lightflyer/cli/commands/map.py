@@ -62,18 +62,6 @@ def map_command(
     console = printer()
     if not dataset.attrs.get("complete", True):
         console.print("the sweep is not finished; missing designs are left blank", soft_wrap=True)
-    sliced, chosen = choose_slice(dataset, output, fields, _parse_places(at))
-    names = [*fields, output]
-    written = figures.write_folder(out, {}, lambda: _draw(dataset, sliced, names, pareto=pareto))
-    finding, table = map_parts(sliced, fields, output)
-    console.print(finding, soft_wrap=True)
-    for name, (number, unit) in chosen.items():
-        console.print(f"at {name} {amount(number, unit)}")
-    show(console, [table])
-    figures.tell(console, written)
-
-
-def _parse_places(at: str | None) -> dict[str, str]:
     asked = {}
     for part in (at or "").split(","):
         name, equals, text = (piece.strip() for piece in part.partition("="))
@@ -85,7 +73,15 @@ def _parse_places(at: str | None) -> dict[str, str]:
             raise ConfigurationError(f'--at "{name}" is given twice')
         if name:
             asked[name] = text
-    return asked
+    sliced, chosen = choose_slice(dataset, output, fields, asked)
+    names = [*fields, output]
+    written = figures.write_folder(out, {}, lambda: _draw(dataset, sliced, names, pareto=pareto))
+    finding, table = map_parts(sliced, fields, output)
+    console.print(finding, soft_wrap=True)
+    for name, (number, unit) in chosen.items():
+        console.print(f"at {name} {amount(number, unit)}")
+    show(console, [table])
+    figures.tell(console, written)
 
 
 def _draw(

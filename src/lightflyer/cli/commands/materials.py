@@ -163,24 +163,20 @@ def _show_pages(pages: "list[DatabasePage]", search: str) -> None:
     shown = [_page(page) for page in pages]
     width = max((len(entry["name"]) for entry in shown), default=0)
     for entry in shown:
-        console.print(_page_table(entry, width))
+        first, last = entry["wavelength_range_um"]
+        rows = _rows(width)
+        group = f" ({entry['group']})" if entry["group"] else ""
+        rows.add_row(entry["name"], "what", f"{entry['formula']}{group}: {entry['title']}")
+        parts = [f"{' and '.join(entry['quantities'])}, {first:.5g} µm to {last:.5g} µm"]
+        if entry["temperature_K"] is not None:
+            parts.append(f"{entry['temperature_K']:g} K")
+        if entry["density_kg_m3"] is not None:
+            parts.append(f"{entry['density_kg_m3'] / 1e3:g} g/cm³")
+        parts += filter(None, (entry["direction"], entry["comments"]))
+        rows.add_row("", "range", ", ".join(parts))
+        rows.add_row("", "source", entry["reference"])
+        console.print(rows)
     if pages:
         console.print(f"{len(pages)} page{'s' * (len(pages) > 1)} of refractiveindex.info")
     else:
         console.print(f'no page of refractiveindex.info has "{search}"')
-
-
-def _page_table(entry: dict[str, Any], width: int) -> Table:
-    first, last = entry["wavelength_range_um"]
-    rows = _rows(width)
-    group = f" ({entry['group']})" if entry["group"] else ""
-    rows.add_row(entry["name"], "what", f"{entry['formula']}{group}: {entry['title']}")
-    parts = [f"{' and '.join(entry['quantities'])}, {first:.5g} µm to {last:.5g} µm"]
-    if entry["temperature_K"] is not None:
-        parts.append(f"{entry['temperature_K']:g} K")
-    if entry["density_kg_m3"] is not None:
-        parts.append(f"{entry['density_kg_m3'] / 1e3:g} g/cm³")
-    parts += filter(None, (entry["direction"], entry["comments"]))
-    rows.add_row("", "range", ", ".join(parts))
-    rows.add_row("", "source", entry["reference"])
-    return rows

@@ -13,7 +13,6 @@ from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from rich.console import Console
 
     from lightflyer.config.flyer_file import FlyerFile
     from lightflyer.environment.base import Coordinate
@@ -69,7 +68,12 @@ def predict_command(
     design = read_design(flyer_file)
     file, where = design.file, design.setup.environment.coordinate
     prediction = predict_with_bands(design, _parse_coordinates(at, where), samples, seed)
-    summary = prediction.summary() | _film_origins(file)
+    incidence = float(file.environment.light_incidence)
+    summary = prediction.summary() | {
+        name: film.report(incidence, passing=file.flyer.needs_transmittance)
+        for name, film in file.films().items()
+        if film.layered
+    }
     written: list[Path] = []
     if out is not None:
         written = _write(out, file, flyer_file, prediction, summary, figures, csv=csv)
@@ -78,10 +82,30 @@ def predict_command(
         return
     console = printer()
     if verbose or at is not None or figures.report is not None:
-        _show_all(console, file, prediction, summary)
+        from lightflyer.prediction.text import prediction_parts
+        from lightflyer.uncertainty.text import band_parts
+
+        found = prediction.uncertainty
+        told = () if found is None else (found.bands, found.shares)
+        show(console, prediction_parts(prediction, console.width, *told, verbose=True))
+        for name in filter(summary.__contains__, file.films()):
+            film = summary[name]
+            parts = []
+            for key, entry in film.items():
+                if key != "extrapolated":
+                    value, spread = entry["value"], entry.get("uncertainty")
+                    ends = [*value.items()][:: len(value) - 1 or 1] if type(value) is dict else []
+                    text = " to ".join(f"{number:.3g} at {kelvin} K" for kelvin, number in ends)
+                    text = (text or f"{value:.4g}") + (f" ± {spread:g}" if spread else "")
+                    parts.append(f"{key} {text} ({entry['origin']})")
+            console.print(f"{name}: {', '.join(parts)}", soft_wrap=True)
+        if found is not None:
+            show(console, band_parts(summary["uncertainty"], console.width))
     else:
         show(console, prediction.text_parts(console.width))
-        _note_kept(console, file, prediction)
+    if prediction.uncertainty is None and file.uncertainties():
+        uncertain = ", ".join(file.uncertainties())
+        console.print(f"uncertainties of {uncertain} are kept with the data, not propagated")
     figures.tell(console, written, "--out FOLDER writes figures and data")
     if not verbose:
         say(console, f"next: --verbose for all results, or: lightflyer explore {flyer_file}")
@@ -95,16 +119,6 @@ def _parse_coordinates(at: str | None, where: "Coordinate") -> list[float] | Non
     if not points:
         raise ConfigurationError(f'--at "{at}" names no {where.name}')
     return points
-
-
-def _film_origins(file: "FlyerFile") -> dict[str, Any]:
-    """Origin of the properties of each film of layers, by the film's name in the file."""
-    incidence = float(file.environment.light_incidence)
-    return {
-        name: film.report(incidence, passing=file.flyer.needs_transmittance)
-        for name, film in file.films().items()
-        if film.layered
-    }
 
 
 def _write(
@@ -147,46 +161,3 @@ def _write(
             write_csv(prediction, stage("prediction.csv"))
         names += options.write(stage, draw)
     return [out / name for name in names]
-
-
-def _show_all(
-    console: "Console", file: "FlyerFile", prediction: "Prediction", summary: dict[str, Any]
-) -> None:
-    from lightflyer.prediction.text import prediction_parts
-    from lightflyer.uncertainty.text import band_parts
-
-    found = prediction.uncertainty
-    told = () if found is None else (found.bands, found.shares)
-    show(console, prediction_parts(prediction, console.width, *told, verbose=True))
-    for name in filter(summary.__contains__, file.films()):
-        console.print(_origins_line(name, summary[name]), soft_wrap=True)
-    if found is not None:
-        show(console, band_parts(summary["uncertainty"], console.width))
-    _note_kept(console, file, prediction)
-
-
-def _note_kept(console: "Console", file: "FlyerFile", prediction: "Prediction") -> None:
-    if prediction.uncertainty is None and file.uncertainties():
-        uncertain = ", ".join(file.uncertainties())
-        console.print(f"uncertainties of {uncertain} are kept with the data, not propagated")
-
-
-def _origins_line(section: str, film: dict[str, Any]) -> str:
-    """Which properties of the film are measured and which computed, in words."""
-    parts = [
-        f"{name} {_film_value(entry['value'])}{_plus_minus(entry)} ({entry['origin']})"
-        for name, entry in film.items()
-        if name != "extrapolated"
-    ]
-    return f"{section}: " + ", ".join(parts)
-
-
-def _plus_minus(entry: dict[str, Any]) -> str:
-    return f" ± {entry['uncertainty']:g}" if entry.get("uncertainty") else ""
-
-
-def _film_value(value: float | dict[str, float]) -> str:
-    if not isinstance(value, dict):
-        return f"{value:.4g}"
-    ends = list(value.items())
-    return " to ".join(f"{number:.3g} at {kelvin} K" for kelvin, number in (ends[0], ends[-1]))

@@ -1,7 +1,7 @@
 """``lightflyer sweep``: compute the outputs of many designs into a folder."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 from rich.console import Console
@@ -76,7 +76,22 @@ def sweep_command(
     )
     dataset = open_sweep(out)
     if json_output:
-        print_json(_summary(out, study, report, dataset))
+        name, best = _best(dataset)
+        print_json(
+            {
+                "out": str(out),
+                "designs": report.designs,
+                "found": report.found,
+                "computed": report.computed,
+                "damaged_chunks": report.damaged,
+                "not_converged": report.not_converged,
+                "seconds": report.seconds,
+                "best": None
+                if best is None
+                else {"output": name, "value": best.value, "unit": best.units},
+                "warnings": list(_warnings(study, best)),
+            }
+        )
         return
     _show(printer(), study, report, dataset)
     console = printer()
@@ -97,23 +112,6 @@ def _require_reasonable(study: "Study", out: Path) -> None:
         f"the study has {in_words(found.designs)} designs: about {duration(found.seconds)} on this "
         f"machine and {size} on the disk, which has {free} free; start it with --yes"
     )
-
-
-def _summary(
-    out: Path, study: "Study", report: "SweepReport", dataset: "xr.Dataset"
-) -> dict[str, Any]:
-    name, best = _best(dataset)
-    return {
-        "out": str(out),
-        "designs": report.designs,
-        "found": report.found,
-        "computed": report.computed,
-        "damaged_chunks": report.damaged,
-        "not_converged": report.not_converged,
-        "seconds": report.seconds,
-        "best": None if best is None else {"output": name, "value": best.value, "unit": best.units},
-        "warnings": list(_warnings(study, best)),
-    }
 
 
 def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.Dataset") -> None:

@@ -10,8 +10,6 @@ from lightflyer.lab import options
 
 if TYPE_CHECKING:
     from lightflyer.lab.result import Outcome
-    from lightflyer.lab.thermography.data import Readings, Scene
-    from lightflyer.lab.thermography.thermal_image import ThermalImage
 
 
 @options.measurement(
@@ -140,7 +138,23 @@ def thermography(
                 emissivity=image_emissivity,
                 reflected_temperature=image_reflected,
             )
-            readings = _image_readings(image, areas, given, stated, scene)
+            from lightflyer.lab.thermography import data, thermal_image
+
+            kelvin = image.temperature
+            found = (
+                data.with_accuracy(
+                    thermal_image.region_temperatures(kelvin, areas, image.source), stated
+                )
+                | given
+            )
+            readings = data.given_readings(found, data.THERMAL, accuracy=stated, scene=scene)
+            said = (
+                *thermal_image.setting_warnings(image, found["ambient_temperature"].value),
+                *thermal_image.region_warnings(kelvin, areas),
+                *data.accuracy_warnings(data.THERMAL, stated),
+                *readings.warnings,
+            )
+            readings = dataclasses.replace(readings, warnings=tuple(dict.fromkeys(said)))
         elif file is None:
             readings = data.given_readings(given, data.THERMAL, accuracy=stated, scene=scene)
         else:
@@ -170,23 +184,3 @@ def thermography(
         origin=f"thermography, {result.meaning}",
         sources=files,
     )  # fmt: skip
-
-
-def _image_readings(
-    image: "ThermalImage", areas: Any, given: dict[str, Any], accuracy: float | None, scene: "Scene"
-) -> "Readings":
-    from lightflyer.lab.thermography import data, thermal_image
-
-    kelvin = image.temperature
-    found = (
-        data.with_accuracy(thermal_image.region_temperatures(kelvin, areas, image.source), accuracy)
-        | given
-    )
-    readings = data.given_readings(found, data.THERMAL, accuracy=accuracy, scene=scene)
-    said = (
-        *thermal_image.setting_warnings(image, found["ambient_temperature"].value),
-        *thermal_image.region_warnings(kelvin, areas),
-        *data.accuracy_warnings(data.THERMAL, accuracy),
-        *readings.warnings,
-    )
-    return dataclasses.replace(readings, warnings=tuple(dict.fromkeys(said)))

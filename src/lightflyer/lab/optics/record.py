@@ -180,7 +180,18 @@ def diagnose(
                     f"another minimum fits as well (cost +{excess:.2g}, excluded from "
                     f"{fit.factor**2:.2g}) and is not in the intervals: {', '.join(words)}"
                 )
-        yield from _about_what_was_stated(sample, numbers)
+        for free in sample.free:
+            if free.prior is None:
+                continue
+            value = numbers[free.name]
+            known = f"{amount_text(free.start, free.unit)} ± {amount_text(free.prior, free.unit)}"
+            if abs(value.value - free.start) > _FAR * free.prior:
+                found = amount_text(value.value, free.unit)
+                yield f"{free.name} = {found} contradicts what was stated, {known}"
+            elif (value.uncertainty or 0.0) > TIED * free.prior:
+                yield f"{free.name} is as stated, {known}: the spectra tell nothing of it"
+            else:
+                yield f"{free.name} was stated as {known}, which the fit takes into account"
         yield from _about_residuals(sample, fit)
         yield from _about_instruments(sample, fit)
         total = [one for one in sample.spectra if one.spectrum.collection == "total"]
@@ -215,21 +226,6 @@ def _about_bounds(
                 if is_open
             )
             yield f"the interval of {one.name} ends at its {ends}, not by the spectra"
-
-
-def _about_what_was_stated(sample: OpticsSample, numbers: Mapping[str, Estimate]) -> Iterator[str]:
-    for one in sample.free:
-        if one.prior is None:
-            continue
-        value = numbers[one.name]
-        known = f"{amount_text(one.start, one.unit)} ± {amount_text(one.prior, one.unit)}"
-        if abs(value.value - one.start) > _FAR * one.prior:
-            found = amount_text(value.value, one.unit)
-            yield f"{one.name} = {found} contradicts what was stated, {known}"
-        elif (value.uncertainty or 0.0) > TIED * one.prior:
-            yield f"{one.name} is as stated, {known}: the spectra tell nothing of it"
-        else:
-            yield f"{one.name} was stated as {known}, which the fit takes into account"
 
 
 def _about_residuals(sample: OpticsSample, fit: FilmFit) -> Iterator[str]:

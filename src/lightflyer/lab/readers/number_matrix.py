@@ -59,7 +59,22 @@ def read_number_matrix(path: str | Path, what: str) -> NumberMatrix:
     for number, line in written:
         cells = [cell.strip() for cell in split_cells(line, delimiter)]
         rows.append(_Row(number, cells[:-1] if cells and not cells[-1] else cells))
-    body = rows[_first_row(path, rows) :]
+    width, start = len(rows[-1].cells), 0
+    for index, row in enumerate(rows):
+        if len(row.cells) > 1 and all(map(_is_number, row.cells)):
+            start = index
+            break
+    for row in rows[:start]:  # a damaged row of numbers is no heading, but an axis may be one
+        points = [cell.replace(",", ".") for cell in row.cells[1:]]
+        even = len(points) > 1 and all(map(_reads, points))
+        if even:
+            steps = np.diff(np.array(points, float))
+            mean = steps.mean()
+            even = bool(np.all(np.abs(steps - mean) <= _EVEN * abs(mean)) and steps.any())
+        numbers = sum(map(_is_number, row.cells))
+        if len(row.cells) == width and 2 * numbers >= width and not even:
+            _require_numbers(path, row)
+    body = rows[start:]
     for row in body:
         _require_numbers(path, row)
         if len(row.cells) != len(body[0].cells):
@@ -101,25 +116,6 @@ def _require_numbers(path: Path, row: _Row) -> None:
     for cell in row.cells:
         if not _is_number(cell):
             raise ConfigurationError(f'{path}:{row.line}: "{cell[:_SHOWN]}" is not a number')
-
-
-def _first_row(path: Path, rows: list[_Row]) -> int:
-    width, start = len(rows[-1].cells), 0
-    for index, row in enumerate(rows):
-        if len(row.cells) > 1 and all(map(_is_number, row.cells)):
-            start = index
-            break
-    for row in rows[:start]:  # a damaged row of numbers is no heading, but an axis may be one
-        points = [cell.replace(",", ".") for cell in row.cells[1:]]
-        even = len(points) > 1 and all(map(_reads, points))
-        if even:
-            steps = np.diff(np.array(points, float))
-            mean = steps.mean()
-            even = bool(np.all(np.abs(steps - mean) <= _EVEN * abs(mean)) and steps.any())
-        numbers = sum(map(_is_number, row.cells))
-        if len(row.cells) == width and 2 * numbers >= width and not even:
-            _require_numbers(path, row)
-    return start
 
 
 def _numbers(

@@ -131,8 +131,8 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     return {"roughness": figure}
 
 
-def texture_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
-    """Figure of distributions, autocorrelations and power spectra, by file name without suffix."""
+def surface_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
+    """Figures of maps and of their texture, by file name without suffix."""
     figure = drawing.new_figure(columns=3)
     left, middle, right = figure.axes
     for number, one in enumerate(results):
@@ -153,12 +153,7 @@ def texture_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
     ):
         drawing.label_axes(ax, x, y)
     drawing.shared_legend(figure, left.get_legend_handles_labels()[0])
-    return {"roughness-texture": figure}
-
-
-def surface_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
-    """Figures of maps and of their texture, by file name without suffix."""
-    return roughness_figures(results) | texture_figures(results)
+    return roughness_figures(results) | {"roughness-texture": figure}
 
 
 def plot_roughness(result: "Roughness", ax: Axes) -> None:

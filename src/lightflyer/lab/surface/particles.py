@@ -237,24 +237,22 @@ def _reliefs(even: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
         largest = min(smooth.shape) // 4 if known else max(_RINGS[0][0] / step, length / 2)
         for radius in radii:
             if 1 <= radius // step <= largest:
-                yield step, smooth - _ring_median(smooth, radius // step)
+                radius = radius // step
+                rows, columns = smooth.shape
+                padded = np.pad(smooth, radius, mode="reflect", reflect_type="odd").astype(
+                    np.float32
+                )
+                angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+                ring = {
+                    (radius + round(radius * np.sin(one)), radius + round(radius * np.cos(one)))
+                    for one in angles
+                }
+                heights = [padded[i : i + rows, j : j + columns] for i, j in sorted(ring)]
+                middle = len(heights) // 2
+                ranked = np.partition(np.stack(heights, axis=-1), (middle - 1, middle), axis=-1)
+                yield step, smooth - (0.5 * (ranked[..., middle - 1] + ranked[..., middle]))
         if known:
             yield step, smooth - np.median(smooth)
-
-
-def _ring_median(height: np.ndarray, radius: int) -> np.ndarray:
-    """Median on a ring around each pixel; beyond the edges the map goes on point-symmetrically."""
-    rows, columns = height.shape
-    padded = np.pad(height, radius, mode="reflect", reflect_type="odd").astype(np.float32)
-    angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
-    ring = {
-        (radius + round(radius * np.sin(one)), radius + round(radius * np.cos(one)))
-        for one in angles
-    }
-    heights = [padded[i : i + rows, j : j + columns] for i, j in sorted(ring)]
-    middle = len(heights) // 2
-    ranked = np.partition(np.stack(heights, axis=-1), (middle - 1, middle), axis=-1)
-    return 0.5 * (ranked[..., middle - 1] + ranked[..., middle])
 
 
 def _deviation(values: np.ndarray) -> float:

@@ -37,17 +37,8 @@ def ftir_files(seed: int = 0) -> dict[str, str]:
         for nu, value in zip(wavenumber[::-1], second[::-1], strict=True)
     ]
     mirror = [f"{nu:.1f},{value:.6f}" for nu, value in zip(wavenumber, reflected, strict=True)]
-    return {
-        "film.jdx": _jcamp(wavenumber, first, lines),
-        "film.csv": faulty_table(lines, ["Wavelength (µm)", "Transmittance (%)"], rows, rng,
-                               delimiter=";", decimal_comma=True),
-        "film-reflectance.csv": "\n".join([*lines, "cm-1,reflectance", *mirror]) + "\n",
-    }  # fmt: skip
-
-
-def _jcamp(wavenumber: np.ndarray, value: np.ndarray, lines: list[str]) -> str:
     factor = 1e-6
-    whole = np.round(value / factor).astype(int)
+    whole = np.round(first / factor).astype(int)
     table = [
         f"{wavenumber[start]:.1f} " + " ".join(map(str, whole[start : start + 6]))
         for start in range(0, len(whole), 6)
@@ -57,8 +48,13 @@ def _jcamp(wavenumber: np.ndarray, value: np.ndarray, lines: list[str]) -> str:
         "ORIGIN": "lightflyer", "OWNER": "public domain", "XUNITS": "1/CM",
         "YUNITS": "TRANSMITTANCE", "XFACTOR": "1.0", "YFACTOR": f"{factor:g}",
         "FIRSTX": f"{wavenumber[0]:g}", "LASTX": f"{wavenumber[-1]:g}",
-        "FIRSTY": f"{value[0]:.6f}", "NPOINTS": str(len(whole)), "XYDATA": "(X++(Y..Y))",
+        "FIRSTY": f"{first[0]:.6f}", "NPOINTS": str(len(whole)), "XYDATA": "(X++(Y..Y))",
     }  # fmt: skip
-    first = [f"##{name}={content}" for name, content in header.items()]
-    first.insert(1, f"$$ {lines[1].lstrip('# ')}")
-    return "\n".join([*first, *table, "##END="]) + "\n"
+    labels = [f"##{name}={content}" for name, content in header.items()]
+    labels.insert(1, f"$$ {lines[1].lstrip('# ')}")
+    return {
+        "film.jdx": "\n".join([*labels, *table, "##END="]) + "\n",
+        "film.csv": faulty_table(lines, ["Wavelength (µm)", "Transmittance (%)"], rows, rng,
+                               delimiter=";", decimal_comma=True),
+        "film-reflectance.csv": "\n".join([*lines, "cm-1,reflectance", *mirror]) + "\n",
+    }  # fmt: skip

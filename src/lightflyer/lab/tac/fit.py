@@ -14,7 +14,6 @@ plateau at high pressure :math:`\delta` times a known conductance, and without g
 the plateau is taken to grow with :math:`\delta`, as the slope does, can the three be told apart.
 """
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -396,16 +395,19 @@ def mean_tac(fits: Sequence[TacFit], name: str = "tac") -> Estimate:
     """Mean accommodation coefficient, or another parameter, of several runs on one bench."""
     if len(fits) == 1:
         return fits[0].estimates()[name]
-    common = float(np.mean([_common_part(fit, name) for fit in fits]))
-    mean = weighted_mean([with_spread(fit.statistical[name]) for fit in fits], common=common)
+    each = [with_spread(fit.statistical[name]) for fit in fits]
+    mean = weighted_mean(each, common=_common_part(fits, name))
     low, high = diagnostics.BOUNDS[name]
     return replace(mean, interval=(max(mean.interval[0], low), min(mean.interval[1], high)))
 
 
-def _common_part(fit: TacFit, name: str) -> float:
+def _common_part(fits: Sequence[TacFit], name: str) -> float:
     """Standard uncertainty from errors that all rows, and all runs, have in common."""
-    total, part = fit.estimates()[name].uncertainty, fit.statistical[name].uncertainty
-    return math.sqrt(max((total or 0.0) ** 2 - (part or 0.0) ** 2, 0.0))
+    total, part = (
+        np.array([one[name].uncertainty or 0.0 for one in found])
+        for found in ([fit.estimates() for fit in fits], [fit.statistical for fit in fits])
+    )
+    return float(np.sqrt(np.maximum(total**2 - part**2, 0.0)).mean())
 
 
 def with_spread(estimate: Estimate) -> Estimate:
@@ -416,9 +418,8 @@ def with_spread(estimate: Estimate) -> Estimate:
 
 def correlation_between_samples(fits: Sequence[TacFit]) -> float:
     """Correlation of the coefficients' errors between two samples measured on one bench [1]."""
-    common = float(np.mean([_common_part(fit, "tac") for fit in fits]))
     total = mean_tac(fits).uncertainty or 0.0
-    return min((common / total) ** 2, 1.0) if total else 0.0
+    return min((_common_part(fits, "tac") / total) ** 2, 1.0) if total else 0.0
 
 
 def why_no_property(fits: Sequence[TacFit]) -> str | None:

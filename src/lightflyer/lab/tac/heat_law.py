@@ -64,31 +64,18 @@ class AbstractHeatLaw(abc.ABC):
     of the kinetic table."""
 
     @abc.abstractmethod
-    def at(
-        self,
-        tac: float,
-        pressure: np.ndarray,
-        ambient: np.ndarray,
-        heater: np.ndarray,
-        diameter: float,
-        gas: AbstractGas,
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def at(self, tac: float, pressure: np.ndarray, *others: Any) -> Any:
         """Free-molecular conductance at a coefficient of one, and continuum conductance.
 
-        Both of the area of one face, both faces counted [W/(m² K)], shape (m,); ``pressure`` [Pa],
-        ``ambient``, ``heater`` [K], ``diameter`` of the heater [m].
+        Both of the area of one face, both faces counted [W/(m² K)], shape (m,); ``pressure`` [Pa];
+        ``others``: as of :meth:`limits`.
         """
 
-    def limits(
-        self,
-        pressure: np.ndarray,
-        ambient: np.ndarray,
-        heater: np.ndarray,
-        diameter: float,
-        gas: AbstractGas,
-    ) -> Limits:
-        """Both limits for all coefficients; arguments as for :meth:`at`."""
-        others = (ambient, heater, diameter, gas)
+    def limits(self, pressure: np.ndarray, *others: Any) -> Limits:
+        """Both limits for all coefficients.
+
+        ``others``: temperatures of the gas and of the heater [K], diameter of the heater [m], gas.
+        """
         low, high = self.tac_range
         nodes = np.array([low, 0.5 * (low + high), high])
         found = [self.at(float(node), pressure, *others) for node in nodes]
@@ -111,29 +98,21 @@ class KineticLaw(AbstractHeatLaw):
     wall_distance: float | None = None
     name: str = KINETIC
 
-    def at(
-        self,
-        tac: float,
-        pressure: np.ndarray,
-        ambient: np.ndarray,
-        heater: np.ndarray,
-        diameter: float,
-        gas: AbstractGas,
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def at(self, tac: float, pressure: np.ndarray, *others: Any) -> Any:
+        *_, diameter, _ = others
         if self.wall_distance is not None and self.wall_distance <= 0.5 * diameter:
             raise ParameterError(
                 f"a wall {self.wall_distance:g} m from the heater's centre is inside the heater, "
                 f"whose radius is {0.5 * diameter:g} m"
             )
         near = 0.0 if self.wall_distance is None else 0.5 * diameter / self.wall_distance
-        found: Any = _kinetic(tac, pressure, ambient, heater, diameter, near, gas)
-        return found
+        return _kinetic(tac, near, pressure, *others)
 
 
 @elementwise_entry_point
 def _kinetic(
-    tac: Numeric, pressure: Numeric, ambient: Numeric, heater: Numeric, diameter: Numeric,
-    near: Numeric, gas: AbstractGas,
+    tac: Numeric, near: Numeric, pressure: Numeric, ambient: Numeric, heater: Numeric,
+    diameter: Numeric, gas: AbstractGas,
 ) -> tuple[Any, Any]:  # fmt: skip
     fit = kinetic_fit(gas.molecules)
     knudsen = knudsen_number(pressure, ambient, 0.5 * diameter, gas)
@@ -169,22 +148,13 @@ class Lu2023Law(AbstractHeatLaw):
     reading: Reading  # Conventions of the heat loss
     name: str
 
-    def at(
-        self,
-        tac: float,  # noqa: ARG002
-        pressure: np.ndarray,
-        ambient: np.ndarray,
-        heater: np.ndarray,
-        diameter: float,
-        gas: AbstractGas,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        found: Any = _lu2023(pressure, ambient, heater, diameter, self.reading, gas)
-        return found
+    def at(self, tac: float, pressure: np.ndarray, *others: Any) -> Any:  # noqa: ARG002
+        return _lu2023(self.reading, pressure, *others)
 
 
 @elementwise_entry_point
 def _lu2023(
-    pressure: Numeric, ambient: Numeric, heater: Numeric, diameter: Numeric, reading: Reading,
+    reading: Reading, pressure: Numeric, ambient: Numeric, heater: Numeric, diameter: Numeric,
     gas: AbstractGas,
 ) -> tuple[Any, Any]:  # fmt: skip
     free_molecular, continuum = heat_conductances(

@@ -133,8 +133,19 @@ def solve(
     """
     given, problems = problems, _with_own_drifts(problems)
     found = _minimise_all(problems, guesses)
-    statistical = [_statistical(*one) for one in zip(found.held, found.plain, found.alike,
-                                                     found.scatter, strict=True)]  # fmt: skip
+    statistical = []  # intervals of the scatter, by covariance and by profile
+    for held, plain, alike, scatter in zip(
+        found.held, found.plain, found.alike, found.scatter, strict=True
+    ):
+        freedoms = dict.fromkeys(PARAMETERS, float(len(held.conductance) - len(PARAMETERS)))
+        best = _values(plain, PARAMETERS)
+        profiled = normal = _normal(best, alike * np.asarray(plain.covar), freedoms)
+        if scatter > _ROUNDING:  # rows without scatter have no profile
+            # very many rows are grouped; what scatters within a group is in the scatter already
+            rows = _scaled(held, 1.0 / (scatter * math.sqrt(alike)))
+            best = _values(minimise(rows, best), PARAMETERS)
+            profiled = _profiles(JointProblem((rows,)), best, 0, normal, freedoms)
+        statistical.append((normal, profiled))
     if found.total is None:
         alone = [
             HeaterSolution(
@@ -158,8 +169,8 @@ def solve(
             name: normal[name].uncertainty / one
             for name, one in zip(PARAMETERS, np.sqrt(np.diag(covariance)), strict=True)
         }
-        rows = len(problem.conductance) - width
-        freedoms = {name: rows / min(share, 1.0) ** 4 for name, share in shares.items()}
+        freedom = len(problem.conductance) - width
+        freedoms = {name: freedom / min(share, 1.0) ** 4 for name, share in shares.items()}
         total_normal = _normal(values[place], covariance, freedoms)
         errors = {
             name: common[name if name in common else f"{name}_{number}"]
@@ -206,7 +217,26 @@ def _minimise_all(
     sharing, law_error = problems, LAW_ERROR * min(max(map(_decades, problems)), 1.0) ** 2
     if len(problems) > 1 and instruments:
         unshared = LAW_OWN if min(guess[0] for guess in guesses) > _ALIKE_TAC else 1.0
-        sharing, law_error = _with_shared_law(problems, law_error, unshared), unshared * law_error
+        # Several a decade, whose mean over it keeps the law's error: one a decade would leave the
+        # shape within a decade exact, by which very good rows would seem to measure the gauge's.
+        most = min(len(problem.pressure) / max(_decades(problem), 1.0) for problem in problems)
+        each = int(np.clip(most, 1.0, _MOST_PARTS))
+        levels = [each * np.log10(problem.pressure) for problem in problems]
+        lowest = min(level.min() for level in levels)
+        parts = np.arange(int(max(level.max() for level in levels) - lowest) + 1)
+        size = law_error * math.sqrt(each * (1.0 - unshared**2))
+        found, nothing = [], np.zeros(len(parts))
+        for problem, level in zip(problems, levels, strict=True):
+            errors, effects = problem.errors, (level - lowest).astype(int) == parts[:, None]
+            errors = CommonErrors(
+                (*errors.names, *(f"law_{part}" for part in parts)),
+                np.concatenate([errors.log_pressure, nothing]),
+                np.concatenate([errors.zero, nothing]),
+                np.concatenate([errors.log_continuum, np.zeros(effects.shape)]),
+                np.concatenate([errors.log_conductance, size * effects]),
+            )
+            found.append(replace(problem, errors=errors))
+        sharing, law_error = found, unshared * law_error
     joint = JointProblem(tuple(sharing))
     of_law = [0.0] * (len(joint.names) - last - instruments)
     common = [0.0] * instruments
@@ -262,41 +292,6 @@ def _with_own_drifts(problems: Sequence[HeaterProblem]) -> Sequence[HeaterProble
         )
         for problem, has in zip(problems, whose, strict=True)
     ]  # fmt: skip
-
-
-def _with_shared_law(
-    problems: Sequence[HeaterProblem], law_error: float, own: float
-) -> list[HeaterProblem]:
-    """Runs with the law's error of shape, which they share, as unknowns over pressure."""
-    # Several a decade, whose mean over it keeps the law's error: one a decade would leave the shape
-    # within a decade exact, and by that very good rows would seem to measure the gauge's error.
-    most = min(len(problem.pressure) / max(_decades(problem), 1.0) for problem in problems)
-    each = int(np.clip(most, 1.0, _MOST_PARTS))
-    levels = [each * np.log10(problem.pressure) for problem in problems]
-    lowest = min(level.min() for level in levels)
-    parts = np.arange(int(max(level.max() for level in levels) - lowest) + 1)
-    size = law_error * math.sqrt(each * (1.0 - own**2))
-    return [
-        problem.with_errors_of_conductance(
-            [f"law_{part}" for part in parts],
-            size * ((level - lowest).astype(int) == parts[:, None]),
-        )
-        for problem, level in zip(problems, levels, strict=True)
-    ]
-
-
-def _statistical(
-    held: HeaterProblem, plain: Any, alike: float, scatter: float
-) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
-    """Parameters of a run with the intervals of its scatter, by covariance and by profile."""
-    freedoms = dict.fromkeys(PARAMETERS, float(len(held.conductance) - len(PARAMETERS)))
-    normal = _normal(_values(plain, PARAMETERS), alike * np.asarray(plain.covar), freedoms)
-    if scatter <= _ROUNDING:  # rows without scatter have no profile
-        return normal, normal
-    # very many rows are grouped; what scatters within a group is in the scatter already
-    rows = _scaled(held, 1.0 / (scatter * math.sqrt(alike)))
-    values = _values(minimise(rows, _values(plain, PARAMETERS)), PARAMETERS)
-    return normal, _profiles(JointProblem((rows,)), values, 0, normal, freedoms)
 
 
 def _scaled(problem: HeaterProblem, factor: float) -> HeaterProblem:

@@ -57,20 +57,6 @@ class HeaterProblem:
     def without_common_errors(self) -> "HeaterProblem":
         return self.with_common_errors([0.0] * len(self.errors.names))
 
-    def with_errors_of_conductance(
-        self, names: Sequence[str], effects: np.ndarray
-    ) -> "HeaterProblem":
-        """The same problem with further common errors; effects of shape (names, m)."""
-        nothing = np.zeros(len(names))
-        errors = CommonErrors(
-            (*self.errors.names, *names),
-            np.concatenate([self.errors.log_pressure, nothing]),
-            np.concatenate([self.errors.zero, nothing]),
-            np.concatenate([self.errors.log_continuum, np.zeros_like(effects)]),
-            np.concatenate([self.errors.log_conductance, effects]),
-        )
-        return replace(self, errors=errors)
-
     def _gas(self, tac: float, common: np.ndarray) -> tuple[np.ndarray, ...]:
         """Both limits at a coefficient, derivative of the dense one, and the thin one's factor."""
         shift = float(common @ self.errors.log_pressure)

@@ -58,20 +58,16 @@ def draw_property(result: "RadiativeProperties", name: str, ax: Axes) -> Axes:
     return ax
 
 
-def plot_properties(result: "RadiativeProperties") -> Figure:
-    """Figure of the properties, each on a scale of its own."""
+def property_figures(results: "Sequence[RadiativeProperties]") -> dict[str, Figure]:
+    """Figure of the properties of one result, by file name without suffix."""
+    result = results[0]
     figure = new_figure(columns=len(result.first_order), width=_WIDTH)
     for name, ax in zip(result.first_order, figure.axes, strict=True):
         draw_property(result, name, ax)
     figure.axes[0].set_ylabel("fraction of the radiation [1]")
     figure.suptitle(result.meaning, fontsize="medium")
     shared_legend(figure, figure.axes[0].get_legend_handles_labels()[0])
-    return figure
-
-
-def property_figures(results: "Sequence[RadiativeProperties]") -> dict[str, Figure]:
-    """Figure of the properties of one result, by file name without suffix."""
-    return {"thermography": plot_properties(results[0])}
+    return {"thermography": figure}
 
 
 def thermography_figures(

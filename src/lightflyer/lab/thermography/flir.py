@@ -154,7 +154,37 @@ def read_flir(path: Path, content: bytes) -> tuple[np.ndarray, CameraSettings]:
         for kind, what in ((_RAW, "raw signal"), (_CAMERA, "settings of the camera")):
             if kind not in found:
                 raise _WrongError(f"it has no {what}")
-        counts, settings = _raw(found[_RAW]), _settings(found[_CAMERA])
+        record = found[_CAMERA]
+        order = _order(record)
+        if len(record) < _CAMERA_SIZE:
+            raise _WrongError("the settings of the camera are too short")
+
+        def number(place: int, kind: str = "f") -> float:
+            return float(struct.unpack_from(order + kind, record, place)[0])
+
+        emissivity, distance, reflected, air, window, transmittance = (
+            number(32 + 4 * place) for place in range(6)
+        )
+        counts, settings = (
+            _raw(found[_RAW]),
+            CameraSettings(
+                emissivity,
+                distance,
+                reflected,
+                air,
+                window,
+                transmittance,
+                number(60),
+                r1=number(88),
+                b=number(92),
+                f=number(96),
+                o=number(776, "i"),
+                r2=number(780),
+                alpha=(number(112), number(116)),
+                beta=(number(120), number(124)),
+                share=number(128),
+            ),
+        )
         if wrong := settings.problem():
             raise _WrongError(wrong)
     except _WrongError as error:
@@ -224,21 +254,3 @@ def _raw(record: bytes) -> np.ndarray:
     except Exception as error:  # Pillow raises many kinds
         raise _WrongError(f"its PNG cannot be read: {error}") from None
     return values.byteswap().astype(float)  # FLIR writes the bytes in the reverse order
-
-
-def _settings(record: bytes) -> CameraSettings:
-    order = _order(record)
-    if len(record) < _CAMERA_SIZE:
-        raise _WrongError("the settings of the camera are too short")
-
-    def number(place: int, kind: str = "f") -> float:
-        return float(struct.unpack_from(order + kind, record, place)[0])
-
-    emissivity, distance, reflected, air, window, transmittance = (
-        number(32 + 4 * place) for place in range(6)
-    )
-    return CameraSettings(
-        emissivity, distance, reflected, air, window, transmittance, number(60),
-        r1=number(88), b=number(92), f=number(96), o=number(776, "i"), r2=number(780),
-        alpha=(number(112), number(116)), beta=(number(120), number(124)), share=number(128),
-    )  # fmt: skip

@@ -233,7 +233,12 @@ def write_netcdf(dataset: "xr.Dataset", path: str | Path) -> None:
         variable.attrs |= _conventions(str(name))
         if variable.attrs.get("units") == "K":
             variable.attrs["units_metadata"] = "temperature: on_scale"
-        variable.encoding["coordinates"] = _coordinates(str(name), variable)
+        name = str(name)
+        prefix = next((prefix for prefix, one in SEVERAL if one in variable.dims), "")
+        known = ["time", "latitude", "longitude", *([] if prefix else ["altitude", _FLIGHT])]
+        along = [prefix + key for key in known]
+        none = ELAPSED not in variable.dims or name in (ELAPSED, "ensemble_flying", *along)
+        variable.encoding["coordinates"] = None if none else " ".join(along)
         if np.issubdtype(variable.dtype, np.datetime64):
             variable.encoding |= dated
     written[ELAPSED].encoding["_FillValue"] = None
@@ -251,12 +256,3 @@ def _conventions(name: str) -> dict[str, Any]:
     if before and f"{before}_" not in dict(SEVERAL):
         del about["axis"]  # where a flight ended, for one, is not along it
     return about
-
-
-def _coordinates(name: str, variable: "xr.Variable") -> str | None:
-    """Where and when the values of a variable are, by the names of other variables."""
-    prefix = next((prefix for prefix, one in SEVERAL if one in variable.dims), "")
-    known = ["time", "latitude", "longitude", *([] if prefix else ["altitude", _FLIGHT])]
-    along = [prefix + key for key in known]
-    none = ELAPSED not in variable.dims or name in (ELAPSED, "ensemble_flying", *along)
-    return None if none else " ".join(along)

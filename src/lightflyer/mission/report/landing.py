@@ -163,7 +163,19 @@ def add_landing(
             dataset[f"{prefix}below_{name}"] = (dims, below if dims else below[0], about)
         dataset.attrs["objects"] = landing.objects
         if prefix == "ensemble_":
-            crowd = _crowd(dataset, track, pressure >= min(levels.values()))
+            below = pressure >= min(levels.values())
+            found = np.full(dataset.sizes[ELAPSED], np.nan)
+            below = below[:, :-1] & np.isfinite(dataset["ensemble_altitude"].values)
+            radius = 1e3 * float(dataset.attrs["planet_radius_km"])
+            for time in np.flatnonzero(below.sum(axis=0) >= FEWEST):
+                rows = below[:, time]
+                here = track["latitude"][rows, time], track["longitude"][rows, time]
+                mean = units_of(*here).sum(axis=0)
+                plane = Map(mean / np.linalg.norm(mean), radius).plane(*here)
+                points = np.column_stack([plane, track["altitude"][rows, time]])
+                volume = size_holding(points, SHARES[0])
+                found[time] = SHARES[0] * rows.mean() / volume if volume > 0.0 else np.nan
+            crowd = found
             text = "share of the flights in a volume where they are densest below the levels"
             dataset["airspace_share"] = (ELAPSED, crowd, {"units": "m-3", "long_name": text})
 
@@ -305,22 +317,6 @@ def _pressures(
 @entry_point
 def _pressure(environment: AbstractEnvironment, altitude: Any, place: Place) -> Any:
     return environment.state(altitude, place).pressure
-
-
-def _crowd(dataset: "xr.Dataset", track: dict[str, np.ndarray], below: np.ndarray) -> np.ndarray:
-    """Share of the flights over volume [1/m³], in what holds half of those below, (times,)."""
-    found = np.full(dataset.sizes[ELAPSED], np.nan)
-    below = below[:, :-1] & np.isfinite(dataset["ensemble_altitude"].values)
-    radius = 1e3 * float(dataset.attrs["planet_radius_km"])
-    for time in np.flatnonzero(below.sum(axis=0) >= FEWEST):
-        rows = below[:, time]
-        place = track["latitude"][rows, time], track["longitude"][rows, time]
-        mean = units_of(*place).sum(axis=0)
-        plane = Map(mean / np.linalg.norm(mean), radius).plane(*place)
-        points = np.column_stack([plane, track["altitude"][rows, time]])
-        volume = size_holding(points, SHARES[0])
-        found[time] = SHARES[0] * rows.mean() / volume if volume > 0.0 else np.nan
-    return found
 
 
 def size_holding(points: np.ndarray, share: float) -> float:

@@ -2,7 +2,7 @@
 
 import json
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -150,7 +150,10 @@ def write_geojson(dataset: "xr.Dataset", path: Path) -> None:
                 known = np.vstack([known, place])  # it ended between two moments
             tracks.append(feature(line(known), what="track", **about))
     begin = feature(point(places_of(dataset, "")[0]), what="release", time=date_after(dataset, 0.0))
-    write_collection([begin, *_areas(dataset), *tracks, *ends], path)
+    features = [begin, *_areas(dataset), *tracks, *ends]
+    # Source: [RFC7946]_.
+    document = {"type": "FeatureCollection", "features": [*features]}
+    path.write_text(json.dumps(document, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def _areas(dataset: "xr.Dataset") -> Iterator[dict[str, Any]]:
@@ -165,13 +168,6 @@ def _areas(dataset: "xr.Dataset") -> Iterator[dict[str, Any]]:
         yield feature(
             {"type": "MultiPolygon", "coordinates": polygons}, what="area of landings", **about
         )
-
-
-def write_collection(features: Iterable[dict[str, Any]], path: Path) -> None:
-    """Write features as one file."""
-    # Source: [RFC7946]_.
-    document = {"type": "FeatureCollection", "features": [*features]}
-    path.write_text(json.dumps(document, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def feature(geometry: dict[str, Any], **properties: Any) -> dict[str, Any]:

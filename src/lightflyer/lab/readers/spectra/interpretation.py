@@ -160,7 +160,23 @@ class ReadOptions(NamedTuple):
 def interpret_spectrum(source: Source, raw: RawSpectrum, options: ReadOptions) -> MeasuredSpectrum:
     """The spectrum in SI units, with what was decided on the way."""
     notes = list(raw.notes)
-    shown = _ordinate_of(source, raw, options)
+    shown = parse_ordinate(raw.ordinate_name)
+    if isinstance(shown, str):
+        source.refuse(shown)
+    known = shown.percent or options.scale is not None  # that it is a share of light
+    if not shown.quantity and (options.quantity is None or not known):
+        said = f' but "{raw.ordinate_name}"' if raw.ordinate_name else ""
+        source.refuse(
+            f"does not name its ordinate{said}; if it is transmittance or reflectance, say which "
+            '(quantity="reflectance"), and --scale % or --scale 1 (scale="%" or "1")'
+        )
+    if shown.quantity == "absorbance" and options.quantity is None and _collection_of(raw.metadata):
+        source.refuse(
+            f'shows absorbance, measured with "{raw.metadata.accessory[:60]}": say whether it is '
+            'that of transmittance or reflectance (quantity="reflectance")'
+        )
+    if options.quantity is not None and not shows(raw, options.quantity):
+        source.refuse(f"shows {shown.quantity}, not {options.quantity}")
     wavenumber, ordinate = _points(source, raw, notes)
     absorbance = shown.quantity == "absorbance"
     quantity: Ordinate = options.quantity or "transmittance"
@@ -220,27 +236,6 @@ def shows(raw: RawSpectrum, quantity: Ordinate) -> bool:
     return shown.quantity in (quantity, "", "absorbance") or (
         quantity == "reflectance" and shown.quantity == "log(1/R)"
     )
-
-
-def _ordinate_of(source: Source, raw: RawSpectrum, options: ReadOptions) -> OrdinateUnit:
-    shown = parse_ordinate(raw.ordinate_name)
-    if isinstance(shown, str):
-        source.refuse(shown)
-    known = shown.percent or options.scale is not None  # that it is a share of light
-    if not shown.quantity and (options.quantity is None or not known):
-        said = f' but "{raw.ordinate_name}"' if raw.ordinate_name else ""
-        source.refuse(
-            f"does not name its ordinate{said}; if it is transmittance or reflectance, say which "
-            '(quantity="reflectance"), and --scale % or --scale 1 (scale="%" or "1")'
-        )
-    if shown.quantity == "absorbance" and options.quantity is None and _collection_of(raw.metadata):
-        source.refuse(
-            f'shows absorbance, measured with "{raw.metadata.accessory[:60]}": say whether it is '
-            'that of transmittance or reflectance (quantity="reflectance")'
-        )
-    if options.quantity is not None and not shows(raw, options.quantity):
-        source.refuse(f"shows {shown.quantity}, not {options.quantity}")
-    return shown
 
 
 def _points(source: Source, raw: RawSpectrum, notes: list[str]) -> tuple[np.ndarray, np.ndarray]:

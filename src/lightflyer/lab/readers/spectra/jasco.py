@@ -149,7 +149,35 @@ def is_jws(source: Source) -> bool:
 def read_jws(source: Source) -> list[RawSpectrum]:
     """Read a binary file of JASCO; one."""
     if source.content.startswith(_OLE_MAGIC):
-        return [_from_container(source)]
+        olefile = extra("olefile", "reading .jws files of Spectra Manager 1.x", "lab")
+        with olefile.OleFileIO(io.BytesIO(source.content)) as container:
+            streams = {
+                name: container.openstream(name).read()
+                for name in ("DataInfo", "Y-Data", "SampleInfo", "ModuleInfo", "MeasParam")
+                if container.exists(name)
+            }
+            if container.exists("X-Data"):
+                source.refuse("has points at unequal distances, as Raman spectra have; export text")
+        for name in ("DataInfo", "Y-Data"):
+            if name not in streams:
+                source.refuse(f"is not a spectrum of JASCO: it has no {name}")
+        version, _, _, channels, _, count, first, last, step, axis, mode = _OLE_GRID.unpack_from(
+            streams["DataInfo"]
+        )
+        if version != _OLE_VERSION or axis & ~0xFF != _MARKER:
+            source.refuse(f"is of a version ({version}) that is not known; export text")
+        if channels != 1:
+            source.refuse(f"holds {channels} channels; export the one you want as text")
+        if len(streams["Y-Data"]) != _FLOAT * count:
+            source.refuse(f"is damaged: it names {count} points and holds other data")
+        metadata = SpectrumMetadata(
+            JWS,
+            instrument=_words(streams.get("ModuleInfo", b""), which=1),
+            resolution=_resolution(streams),
+            sample=_words(streams.get("SampleInfo", b""), which=0),
+        )
+        y = np.frombuffer(streams["Y-Data"], "<f4")
+        return [_spectrum(source, y, (count, first, last, step), (axis & 0xFF, mode), metadata)]
     data = source.content
     count, first, last, step = _GRID.unpack_from(data, _AT_GRID)
     unit, mode = data[_AT_UNITS], data[_AT_UNITS + 4]
@@ -188,38 +216,6 @@ def _spectrum(
         first + step * np.arange(count), y.astype(float), _ABSCISSAE[unit], ordinate, metadata,
         percent=ordinate.startswith("%"), notes=notes,
     )  # fmt: skip
-
-
-def _from_container(source: Source) -> RawSpectrum:
-    olefile = extra("olefile", "reading .jws files of Spectra Manager 1.x", "lab")
-    with olefile.OleFileIO(io.BytesIO(source.content)) as container:
-        streams = {
-            name: container.openstream(name).read()
-            for name in ("DataInfo", "Y-Data", "SampleInfo", "ModuleInfo", "MeasParam")
-            if container.exists(name)
-        }
-        if container.exists("X-Data"):
-            source.refuse("has points at unequal distances, as Raman spectra have; export text")
-    for name in ("DataInfo", "Y-Data"):
-        if name not in streams:
-            source.refuse(f"is not a spectrum of JASCO: it has no {name}")
-    version, _, _, channels, _, count, first, last, step, axis, mode = _OLE_GRID.unpack_from(
-        streams["DataInfo"]
-    )
-    if version != _OLE_VERSION or axis & ~0xFF != _MARKER:
-        source.refuse(f"is of a version ({version}) that is not known; export text")
-    if channels != 1:
-        source.refuse(f"holds {channels} channels; export the one you want as text")
-    if len(streams["Y-Data"]) != _FLOAT * count:
-        source.refuse(f"is damaged: it names {count} points and holds other data")
-    metadata = SpectrumMetadata(
-        JWS,
-        instrument=_words(streams.get("ModuleInfo", b""), which=1),
-        resolution=_resolution(streams),
-        sample=_words(streams.get("SampleInfo", b""), which=0),
-    )
-    y = np.frombuffer(streams["Y-Data"], "<f4")
-    return _spectrum(source, y, (count, first, last, step), (axis & 0xFF, mode), metadata)
 
 
 def _text(data: bytes, at: int) -> tuple[str, int]:

@@ -119,24 +119,6 @@ def last_digit(number: str) -> float:
     return float(10.0 ** (int(exponent or 0) - decimals))
 
 
-def read_pairs(lines: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Read a table ``(XY..XY)``, shape (n,)."""
-    found: list[float] = []
-    for row, line in enumerate(lines):
-        at = 0
-        while at < len(line):
-            match = _PAIR_TOKEN.match(line, at)
-            if match is None:
-                raise Fault(f'"{line[at : at + 20].strip()}" is not a number', row)
-            at = match.end()
-            if match[1] or match[2]:
-                found.append(float(match[1] or "nan"))
-        if len(found) % 2:
-            raise Fault("has an abscissa without its ordinate", row)
-    pairs = np.array(found).reshape(-1, 2)
-    return pairs[:, 0], pairs[:, 1]
-
-
 class _Label(NamedTuple):
     """Text of a label, with its line in the file counted from 1."""
 
@@ -253,7 +235,20 @@ def _spectrum(source: Source, block: _DataBlock) -> RawSpectrum:
             y = rows.ordinate * block.factor("YFACTOR")
             x = _even(source, block, rows, table.line)
         elif form == "(XY..XY)":
-            x, y = read_pairs(table.rows)
+            found: list[float] = []
+            for row, line in enumerate(table.rows):
+                at = 0
+                while at < len(line):
+                    match = _PAIR_TOKEN.match(line, at)
+                    if match is None:
+                        raise Fault(f'"{line[at : at + 20].strip()}" is not a number', row)
+                    at = match.end()
+                    if match[1] or match[2]:
+                        found.append(float(match[1] or "nan"))
+                if len(found) % 2:
+                    raise Fault("has an abscissa without its ordinate", row)
+            pairs = np.array(found).reshape(-1, 2)
+            x, y = pairs[:, 0], pairs[:, 1]
             x, y = x * block.factor("XFACTOR"), y * block.factor("YFACTOR")
             block.require_count(len(x))
         else:

@@ -59,7 +59,18 @@ def read_sp(source: Source) -> list[RawSpectrum]:
         for label in (members[_X_LABEL], members[_Y_LABEL]):
             (length,) = struct.unpack_from("<h", label, 2)
             names.append(one_line(label[4 : 4 + max(length, 0)].decode("cp1252", "replace")))
-        metadata = SpectrumMetadata(SP, **_history(members.get(_HISTORY, b"")))
+        data = members.get(_HISTORY, b"")
+        found: dict[str, str] = {}
+        at = data.find(_TEXT, 6)
+        while at >= 0 and at + 4 <= len(data):
+            tag, size, zero = struct.unpack_from("<3h", data, at - 6)
+            (length,) = struct.unpack_from("<h", data, at + 2)
+            name = _METADATA.get(tag + _FIRST_TAG)
+            if zero == 0 and size - length == 4 and length > 0 and name:
+                text = one_line(data[at + 4 : at + 4 + length].decode("cp1252", "replace"))
+                found.setdefault(name, f"slit {text}" if name == "resolution" else text)
+            at = data.find(_TEXT, at + 2)
+        metadata = SpectrumMetadata(SP, **found)
         x, y = np.linspace(first, last, count), np.frombuffer(values, "<f8")
         spectra.append(RawSpectrum(x, y, names[0], names[1], metadata))
     return spectra
@@ -74,20 +85,6 @@ def _blocks(source: Source, data: bytes) -> Iterator[tuple[int, bytes]]:
             source.refuse(f"is damaged: a block of {size} bytes does not fit into it")
         yield tag, data[at : at + size]
         at += size
-
-
-def _history(data: bytes) -> dict[str, str]:
-    found: dict[str, str] = {}
-    at = data.find(_TEXT, 6)
-    while at >= 0 and at + 4 <= len(data):
-        tag, size, zero = struct.unpack_from("<3h", data, at - 6)
-        (length,) = struct.unpack_from("<h", data, at + 2)
-        name = _METADATA.get(tag + _FIRST_TAG)
-        if zero == 0 and size - length == 4 and length > 0 and name:
-            text = one_line(data[at + 4 : at + 4 + length].decode("cp1252", "replace"))
-            found.setdefault(name, f"slit {text}" if name == "resolution" else text)
-        at = data.find(_TEXT, at + 2)
-    return found
 
 
 def is_asc(source: Source) -> bool:

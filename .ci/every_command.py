@@ -12,6 +12,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from lightflyer.lab.commands import measurements
+
 MOST = 520  # MB of the whole environment
 BIN = Path(sys.executable).parent / "lightflyer"
 
@@ -51,7 +53,7 @@ SWARM = """
 members = 20
 wind_uncertainty = "10 m/s"
 """
-MEASUREMENTS = ["force", "ftir", "levitation", "optics", "roughness", "tac", "thermography"]
+MEASUREMENTS = list(measurements())
 
 
 def run(line: str, extra: str | None) -> str:

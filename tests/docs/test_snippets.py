@@ -29,6 +29,7 @@ from lightflyer.cli.commands.init import templates
 from lightflyer.config.flyer_file import FlyerFile
 from lightflyer.config.reader import FLYER_FILE, read_film_file
 from lightflyer.files.toml_file import validate
+from lightflyer.lab.commands import measurements
 from lightflyer.lab.optics.data import SAMPLE_FILE, SampleFile
 from lightflyer.lab.synthetic import example_files
 from lightflyer.study.sections import STUDY_FILE, StudyFile
@@ -54,7 +55,7 @@ ALIKE = 3.0  # root-mean-square difference of two pictures, of 255; a curve else
 NOT_OURS = ("pip", "make", "source", "dask", "kubectl", "python", "#")
 STUDY_SECTIONS = {"sweep", "outputs", "sampling", "optimise", "sensitivity"}
 SAMPLE_KEYS = {"substrate", "ambient"}
-MEASUREMENTS = ("tac", "ftir", "levitation", "thermography", "roughness", "optics", "force")
+MEASUREMENTS = tuple(measurements())
 
 
 @pytest.fixture(scope="session")

@@ -8,6 +8,7 @@ import lightflyer as lf
 from lightflyer.array import tree
 from lightflyer.calibration import Points
 from lightflyer.files.result_text import PrintedResult, open_interval_text, unwrap, wrap
+from lightflyer.lab.commands import measurements
 
 LONGEST = 36  # lines of a short text
 
@@ -133,7 +134,7 @@ def test_a_calibration(disk):
 def raw(tmp_path_factory):
     """Folder with synthetic raw files of every measurement."""
     folder = tmp_path_factory.mktemp("raw")
-    for name in ("levitation", "tac", "thermography", "ftir", "roughness", "optics", "force"):
+    for name in measurements():
         for file, content in lf.lab.example_files(name, 0).files.items():
             text = content.encode() if isinstance(content, str) else content
             (folder / file).write_bytes(text)

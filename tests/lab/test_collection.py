@@ -7,7 +7,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.lab.collection import collect_records, table_text
 
-NUMBER = {"value": 0.7, "interval_95": [0.6, None], "unit": ""}
+NUMBER = {"value": 0.7, "interval_95": [0.6, None], "standard_uncertainty": 0.05, "unit": ""}
 
 
 def write(folder, name, content):
@@ -27,6 +27,7 @@ def test_numbers_of_nested_records(tmp_path):
     rows = list(csv.DictReader(table_text([first, second]).splitlines()))
     assert rows[0]["quantity"] == first.quantity
     assert [(row["value"], row["unit"]) for row in rows] == [("0.7", "Pa"), ("0.7", "1")]
+    assert [row["standard uncertainty"] for row in rows] == ["0.05", "0.05"]
 
 
 @pytest.mark.parametrize("content", ["{", "[]", '{"tac": {"value": 1, "interval_95": 3}}'])

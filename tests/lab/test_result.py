@@ -35,7 +35,7 @@ class Spring(LabResult):
 def test_annotated_fields_and_properties_are_the_json_object():
     one = Estimate(2.0, (1.0, np.inf), "N/m")
     found = Spring(one, np.array([1.0, 2.0]), 3.0, {441.0: one})
-    number = {"value": 2.0, "interval_95": [1.0, None], "unit": "N/m"}
+    number = {"value": 2.0, "interval_95": [1.0, None], "standard_uncertainty": None, "unit": "N/m"}
     assert json.loads(json.dumps(found.summary())) == {
         "stiffness": number, "rows": {"441": number}, "count": 2,
         "curve": {"load_n": [1.0, 2.0], "longest_m": None}, "warnings": ["stretched"],

@@ -160,16 +160,9 @@ class _ModuleType(ABCMeta):
         made._converters = tuple(
             (one.name, one.metadata["converter"]) for one in fields if "converter" in one.metadata
         )
-        fixed = tuple(one.name for one in fields if one.metadata.get("static"))
-        parts = tuple(one.name for one in fields if not one.metadata.get("static"))
-
-        def put_together(kind: type, beside: Any, values: Sequence[Any]) -> Any:
-            record: Any = object.__new__(kind)
-            vars(record).update(zip(fixed, beside, strict=True))
-            vars(record).update(zip(parts, values, strict=True))
-            return record
-
-        tree.register(made, fixed, parts, put_together)
+        made._fixed = tuple(one.name for one in fields if one.metadata.get("static"))
+        made._parts = tuple(one.name for one in fields if not one.metadata.get("static"))
+        tree.register(made, _put_together)
         return made
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
@@ -197,6 +190,13 @@ class _ModuleType(ABCMeta):
     def __signature__(cls) -> inspect.Signature:
         whole = inspect.signature(cls.__init__)  # type: ignore[misc]
         return whole.replace(parameters=list(whole.parameters.values())[1:])
+
+
+def _put_together(kind: Any, beside: Any, values: Sequence[Any]) -> Any:
+    record: Any = object.__new__(kind)
+    vars(record).update(zip(kind._fixed, beside, strict=True))
+    vars(record).update(zip(kind._parts, values, strict=True))
+    return record
 
 
 def _is_abstract(kind: type, name: str) -> bool:

@@ -52,20 +52,21 @@ class Structure:
         return _is_ours(self._form)
 
 
-def register(kind: type, fixed: tuple[str, ...], parts: tuple[str, ...], make: _Make) -> None:
-    """Make a class a node, for JAX too; ``fixed``, ``parts``: names of its attributes."""
+def register(kind: Any, make: _Make) -> None:
+    """Make a class a node, for JAX too, by its ``_fixed`` and ``_parts``, names of attributes."""
+    # They are looked up when a node is taken apart: a class that another process sends has them
+    # only after it is made.
 
     def take(node: Any) -> tuple[Any, list[Any]]:
         values = vars(node)
-        return tuple([values[name] for name in fixed]), [values[name] for name in parts]
+        return tuple([values[name] for name in kind._fixed]), [values[name] for name in kind._parts]
 
     def for_jax() -> None:
         import jax
 
-        keys = [jax.tree_util.GetAttrKey(name) for name in parts]
-
         def take_with_keys(node: Any) -> Any:
             beside, found = take(node)
+            keys = map(jax.tree_util.GetAttrKey, kind._parts)
             return list(zip(keys, found, strict=True)), beside
 
         jax.tree_util.register_pytree_with_keys(

@@ -101,7 +101,9 @@ def _estimates(content: Any, name: tuple[str, ...]) -> Iterator[tuple[tuple[str,
     if {"value", "interval_95"} <= content.keys():
         low, high = content["interval_95"]
         ends = (-math.inf if low is None else float(low), math.inf if high is None else float(high))
-        yield name, Estimate(float(content["value"]), ends, str(content.get("unit", "")))
+        spread = content.get("standard_uncertainty")
+        spread = None if spread is None else float(spread)
+        yield name, Estimate(float(content["value"]), ends, str(content.get("unit", "")), spread)
         return
     for key, part in content.items():
         yield from _estimates(part, (*name, key))
@@ -111,10 +113,13 @@ def table_text(entries: Sequence[RecordedNumber]) -> str:
     """The numbers as a table of commas, one a line."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    headings = "folder,command,quantity,value,lower 95 %,upper 95 %,unit,warnings"
+    headings = (
+        "folder,command,quantity,value,lower 95 %,upper 95 %,standard uncertainty,unit,warnings"
+    )
     writer.writerow(headings.split(","))
     for one in entries:
-        numbers = (f"{x:.10g}" for x in (one.estimate.value, *one.estimate.interval))
-        unit = one.estimate.unit or "1"
+        number, unit = one.estimate, one.estimate.unit or "1"
+        every = (number.value, *number.interval, number.uncertainty)
+        numbers = ("" if x is None else f"{x:.10g}" for x in every)
         writer.writerow([one.folder, one.command, one.quantity, *numbers, unit, one.warnings])
     return text.getvalue()

@@ -60,9 +60,17 @@ class Estimate(ShortRepr):
         return Estimate(value, (ends[0], ends[1]), self.unit, self.uncertainty)
 
     def to_json(self) -> dict[str, Any]:
-        """JSON object of value, interval and unit; an infinite end is null."""
-        ends = [end if math.isfinite(end) else None for end in map(float, self.interval)]
-        return {"value": float(self.value), "interval_95": ends, "unit": self.unit}
+        """JSON object of value, interval, uncertainty and unit; what is unknown is null."""
+        low, high, spread = (
+            float(one) if one is not None and math.isfinite(one) else None
+            for one in (*self.interval, self.uncertainty)
+        )
+        return {
+            "value": float(self.value),
+            "interval_95": [low, high],
+            "standard_uncertainty": spread,
+            "unit": self.unit,
+        }
 
     def interval_text(self, digits: int = 4) -> str:
         """The 95 % interval, as tables show it."""

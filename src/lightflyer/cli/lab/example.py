@@ -5,15 +5,10 @@ from typing import Literal
 
 from lightflyer.cli.options import Seed
 from lightflyer.cli.output import printer
+from lightflyer.lab.commands import measurements
 
 
-def example_command(
-    name: Literal["levitation", "tac", "thermography", "ftir", "roughness", "optics", "force"],
-    /,
-    *,
-    out: Path = Path("."),
-    seed: Seed = 0,
-) -> None:
+def example_command(name: str, /, *, out: Path = Path("."), seed: Seed = 0) -> None:
     """Write synthetic raw files to try a command with, each labelled as synthetic.
 
     Parameters
@@ -40,3 +35,6 @@ def example_command(
         console.print(f"wrote {out / file}", soft_wrap=True)
     for command in files.commands:
         console.print(f"next: lightflyer lab {command}", soft_wrap=True)
+
+
+example_command.__annotations__["name"] = Literal[*measurements()]

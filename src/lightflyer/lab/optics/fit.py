@@ -146,9 +146,7 @@ class OpticsFit(LabResult):
         """The result as a JSON object."""
         return {
             "numbers": {
-                name: one.to_json()
-                | {"standard_uncertainty": one.uncertainty}
-                | {"at_bound": list(self.open_ends[name])}
+                name: one.to_json() | {"at_bound": list(self.open_ends[name])}
                 for name, one in self.numbers.items()
             },
             "correlation": {

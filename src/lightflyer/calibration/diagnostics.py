@@ -40,75 +40,25 @@ _AT_END = 1e-3  # relative distance of a value from the end of its range
 
 def diagnose(fit: Calibration) -> list[str]:
     """Diagnostics of a fit, one line each."""
-    design, points = fit.problem.model.design, fit.points
-    stated = {target_of(design, name, describes_flyer=True).fields for name in points.properties}
-    said: list[str] = []
-    for row, (name, parameter) in enumerate(zip(fit.names, fit.problem.parameters, strict=True)):
-        usual = _USUAL.get(name.rpartition(".")[2], parameter.target.quantity)
-        doubt = usual.unlikely(fit.values[row])
-        said += [Doubt(f"{name} = {doubt}")] if doubt else []
-        least, most = parameter.ends
-        at = np.exp(parameter.log_bounds)
-        if np.any(np.abs(fit.values[row] / at - 1.0) < _AT_END):
-            said.append(
-                Doubt(
-                    f"{name} = {fit.values[row]:.4g} is the end of its range: the points, or the "
-                    "inputs, do not fit a value inside; fix it, or check the inputs"
-                )
-            )
-        for end, bound, word, limit in (
-            (0, least, "lower", f"zero ({least:g})" if least else "zero"),
-            (1, most, "upper", f"{most:g}, the largest possible value"),
-        ):
-            if fit.total_intervals[row, end] != bound:
-                continue
-            why = (
-                "the points do not determine it there"
-                if fit.intervals[row, end] == bound
-                else f"within their ±, {_largest(fit, row)} allow any value"
-            )
-            if math.isinf(bound) or bound == 0.0:
-                said.append(Doubt(f"{name} has no {word} bound: {why}"))
-            else:
-                said.append(f"the interval of {name} is cut at {limit}: {why}")
-    inputs, design = fit.problem.inputs, fit.problem.model.design
-    said = [
-        f"the ± of {name} is not in the total: a column or parameter of another name replaces it"
-        for name in inputs.left_out
-    ]
-    named = {name.partition("[")[0].rpartition(".")[2] for name in inputs.names}
-    fitted = {
-        field.rpartition(".")[2]
-        for parameter in fit.problem.parameters
-        for field in parameter.target.fields
-    }
-    numbers = {field.rpartition(".")[2] for field in design.quantities}
-    bare = [
-        name for name in ("tac_top", "tac_bottom") if name in numbers and name not in named | fitted
-    ]
-    if bare:
-        said.append(
-            f"{' and '.join(bare)} ha{'ve' if len(bare) > 1 else 's'} no ±, usually the largest "
-            'part of a total interval; write it into the flyer file, such as "0.90 ± 0.03"'
-        )
-    points = fit.points
-    said = []
-    for sample in dict.fromkeys(points.samples):
-        step = found_step(points.irradiance[points.of(sample)])
-        if step is not None and not points.step:
-            said.append(step_warning(sample, step))
     return [
         *fit.problem.model.design.warnings,
-        *[
-            f"{one.name} is fitted: its column in {points.source} is only where the fit starts"
-            for one in fit.problem.parameters
-            if one.target.fields in stated
-        ],
+        *_about_columns(fit),
         *_about_errors(fit),
-        *said,
+        *_about_intervals(fit),
         *_about_coverage(fit),
-        *said,
-        *said,
+        *_about_inputs(fit),
+        *_about_steps(fit),
+    ]
+
+
+def _about_columns(fit: Calibration) -> list[str]:
+    """That a number is stated for the points, and yet fitted."""
+    design, points = fit.problem.model.design, fit.points
+    stated = {target_of(design, name, describes_flyer=True).fields for name in points.properties}
+    return [
+        f"{one.name} is fitted: its column in {points.source} is only where the fit starts"
+        for one in fit.problem.parameters
+        if one.target.fields in stated
     ]
 
 
@@ -151,6 +101,39 @@ def _about_errors(fit: Calibration) -> list[str]:
     return said
 
 
+def _about_intervals(fit: Calibration) -> list[str]:
+    said: list[str] = []
+    for row, (name, parameter) in enumerate(zip(fit.names, fit.problem.parameters, strict=True)):
+        usual = _USUAL.get(name.rpartition(".")[2], parameter.target.quantity)
+        doubt = usual.unlikely(fit.values[row])
+        said += [Doubt(f"{name} = {doubt}")] if doubt else []
+        least, most = parameter.ends
+        at = np.exp(parameter.log_bounds)
+        if np.any(np.abs(fit.values[row] / at - 1.0) < _AT_END):
+            said.append(
+                Doubt(
+                    f"{name} = {fit.values[row]:.4g} is the end of its range: the points, or the "
+                    "inputs, do not fit a value inside; fix it, or check the inputs"
+                )
+            )
+        for end, bound, word, limit in (
+            (0, least, "lower", f"zero ({least:g})" if least else "zero"),
+            (1, most, "upper", f"{most:g}, the largest possible value"),
+        ):
+            if fit.total_intervals[row, end] != bound:
+                continue
+            why = (
+                "the points do not determine it there"
+                if fit.intervals[row, end] == bound
+                else f"within their ±, {_largest(fit, row)} allow any value"
+            )
+            if math.isinf(bound) or bound == 0.0:
+                said.append(Doubt(f"{name} has no {word} bound: {why}"))
+            else:
+                said.append(f"the interval of {name} is cut at {limit}: {why}")
+    return said
+
+
 def _about_coverage(fit: Calibration) -> list[Doubt]:
     """That no point is where a force coefficient, which is named as that of a limit, counts."""
     slopes = np.abs(fit.problem.linearise(np.log(fit.values)).jacobian)
@@ -184,6 +167,40 @@ def _largest(fit: Calibration, row: int) -> str:
     whole = math.fsum(squares.values())
     large = [name for name, square in squares.items() if square > _LARGE_SHARE * whole]
     return " and ".join(large)
+
+
+def _about_inputs(fit: Calibration) -> list[str]:
+    inputs, design = fit.problem.inputs, fit.problem.model.design
+    said = [
+        f"the ± of {name} is not in the total: a column or parameter of another name replaces it"
+        for name in inputs.left_out
+    ]
+    named = {name.partition("[")[0].rpartition(".")[2] for name in inputs.names}
+    fitted = {
+        field.rpartition(".")[2]
+        for parameter in fit.problem.parameters
+        for field in parameter.target.fields
+    }
+    numbers = {field.rpartition(".")[2] for field in design.quantities}
+    bare = [
+        name for name in ("tac_top", "tac_bottom") if name in numbers and name not in named | fitted
+    ]
+    if bare:
+        said.append(
+            f"{' and '.join(bare)} ha{'ve' if len(bare) > 1 else 's'} no ±, usually the largest "
+            'part of a total interval; write it into the flyer file, such as "0.90 ± 0.03"'
+        )
+    return said
+
+
+def _about_steps(fit: Calibration) -> list[str]:
+    points = fit.points
+    said = []
+    for sample in dict.fromkeys(points.samples):
+        step = found_step(points.irradiance[points.of(sample)])
+        if step is not None and not points.step:
+            said.append(step_warning(sample, step))
+    return said
 
 
 def step_warning(sample: str, step: float) -> str:

@@ -137,40 +137,16 @@ def fit_inputs(
     replaced = {target.fields for target in columns.values()}
     of_design = uncertain_inputs(design)
     own, targets, left_out = _design_inputs(design, of_design, replaced, index, len(points))
-    samples = []
-    for name, target in columns.items():
-        spread = points.numbers.get(f"{name}_uncertainty")
-        if spread is None:
-            continue
-        for sample in dict.fromkeys(points.samples):
-            here = points.of(sample) & (index[target.fields] < 0.0) & (spread > 0.0)
-            if not here.any():
-                continue
-            value, unit = points.numbers[name][here], spread[here]
-            low = float(np.max((target.quantity.lowest - value) / unit))
-            high = float(np.min((target.quantity.highest - value) / unit))
-            moves = {target.fields: np.where(here, spread, 0.0)}
-            samples.append(_Input(f"{name}[{sample}]", (low, high), moves))
+    samples = _sample_inputs(points, columns, index)
     read_by = [
         _Input(name, gain=(spread, 0.0) if name == PRESSURE_GAUGE else (0.0, spread))
         for name, spread in meters.items()
         if spread > 0.0
     ]
     every = (*own, *samples, *read_by)
-    fields = {name: target.fields for name, target in columns.items()}
-    keys = []
-    for one in every:
-        name, _, sample = one.name.partition("[")
-        keys.append((fields.get(name, (name,))[0] if sample else name, sample))
-    matrix = np.eye(len(every))
-    for (first, second), related in design.correlations.items():
-        for row, (name, sample) in enumerate(keys):
-            if name == first and (second, sample) in keys:
-                column = keys.index((second, sample))
-                matrix[row, column] = matrix[column, row] = related
     return FitInputs(
         inputs=every,
-        correlation=matrix,
+        correlation=_correlation(design, every, columns),
         targets=targets,
         changes=_changes(of_design, own),
         left_out=left_out,
@@ -213,6 +189,44 @@ def _design_inputs(
             continue  # it is fitted
         found.append(_Input(name, (float(low), float(high)), {fields: spread * free}))
     return found, targets, tuple(left_out)
+
+
+def _sample_inputs(
+    points: Points, columns: Mapping[str, Target], index: Mapping[Fields, np.ndarray]
+) -> list[_Input]:
+    found = []
+    for name, target in columns.items():
+        spread = points.numbers.get(f"{name}_uncertainty")
+        if spread is None:
+            continue
+        for sample in dict.fromkeys(points.samples):
+            here = points.of(sample) & (index[target.fields] < 0.0) & (spread > 0.0)
+            if not here.any():
+                continue
+            value, unit = points.numbers[name][here], spread[here]
+            low = float(np.max((target.quantity.lowest - value) / unit))
+            high = float(np.min((target.quantity.highest - value) / unit))
+            moves = {target.fields: np.where(here, spread, 0.0)}
+            found.append(_Input(f"{name}[{sample}]", (low, high), moves))
+    return found
+
+
+def _correlation(
+    design: AbstractDesign, inputs: Sequence[_Input], columns: Mapping[str, Target]
+) -> np.ndarray:
+    """Correlation of the inputs: as the design states it, within one sample where columns do."""
+    fields = {name: target.fields for name, target in columns.items()}
+    keys = []
+    for one in inputs:
+        name, _, sample = one.name.partition("[")
+        keys.append((fields.get(name, (name,))[0] if sample else name, sample))
+    matrix = np.eye(len(inputs))
+    for (first, second), value in design.correlations.items():
+        for row, (name, sample) in enumerate(keys):
+            if name == first and (second, sample) in keys:
+                column = keys.index((second, sample))
+                matrix[row, column] = matrix[column, row] = value
+    return matrix
 
 
 def _changes(of_design: Inputs | None, own: Sequence[_Input]) -> dict[int, Change]:

@@ -1,7 +1,7 @@
 """A comparison in words: lines and tables."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,43 +23,12 @@ def comparison_parts(comparison: "Comparison") -> Parts:
     """The flyers, what each carries at best and over the coordinate, and in what they differ."""
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         yield f"{letter}  {found.name}: {found.description}"
-    best = comparison.best
-    if best.prediction.bands:
-        where = comparison.coordinate
-        scale, mass = comparison.display_unit("payload")
-        payload, band, place, *_ = _best_cells(best, scale)
-        within = "" if band == "–" else f" ({band})"
-        yield f"{best.name} carries most: {payload} {mass}{within} at {place} {where.shown_unit}"
-    unit, (scale, mass) = comparison.coordinate.shown_unit, comparison.display_unit("payload")
-    headings = ("", f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
-                "per area\n[g/m²]", "of own\nmass", "hot\n[K]",
-                f"levitates\n[{unit}]")  # fmt: skip
-    table = _table(headings)
-    for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
-        mark = "*" if found is comparison.best and found.prediction.bands else " "
-        table.add_row(f"{letter}{mark}", *_best_cells(found, scale))
-    yield table
+    yield from _best_line(comparison)
+    yield _best_table(comparison)
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         if found.prediction.verdict.highest_temperature is not None:
             yield from (wrap(f"{letter}: {line}") for line in film_lines(found.prediction))
-    where, (scale, mass) = comparison.coordinate, comparison.display_unit("payload")
-    _, factor = comparison.flyers[0].prediction.coordinate_key
-    heading = f"{where.name} [{where.shown_unit}]; payload [{mass}]"
-    table = _table([heading, *_LETTERS[: len(comparison.flyers)]], left=())
-    hot = np.array([_too_hot(found) for found in comparison.flyers])
-    payloads = scale * np.array([found.listed["payload"] for found in comparison.flyers])
-    best = np.max(np.where(hot, 0.0, payloads), axis=0)
-    marks = np.where(hot, "!", np.where(payloads == best, "*", " "))
-    outside = np.array([found.listed["covered"] < 1.0 for found in comparison.flyers])
-    for index, coordinate in enumerate(comparison.listed):
-        cells = [
-            f"{'~' * bool(beyond)}{payload:.3g}{mark}" if payload > 0.0 else "– "
-            for payload, mark, beyond in zip(
-                payloads[:, index], marks[:, index], outside[:, index], strict=True
-            )
-        ]
-        table.add_row(f"{coordinate * factor:.6g}", *cells)
-    yield table
+    yield _payloads_table(comparison)
     if any(found.prediction.bands for found in comparison.flyers):
         yield "* carries most"
     if any(np.any(_too_hot(found)) for found in comparison.flyers):
@@ -70,6 +39,30 @@ def comparison_parts(comparison: "Comparison") -> Parts:
         yield needs_table(comparison)
     yield from map(wrap, (*map(str, comparison.differing_models),
                           *warning_lines(comparison.warnings)))  # fmt: skip
+
+
+def _best_line(comparison: "Comparison") -> Iterator[str]:
+    """Which of the flyers that fly carries most."""
+    best = comparison.best
+    if best.prediction.bands:
+        where = comparison.coordinate
+        scale, mass = comparison.display_unit("payload")
+        payload, band, place, *_ = _best_cells(best, scale)
+        within = "" if band == "–" else f" ({band})"
+        yield f"{best.name} carries most: {payload} {mass}{within} at {place} {where.shown_unit}"
+
+
+def _best_table(comparison: "Comparison") -> Table:
+    """Largest payload that each film survives; the best of all is marked."""
+    unit, (scale, mass) = comparison.coordinate.shown_unit, comparison.display_unit("payload")
+    headings = ("", f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
+                "per area\n[g/m²]", "of own\nmass", "hot\n[K]",
+                f"levitates\n[{unit}]")  # fmt: skip
+    table = _table(headings)
+    for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
+        mark = "*" if found is comparison.best and found.prediction.bands else " "
+        table.add_row(f"{letter}{mark}", *_best_cells(found, scale))
+    return table
 
 
 def _table(headings: Iterable[str], left: tuple[int, ...] = (0,)) -> Table:
@@ -135,3 +128,25 @@ def _too_hot(found: "Compared") -> np.ndarray:
 
 def _digits(found: "Compared") -> str:
     return ".3g" if found.prediction.coordinate.logarithmic else ".1f"
+
+
+def _payloads_table(comparison: "Comparison") -> Table:
+    """Payload of each flyer at round coordinates; the largest that its film survives is marked."""
+    where, (scale, mass) = comparison.coordinate, comparison.display_unit("payload")
+    _, factor = comparison.flyers[0].prediction.coordinate_key
+    heading = f"{where.name} [{where.shown_unit}]; payload [{mass}]"
+    table = _table([heading, *_LETTERS[: len(comparison.flyers)]], left=())
+    hot = np.array([_too_hot(found) for found in comparison.flyers])
+    payloads = scale * np.array([found.listed["payload"] for found in comparison.flyers])
+    best = np.max(np.where(hot, 0.0, payloads), axis=0)
+    marks = np.where(hot, "!", np.where(payloads == best, "*", " "))
+    outside = np.array([found.listed["covered"] < 1.0 for found in comparison.flyers])
+    for index, coordinate in enumerate(comparison.listed):
+        cells = [
+            f"{'~' * bool(beyond)}{payload:.3g}{mark}" if payload > 0.0 else "– "
+            for payload, mark, beyond in zip(
+                payloads[:, index], marks[:, index], outside[:, index], strict=True
+            )
+        ]
+        table.add_row(f"{coordinate * factor:.6g}", *cells)
+    return table

@@ -219,7 +219,19 @@ def _draw_s7(curves: Curves) -> Figure:
 
 def _draw_s8(curves: Curves) -> Figure:
     figure = new_figure(columns=2, height=_WITH_LEGEND)
-    ax = figure.axes[0]
+    _draw_sizes(figure.axes[0], curves)
+    _draw_payloads(figure.axes[1], curves)
+    for ax, letter in zip(figure.axes[:2], "ab", strict=True):
+        ax.set_xlim(0.0, curves["diameter [cm]"][-1])
+        ax.set_xlabel("diameter [cm]")
+        ax.grid(alpha=0.25)
+        _letter(ax, letter)
+        legend_below(ax, most=2)
+    return figure
+
+
+def _draw_sizes(ax: Axes, curves: Curves) -> None:
+    """Altitudes at which disks levitate, over their diameter."""
     diameter = curves["diameter [cm]"]
     for column in COLUMNS:
         key, style = column.key, _STYLES[column.key]
@@ -231,7 +243,10 @@ def _draw_s8(curves: Curves) -> Figure:
         optimal = curves[f"optimal {key} [km]"]
         ax.plot(diameter, optimal, color=ORANGE, ls=style, label=f"optimal, {column.title}")
     ax.set_ylabel("altitude [km]")
-    left = figure.axes[1]
+
+
+def _draw_payloads(left: Axes, curves: Curves) -> None:
+    """Largest payload, absolute and relative, of disks over their diameter."""
     right = left.twinx()
     diameter = curves["diameter [cm]"]
     for column in COLUMNS:
@@ -247,13 +262,6 @@ def _draw_s8(curves: Curves) -> Figure:
     right.set_ylim(-0.625, 2.5)  # both axes have their zero at one height
     left.set_ylabel("payload [mg]", color=BLUE)
     right.set_ylabel("relative payload [own mass]", color=VERMILION)
-    for ax, letter in zip(figure.axes[:2], "ab", strict=True):
-        ax.set_xlim(0.0, curves["diameter [cm]"][-1])
-        ax.set_xlabel("diameter [cm]")
-        ax.grid(alpha=0.25)
-        _letter(ax, letter)
-        legend_below(ax, most=2)
-    return figure
 
 
 def paper_figure(name: str, curves: Curves, points: Points | None = None) -> Figure:

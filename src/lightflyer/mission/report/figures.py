@@ -50,72 +50,17 @@ _FLATTEST = 0.2  # cosine of the latitude beyond which a map is not stretched fu
 
 def mission_figures(dataset: "xr.Dataset") -> dict[str, Figure]:
     """Figures of a mission; by file name without ending."""
-    figure = new_figure(width=8.0, height=4.6)
-    (axes,) = figure.axes
-    view = map_view(dataset)
-    for line in shores(dataset):
-        axes.plot(*line, color=GREY, linewidth=0.6)
-    if "ensemble_longitude" in dataset:
-        tracks = zip(
-            dataset.ensemble_longitude.values[:MOST_LINES],
-            dataset.ensemble_latitude.values[:MOST_LINES],
-            strict=True,
-        )
-        for longitude, latitude in tracks:
-            axes.plot(*view.line(longitude, latitude), color=SKY, linewidth=0.4)
-        axes.plot(
-            view.points(dataset.ensemble_end_longitude.values),
-            dataset.ensemble_end_latitude.values,
-            ".",
-            color=ORANGE,
-            markersize=3.0,
-            label="ends of the ensemble",
-        )
-    longitude, latitude = dataset.longitude.values, dataset.latitude.values
-    axes.plot(*view.line(longitude, latitude), color=BLUE, label="flyer as stated")
-    axes.plot(view.points(longitude[:1]), latitude[:1], "^", color=BLUE, label="release")
-    end = view.points(np.array([float(dataset.end_longitude)]))
-    axes.plot(end, float(dataset.end_latitude), "o", color=VERMILION, label="end")
-    axes.set_xlim(view.west, view.east)
-    axes.set_ylim(view.south, view.north)
-    middle = np.cos(np.radians(0.5 * (view.south + view.north)))
-    axes.set_aspect(1.0 / max(middle, _FLATTEST), adjustable="box")
-    axes.set_xlabel("longitude [°]")
-    axes.set_ylabel("latitude [°]")
-    legend_below(axes)
     figures = {
         "altitude": _altitude(dataset),
-        "ground_track": figure,
+        "ground_track": _ground_track(dataset),
         "flight": _flight(dataset),
     }
     if "ensemble_flying" in dataset:
         figures["survival"] = _survival(dataset)
     if "station_distance" in dataset:
-        figure, axes = _over_time(dataset, nights=True)
-        time = dataset.time.values
-        if "ensemble_station_distance" in dataset:
-            _draw_spread(axes, time, dataset.ensemble_station_distance.values / _KILOMETRE)
-        axes.plot(time, dataset.station_distance / _KILOMETRE, color=BLUE, label="flyer as stated")
-        radius = dataset.attrs["station_radius_km"]
-        axes.axhline(radius, color=GREY, linestyle="--", label=dataset.attrs["station"])
-        axes.set_ylim(bottom=0.0)
-        axes.set_ylabel("distance from the station's\nmiddle [km]")
-        legend_below(axes)
-        figures["station"] = figure
+        figures["station"] = _station(dataset)
     if RECEIVER in dataset.dims:
-        name, label = "margin", "margin of the link while\nin sight [dB]"
-        if f"{RECEIVER}_{name}" not in dataset:
-            name, label = "elevation", "elevation while\nin sight [deg]"
-        figure, axes = _over_time(dataset, nights=True)
-        shown = dataset[f"{RECEIVER}_{name}"].where(
-            dataset.receiver_elevation >= dataset.receiver_lowest_elevation
-        )
-        for colour, line in zip(_colours(shown.sizes[RECEIVER]), shown, strict=True):
-            axes.plot(dataset.time.values, line, color=colour, label=str(line[RECEIVER].item()))
-        axes.axhline(0.0, color=GREY, linestyle="--")
-        axes.set_ylabel(label)
-        legend_below(axes)
-        figures["telemetry"] = figure
+        figures["telemetry"] = _telemetry(dataset)
     if "launch_altitude" in dataset:
         figures["launches"] = _launches(dataset)
     landings = landings_of(dataset)
@@ -182,12 +127,81 @@ def _flight(dataset: "xr.Dataset") -> Figure:
     return figure
 
 
+def _ground_track(dataset: "xr.Dataset") -> Figure:
+    figure = new_figure(width=8.0, height=4.6)
+    (axes,) = figure.axes
+    view = map_view(dataset)
+    for line in shores(dataset):
+        axes.plot(*line, color=GREY, linewidth=0.6)
+    if "ensemble_longitude" in dataset:
+        tracks = zip(
+            dataset.ensemble_longitude.values[:MOST_LINES],
+            dataset.ensemble_latitude.values[:MOST_LINES],
+            strict=True,
+        )
+        for longitude, latitude in tracks:
+            axes.plot(*view.line(longitude, latitude), color=SKY, linewidth=0.4)
+        axes.plot(
+            view.points(dataset.ensemble_end_longitude.values),
+            dataset.ensemble_end_latitude.values,
+            ".",
+            color=ORANGE,
+            markersize=3.0,
+            label="ends of the ensemble",
+        )
+    longitude, latitude = dataset.longitude.values, dataset.latitude.values
+    axes.plot(*view.line(longitude, latitude), color=BLUE, label="flyer as stated")
+    axes.plot(view.points(longitude[:1]), latitude[:1], "^", color=BLUE, label="release")
+    end = view.points(np.array([float(dataset.end_longitude)]))
+    axes.plot(end, float(dataset.end_latitude), "o", color=VERMILION, label="end")
+    axes.set_xlim(view.west, view.east)
+    axes.set_ylim(view.south, view.north)
+    middle = np.cos(np.radians(0.5 * (view.south + view.north)))
+    axes.set_aspect(1.0 / max(middle, _FLATTEST), adjustable="box")
+    axes.set_xlabel("longitude [°]")
+    axes.set_ylabel("latitude [°]")
+    legend_below(axes)
+    return figure
+
+
 def _survival(dataset: "xr.Dataset") -> Figure:
     figure, axes = _over_time(dataset, nights=True)
     flying = np.isfinite(dataset.ensemble_altitude.values).mean(axis=0)
     axes.step(dataset.time.values, 100.0 * flying, where="post", color=BLUE)
     axes.set_ylim(0.0, 105.0)
     axes.set_ylabel("share still aloft [%]")
+    return figure
+
+
+def _station(dataset: "xr.Dataset") -> Figure:
+    """Distance from a place near which the flyer is to stay."""
+    figure, axes = _over_time(dataset, nights=True)
+    time = dataset.time.values
+    if "ensemble_station_distance" in dataset:
+        _draw_spread(axes, time, dataset.ensemble_station_distance.values / _KILOMETRE)
+    axes.plot(time, dataset.station_distance / _KILOMETRE, color=BLUE, label="flyer as stated")
+    radius = dataset.attrs["station_radius_km"]
+    axes.axhline(radius, color=GREY, linestyle="--", label=dataset.attrs["station"])
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel("distance from the station's\nmiddle [km]")
+    legend_below(axes)
+    return figure
+
+
+def _telemetry(dataset: "xr.Dataset") -> Figure:
+    """Margin of the radio link, or elevation without a link, while receivers see the flyer."""
+    name, label = "margin", "margin of the link while\nin sight [dB]"
+    if f"{RECEIVER}_{name}" not in dataset:
+        name, label = "elevation", "elevation while\nin sight [deg]"
+    figure, axes = _over_time(dataset, nights=True)
+    shown = dataset[f"{RECEIVER}_{name}"].where(
+        dataset.receiver_elevation >= dataset.receiver_lowest_elevation
+    )
+    for colour, line in zip(_colours(shown.sizes[RECEIVER]), shown, strict=True):
+        axes.plot(dataset.time.values, line, color=colour, label=str(line[RECEIVER].item()))
+    axes.axhline(0.0, color=GREY, linestyle="--")
+    axes.set_ylabel(label)
+    legend_below(axes)
     return figure
 
 

@@ -270,7 +270,7 @@ COMMANDS = [
     ("init x.toml --kind rocket", "is unknown; choose from earth"),
     ("init nowhere/x.toml", "cannot be written: No such file"),
     ("paper --data nothere.csv", "cannot be read"),
-    ("lab example magic", 'Choose from: "levitation"'),
+    ("lab example magic", 'Choose from: "force", "ftir", "levitation"'),
     ("lab example tac --seed -1", "--seed. Must be >= 0"),
     ("lab tac points.csv", "needs the column heater_power"),
     ("lab ftir points.csv", "has no known column"),

@@ -1,6 +1,5 @@
 """What is done with a heater's run before it is fitted: rows that serve, weights, first guess."""
 
-import contextlib
 import math
 from dataclasses import dataclass, field, replace
 
@@ -100,12 +99,11 @@ def prepare(run: TacRun, bench: Bench) -> Prepared:
         problem, kept = problem.rows(~off_curve[kept]), kept & ~off_curve
         _require_rows(run, int(kept.sum()))
     problem, guess = _weigh(problem)
-    others: dict[str, float | None] = {}
-    for name, other in HEAT_LAWS.items():
-        if name != bench.law.name:
-            with contextlib.suppress(LightflyerError):
-                others[name] = None
-                others[name] = best_tac(*_weigh(make_problem(run, kept, bench, other).group()))
+    others = {
+        name: _coefficient(make_problem(run, kept, bench, other))
+        for name, other in HEAT_LAWS.items()
+        if name != bench.law.name
+    }
     return Prepared(run, kept, off_curve, problem, guess, others)
 
 
@@ -136,6 +134,14 @@ def _weigh(problem: HeaterProblem) -> tuple[HeaterProblem, tuple[float, float, f
         found = minimise(problem.without_common_errors().group(), guess).params
         guess = (float(found["tac"]), float(found["area_ratio"]), float(found["offset"]))
     return problem, guess
+
+
+def _coefficient(problem: HeaterProblem) -> float | None:
+    """Coefficient by another law; None where the fit fails."""
+    try:
+        return best_tac(*_weigh(problem.group()))
+    except LightflyerError:
+        return None
 
 
 def _require_rows(run: TacRun, count: int) -> None:

@@ -316,6 +316,14 @@ def margin(dataset: "xr.Dataset") -> "xr.DataArray | None":
     return able.where(reduce(operator.or_, there))
 
 
+def margin_of_most(dataset: "xr.Dataset") -> "xr.DataArray | None":
+    """As :func:`margin`; where designs are uncertain, the share that flies less a half."""
+    able = margin(dataset)
+    if able is None or SAMPLE not in able.dims:
+        return able
+    return (able >= 0.0).where(able.notnull()).mean(SAMPLE) - _HALF
+
+
 def pareto_front(results: "xr.Dataset | str | Path", output: str, cost: str) -> "xr.Dataset":
     """Designs of a sweep that no other beats in both of two quantities.
 

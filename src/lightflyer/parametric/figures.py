@@ -29,7 +29,7 @@ from lightflyer.parametric.explore import (
     find_name,
     front,
     less_is_better,
-    margin,
+    margin_of_most,
     over_samples,
 )
 from lightflyer.study.distributions import SAMPLE
@@ -89,13 +89,10 @@ def _fix_text(ax: Axes, dataset: "xr.Dataset", drawn: tuple[str, ...]) -> None:
 
 def draw_map(dataset: "xr.Dataset", x: str, y: str, value: str, ax: Axes) -> Axes:
     """Contours of an output over two fields, each column's best, and where no design flies."""
-    array, able = dataset[value], margin(dataset)
+    array, able = dataset[value], margin_of_most(dataset)
     sampled = SAMPLE in array.dims
     shown = over_samples(array)["median"] if sampled else array
-    if able is not None:
-        able = (
-            (able >= 0.0).where(able.notnull()).mean(SAMPLE) - _HALF if sampled else able
-        ).transpose(y, x)
+    able = None if able is None else able.transpose(y, x)
     horizontal, vertical = _axis(ax, "x", dataset[x]), _axis(ax, "y", dataset[y])
     factor, label = scale_and_label(array)
     values = factor * shown.transpose(y, x).values
@@ -202,13 +199,7 @@ def _cannot_fly(
             area.set_edgecolor(GREY)
             area.set_linewidth(0.0)
         handles.append(
-            Patch(
-                facecolor="white",
-                edgecolor=GREY,
-                hatch="///",
-                linewidth=0.0,
-                label=label,
-            )
+            Patch(facecolor="white", edgecolor=GREY, hatch="///", linewidth=0.0, label=label)
         )
     if sampled and np.nanmax(able) > np.nanmin(able):
         chances = np.ma.masked_invalid(able) + _HALF
@@ -225,7 +216,7 @@ def _cannot_fly(
 
 def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
     """An output over one field, with its 95 % band where there are samples; ``x``: field."""
-    array, able = dataset[value], margin(dataset)
+    array, able = dataset[value], margin_of_most(dataset)
     horizontal = _axis(ax, "x", dataset[x])
     factor, label = scale_and_label(array)
     ax.set_ylabel(wrap_label(label))
@@ -242,7 +233,6 @@ def draw_line(dataset: "xr.Dataset", x: str, value: str, ax: Axes) -> Axes:
         ax.fill_between(horizontal, low, high, color=BLUE, alpha=_OPACITY, lw=0, label=BAND)
         ax.plot(horizontal, np.where(np.isfinite(middle), middle, np.nan), color=BLUE,
                 label="median of the samples", marker=marker, ms=3.5)  # fmt: skip
-        able = None if able is None else (able >= 0.0).where(able.notnull()).mean(SAMPLE) - _HALF
     else:
         shown = factor * array.values[np.isfinite(array.values)]
         ax.plot(

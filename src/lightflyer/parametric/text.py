@@ -8,7 +8,12 @@ import numpy as np
 
 from lightflyer.files.display_units import scale_and_label
 from lightflyer.files.result_text import table_of
-from lightflyer.parametric.explore import best_design, less_is_better, margin, over_samples
+from lightflyer.parametric.explore import (
+    best_design,
+    less_is_better,
+    margin_of_most,
+    over_samples,
+)
 from lightflyer.study.distributions import SAMPLE
 
 if TYPE_CHECKING:
@@ -16,17 +21,15 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 _ROWS = 12
-_HALF = 0.5  # of the samples, from which on a design counts as one that flies
 
 
 def map_parts(dataset: "xr.Dataset", fields: list[str], output: str) -> "tuple[str, Table]":
     """The best design that is drawn, and the best at some values of the first field."""
     # ``dataset``: with one or two fields that are not fixed, as it is drawn
     best, word = best_design(dataset, output), "least" if less_is_better(output) else "largest"
-    able, values = margin(dataset), dataset[output]
+    able, values = margin_of_most(dataset), dataset[output]
     if SAMPLE in values.dims:
         values = over_samples(values)["median"]
-        able = None if able is None else (able >= 0.0).where(able.notnull()).mean(SAMPLE) - _HALF
     values = values.where(np.isfinite(values))
     flying = values if able is None else values.where(able >= 0.0)
     finding = f"no design has a {output}"

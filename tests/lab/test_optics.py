@@ -274,13 +274,13 @@ def test_update_refuses_other_layers(command, tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('porosity"}', 'porosty"}', r":\d+: free: layers.0.porosty is no number that \[film\]"),
+        ('porosity"}', 'porosty"}', r":\d+: free: layers.0.porosty is not a number that \[film\]"),
         ('lowest = "5 nm"', 'lowest = "50 nm"', "must be from lowest to highest"),
         ('lowest = "5 nm"', 'lowest = "5 kg"', "bound of layers.0.thickness: 5 kg"),
         ("8 deg", "95 deg", r"toml:17: spectra.1.incidence = .* must be between 0 and 90 deg"),
         ('collection = "sp', 'colection = "sp', 'toml:18: .* did you mean "collection"'),
         ("layers.0.porosity", "layers.0.thickness", "layers.0.thickness is named twice"),
-        ("layers.0.porosity", "layers.0.tac", "is no number that"),
+        ("layers.0.porosity", "layers.0.tac", "is not a number that"),
         ("free = [", "fre = [", 'did you mean "free"'),
         ("[film]", "[flyer]\n[film]", "is a flyer file; a sample file has"),
         ("visible-reflectance", "visible-transmittance", r"has the same data as \S*visible-t"),

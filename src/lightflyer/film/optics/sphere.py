@@ -192,27 +192,23 @@ def sphere_absorption(
         ),
     )
     radii, places = np.unique(radius, return_inverse=True)
-    means: list[list[np.ndarray]] = [[], []]
-    for grid, found in zip(grids, means, strict=True):
+    means = []
+    for grid in grids:
         weights = grid.mean_weight
         used = np.any(weights > _LEAST_WEIGHT * weights.max(axis=1, keepdims=True), axis=0)
-        wavelength = grid.wavelength[used]
-        n, k = medium.index(wavelength)
-        size = 2.0 * np.pi * radii[-1] / wavelength.min()
-        if size > LARGEST_SIZE:
+        n, k = medium.index(wavelength := grid.wavelength[used])
+        size = 2.0 * np.pi * radii[:, None] / wavelength
+        if size.max() > LARGEST_SIZE:
             raise ParameterError(
                 f"radius = {radii[-1]:g} m is too large for the theory of Mie: its circumference "
-                f"is {size:.3g} wavelengths of {wavelength.min() * 1e6:.3g} µm, at most "
+                f"is {size.max():.3g} wavelengths of {wavelength[0] * 1e6:.3g} µm, at most "
                 f"{LARGEST_SIZE:g} are computed; give what it absorbs and emits"
             )
-        for one in radii:
-            optics = mie(n + 1j * k, 2.0 * np.pi * one / wavelength)
-            spectral = np.stack([optics.absorption, optics.source_asymmetry, optics.pressure])
-            found.append(spectral @ weights[:, used].T)
-    shape = np.shape(radius)
-    light_means, heat = (np.stack(one, axis=1)[:, places] for one in means)
-    absorption, asymmetry, pressure = (one.reshape(shape)[()] for one in light_means)
-    emittance, infrared = (EmittanceCurve.through(one.reshape(*shape, -1)) for one in heat[:2])
+        optics = mie(n + 1j * k, size)
+        spectral = np.stack([optics.absorption, optics.source_asymmetry, optics.pressure])
+        means.append((spectral @ weights[:, used].T)[:, places])
+    absorption, asymmetry, pressure = means[0].reshape(3, *np.shape(radius))
+    emittance, infrared = means[1][:2].reshape(2, *np.shape(radius), -1)
     reach = next(iter(medium.extrapolations(0.0, np.inf)), medium.describe_range())
     shares = {
         light.name: light_coverage(film, light),
@@ -223,7 +219,11 @@ def sphere_absorption(
         for name, share in shares.items()
         if share < _NEARLY_ALL
     )
-    return SphereAbsorption(absorption, asymmetry, pressure, emittance, infrared, diagnostics)
+    return SphereAbsorption(
+        *(absorption[()], asymmetry[()], pressure[()]),
+        *(EmittanceCurve.through(emittance), EmittanceCurve.through(infrared)),
+        diagnostics,
+    )
 
 
 class _Inside(NamedTuple):

@@ -110,7 +110,7 @@ def draw_disks(ax):
     for level in (0.0, 1.0):
         ax.axvline(level, color=palette.GREY, linewidth=0.8)
     ax.set_xlabel("lift over weight [1]")
-    ax.legend(title="disk: absorbs, emits", loc="lower left")
+    ax.legend(title="disk: absorbs, emits", loc="upper left")
 
 
 def main():

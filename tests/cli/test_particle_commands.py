@@ -33,6 +33,17 @@ def flyer_file(run, tmp_path):
     return path
 
 
+def test_a_particle_has_no_film_that_might_melt(run, flyer_file):
+    _, text, _ = run("predict", flyer_file, "--samples", 0)
+    assert "; its limit is not stated." in " ".join(text.split())
+    content = flyer_file.read_text(encoding="utf-8")
+    limited = content.replace('# highest_temperature = "900 K"', 'highest_temperature = "900 K"')
+    flyer_file.write_text(limited, encoding="utf-8")
+    _, text, _ = run("predict", flyer_file, "--samples", 0)
+    assert "; it withstands 900 K and survives." in " ".join(text.split())
+    assert "film" not in text.partition("next:")[0]
+
+
 def test_predict_a_particle(run, flyer_file, tmp_path):
     out = tmp_path / "out"
     code, text, errors = run(

@@ -290,7 +290,8 @@
       but = `${survives ? "," : ""} in ${percent(bands.survives)} of the samples`;
     } else if (bands?.rest && bands.rest[1] > limitOf(values)) but = ", but not in all of that band";
     const film = survives ? ` and survives${but}` : but.startsWith(" in") ? `, and survives${but}` : "";
-    return `Released, it rests at ${placeOf(rest.altitude)} and ${hot}; its film withstands ${limitOf(values)} K${film}.`;
+    const limit = about.limits.length ? `its film withstands ${limitOf(values)} K${film}` : "its limit is not stated";
+    return `Released, it rests at ${placeOf(rest.altitude)} and ${hot}; ${limit}.`;
   }
 
   /** Where it needs the least light: altitude [m] and irradiance [W/m²]; null if nowhere. */

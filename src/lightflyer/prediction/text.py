@@ -156,7 +156,8 @@ def film_lines(
     found = prediction.verdict
     limit, rest = f"{found.highest_temperature or 0.0:.0f} K", found.rest
     known = found.highest_temperature is not None
-    film = f"its film withstands {limit}" if known else "its film's limit is not stated"
+    own, of = ("its film", "its film's") if prediction.setup.flyer.film_names() else ("it", "its")
+    film = f"{own} withstands {limit}" if known else f"{of} limit is not stated"
     if rest is not None:
         band = bands.get("verdict.rest.temperature_k")
         hot = _with_band(rest.values["temperature"], band, ".0f", "K")
@@ -171,14 +172,14 @@ def film_lines(
         least = _mass(float(f"{found.ballast[0]:.3g}"))
         ways.append(f"with a payload of {least} or more")
     if ways:
-        yield f"At rest its film survives {', or '.join(ways)}."
+        yield f"At rest {own} survives {', or '.join(ways)}."
     elif found.survives is False:
-        yield "No light that lifts it is weak enough for its film at rest."
+        yield f"No light that lifts it is weak enough for {own} at rest."
     if found.limit == "film":
         parts = "nowhere in that range"
         if found.usable:
             parts = _ranges(prediction, found.usable, bands, "verdict.usable_band")
-        yield f"Its film survives {parts}{'' if rest else f', as it withstands {limit}'}."
+        yield f"I{own[1:]} survives {parts}{'' if rest else f', as it withstands {limit}'}."
     elif rest is None:
         yield f"I{film[1:]}{' and survives' if known else ''}."
 

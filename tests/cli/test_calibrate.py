@@ -191,7 +191,7 @@ def test_what_fits_is_written_with_its_total_and_origin(measured):
         (lambda rows: [[*row[:3], "1", *row[4:]] for row in rows], None,
          "times as much as their stated uncertainties say"),
         (lambda rows: [rows[0], rows[-1]], None, "nothing shows whether the model fits"),
-        (lambda rows: rows + rows, None, "9 of 18 points are copies of others"),
+        (lambda rows: rows + rows, None, "9 of 18 rows are copies of others"),
         # of another unit: all light is a tenth
         (lambda rows: [[row[0], row[1], f"{0.1 * float(row[2])}", f"{0.1 * float(row[3])}",
                         *row[4:]] for row in rows], None, "times as much"),

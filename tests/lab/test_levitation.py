@@ -445,7 +445,7 @@ def test_points_that_stand_in_the_file_twice(rng):
     )
     said = [one for one in levitation_curve(twice, draws=100).warnings if "copies" in one]
     assert said == [
-        "a: 28 of 56 points are copies of others, to all digits: the intervals count them as "
+        "a: 28 of 56 rows are copies of others, to all digits: the intervals count them as "
         "measured again"
     ]
     assert isinstance(said[0], Doubt)

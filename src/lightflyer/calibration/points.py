@@ -248,8 +248,6 @@ class Points(ShortRepr):
 
 def doubts(pressure: np.ndarray, irradiance: np.ndarray, diameter: float | None) -> list[str]:
     """What in points of one sample is in doubt: copies, units; pressure and light (n,)."""
-    copies = len(pressure) - len(set(zip(pressure.tolist(), irradiance.tolist(), strict=True)))
-    many = copies >= _COPIES * len(pressure)
     least = int(np.argmin(irradiance))
     optimum = float(pressure[least])
     found = [("irradiance", _LIGHT.unlikely(irradiance))]
@@ -261,11 +259,19 @@ def doubts(pressure: np.ndarray, irradiance: np.ndarray, diameter: float | None)
     low, high = usual.likely
     if not (may_be_lower and value > high) and not (may_be_higher and value < low):
         found.append((name, usual.unlikely(value)))
-    said = [
-        f"{copies} of {len(pressure)} points are copies of others, to all digits: the intervals "
-        "count them as measured again"
-    ]
-    return [Doubt(text) for text in said * many + [f"{name} = {why}" for name, why in found if why]]
+    told = [Doubt(f"{name} = {why}") for name, why in found if why]
+    return [*copies(pressure, irradiance), *told]
+
+
+def copies(*columns: np.ndarray) -> list[Doubt]:
+    """A line where many rows are pasted again; ``columns``: of all that is measured, (n,)."""
+    count = len(columns[0])
+    found = count - len(set(zip(*(one.tolist() for one in columns), strict=True)))
+    text = (
+        f"{found} of {count} rows are copies of others, to all digits: the intervals count them as "
+        "measured again"
+    )
+    return [Doubt(text)] * (found >= _COPIES * count)
 
 
 def log_uncertainty(

@@ -10,6 +10,7 @@ import numpy as np
 from lightflyer.array.namespace import xp
 from lightflyer.array.records import ShortRepr
 from lightflyer.calibration.gauge import Gauge
+from lightflyer.calibration.points import copies
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.constants import STANDARD_GRAVITY
@@ -278,12 +279,9 @@ def read_forces(path: str | Path, gauge: Gauge | None = None) -> Table:
         One line that names file and line.
     """
     table = read_table(path, COLUMNS)
-    if gauge is None:
-        return table
-    pressure, notes = gauge.correct(table.numbers["pressure"])
-    return replace(
-        table, numbers={**table.numbers, "pressure": pressure}, notes=[*table.notes, *notes]
-    )
+    pressure, notes = (gauge or Gauge()).correct(table.numbers["pressure"])
+    notes = [*table.notes, *notes, *copies(*table.numbers.values())]
+    return replace(table, numbers={**table.numbers, "pressure": pressure}, notes=notes)
 
 
 @reads_units

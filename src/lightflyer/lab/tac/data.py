@@ -9,6 +9,7 @@ import numpy as np
 from lightflyer.array.records import ShortRepr
 from lightflyer.calibration.gauge import Gauge
 from lightflyer.calibration.inputs import assumed_accuracies
+from lightflyer.calibration.points import copies
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError
@@ -281,7 +282,8 @@ def read_tac(
         f"{np.sum(shown[ends] == one)} rows are left out: {end_text(one)}"
         for one in np.unique(shown[ends])
     )
-    return TacRun(table, pressure, *read(table), (*said, *left_out))
+    again = copies(*table.numbers.values())
+    return TacRun(table, pressure, *read(table), (*said, *left_out, *again))
 
 
 @reads_units

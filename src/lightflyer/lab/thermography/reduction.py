@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy import optimize
 
+from lightflyer.calibration.points import copies
 from lightflyer.core.checks import require_range
 from lightflyer.core.constants import STEFAN_BOLTZMANN
 from lightflyer.core.errors import ConfigurationError, Doubt, ParameterError
@@ -358,7 +359,8 @@ def _judge(
     by_slopes, by_draws = (
         {name: one.clipped(0.0, 1.0) for name, one in found.items()} for found in (first, second)
     )
-    return RadiativeProperties(readings, rows, by_slopes, by_draws, (*warnings, *readings.warnings))
+    warnings += [*copies(*readings.values), *readings.warnings]
+    return RadiativeProperties(readings, rows, by_slopes, by_draws, tuple(warnings))
 
 
 def _outliers(readings: Readings, rows: np.ndarray, first: Mapping[str, Estimate]) -> list[str]:

@@ -466,8 +466,9 @@ def test_a_size_that_is_not_the_files(tmp_path):
     path.write_text(head + rows + "\n", encoding="utf-8")
     found = read_height_map(path, size=5e-3)
     assert found.width == 5e-3
-    assert "its width is 0.005 m as stated by --size; the file says 5 µm" in found.notes
+    assert "its width is 5000 µm as stated by --size; the file says 5 µm" in found.notes
     assert not read_height_map(path).notes
+    assert not read_height_map(path, size=5e-6).notes  # told as another size
 
 
 def test_units_of_a_list_of_places(tmp_path):

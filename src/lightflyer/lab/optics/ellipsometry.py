@@ -27,8 +27,8 @@ from lightflyer.lab.readers.spectrum_data import AXES, COLUMNS
 
 ORDINATES: tuple[Literal["N", "C", "S"], ...] = ("N", "C", "S")
 SHARED = len(ORDINATES) / 2.0
-"""Ordinates for each measured angle: of three that follow from two, each tells so much less. Where
-S is left out, both tell all."""
+"""Ordinates for each measured angle: of three that follow from two, each tells so much less. So do
+N and C alone, which share the error of Ψ: it moves them twice as far as that of Δ does."""
 
 _GRAZING = 90.0
 _ANGLE = Quantity("deg", 0.0, 90.0)
@@ -136,7 +136,9 @@ class EllipsometrySection(MeasuredFile):
                 )
             shown = ORDINATES[: 2 if self.delta == "folded" else 3]
             for name, value in zip(shown, values, strict=False):
+                is_first = name == ORDINATES[0] and angle == angles.min()
+                rejected = tuple(table.rejected) if is_first else ()
                 spectrum = MeasuredSpectrum(
-                    self.file, name, wavenumber[here], value[here], tuple(table.rejected)
+                    self.file, name, wavenumber[here], value[here], rejected
                 )
                 yield self.within(spectrum), float(angle) * RADIANS_PER_DEGREE

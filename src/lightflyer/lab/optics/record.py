@@ -215,9 +215,7 @@ def _about_bounds(
     for one in sample.free:
         low, high = numbers[one.name].interval
         if high - low > _FLAT * (one.highest - one.lowest):
-            yield (
-                f"the spectra do not tell {one.name}: its interval is nearly all between its bounds"
-            )
+            yield f"{one.name} is not determined: its interval is nearly all between its bounds"
         elif any(open_ends[one.name]):
             named = (("lower", one.lowest), ("upper", one.highest))
             ends = " and ".join(

@@ -61,13 +61,12 @@ class FilmFit:
 
 def scatter_of(problem: FilmProblem, solution: FilmSolution) -> tuple[Scatter, ...]:
     """Scatter of each spectrum about a solution."""
-    whole = {one.where for one in problem.spectra if one.spectrum.quantity == ORDINATES[-1]}
     found = []
     for one, reading in zip(problem.spectra, problem.readings(solution), strict=True):
         residual = one.spectrum.value - reading
         length, freedom = correlation_length(residual)
-        shared = one.spectrum.quantity in ORDINATES and one.where in whole
-        length = min((SHARED if shared else 1.0) * length, residual.size / _FEWEST)
+        shared = SHARED if one.spectrum.quantity in ORDINATES else 1.0
+        length = min(shared * length, residual.size / _FEWEST)
         found.append((residual, length, residual.size / length, freedom))
     independent = sum(count for _, _, count, _ in found)
     lost = min(problem.determined_numbers(solution) / independent, _MOST_LOST)

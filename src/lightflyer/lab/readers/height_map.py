@@ -19,6 +19,7 @@ from lightflyer.lab.readers.microscopes import Channel, choose_channel, with_dif
 from lightflyer.lab.readers.number_matrix import NumberMatrix, read_number_matrix
 
 _GWYDDION = ("Channel", "Width", "Height", "Value units")  # the lines of its header
+_SIDES, _ROUNDED = ("Width", "Height"), 1e-3
 _GWYDDION_LINE = re.compile(r"^#\s*([^:]+?)\s*:\s*(.+?)\s*$")
 _DECIMAL_COMMA = re.compile(r"(:\s*\d+),(?=\d+\s)")
 _UNIT_IN_BRACKETS = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]")
@@ -77,15 +78,17 @@ def read_matrix(
         raise ConfigurationError(f'{path}: its heights have no unit; state it by --unit "nm"')
     try:
         scale = scale_and_offset(unit, "m")[0]
-        width = parse(stated["Width"], "m").value if size is None and "Width" in stated else size
-        length = parse(stated["Height"], "m").value if "Height" in stated else None
+        sides = [parse(stated[one], "m").value if one in stated else None for one in _SIDES]
     except ConfigurationError as error:
         raise ConfigurationError(f"{path}: {error}") from None
+    written, length = sides
+    width = written if size is None else size
     if width is None:
         raise ConfigurationError(f'{path}: has no width; state it by --size "10 um"')
     said = matrix.notes
-    if size is not None and "Width" in stated:
-        said += (f"its width is {size:g} m as stated by --size; the file says {stated['Width']}",)
+    if written is not None and abs(width - written) > _ROUNDED * written:
+        text = f"its width is {1e6 * width:g} µm as stated by --size; the file says "
+        said += (f"{text}{stated['Width']}",)
     rows, columns = matrix.values.shape
     if length is None or size is not None:
         length = width * rows / columns * aspect

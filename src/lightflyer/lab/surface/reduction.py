@@ -274,9 +274,10 @@ def _warnings(
 ) -> list[str]:
     said = list(source.notes)
     if missing := int(source.missing.sum()):
-        share = f"({_PERCENT * missing / source.height.size:.2g} %)"
-        have = f"pixel {share} has" if missing == 1 else f"pixels {share} have"
-        said.append(f"{missing} {have} no height, which counts as a hole")
+        said.append(
+            f"{missing} pixels ({_PERCENT * missing / source.height.size:.2g} %) have no height; "
+            "they are left out like holes"
+        )
     if max(source.pixel_aspect, 1.0 / source.pixel_aspect) > _OBLONG:
         said.append(
             f"pixels are {source.pixel_aspect:.3g} times as wide as long: particles are searched "

@@ -145,7 +145,7 @@ def angles(radii, impacts, hits):
     return weights, sines, np.stack([-cosines, cosines])
 
 
-def ratios(delta, nodes=160, hits=60, speeds=20, reach=20.0):
+def ratios(delta, nodes=160, hits=60, speeds=20, reach=8.0):
     """Force and heat loss of the first harmonic over those to free molecules."""
     radii = mesh(delta, nodes, reach)
     inside = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, hits + 1)[:-1])
@@ -203,8 +203,8 @@ def main():
     """Print the table and write it."""
     table = {}
     for delta in map(float, sys.argv[1:]) if sys.argv[1:] else RAREFACTIONS:
-        coarse, fine = np.array([ratios(delta), ratios(delta, 320, 120)])
-        force, heat = fine + (fine - coarse) / 3.0  # the error falls as the square of the step
+        coarse, fine = np.array([ratios(delta, 320, 120), ratios(delta, 480, 180)])
+        force, heat = fine + (fine - coarse) / 1.25  # the error falls as the square of the step
         table[str(delta)] = {"force": force, "heat": heat}
         print(f"{delta:11g}  {force:.5f}  {heat:.5f}", flush=True)
     if not sys.argv[1:]:

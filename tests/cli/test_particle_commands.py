@@ -58,13 +58,13 @@ def test_predict_a_particle(run, flyer_file, tmp_path):
         found = lf.equilibrium(setup.flyer, state, setup.model)
         lift = lf.lift(setup.flyer, state, setup.model)
         speed = -lf.statics.sinking_speed(setup.flyer, state, setup.model)
-        assert at["temperature_k"] == pytest.approx(found.temperature, rel=1e-9)
+        assert at["temperature_k"] == pytest.approx(found.temperature, rel=1e-9, abs=0.0)
         assert at["lift_over_weight"] == pytest.approx(
             lift / lf.statics.weight(setup.flyer, state), rel=1e-9
         )
-        assert at["climb_speed_m_s"] == pytest.approx(speed, rel=1e-6)
+        assert at["climb_speed_m_s"] == pytest.approx(speed, rel=1e-6, abs=0.0)
         top, bottom = found.temperatures
-        assert at["side_difference_k"] == pytest.approx(top - bottom, rel=1e-5)
+        assert at["side_difference_k"] == pytest.approx(top - bottom, rel=1e-5, abs=0.0)
     with xr.open_dataset(out / "prediction.nc") as dataset:
         assert dataset.climb_speed.attrs["units"] == "m s-1"
 

@@ -30,6 +30,7 @@ discover()
 PARTS = ("flyer", "film", "environment", "force", "payload")
 """Sections whose numbers describe a design."""
 
+_LEVEL = 90.0  # degrees from the vertical
 _ANY_MODEL = "kinetic"  # where the flyer is unknown: the error about that comes first
 
 
@@ -87,6 +88,11 @@ class FlyerFile(Section):
                 f'force.model = "{self.force.tag()}" is not for shape = "{self.flyer.tag()}"; '
                 f"choose from {suitable}"
             ) from None
+        if self.films() and self.environment.incidence.value > _LEVEL:
+            raise ConfigurationError(
+                f"environment.incidence above {_LEVEL:g} deg is light from below, which is for "
+                "spheres: films know no beam on their bottom face"
+            )
         for name, film in self.films().items():
             lacking = film.lacking()
             if lacking:

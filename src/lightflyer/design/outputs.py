@@ -23,7 +23,7 @@ from lightflyer.force.base import AbstractForceModel, ModelResult
 # units for larger values, by the one that is shown otherwise
 _LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
 _SMALLER = {"mg": ("fg", "pg", "ng"), "µN": ("fN", "pN", "nN")}  # for what is far below
-_MANY, _FEW = 1e4, 1e-4  # numbers from which on a larger, and below which a smaller one is shown
+_MANY, _FEW = 1e4, 1e-3  # numbers from which on a larger, and below which a smaller one is shown
 _FEWER = 1e3  # number from which on the larger one of the smaller ones is
 
 

@@ -14,6 +14,7 @@ from lightflyer.core.quantity import (
     Acceleration,
     ChamberTemperature,
     Irradiance,
+    LampIncidence,
     Length,
     Pressure,
     Quantity,
@@ -178,6 +179,7 @@ class ChamberSection(EnvironmentSection, of=Chamber):
 
     kind: Literal["chamber"]
     irradiance: Irradiance = Measured(constants.TOTAL_SOLAR_IRRADIANCE)
+    incidence: LampIncidence = Measured(0.0)
     temperature: ChamberTemperature
     pressure_min: Pressure = Measured(PRESSURES[0])
     pressure_max: Pressure = Measured(PRESSURES[1])

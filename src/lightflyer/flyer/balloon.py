@@ -96,6 +96,7 @@ class Balloon(AbstractClosedFlyer):
     nodes: ClassVar[tuple[str, ...]] = ("envelope",)
     held_pressure: ClassVar[str] = "overpressure"
     lifted_by: ClassVar[str] = "the gas inside, which is warmer or lighter than the air"
+    hangs: ClassVar[str | None] = "a balloon hangs upright"
     floats: ClassVar[bool] = True
     drag_law: ClassVar[str] = "of a sphere by Cunningham's law, with inertia"
     contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)

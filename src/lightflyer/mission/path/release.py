@@ -127,9 +127,9 @@ def require_release_inside(release: Release, limits: Limits) -> None:
 def require_rule(vehicle: Vehicle, start: Start) -> tuple[str, ...]:
     """Raise unless a rule of attitude serves a flyer; returns what to warn of."""
     rule, name = vehicle.rule, type(vehicle.rule).__name__
-    if rule.tilts and vehicle.setup.flyer.floats:
+    if rule.tilts and (hangs := vehicle.setup.flyer.hangs) is not None:
         raise ParameterError(
-            f"{name}: a balloon hangs upright; its attitude is its own or level, and shading steers"
+            f"{name}: {hangs}; its attitude is its own or level, and shading steers"
         )
     state = vehicle.setup.environment.state(start.altitude, start.place)
     moment = vehicle.moment(start.altitude, start.place, np.float64(0.0), state)

@@ -56,8 +56,8 @@ def drift_over_altitude(
 
     ``ends``: of the altitudes [m]; ``azimuth``: as of :func:`steady_drift` [rad].
     """
-    if setup.flyer.floats:
-        raise ParameterError(f"{setup.flyer.describe()} hangs upright, whatever is tilted")
+    if setup.flyer.hangs is not None:
+        raise ParameterError(f"nothing drifts by a tilt: {setup.flyer.hangs}")
     heights, tilts = _altitudes(setup, ends, float(setup.flyer.payload)), np.radians(_TILTS)
 
     def drift(tilt: Any) -> Any:

@@ -1,5 +1,7 @@
 """Spheres in light: efficiencies, heat sources, averages."""
 
+import time
+
 import numpy as np
 import pytest
 from scipy.special import spherical_jn, spherical_yn
@@ -125,6 +127,12 @@ def test_ten_thousand_random_spheres_are_finite(rng):
     # all sources lie within the sphere
     assert np.all(np.abs(found.source_asymmetry) <= 0.75 * found.absorption)
     assert np.all(np.abs(found.asymmetry) <= 1.0)
+
+
+def test_a_curve_of_three_hundred_sizes_takes_less_than_two_seconds():
+    begun = time.process_time()
+    mie(1.57 - 0.038j, np.geomspace(0.1, 100.0, 300))
+    assert time.process_time() - begun < 2.0  # a fortieth of that on one core
 
 
 def test_both_signs_of_absorption_and_shapes():

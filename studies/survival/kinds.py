@@ -29,8 +29,8 @@ def in_sun(setup, sun):
 
 def kinds():
     """Where the templates of all kinds rest, how hot, and what they survive."""
-    yield ("kind", "sun", "rests at [km]", "rests at [K]", "bears [K]", "light survived [W/m²]",
-           "least payload [mg]", "largest payload [mg]")  # fmt: skip
+    yield ("kind", "sun", "rests at [km]", "rests at [K]", "withstands [K]",
+           "light survived [W/m²]", "least payload [mg]", "largest payload [mg]")  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
         for kind in KINDS:
             path = Path(folder) / "flyer.toml"
@@ -56,7 +56,7 @@ def rest_of(setup):
 
 def tilts():
     """Tilts with which empty disks of the template fly and survive, the sun overhead."""
-    yield "diameter [mm]", "bears [K]", "least tilt [°]", "largest tilt [°]"
+    yield "diameter [mm]", "withstands [K]", "least tilt [°]", "largest tilt [°]"
     with tempfile.TemporaryDirectory() as folder:
         setup = disk_over_earth(Path(folder))
     for millimetres in (2.0, 5.0, 10.0, 15.0, 20.0):

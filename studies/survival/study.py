@@ -20,7 +20,7 @@ LIMITS_K = (520.0, 633.0)  # mylar, and the polyimide of the library
 SUNS = {"overhead": 0.0, "June at 70° N": 46.6}
 EMITTANCES = (0.08, 0.5)  # between which the least that survives is sought
 COLUMNS = (
-    "sun", "film bears [K]", "diameter [mm]", "rests at [km]", "rests at [K]",
+    "sun", "film withstands [K]", "diameter [mm]", "rests at [km]", "rests at [K]",
     "light survived [W/m²]", "least payload [mg]", "largest payload [mg]", "of own mass [1]",
     "least emittance [1]",
 )  # fmt: skip

@@ -38,7 +38,7 @@ class Kind:
     shares : dict of str to (float, float)
         Bounds of lengths over the largest size, where they depend on it.
     hottest : float
-        Temperature that it bears [K].
+        Temperature that it withstands [K].
     """
 
     name: str

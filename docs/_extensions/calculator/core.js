@@ -76,12 +76,12 @@
     return [];
   }
 
-  /** Temperature that the flyer's films bear, all of them [K]. */
+  /** Temperature that all the flyer's films withstand [K]. */
   function limitOf(values) {
     return Math.min(...about.limits.map((name) => values[name]));
   }
 
-  /** Whether a film is hotter than it bears; temperature: [K]. */
+  /** Whether a film is hotter than it withstands; temperature: [K]. */
   function isTooHot(values, temperature) {
     return temperature > limitOf(values) * LIMIT_ROUNDING;
   }
@@ -245,7 +245,7 @@
     return found[widths.indexOf(Math.max(...widths))];
   }
 
-  /** Where it comes to rest when let go: altitude [m] and temperature [K]; null if not in sight. */
+  /** Where it comes to rest when released: altitude [m] and temperature [K]; null if not in sight. */
   function rest(model, values, altitudes, found) {
     if (about.coordinate !== "altitude") return null; // nothing drifts in a chamber
     const widest = widestOf(found);
@@ -280,7 +280,7 @@
     return `It flies${often && `, ${often},`} ${ranges.join(" and ")}.`;
   }
 
-  /** What becomes of it when let go, in the words of predict. */
+  /** What becomes of it when released, in the words of predict. */
   function restWords(values, rest, bands) {
     if (rest === null) return "";
     const survives = !isTooHot(values, rest.temperature);

@@ -28,7 +28,7 @@
     [0, 34, 78], [26, 56, 111], [67, 78, 108], [97, 101, 111], [125, 124, 120],
     [155, 148, 118], [188, 174, 108], [222, 201, 88], [254, 232, 56],
   ];
-  const TOO_HOT = 70; // opacity of 255 where the film does not bear it
+  const TOO_HOT = 70; // opacity of 255 where the film does not withstand it
 
   const LONG = 12; // ms that a map takes, from which on it waits until nothing moves
   const RESTED = 150; // ms
@@ -386,7 +386,7 @@
 
   function markBest(best, most, isBeyond) {
     mark(chart.best, best >= 0);
-    let words = "In this light none of these levitates with a film that bears it.";
+    let words = "In this light none of these levitates with a film that withstands it.";
     if (best >= 0) {
       const diameter = MAP_DIAMETERS[best % MAP_DIAMETERS.length] / CENTI;
       const altitude = MAP_ALTITUDES[Math.floor(best / MAP_DIAMETERS.length)] / KILO;
@@ -401,7 +401,7 @@
     const described =
       `Largest payload [${MASS.unit}] over diameter and ${WHERE.label}; ` +
       "faint where the film is hotter than it " +
-      `bears${chequered}.`;
+      `withstands${chequered}.`;
     element("lf-map-text").textContent = `${described} ${words} Click a place to take it.`;
     element("lf-map-axes").setAttribute("aria-label", `${described} ${words}`);
   }

@@ -98,7 +98,7 @@ class Kind:
 
     @property
     def limits(self) -> tuple[str, ...]:
-        """Names of the temperatures that films bear."""
+        """Names of the temperatures that films withstand."""
         return tuple(one.name for one in self.numbers if one.name.endswith("highest_temperature"))
 
 
@@ -118,8 +118,8 @@ def _film(part: str, *faces: str, through: bool = False, named: str = "") -> tup
                    1.0)
             for face in faces
         ),
-        Number(f"{part}.highest_temperature", f"temperature it bears{of}", "K", 300.0, 1500.0, 0,
-               computed=False),
+        Number(f"{part}.highest_temperature", f"temperature it withstands{of}", "K",
+               300.0, 1500.0, 0, computed=False),
     )  # fmt: skip
 
 

@@ -223,7 +223,7 @@ class OperatingPoint:
 
     @cached_property
     def peak(self) -> "OperatingPoint":
-        """The place of the largest payload, whatever its films bear."""
+        """The place of the largest payload, whatever its films withstand."""
         low, high = (xp.asarray(end, float) for end in self.setup.searched)
         return self.at(self._place_of_most(low, high), True)
 

@@ -75,7 +75,7 @@ class Balloon(AbstractClosedFlyer):
     attitude : Attitude or None
         How the opening lies; None stands for straight down.
     film_strength : array or None
-        Force per length that the film bears [N/m]; it changes no result but its warnings.
+        Force per length that the film withstands [N/m]; it changes no result but its warnings.
 
     Raises
     ------

@@ -112,7 +112,7 @@ def levitation_band(
         finds worth searching.
     usable : bool
         Whether its films must withstand their temperature in the band, where the flyer states what
-        they bear.
+        that is.
     throw : bool
         Raise where an edge has not converged (not under JAX's transformations).
 
@@ -203,7 +203,7 @@ class _Searched(Module):
 
     def margin(self, place: Array) -> Array:
         """Lift over weight, minus one, at a coordinate or its logarithm."""
-        # or, where less, by how much the films are cooler than they bear, as a share of that
+        # or, where less, by how much the films are cooler than they may be, as a share of that
         place = xp.exp(place) if self.logarithmic else place
         state, highest = self.environment.state(place), self.flyer.highest_temperature
         equations = FlightEquations(self.flyer, state, self.model)

@@ -220,3 +220,34 @@ def test_many_designs_in_plain_numpy(disk, monkeypatch):
     swept = lf.sweep(disk, lf.Earth(), model, over=over, outputs=["lift"])
     one = plain(lf.Disk(disk.film, 0.01), lf.Earth().state(75e3))
     assert float(swept.lift[1, 1]) == pytest.approx(float(one), rel=1e-10)
+
+
+def test_a_model_in_jax_is_given_numbers_of_numpy(disk):
+    """Eagerly, JAX would compile every operation of the search for every shape."""
+    seen = set()
+
+    def heat_loss(self, flyer, state, unknowns):
+        seen.update(map(type, unknowns))
+        return tuple(map(jax.numpy.asarray, Own.heat_loss(self, flyer, state, unknowns)))
+
+    def share(self, excess, state):
+        seen.add(type(excess))
+        return jax.numpy.exp(0.0 * excess)
+
+    class Warm(lf.environment.AbstractAtmosphere):
+        altitude_range = (20e3, 90e3)
+
+        def temperature(self, altitude, place=None):
+            return 250.0 + 0.0 * altitude
+
+        def pressure(self, altitude, place=None):
+            return 1e5 * jax.numpy.exp(-altitude / 7e3)
+
+        def molar_mass_ratio(self, altitude, place=None):
+            return 1.0
+
+    earth = lf.environment.Earth(atmosphere=Warm())
+    found = lf.predict(disk, earth, own(share, heat_loss=heat_loss))
+    assert seen <= {np.ndarray, np.float64}, seen
+    expected = lf.predict(disk, earth, own(lambda self, excess, state: 1.0))
+    np.testing.assert_allclose(found.bands, expected.bands, rtol=1e-9)

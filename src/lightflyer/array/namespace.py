@@ -19,7 +19,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-__all__ = ["Array", "Numeric", "by_jax", "by_numpy", "call", "double", "float64", "has_jax",
+__all__ = ["Array", "Numeric", "as_numpy", "by_jax", "by_numpy", "call", "double", "float64", "has_jax",
            "is_foreign", "is_jax", "is_loaded", "is_numeric", "is_tracer", "load_jax",
            "notice_jax", "number", "when_loaded", "within", "xp"]  # fmt: skip
 
@@ -92,6 +92,16 @@ def is_tracer(value: Any) -> bool:
     if call.jax is not None:
         return isinstance(value, call.jax.core.Tracer)
     return is_loaded() and isinstance(value, sys.modules["jax"].core.Tracer)
+
+
+def as_numpy(value: Any) -> Any:
+    """What a model gives to a call by NumPy: known arrays of JAX, and lists of them, by NumPy."""
+    # JAX would compile each step of what follows, for each shape
+    if not call.depth or call.jax is not None or not is_loaded():
+        return value
+    if type(value) in (list, tuple):
+        return type(value)(map(as_numpy, value))
+    return np.asarray(value) if is_jax(value) and not is_tracer(value) else value
 
 
 def is_foreign(*values: Any) -> bool:
@@ -252,6 +262,9 @@ def _following(path: tuple[str, ...], own: Callable[..., Any]) -> Callable[..., 
             other = call.jax.numpy
         else:
             other = _other_namespace(args)
+            if other is not None:
+                args = as_numpy(args)
+                other = _other_namespace(args)
             if other is None and options:
                 other = _other_namespace(options.values())
         return own(*args, **options) if other is None else _at(other, path)(*args, **options)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar, dataclass_tr
 import numpy as np
 
 from lightflyer.array import tree
-from lightflyer.array.namespace import call, notice_jax
+from lightflyer.array.namespace import as_numpy, call, is_loaded, notice_jax
 
 __all__ = ["AbstractClassVar", "AbstractVar", "Module", "ShortRepr", "field", "short_repr"]
 
@@ -180,6 +180,8 @@ class _ModuleType(ABCMeta):
         for name, converter in cls._converters:  # type: ignore[attr-defined]
             values[name] = converter(values[name])
         if call.depth:  # what a public function makes of checked numbers
+            if is_loaded():
+                values.update({name: as_numpy(value) for name, value in values.items()})
             return made
         for kind in cls.__mro__:
             if "__check_init__" in vars(kind):

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 _TWO_DIGITS = 4.0  # first digit of half a band below which two of its digits are told
+_LEAST_BAND = 1e-6  # half of a band over its value, below which none is told
 _SMALL_LIFT = 0.01  # over weight, below which two decimals would show zero
 _LONGEST_BAR = 24  # characters
 _ROOM_OF_WEIGHT = 1.05
@@ -201,7 +202,7 @@ def _with_band(value: float, band: tuple[float, float] | None, form: str, unit: 
     """A number with as many digits as its 95 % band allows, and that in brackets."""
     half = 0.0 if band is None else 0.5 * (band[1] - band[0])
     unit = f" {unit}" if unit else ""
-    if band is None or not 0.0 < half < math.inf:
+    if band is None or not _LEAST_BAND * abs(value) < half < math.inf:
         return f"{value:{form}}{unit}"
     power = math.floor(math.log10(half))
     digits = max(0, -power + (half < _TWO_DIGITS * 10.0**power))

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from lightflyer.array.memory import kept
-from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.namespace import Array, Numeric, as_numpy, xp
 from lightflyer.array.records import Module
 from lightflyer.core.checks import is_traced
 from lightflyer.core.entry_point import entry_point
@@ -97,7 +97,7 @@ class FlightEquations(Module):
             )
         for power in gas:
             self._require_fit("heat_loss", power, unknowns)
-        return gas, self.flyer.heat_losses(self.state, unknowns)
+        return as_numpy(gas), self.flyer.heat_losses(self.state, unknowns)
 
     def losses(self, unknowns: tuple[Any, ...]) -> tuple[Array, ...]:
         """Power that each node loses [W]."""
@@ -106,7 +106,7 @@ class FlightEquations(Module):
     def balance(self, unknowns: tuple[Array, ...]) -> tuple[tuple[Array, ...], ...]:
         """What each node loses to the gas and else [W], and the equations of flows [1]."""
         flows = self.model.flow_balance(self.flyer, self.state, unknowns)
-        return *self.heat_flows(unknowns), tuple(flows)
+        return *self.heat_flows(unknowns), as_numpy(tuple(flows))
 
     def upward_force(self, unknowns: tuple[Any, ...]) -> Array:
         """Vertical part of the gas's force, and the flyer's buoyancy [N]."""
@@ -114,6 +114,7 @@ class FlightEquations(Module):
         if not hasattr(force, "dtype") and not isinstance(force, float):
             raise ParameterError(f"force() must give an array, not {type(force).__name__}")
         self._require_fit("force", force, unknowns)
+        force = as_numpy(force)
         if self.flyer.attitude is not None:
             force = force * xp.cos(self.flyer.attitude.tilt)
         return force + self.buoyancy(unknowns)

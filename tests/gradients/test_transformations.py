@@ -159,7 +159,10 @@ ELSEWHERE = {
     "force.BalloonConvection": "tests/force/test_balloon_model.py",
     "force.Celenza2023": "tests/force/test_hollow.py",
     "force.ChannelPump": "tests/force/test_channel_pump.py",
+    "force.FreeMolecularSphere": "tests/force/test_spheres.py",
     "force.HollowPump": "tests/force/test_hollow.py",
+    "force.KineticSphere": "tests/force/test_spheres.py",
+    "force.Rohatschek1995": "tests/force/test_spheres.py",
 }
 ROOMS = ["environment", "film", "statics", "flyer", "force", "gas"]
 

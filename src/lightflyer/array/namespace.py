@@ -19,8 +19,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-__all__ = ["Array", "Numeric", "as_numpy", "by_jax", "by_numpy", "call", "double", "float64", "has_jax",
-           "is_foreign", "is_jax", "is_loaded", "is_numeric", "is_tracer", "load_jax",
+__all__ = ["Array", "Numeric", "as_numpy", "by_jax", "by_numpy", "call", "double", "float64",
+           "has_jax", "is_foreign", "is_jax", "is_loaded", "is_numeric", "is_tracer", "load_jax",
            "notice_jax", "number", "when_loaded", "within", "xp"]  # fmt: skip
 
 Array: TypeAlias = Any  # NumPy's or JAX's

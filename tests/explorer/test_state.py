@@ -267,6 +267,13 @@ def test_balloons_have_a_map(diameter, payload, workplace):
 
 
 @pytest.mark.slow
+def test_particles_have_a_map(workplace):
+    found = payload_map(workplace, DOCUMENTS["particle"], Choices("flyer.diameter"))
+    assert found["words"].startswith("Largest payload: ")
+    assert "pg" in found["words"]
+
+
+@pytest.mark.slow
 def test_a_map_ends_where_no_flyer_can_be_built(workplace):
     found = payload_map(workplace, DOCUMENTS["hollow"], Choices("flyer.size"))
     outlet = 8.0  # cm, of the template

@@ -17,7 +17,6 @@ from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.flyer.sphere import Sphere
 from lightflyer.force.base import AbstractForceModel, ModelResult
 
 # units for larger values, by the one that is shown otherwise
@@ -35,10 +34,6 @@ def _is_buoyant(flyer: AbstractFlyer) -> bool:
     kind = type(flyer)
     own = AbstractFlyer.displaced_volume, AbstractFlyer.buoyancy
     return (kind.displaced_volume, kind.buoyancy) != own
-
-
-def _is_particle(flyer: AbstractFlyer) -> bool:
-    return isinstance(flyer, Sphere)
 
 
 def _has_film(flyer: AbstractFlyer) -> bool:
@@ -186,7 +181,7 @@ _POINT = (
         "steady speed upwards in the available light, in still air",
         lambda case: case.climb_speed,
         shown_unit="mm/s",
-        exists=_is_particle,
+        exists=lambda flyer: flyer.steady,
     ),
 )
 

@@ -48,6 +48,7 @@ class AbstractFlyer(Checked):
     lifted_by: ClassVar[str] = "the gas around it"
     held_pressure: ClassVar[str | None] = None  # The force model's result that its wall holds
     hangs: ClassVar[str | None] = None  # Why nothing can tilt it, where that is so
+    steady: ClassVar[bool] = False  # Whether its steady speed is a result, as of particles
     floats: ClassVar[bool] = False  # Whether buoyancy holds it up, and missions let it settle
 
     if TYPE_CHECKING:

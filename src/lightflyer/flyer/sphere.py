@@ -164,6 +164,7 @@ class Sphere(AbstractClosedFlyer):
     nodes: ClassVar[tuple[str, ...]] = ("top", "bottom")
     lifted_by: ClassVar[str] = "gas that leaves one side with more energy than the other"
     hangs: ClassVar[str | None] = f"a sphere has no tilt: {_NO_TILT}"
+    steady: ClassVar[bool] = True
     drag_law: ClassVar[str] = "of a sphere by Cunningham's law, with inertia"
     contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 

@@ -65,7 +65,7 @@ def diagnose(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tup
         *state.gas.diagnostics(temperatures, state.pressure),
         *_cells_diagnostics(setup, state),
         *_shape_diagnostics(setup.flyer),
-        *_heat_diagnostics(setup.flyer.highest_temperature, temperature),
+        *_heat_diagnostics(setup.flyer, temperature),
     )
 
 
@@ -141,15 +141,16 @@ def _cells_diagnostics(setup: Setup, state: EnvironmentState) -> Iterator[str]:
         )
 
 
-def _heat_diagnostics(highest: Numeric | None, temperature: Numeric) -> Iterator[str]:
+def _heat_diagnostics(flyer: AbstractFlyer, temperature: Numeric) -> Iterator[str]:
+    highest, own = flyer.highest_temperature, "its film" if flyer.film_names() else "it"
     hottest = float(np.max(temperature, initial=0.0))
     if highest is None:
         if hottest > UNSTATED_LIMIT:
             yield (
-                f"{TOO_HOT} {hottest:.0f} K: if its film withstands that, state highest_temperature"
+                f"{TOO_HOT} {hottest:.0f} K: if {own} withstands that, state highest_temperature"
             )
     elif hottest > float(highest) * (1.0 + _ROUNDING):
-        yield f"{TOO_HOT} {hottest:.0f} K, and its film withstands {float(highest):.0f} K"
+        yield f"{TOO_HOT} {hottest:.0f} K, and {own} withstands {float(highest):.0f} K"
 
 
 def _shape_diagnostics(flyer: AbstractFlyer) -> Iterator[str]:

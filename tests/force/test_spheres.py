@@ -120,21 +120,22 @@ def test_rohatschek_by_its_limits_in_series(pressure, tac):
     thin = np.pi / 3.0 * tac * pressure * radius**3 * gradient / temperature
     dense = 4.0 * np.pi * kappa * eta**2 * radius * gradient / (density * temperature)
     expected = 1.0 / (1.0 / thin + 1.0 / dense)
-    found = spheres.rohatschek1995_uneven_force(
-        gradient * radius, radius=radius, tac=tac, pressure=pressure, temperature=temperature,
-        gas=GAS,
-    )  # fmt: skip
-    assert float(found) == pytest.approx(expected, rel=1e-10, abs=0.0)
-    whole = spheres.rohatschek1995_halves_force(
-        1e-9, 0.8, 0.9, radius=radius, pressure=pressure, temperature=temperature, gas=GAS
-    )
+    flyer = sphere_of(radius=radius, tac_top=tac, tac_bottom=None)
+    state = state_at(pressure, temperature)
+    side = gradient * radius / temperature
+    found = force(ROHATSCHEK, flyer, state, 0.0, side)
+    assert found == pytest.approx(-expected, rel=1e-10, abs=0.0)
+    unlike = sphere_of(radius=radius)
+    with lf.float64():
+        heat = sum(ROHATSCHEK.heat_loss(unlike, state, (1e-3, 1e-3)))
     # by the mean free path η = ρ c̄ λ/2 of the paper's day
     path = 2.0 * eta / (density * np.sqrt(8.0 * GAS.specific_gas_constant * temperature / np.pi))
     speed = 2.0 * eta / (density * path)
     turn = np.sqrt(3.0 * np.pi * kappa) * speed**2 * density * path / (4.0 * radius)
     ratio = float(GAS.heat_capacity_ratio_at(temperature))
-    most = (ratio - 1.0) / (ratio + 1.0) * (0.1 / 0.85) * 1e-9 / (2.0 * speed)
-    assert float(whole) == pytest.approx(most / (1.0 + (pressure / turn) ** 2), rel=1e-10, abs=0.0)
+    most = (ratio - 1.0) / (ratio + 1.0) * (0.1 / 0.85) * heat / (2.0 * speed)
+    found = force(ROHATSCHEK, unlike, state, 1e-3, 0.0)
+    assert found == pytest.approx(most / (1.0 + (pressure / turn) ** 2), rel=1e-10, abs=0.0)
 
 
 def test_amplitude_is_the_closed_form():

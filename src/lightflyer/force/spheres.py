@@ -26,7 +26,7 @@ from lightflyer.force.base import AbstractForceModel, ModelResult
 from lightflyer.force.convection import joined_conductance, sphere_conductance
 from lightflyer.force.laws.faces import accommodated_force, free_molecular_conductance
 from lightflyer.force.section import ForceSection
-from lightflyer.gas.base import AbstractGas, knudsen_number
+from lightflyer.gas.base import knudsen_number
 
 _THERMAL_CREEP = 1.14  # κ of [Rohatschek1995]
 _ONSET = 0.311  # of transition_share
@@ -83,52 +83,6 @@ def uneven_free_molecular_force(
         return tac * polynomial / (30.0 * (hot + cold) ** 3)
 
     return -area * pressure * side * (growth(tac_top, side) + growth(tac_bottom, -side))
-
-
-def rohatschek1995_uneven_force(
-    amplitude: Numeric,
-    *,
-    radius: Numeric,
-    tac: Numeric,
-    pressure: Numeric,
-    temperature: Numeric,
-    gas: AbstractGas,
-) -> Array:
-    r"""Force away from the warmer side by Rohatschek's interpolation [N]; ``amplitude`` [K]."""
-    # .. math::
-    #     F = \frac{2\hat F}{p/\hat p + \hat p/p}, \qquad
-    #     D = \frac\pi2\sqrt{\frac{\pi\kappa}3}\,\frac{\bar c\,\eta}T, \qquad
-    #     \hat F = D\sqrt{\frac\alpha2}\,a\,A, \qquad
-    #     \hat p = \sqrt{\frac2\alpha}\,\frac{3\,T\,D}{\pi\,a}
-    #
-    # where :math:`a\,A` stands for :math:`a^2 J_1 I/k_p`.
-    creep = math.pi / 2.0 * math.sqrt(math.pi * _THERMAL_CREEP / 3.0)
-    strength = creep * gas.mean_speed(temperature) * gas.viscosity(temperature) / temperature
-    strongest = strength * xp.sqrt(0.5 * xp.asarray(tac)) * radius * amplitude
-    best = xp.sqrt(2.0 / xp.asarray(tac)) * 3.0 * temperature * strength / (math.pi * radius)
-    return 2.0 * strongest / (pressure / best + best / pressure)
-
-
-def rohatschek1995_halves_force(
-    heat: Numeric,
-    tac_top: Numeric,
-    tac_bottom: Numeric,
-    *,
-    radius: Numeric,
-    pressure: Numeric,
-    temperature: Numeric,
-    gas: AbstractGas,
-) -> Array:
-    r"""Upward force on unlike halves by Rohatschek's interpolation [N]; ``heat`` to the gas [W]."""
-    # .. math::
-    #     F = \frac{\gamma-1}{\gamma+1}\,\frac{\Delta\alpha}{2\,\bar c\,\bar\alpha}\,
-    #         \frac H{1+(p/p^*)^2}, \qquad p^* = \frac12\sqrt{3\pi\kappa}\,\frac{\bar c\,\eta}a
-    speed, ratio = gas.mean_speed(temperature), gas.heat_capacity_ratio_at(temperature)
-    turn = 0.5 * math.sqrt(3.0 * math.pi * _THERMAL_CREEP)
-    turn = turn * speed * gas.viscosity(temperature) / radius
-    unlike = 2.0 * (tac_bottom - tac_top) / (tac_bottom + tac_top)
-    share = (ratio - 1.0) / (ratio + 1.0) * unlike / (2.0 * speed)
-    return share * heat / (1.0 + (pressure / turn) ** 2)
 
 
 def _mean_and_side(unknowns: tuple[Array, ...]) -> tuple[Array, Array]:
@@ -233,27 +187,37 @@ class Rohatschek1995(AbstractSphereForce):
 
     @entry_point
     def force(self, flyer: Sphere, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
+        # .. math::
+        #     D = \frac\pi2\sqrt{\frac{\pi\kappa}3}\,\frac{\bar c\,\eta}T, \qquad
+        #     \hat F = D\sqrt{\frac\alpha2}\,a\,A, \qquad
+        #     \hat p = \sqrt{\frac2\alpha}\,\frac{3\,T\,D}{\pi\,a}, \qquad
+        #     p^* = \frac12\sqrt{3\pi\kappa}\,\frac{\bar c\,\eta}a
+        #
+        # where :math:`a\,A` stands for the paper's :math:`a^2 J_1 I/k_p`.
         mean, side = _mean_and_side(unknowns)
         whole, _ = self._conductances(flyer, state, mean)
-        surroundings = {
-            "radius": flyer.radius,
-            "pressure": state.pressure,
-            "temperature": state.temperature,
-            "gas": state.gas,
-        }
-        pushed = rohatschek1995_uneven_force(
-            side * state.temperature, tac=flyer.tac_mean, **surroundings
+        radius, pressure, temperature = flyer.radius, state.pressure, state.temperature
+        speed, ratio = (
+            state.gas.mean_speed(temperature),
+            state.gas.heat_capacity_ratio_at(temperature),
         )
-        halves = rohatschek1995_halves_force(whole * mean, *flyer.tacs, **surroundings)
+        root, creep = (
+            math.sqrt(math.pi * _THERMAL_CREEP / 3.0),
+            state.gas.viscosity(temperature) * speed,
+        )
+        strength, tac = 0.5 * math.pi * root * creep / temperature, xp.asarray(flyer.tac_mean)
+        strongest = strength * xp.sqrt(0.5 * tac) * radius * side * temperature
+        best = xp.sqrt(2.0 / tac) * 3.0 * temperature * strength / (math.pi * radius)
+        pushed = 2.0 * strongest / (pressure / best + best / pressure)
+        top, bottom = flyer.tacs
+        unlike = (ratio - 1.0) / (ratio + 1.0) * (bottom - top) / (2.0 * speed * tac)
+        turn = 1.5 * root * creep / radius
+        halves = unlike * whole * mean / (1.0 + (pressure / turn) ** 2)
         error = 1.0 if self.force_error is None else xp.exp(_SCATTER * self.force_error)
         return error * (flyer.alignment(state) * halves - pushed)
 
-    def ranges(
-        self,
-        flyer: Sphere,  # noqa: ARG002
-        state: EnvironmentState,
-        temperature: Numeric,
-    ) -> Looks:
+    def ranges(self, flyer: Sphere, state: EnvironmentState, temperature: Numeric) -> Looks:
+        del flyer
         yield _SMALL_DIFFERENCES, temperature / state.temperature
 
 
@@ -307,12 +271,8 @@ class KineticSphere(AbstractSphereForce):
         error = 1.0 if self.force_error is None else xp.exp(_KINETIC_SCATTER * self.force_error)
         return error * share * _free_molecular_force(flyer, state, mean, side, cooled)
 
-    def ranges(
-        self,
-        flyer: Sphere,  # noqa: ARG002
-        state: EnvironmentState,
-        temperature: Numeric,
-    ) -> Looks:
+    def ranges(self, flyer: Sphere, state: EnvironmentState, temperature: Numeric) -> Looks:
+        del flyer
         yield _MODERATE_DIFFERENCES, temperature / state.temperature
 
 
@@ -338,12 +298,8 @@ class FreeMolecularSphere(AbstractSphereForce):
         mean, side = _mean_and_side(unknowns)
         return _free_molecular_force(flyer, state, mean, side)
 
-    def ranges(
-        self,
-        flyer: Sphere,
-        state: EnvironmentState,
-        temperature: Numeric,  # noqa: ARG002
-    ) -> Looks:
+    def ranges(self, flyer: Sphere, state: EnvironmentState, temperature: Numeric) -> Looks:
+        del temperature
         yield _THIN, knudsen_number(state.pressure, state.temperature, flyer.radius, state.gas)
 
 

@@ -190,7 +190,7 @@ def test_kinetic_force_is_that_of_the_kinetic_equation():
     for delta, found in SOLVED.items():
         share = float(spheres.transition_share(float(delta)))
         assert share == pytest.approx(
-            found["force"], rel=0.05 if float(delta) > 4.0 else 0.02, abs=0.0
+            found["force"], rel=0.05 if float(delta) > 4.0 else 0.03, abs=0.0
         )
         # the harmonic's heat, of a monatomic gas at complete accommodation
         dense = 2.0 * 15.0 / 8.0 * np.sqrt(np.pi) / float(delta)

@@ -32,7 +32,7 @@ _THERMAL_CREEP = 1.14  # κ of [Rohatschek1995]
 _ONSET = 0.311  # of transition_share
 _KINETIC_SCATTER = 0.1
 """Logarithmic standard error: creep is 3 % above ``_THERMAL_CREEP`` by Shakhov's equation, 4 %
-below by molecules of variable hard spheres, 11 % below by hard spheres; the fit adds 1.5 %."""
+below by molecules of variable hard spheres, 11 % below by hard spheres; the fit adds 3 %."""
 
 _SCATTER = 0.3
 """Logarithmic standard error of the force: by as much it is above that of the kinetic equation
@@ -226,7 +226,7 @@ def transition_share(rarefaction: Numeric) -> Array:
     # .. math:: \frac1{1 + 0.311\,\delta + \delta^2/(6\kappa)}
     #
     # of a sphere at complete accommodation, whose last term is thermal creep in dense gas. The
-    # second one is fitted to the linearised Shakhov equation, which it follows within 1.5 %
+    # second one is fitted to the linearised Shakhov equation, which it follows within 3 %
     # (studies/sphere_force).
     rarefaction = xp.asarray(rarefaction)
     return 1.0 / (1.0 + rarefaction * (_ONSET + rarefaction / (6.0 * _THERMAL_CREEP)))

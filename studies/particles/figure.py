@@ -110,6 +110,7 @@ def draw_disks(ax):
     for level in (0.0, 1.0):
         ax.axvline(level, color=palette.GREY, linewidth=0.8)
     ax.set_xlabel("lift over weight [1]")
+    ax.set_xlim(-16.0, 8.0)
     ax.legend(title="disk: absorbs, emits", loc="upper left")
 
 

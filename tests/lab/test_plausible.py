@@ -62,7 +62,7 @@ CAMERA = (
 
 def test_surroundings_that_were_not_logged(tmp_path):
     assert not doubts(reduce(tmp_path, THERMAL, CAMERA, "150,60,55,22"))
-    (doubt,) = doubts(reduce(tmp_path, THERMAL, CAMERA, "150,60,55,0", "150,60,55,0"))
+    (doubt,) = doubts(reduce(tmp_path, THERMAL, CAMERA, "150,60,55,0", "150,61,55,0"))
     assert "0 °C is what loggers write where no sensor is connected" in doubt
 
 

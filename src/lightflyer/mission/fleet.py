@@ -273,9 +273,11 @@ def fly_all(
 
     begins = range(alone, count, BATCH)
     tracks = [] if first is None else [tree.map_leaves(lambda leaf: np.asarray(leaf)[None], first)]
-    from lightflyer.compute.scheduler import processors  # with all of a study
+    workers = 1
+    if len(begins) > 1:
+        from lightflyer.compute.scheduler import processors  # with all of a study
 
-    workers = min(processors(), len(begins))
+        workers = min(processors(), len(begins))
     with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
         found = map(compute, begins) if pool is None else pool.map(compute, begins)
         for begin, some in zip(begins, takewhile(whole, found), strict=False):

@@ -197,14 +197,9 @@ class Rohatschek1995(AbstractSphereForce):
         mean, side = _mean_and_side(unknowns)
         whole, _ = self._conductances(flyer, state, mean)
         radius, pressure, temperature = flyer.radius, state.pressure, state.temperature
-        speed, ratio = (
-            state.gas.mean_speed(temperature),
-            state.gas.heat_capacity_ratio_at(temperature),
-        )
-        root, creep = (
-            math.sqrt(math.pi * _THERMAL_CREEP / 3.0),
-            state.gas.viscosity(temperature) * speed,
-        )
+        gas, root = state.gas, math.sqrt(math.pi * _THERMAL_CREEP / 3.0)
+        speed, ratio = gas.mean_speed(temperature), gas.heat_capacity_ratio_at(temperature)
+        creep = gas.viscosity(temperature) * speed
         strength, tac = 0.5 * math.pi * root * creep / temperature, xp.asarray(flyer.tac_mean)
         strongest = strength * xp.sqrt(0.5 * tac) * radius * side * temperature
         best = xp.sqrt(2.0 / tac) * 3.0 * temperature * strength / (math.pi * radius)

@@ -113,8 +113,8 @@ class Quantity:
             return value.astype(float)
         if hasattr(value, "index") or not hasattr(value, "dtype"):  # pandas has both
             value = _array_of(value)
-        if isinstance(value, np.ma.MaskedArray):
-            value = np.ma.filled(value.astype(float), np.nan)
+        if hasattr(value, "filled"):  # a masked array, of whose class NumPy loads a library
+            value = value.astype(float).filled(np.nan)
         if not any(np.issubdtype(value.dtype, kind) for kind in (np.floating, np.integer)):
             raise ParameterError(f"{name} must be {_a_number(self.unit)}")
         return value

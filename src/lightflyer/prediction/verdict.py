@@ -206,8 +206,9 @@ def _strongest_light(
         return 1.0 - temperature / highest
 
     def cool(places: np.ndarray) -> np.ndarray:
-        found = evaluate(places.ravel(), names=(heat,))[heat]
-        return margin(found.reshape(places.shape))
+        found = evaluate(places.ravel(), names=(light, heat))
+        light_at.update(zip(places.ravel(), found[light], strict=True))
+        return margin(found[heat].reshape(places.shape))
 
     grid, light, heat = prediction.coordinates, "levitation_irradiance", "levitation_temperature"
     band = prediction.bands[prediction.widest or 0]
@@ -218,6 +219,7 @@ def _strongest_light(
     lights, heats = (np.append(more[name], prediction.table[name])[order] for name in (light, heat))
     solved = (places >= band[0]) & ~np.isnan(lights)
     places, lights, heats = places[solved], lights[solved], heats[solved]
+    light_at = dict(zip(places, lights, strict=True))
     within = int(np.count_nonzero(places <= band[1]))
     start = within - 1 if survives else int(np.argmin(lights[:within]))
     places, margins = places[start:], margin(heats[start:])
@@ -227,4 +229,4 @@ def _strongest_light(
     ends, column = places[[[first], [first - 1]]], places[:, None]
     known = rows_around(column, column, ends), rows_around(margins[:, None], column, ends)
     place = crossing(cool, ends[0], ends[1], known=known)
-    return float(evaluate(place, names=(light,))[light][0]), float(place[0])
+    return float(light_at[place[0]]), float(place[0])

@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from lightflyer.files.result_text import unwrap
 from lightflyer.kinetic_theory import solver
 from lightflyer.kinetic_theory.chamber import cases as chamber_cases
 from lightflyer.kinetic_theory.disk import cases
@@ -111,9 +112,9 @@ def test_without_numba_the_extra_is_named():
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.returncode == 2
-    assert done.stderr.strip() == (
+    assert unwrap(done.stderr) == [
         "lightflyer: error: the kinetic solver needs numba: pip install 'lightflyer[kinetic]'"
-    )
+    ]
 
 
 def test_a_disk_in_a_chamber(run, monkeypatch, tmp_path):

@@ -8,6 +8,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.core import extras
+from lightflyer.files.result_text import unwrap
 from lightflyer.flyer.section import FlyerSection
 
 WORKS = """
@@ -67,4 +68,4 @@ def test_a_command_says_so_in_one_line_and_goes_on(plug_ins, tmp_path):
     )
     assert found.returncode == 0, found.stderr
     assert "altitude_band_km" in json.loads(found.stdout)
-    assert found.stderr == f"lightflyer: warning: {SAYS}\n"
+    assert unwrap(found.stderr) == [f"lightflyer: warning: {SAYS}"]

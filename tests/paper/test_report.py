@@ -10,6 +10,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.calibration import read_points
 from lightflyer.core.progress import report_to
+from lightflyer.files.result_text import unwrap
 from lightflyer.paper.claims import Claim, Quantity, Verdict, claims
 from lightflyer.paper.conditions import COLUMNS, facts
 from lightflyer.paper.curves import FIGURES
@@ -294,7 +295,7 @@ def test_bad_points_stop_before_anything_is_written(tmp_path):
     bad.write_text("sample,pressure [W],irradiance [W/m^2]\na,1,2\n", encoding="utf-8")
     done = run("paper", "--out", "out", "--data", "points.csv", cwd=tmp_path)
     assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
+    assert len(unwrap(done.stderr)) == 1
     assert "points.csv:1: column pressure" in done.stderr
     assert not Path(tmp_path / "out").exists()
 

@@ -271,7 +271,7 @@ def test_random_designs_have_a_possible_verdict(rng):
             assert verdict.survives == (verdict.strongest_light >= prediction.available)
         lines = list(verdict_lines(prediction))
         assert len(lines) <= 6
-        assert max(map(len, lines)) <= 80
+        assert max(map(len, lines)) <= 160  # two lines of a terminal
     assert limits >= {(place, limit) for place in range(2) for limit in ("light", "film", "lift")}
 
 

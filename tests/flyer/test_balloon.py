@@ -183,68 +183,6 @@ def test_impossible_numbers_raise(changed, message):
         balloon_of(**changed)
 
 
-FILE = """\
-[flyer]
-shape = "balloon"
-diameter = "6 m"
-opening_diameter = "0.6 m"
-gas = "helium"
-payload = "1.0 ± 0.1 kg"
-
-[film]
-areal_density = "12 g/m^2"
-absorptance = 0.9
-emittance = 0.9
-tac_top = 0.9
-tac_bottom = 0.9
-"""
-
-
-def test_file_becomes_a_balloon_with_its_model(flyer_file):
-    file = lf.read_flyer_file(flyer_file(text=FILE))
-    setup = file.build()
-    flyer = setup.flyer
-    assert isinstance(flyer, lf.Balloon)
-    assert isinstance(setup.model, lf.BalloonConvection)
-    assert (flyer.radius, flyer.opening_radius) == (3.0, 0.3)
-    assert flyer.molar_mass == pytest.approx(4.0026e-3, rel=1e-6)
-    assert (flyer.gas_mass, flyer.film_strength) == (None, None)
-    assert {"flyer.payload", "force.convection_error"} <= set(file.uncertainties())
-    assert {"flyer.diameter", "flyer.opening_diameter", "film.absorptance"} <= set(
-        file.design().quantities
-    )
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "error"),
-    [
-        ('gas = "helium"', 'gas = "neon"', ":5: flyer.gas"),
-        ('gas = "helium"', 'gas_mass = "1 kg"',
-         ":1: [flyer]: a closed balloon, which has a gas_mass, has no opening"),
-        ('opening_diameter = "0.6 m"', 'opening_diameter = "6 m"',
-         ":1: [flyer]: the opening must be smaller than the balloon"),
-        ('gas = "helium"', 'film_strength = "3 kg"', ':5: flyer.film_strength: "3 kg": unit'),
-        ('diameter = "6 m"\n', "", ":1: [flyer] needs diameter"),
-        ('gas = "helium"', "volume = 3", ":5: flyer.volume is not a key of [flyer]"),
-        ('gas = "helium"', 'film_strength = "-1 N/m"', ":5: flyer.film_strength = "),
-    ],
-)  # fmt: skip
-def test_mistakes_in_a_file_are_one_line_each(flyer_file, old, new, error):
-    path = flyer_file(old, new, FILE)
-    with pytest.raises(lf.ConfigurationError) as caught:
-        lf.read_flyer_file(path)
-    lines = str(caught.value).splitlines()
-    assert any(line.startswith(f"{path}{error}") for line in lines), lines
-    assert len(lines) == 1
-
-
-def test_models_are_for_the_flyers_they_name(disk):
-    with pytest.raises(lf.ParameterError, match="BalloonConvection is not for Disk"):
-        lf.lift(disk, lf.Chamber().state(1.0), lf.BalloonConvection())
-    with pytest.raises(lf.ParameterError, match="Lu2023 is not for Balloon"):
-        lf.Setup(balloon_of(), lf.Chamber(), lf.Lu2023())
-
-
 def test_tilt_turns_the_opening():
     """An opening that faces the sun lets its light in."""
     tilted = tree.replace_at(

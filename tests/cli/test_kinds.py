@@ -1,0 +1,272 @@
+"""Every kind of flyer through the commands that a flyer file goes through."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import lightflyer as lf
+
+EXACT = {  # derivatives take long to compile
+    "balloon": "convection_error = 0.0\n",
+    "plate": "force_error = 0.0\nheat_error = 0.0\n",
+}
+# kind, what is swept, the template's own design among it, an output, and what is never negative
+SWEPT = {
+    "balloon": (
+        {"flyer.diameter": ["4 m", "5.8 m", "8 m"], "altitude": ["15 km", "18 km"]},
+        {"flyer.diameter": 5.8, "altitude": 18e3},
+        ("film_tension", "N/m"),
+        lambda found: found.relative_payload.diff("flyer.diameter"),
+    ),
+    "particle": (
+        {"flyer.diameter": ["1 um", "2 um", "4 um"], "altitude": ["50 km", "70 km"]},
+        {"flyer.diameter": 2e-6, "altitude": 70e3},
+        ("side_difference", "K"),
+        lambda found: found.side_difference,
+    ),
+    "plate": (
+        {"flyer.height": ["30 um", "50 um", "100 um"], "pressure": ["10 Pa", "100 Pa"]},
+        {"flyer.height": 50e-6, "pressure": 100.0},
+        ("flow_velocity", "m s-1"),
+        lambda found: found.flow_velocity,
+    ),
+    "sandwich": (
+        {"flyer.gap": ["50 um", "125 um", "300 um"], "altitude": ["70 km", "75 km"]},
+        {"flyer.gap": 125e-6, "altitude": 75e3},
+        ("temperature_bottom", "K"),
+        lambda found: found.temperature_bottom - found.temperature_top,
+    ),
+    "hollow": (
+        {"flyer.channel_width": ["0.4 mm", "0.8 mm"], "altitude": ["75 km"]},
+        {"flyer.channel_width": 8e-4, "altitude": 75e3},
+        ("jet_velocity", "m s-1"),
+        lambda found: found.temperature_inner - found.temperature_outer,
+    ),
+}
+EACH = {
+    "balloon": ["relative_payload"],
+    "sandwich": ["temperature_top", "temperature_bottom"],
+    "hollow": ["temperature_inner", "temperature_outer"],
+}
+
+
+@pytest.fixture
+def file_of(run, tmp_path):
+    """A template's file, some of its texts replaced."""
+
+    def make(kind, *changes):
+        path = tmp_path / "flyer.toml"
+        assert run("init", path, "--kind", kind, "--force")[0] == 0
+        text = path.read_text(encoding="utf-8")
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        path.write_text(text + EXACT.get(kind, ""), encoding="utf-8")
+        return path
+
+    return make
+
+
+def lift_over_weight(setup, state):
+    return lf.lift(setup.flyer, state, setup.model) / lf.statics.weight(setup.flyer, state)
+
+
+@pytest.mark.parametrize("kind", SWEPT)
+def test_a_sweep_gives_what_one_design_gives(run, file_of, tmp_path, kind):
+    swept, own, (output, unit), positive = SWEPT[kind]
+    setup = lf.read_flyer_file(file_of(kind)).build()
+    outputs = ["lift_over_weight", output, *EACH.get(kind, ())]
+    study, out = tmp_path / "study.toml", tmp_path / "results.zarr"
+    lines = [f'"{name}" = {json.dumps(values)}' for name, values in swept.items()]
+    study.write_text(
+        "\n".join(['flyer = "flyer.toml"', "[sweep]", *lines])
+        + f"\n[outputs]\nvariables = {json.dumps([*dict.fromkeys(outputs)])}\n",
+        encoding="utf-8",
+    )
+    code, _, errors = run("sweep", study, "--out", out)
+    assert (code, errors) == (0, "")
+    found = lf.parametric.open_sweep(out)
+    here = found.lift_over_weight.sel(own, method="nearest")
+    expected = lift_over_weight(setup, setup.environment.state([*own.values()][-1]))
+    assert float(here) == pytest.approx(expected, rel=1e-9)
+    assert found[output].attrs["units"] == unit
+    assert bool((positive(found) > 0.0).all())
+
+
+def predicted(run, path, out, *options):
+    """What is printed, the dictionary and the data set of a prediction."""
+    code, text, errors = run("predict", path, "--out", out, *options)
+    assert (code, errors) == (0, "")
+    assert {"levitation-irradiance.png", "payload.png"} <= {one.name for one in out.iterdir()}
+    with xr.open_dataset(out / "prediction.nc") as dataset:
+        return text, json.loads((out / "prediction.json").read_text()), dataset.load()
+
+
+def require_edges(setup, places):
+    """It flies at some places and not at others."""
+    for place, flies in places:
+        assert (lift_over_weight(setup, setup.environment.state(place)) > 1.0) == flies
+
+
+def test_predict_a_balloon(run, file_of, tmp_path):
+    path = file_of("balloon")
+    text, summary, dataset = predicted(run, path, tmp_path / "out", "--at", "18 km")
+    assert text.startswith("open balloon of 5.8 m")
+    assert summary["altitude_band_km"] == pytest.approx((1.0, 19.5), abs=0.3)
+    (at,) = summary["at"]
+    setup = lf.read_flyer_file(path).build()
+    found = lf.equilibrium(setup.flyer, setup.environment.state(18e3), setup.model)
+    assert at["temperature_k"] == pytest.approx(found.temperature, rel=1e-6)
+    assert at["filled_share"] == 1.0
+    assert (dataset.film_tension.units, dataset.buoyancy.units) == ("N/m", "N")
+    np.testing.assert_allclose(dataset.lift, dataset.buoyancy, rtol=1e-12)  # all lift is buoyancy
+
+
+def test_a_balloon_too_heavy_to_fly_gets_no_advice_on_accommodation(run, file_of):
+    path = file_of("balloon", ('payload = "1.7 kg"', 'payload = "1.7 kg"\ngas_mass = "6 kg"'))
+    code, text, _ = run("predict", path, "--samples", "0")
+    assert code == 0
+    assert "It does not fly" in text
+    assert "tac_bottom" not in text
+
+
+@pytest.mark.slow
+def test_helium_needs_no_light(run, file_of, tmp_path):
+    path = file_of("balloon", ('"1.7 kg"', '"1.7 ± 0.1 kg"\ngas = "helium"'))
+    text, summary, _ = predicted(run, path, tmp_path / "out", "--samples", "0", "--verbose")
+    assert "least irradiance  0.0 W/m²" in text
+    least = summary["uncertainty"]["results"]["minimum_irradiance.value_w_m2"]
+    assert (least["first_order"]["low"], least["first_order"]["high"]) == (0.0, 0.0)
+
+
+def test_predict_a_particle(run, file_of, tmp_path):
+    path = file_of("particle")
+    options = ("--at", "50 km,70 km", "--samples", 0)
+    text, summary, dataset = predicted(run, path, tmp_path / "out", *options)
+    assert text.startswith("sphere of 2 µm, 5.027 pg, in 1361 W/m²")
+    assert "; its limit is not stated." in " ".join(text.split())
+    setup = lf.read_flyer_file(path).build()
+    for at, altitude in zip(summary["at"], (50e3, 70e3), strict=True):
+        state = setup.environment.state(altitude)
+        found = lf.equilibrium(setup.flyer, state, setup.model)
+        speed = -lf.statics.sinking_speed(setup.flyer, state, setup.model)
+        assert at["temperature_k"] == pytest.approx(found.temperature, rel=1e-9, abs=0.0)
+        assert at["lift_over_weight"] == pytest.approx(lift_over_weight(setup, state), rel=1e-9)
+        assert at["climb_speed_m_s"] == pytest.approx(speed, rel=1e-6, abs=0.0)
+        top, bottom = found.temperatures
+        assert at["side_difference_k"] == pytest.approx(top - bottom, rel=1e-5, abs=0.0)
+    assert dataset.climb_speed.units == "m s-1"
+    limited = file_of(
+        "particle", ('# highest_temperature = "900 K"', 'highest_temperature = "900 K"')
+    )
+    _, text, _ = run("predict", limited, "--samples", 0)
+    assert "; it withstands 900 K and survives." in " ".join(text.split())
+    assert "film" not in text.partition("next:")[0]
+
+
+@pytest.mark.slow
+def test_predict_a_plate(run, file_of, tmp_path):
+    path = file_of("plate")
+    text, summary, dataset = predicted(run, path, tmp_path / "out", "--at", "100 Pa")
+    assert text.startswith("plate of 8 mm, 0.01851 mg")
+    assert "flow velocity" in text
+    (at,) = summary["at"]
+    assert at["temperature_k"] == at["temperature_bottom_k"] > at["temperature_top_k"]
+    assert at["stopping_pressure_mpa"] > at["pressure_difference_mpa"] > 0.0
+    low, high = summary["pressure_band_pa"]
+    assert low < 10.0 < 200.0 < high  # where such plates levitated
+    places = (0.99 * low, False), (1.01 * low, True), (1.01 * high, False)
+    require_edges(lf.read_flyer_file(path).build(), places)
+    assert (dataset.flow_velocity.units, dataset.pressure_difference.units) == ("m s-1", "Pa")
+    assert "highest_temperature" not in dataset.attrs["warnings"]  # the template states it
+
+
+@pytest.mark.slow
+def test_predict_a_sandwich(run, file_of, tmp_path):
+    path = file_of("sandwich")
+    text, summary, dataset = predicted(run, path, tmp_path / "out", "--at", "75 km")
+    assert text.startswith("sandwich of 2 cm, 0.117 mg")
+    assert "warning: gap over the mean free path is" in text
+    (at,) = summary["at"]
+    assert at["temperature_k"] == at["temperature_bottom_k"] > at["temperature_top_k"]
+    low, high = (1e3 * edge for edge in summary["altitude_band_km"])
+    places = (low - 10.0, False), (low + 10.0, True), (high + 10.0, False)
+    require_edges(lf.read_flyer_file(path).build(), places)
+    assert dataset.temperature_top.units == "K"
+    assert "mean free path" in dataset.attrs["warnings"]
+
+
+def test_warnings_are_of_where_it_flies(run, file_of):
+    path = file_of("sandwich", ('"1361 W/m^2"', '"400 W/m^2"'), ('"125 um"', '"100 um"'))
+    assert "warning: " not in run("predict", path, "--at", "75 km")[1]
+    told = run("predict", path, "--at", "44 km")[1]
+    assert "warning: the rarefaction parameter is" in told
+    assert "at 169 Pa, above 100: the table" in told
+
+
+SEARCHED = {
+    "balloon": ("lift_over_weight", '"film.emittance_top" = { from = 0.1, to = 0.9 }', "18 km"),
+    "particle": (
+        "lift_over_weight",
+        '"flyer.diameter" = { from = "0.5 um", to = "8 um" }',
+        "70 km",
+    ),
+    "sandwich": (
+        "payload",
+        '"flyer.gap" = { from = "30 um", to = "2 mm", scale = "log" }\n'
+        '"flyer.bottom.emittance_bottom" = { from = 0.05, to = 0.3 }',
+        "75 km",
+    ),
+}
+LEAST_EMITTANCE = {"film.emittance_top": 0.1, "flyer.bottom.emittance_bottom": 0.05}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", SEARCHED)
+def test_the_best_of_a_kind_is_better_than_its_template(run, file_of, tmp_path, kind):
+    output, over, altitude = SEARCHED[kind]
+    setup, study = lf.read_flyer_file(file_of(kind)).build(), tmp_path / "study.toml"
+    study.write_text(
+        f'flyer = "flyer.toml"\n[optimise]\nmaximise = "{output}"\nbeyond_range = true\n'
+        f'starts = 2\n[optimise.over]\n{over}\naltitude = "{altitude}"\n',
+        encoding="utf-8",
+    )
+    code, text, errors = run("optimise", study, "--json")
+    assert (code, errors) == (0, "")
+    best, state = json.loads(text), setup.environment.state(1e3 * float(altitude.split()[0]))
+    of_template = {
+        "payload": lf.payload,
+        "lift_over_weight": lambda *_: lift_over_weight(setup, state),
+    }
+    here = of_template[output](setup.flyer, state, setup.model)
+    assert float(best["outputs"][output]) > here
+    for name, value in LEAST_EMITTANCE.items():
+        assert best["design"].get(name, value) == pytest.approx(value)
+
+
+@pytest.mark.slow
+def test_a_sandwich_is_sensitive_to_what_its_model_takes(run, file_of, tmp_path):
+    file_of("sandwich")
+    study = tmp_path / "study.toml"
+    study.write_text(
+        'flyer = "flyer.toml"\n[sensitivity]\noutputs = "payload"\npoints = 64\n'
+        '[sensitivity.at]\naltitude = "75 km"\n[sensitivity.inputs]\n'
+        '"flyer.support_fraction" = "1.0e-4 ± 0.2e-4"\n"flyer.top.tac_top" = "0.80 ± 0.05"\n',
+        encoding="utf-8",
+    )
+    code, text, errors = run("sensitivity", study, "--json")
+    assert (code, errors) == (0, "")
+    inputs = json.loads(text)["payload"]["inputs"]
+    assert inputs["flyer.top.tac_top"]["total"] == 0.0  # the model takes it for one
+    assert inputs["flyer.support_fraction"]["total"] == pytest.approx(1.0, abs=0.15)
+
+
+def test_a_mistake_in_a_hollow_body_is_one_line(run, file_of):
+    path = file_of("hollow", ('"8 cm"', '"11 cm"'))
+    code, _, errors = run("predict", path)
+    assert code == 2
+    assert errors.strip().splitlines() == [
+        f"lightflyer: error: {path}:6: [flyer]: the outlet must be smaller than the sphere"
+    ]

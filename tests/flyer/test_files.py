@@ -1,0 +1,369 @@
+"""Flyer files of every kind: what they become, and their mistakes."""
+
+import jax
+import numpy as np
+import pytest
+
+import lightflyer as lf
+
+FILES = {
+    "balloon": """\
+[flyer]
+shape = "balloon"
+diameter = "6 m"
+opening_diameter = "0.6 m"
+gas = "helium"
+payload = "1.0 ± 0.1 kg"
+
+[film]
+areal_density = "12 g/m^2"
+absorptance = 0.9
+emittance = 0.9
+tac_top = 0.9
+tac_bottom = 0.9
+""",
+    "hollow": """\
+[flyer]
+shape = "hollow"
+form = "cone"
+size = "10 cm"
+outlet_diameter = "4 cm"
+open_fraction = 0.5
+channel_width = "300 um"
+wall_thickness = "100 um"
+sheet_thickness = "50 nm"
+sheet_conductivity = "1.8 W/(m*K)"
+
+[flyer.outer]
+areal_density = "0.2 g/m^2"
+absorptance = 0.02
+transmittance = 0.95
+emittance_top = 0.8
+emittance_bottom = 0.1
+tac_top = 0.9
+tac_bottom = 0.9
+
+[flyer.inner]
+areal_density = "0.4 g/m^2"
+absorptance = "0.9 ± 0.05"
+emittance = 0.08
+tac_top = 0.9
+tac_bottom = 0.9
+""",
+    "plate": """\
+[flyer]
+shape = "plate"
+diameter = "8 mm"
+channel_width = "50 um"
+channel_length = "500 um"
+spacing = "60 um"
+height = "100 um"
+wall_thickness = "50 nm"
+wall_conductivity = "1.8 W/(m*K)"
+
+[flyer.top]
+areal_density = "0.15 g/m^2"
+absorptance = 0.02
+transmittance = 0.9
+emittance = 0.1
+tac_top = 0.8
+tac_bottom = 0.8
+
+[flyer.bottom]
+areal_density = "0.25 g/m^2"
+absorptance = "0.9 ± 0.05"
+emittance = 0.1
+tac_top = 0.8
+tac_bottom = 0.8
+""",
+    "sandwich": """\
+[flyer]
+shape = "sandwich"
+diameter = "2 cm"
+gap = "125 um"
+open_fraction = 0.5
+hole_radius = "50 um"
+support_fraction = 1e-4
+support_conductivity = "1.8 W/(m*K)"
+
+[flyer.top]
+areal_density = "0.30 g/m^2"
+absorptance = 0.02
+transmittance = 0.9
+emittance_top = 0.1
+emittance_bottom = "0.15 ± 0.02"
+tac_top = 0.8
+tac_bottom = 0.8
+
+[flyer.bottom]
+areal_density = "0.37 g/m^2"
+absorptance = 0.6
+emittance = 0.1
+tac_top = 0.8
+tac_bottom = 0.8
+""",
+    "sphere": """\
+[flyer]
+shape = "sphere"
+diameter = "1.0 ± 0.1 um"
+density = "1.8 g/cm^3"
+absorption_efficiency = 1.1
+emittance = 0.2
+conductivity = "0.3 W/(m*K)"
+tac_top = 0.9
+upright = "gravity"
+mass_offset = "50 nm"
+""",
+}
+FILES["carbon"] = FILES["sphere"].replace(
+    "absorption_efficiency = 1.1\nemittance = 0.2\n", 'material = "a-C"\nextrapolation = "hold"\n'
+)
+
+
+@pytest.fixture
+def read(flyer_file):
+    """Read the file of a kind, with one text replaced by another, and more at its end."""
+
+    def reading(kind, old="", new="", more=""):
+        return lf.read_flyer_file(flyer_file(old, new, FILES[kind] + more))
+
+    return reading
+
+
+def test_file_becomes_a_balloon_with_its_model(read):
+    file = read("balloon")
+    setup = file.build()
+    flyer = setup.flyer
+    assert isinstance(flyer, lf.Balloon)
+    assert isinstance(setup.model, lf.BalloonConvection)
+    assert (flyer.radius, flyer.opening_radius) == (3.0, 0.3)
+    assert flyer.molar_mass == pytest.approx(4.0026e-3, rel=1e-6)
+    assert (flyer.gas_mass, flyer.film_strength) == (None, None)
+    assert {"flyer.payload", "force.convection_error"} <= set(file.uncertainties())
+    assert {"flyer.diameter", "flyer.opening_diameter", "film.absorptance"} <= set(
+        file.design().quantities
+    )
+
+
+def test_file_becomes_a_hollow_body_with_its_model(read):
+    file = read("hollow")
+    setup = file.build()
+    body = setup.flyer
+    assert isinstance(body, lf.HollowBody)
+    assert isinstance(setup.model, lf.HollowPump)
+    assert body.form == "cone"
+    assert (body.size, body.outlet_radius, body.channel_width) == pytest.approx((0.1, 0.02, 3e-4))
+    assert body.channel_aspect == 10.0
+    assert body.sheet_density is None
+    assert file.uncertainties() == {  # that of the file, and the model's own
+        "flyer.inner.absorptance": pytest.approx(0.05),
+        **{f"force.{name}_error": 1.0 for name in ("wall", "outlet", "force", "heat")},
+    }
+    moved = file.design().build({"flyer.outlet_diameter": 0.05, "flyer.inner.emittance": 0.3})
+    assert moved.flyer.outlet_radius == 0.025
+    assert moved.flyer.inner.emittance_bottom == 0.3
+
+
+@pytest.mark.parametrize(
+    ("model", "kind"),
+    [('"hollow-pump"\nviscous_outlet = false', lf.HollowPump), ('"celenza2023"', lf.Celenza2023)],
+)
+def test_force_section(read, model, kind):
+    built = read("hollow", more=f"\n[force]\nmodel = {model}\n").build().model
+    assert isinstance(built, kind)
+    if kind is lf.HollowPump:
+        off = [name for name, on in built.corrections._asdict().items() if not on]
+        assert off == ["viscous_outlet"]
+
+
+def test_file_becomes_a_plate_with_its_model(read):
+    file = read("plate")
+    setup = file.build()
+    assert isinstance(setup.flyer, lf.Plate)
+    assert isinstance(setup.model, lf.ChannelPump)
+    assert (setup.flyer.radius, setup.flyer.height) == pytest.approx((4e-3, 1e-4))
+    assert setup.flyer.areal_density is None
+    assert file.uncertainties() == {  # that of the file, and the model's own
+        "flyer.bottom.absorptance": pytest.approx(0.05),
+        "force.force_error": 1.0,
+        "force.heat_error": 1.0,
+    }
+    moved = file.design().build({"flyer.spacing": 1e-4, "flyer.top.tac_top": 0.5}).flyer
+    assert (moved.spacing, moved.top.tac_top) == (1e-4, 0.5)
+
+
+def test_file_becomes_a_sandwich_with_its_model(read):
+    setup = read("sandwich").build()
+    flyer = setup.flyer
+    assert isinstance(flyer, lf.Sandwich)
+    assert isinstance(setup.model, lf.Schafer2025)
+    assert (flyer.radius, flyer.gap, flyer.hole_radius) == pytest.approx((0.01, 125e-6, 50e-6))
+    assert (flyer.top.emittance_bottom, flyer.bottom.emittance_bottom) == (0.15, 0.1)
+    assert flyer.top.transmittance == 0.9
+    assert flyer.attitude is None
+    assert flyer.support_density is None
+
+
+def test_numbers_of_both_films_have_names(read):
+    file = read("sandwich")
+    design = file.design()
+    stated = {"flyer.top.emittance_bottom": pytest.approx(0.02), "force.force_error": 1.0}
+    assert file.uncertainties() == stated
+    assert {"flyer.gap", "flyer.bottom.absorptance", "flyer.top.tac_bottom"} <= set(
+        design.quantities
+    )
+    assert "flyer.top.tac_correlation" not in design.quantities
+    moved = design.build({"flyer.bottom.emittance": 0.3, "flyer.top.tac_bottom": 0.5}).flyer
+    assert (moved.bottom.emittance_top, moved.bottom.emittance_bottom) == (0.3, 0.3)
+    assert (moved.top.tac_bottom, moved.top.emittance_bottom) == (0.5, 0.15)
+
+
+def test_file_becomes_a_sphere_with_its_model(read):
+    file = read("sphere")
+    setup = file.build()
+    flyer = setup.flyer
+    assert isinstance(flyer, lf.Sphere)
+    assert (flyer.radius, flyer.mass_offset) == pytest.approx((5e-7, 5e-8), rel=1e-12, abs=0.0)
+    assert (flyer.tac_bottom, flyer.asymmetry, flyer.body_mass) == (None, None, None)
+    assert {"flyer.diameter", "force.force_error"} <= set(file.uncertainties())
+    assert {"flyer.absorption_efficiency", "flyer.mass_offset"} <= set(file.design().quantities)
+
+
+def test_a_beam_from_below_is_for_spheres(read, film_section):
+    chamber = '[environment]\nkind = "chamber"\ntemperature = "22 °C"\nincidence = "180 deg"\n'
+    setup = read("sphere", more=chamber).build()
+    assert setup.environment.state(100.0).radiation.zenith_angle == pytest.approx(np.pi)
+    from_below = {"kind": "chamber", "temperature": "22 °C", "incidence": "180 deg"}
+    with pytest.raises(ValueError, match="incidence above 90 deg is light from below"):
+        lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film_section, environment=from_below)
+
+
+def test_a_material_of_a_file(read):
+    """Exactly for its size, within 0.2 % for any other that a study asks for."""
+    file = read("carbon")
+    design, carbon = file.design(), lf.film.material("a-C", extrapolation="hold")
+    found = lf.film.sphere_absorption(carbon, 5e-7)
+    assert design.setup.flyer.absorption_efficiency == found.absorption_efficiency
+    assert any("a-C" in text for text in design.warnings)
+    sizes = np.geomspace(0.3, 3.0, 40)  # diameters [µm]
+    with lf.float64():
+        many = design.build({"flyer.diameter": 1e-6 * sizes}).flyer
+    exact = lf.film.sphere_absorption(carbon, 0.5e-6 * sizes)
+    for name in ("absorption_efficiency", "asymmetry"):
+        np.testing.assert_allclose(
+            getattr(many, name), getattr(exact, name), rtol=2e-3, atol=2e-4, err_msg=name
+        )
+    np.testing.assert_allclose(many.emittance(300.0), exact.emittance(300.0), rtol=2e-3)
+    given = read("carbon", more="emittance = 0.5\n")
+    assert given.build().flyer.emittance == 0.5
+
+
+def test_derivatives_over_the_size_of_a_sphere_of_a_material(read):
+    design = read("carbon").design()
+
+    @lf.entry_point
+    def efficiency(diameter):
+        return design.build({"flyer.diameter": diameter}).flyer.absorption_efficiency
+
+    with lf.float64():
+        slope = jax.grad(efficiency)(1e-6)
+        change = (efficiency(1.01e-6) - efficiency(0.99e-6)) / 0.02e-6
+        assert float(jax.jit(efficiency)(1e-6)) == pytest.approx(
+            efficiency(1e-6), rel=2e-3, abs=0.0
+        )
+        assert np.isnan(jax.jit(efficiency)(20e-6))  # beyond the table
+    assert slope == pytest.approx(change, rel=0.02, abs=0.0)
+
+
+MISTAKES = [
+    ("balloon", 'gas = "helium"', 'gas = "neon"', ":5: flyer.gas"),
+    ("balloon", 'gas = "helium"', 'gas_mass = "1 kg"',
+     ":1: [flyer]: a closed balloon, which has a gas_mass, has no opening"),
+    ("balloon", 'gas = "helium"', 'film_strength = "3 kg"',
+     ':5: flyer.film_strength: "3 kg": unit'),
+    ("balloon", 'diameter = "6 m"\n', "", ":1: [flyer] needs diameter"),
+    ("hollow", 'outlet_diameter = "4 cm"', 'outlet_diameter = "10 cm"',
+     ":1: [flyer]: the outlet must be smaller than the cone"),
+    ("hollow", "open_fraction = 0.5", "open_fraction = 0",
+     ":1: [flyer]: open_fraction must be positive: gas flows through the wall's channels"),
+    ("hollow", 'wall_thickness = "100 um"', 'wall_thickness = "6 cm"',
+     ":1: [flyer]: wall_thickness must be smaller than the radius of the cone"),
+    ("hollow", 'form = "cone"', 'form = "cube"', ':3: flyer.form = "cube"'),
+    ("hollow", FILES["hollow"][FILES["hollow"].index("[flyer.inner]"):], "",
+     ":1: [flyer] needs inner"),
+    ("hollow", "transmittance = 0.95", "transmittance = 0.99",
+     ":12: [flyer.outer]: transmittance = 0.99"),
+    ("plate", 'spacing = "60 um"', 'spacing = "0 um"',
+     ':6: flyer.spacing = "0 um": must be positive'),
+    ("plate", 'height = "100 um"', 'hight = "100 um"',
+     ':7: flyer.hight is not a key of [flyer]; did you mean "height"?'),
+    ("plate", 'channel_length = "500 um"', 'channel_length = "9 mm"',
+     ":1: [flyer]: channel_length and spacing together must not exceed"),
+    ("sandwich", "transmittance = 0.9", "transmitance = 0.9",
+     ':13: flyer.top.transmitance is not a key of [flyer.top]; did you mean "transmittance"?'),
+    ("sandwich", "emittance = 0.1", "", ":19: [flyer.bottom]: give emittance, or both"),
+    ("sandwich", "tac_top = 0.8", 'tac_top = "0.8 m"', ':16: flyer.top.tac_top: "0.8 m": unit'),
+    ("sandwich", "absorptance = 0.6", "absorptance = 1.6",
+     ":21: flyer.bottom.absorptance = 1.6: must be between 0 and 1"),
+    ("sandwich", "open_fraction = 0.5", "open_fraction = 1.0",
+     ":5: flyer.open_fraction = 1.0: must be between 0 and 0.999"),
+    ("sphere", "density", "mass", ':4: flyer.mass: "1.8 g/cm^3": unit'),
+    ("sphere", "absorption_efficiency = 1.1", "absorption_efficiency = 110",
+     ":5: flyer.absorption_efficiency = 110: must be between 0 and 10"),
+    ("sphere", "tac_top = 0.9", "tac = 0.9", ":8: flyer.tac is not a key of [flyer]"),
+    ("sphere", '"gravity"', '"nothing"', ":1: [flyer]: mass_offset, by which gravity turns"),
+    ("sphere", '"50 nm"', '"50 nm"\ntilt = "5 deg"',
+     ":1: [flyer]: tilt has no effect on a sphere"),
+    ("sphere", '"50 nm"', '"50 nm"\n[film]\nareal_density = "1 g/m^2"\nabsorptance = 0.5\n'
+     "emittance = 0.1\ntac_top = 0.8\ntac_bottom = 0.9",
+     ':11: [film]: [film] does not belong to shape = "sphere", which has none'),
+    ("sphere", '"50 nm"', '"50 nm"\n[force]\nmodel = "kinetic"',
+     ':12: [force.model]: force.model = "kinetic" is not for shape = "sphere"; choose from'),
+    ("carbon", '"a-C"', '"unobtainium"', ':5: flyer.material: material "unobtainium"'),
+    ("carbon", 'material = "a-C"\n', "",
+     ":1: [flyer]: extrapolation has no effect without material"),
+    ("carbon", 'material = "a-C"\nextrapolation = "hold"\n', "",
+     ":1: [flyer]: needs absorption_efficiency and emittance, or a"),
+    ("carbon", 'material = "a-C"\nextrapolation = "hold"\n', "emittance = 0.2\n",
+     ":1: [flyer]: needs absorption_efficiency, or a material"),
+    ("carbon", 'density = "1.8 g/cm^3"\n', "",
+     ":1: [flyer]: a sphere needs either its density or its"),
+    ("carbon", '"hold"', '"hold"\nspectrum = "moon"',
+     ':7: flyer.spectrum: spectrum "moon" is unknown'),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "old", "new", "error"), MISTAKES)
+def test_mistakes_in_a_file_are_one_line_each(flyer_file, kind, old, new, error):
+    path = flyer_file(old, new, FILES[kind])
+    with pytest.raises(lf.ConfigurationError) as caught:
+        lf.read_flyer_file(path)
+    lines = str(caught.value).splitlines()
+    assert any(line.startswith(f"{path}{error}") for line in lines), lines
+    assert all(line.startswith(str(path)) for line in lines)
+    assert len(lines) == 1 or kind in ("hollow", "plate", "sandwich")  # two faults, two lines
+
+
+def test_a_film_outside_the_flyer_is_a_mistake(read):
+    film = FILES["sandwich"].partition("[flyer.bottom]")[2]
+    with pytest.raises(lf.ConfigurationError, match=r"\[film\] does not belong to shape"):
+        read("sandwich", more=f"[film]{film}")
+
+
+@pytest.mark.parametrize(
+    ("kind", "model", "says"),
+    [
+        ("balloon", lf.Lu2023(), "Lu2023 is not for Balloon"),
+        ("plate", lf.Schafer2025(), "Schafer2025 is not for Plate"),
+        ("sandwich", lf.Lu2023(), "Lu2023 is not for Sandwich; it is for Disk"),
+        ("disk", lf.BalloonConvection(), "BalloonConvection is not for Disk"),
+        ("disk", lf.ChannelPump(), "ChannelPump is not for Disk; it is for Plate"),
+        ("disk", lf.Schafer2025(), "Schafer2025 is not for Disk"),
+    ],
+)
+def test_models_are_for_the_flyers_they_name(read, disk, kind, model, says):
+    flyer = disk if kind == "disk" else read(kind).build().flyer
+    with pytest.raises(lf.ParameterError, match=says):
+        lf.Setup(flyer, lf.Chamber(), model)
+    with pytest.raises(lf.ParameterError, match=says):
+        lf.lift(flyer, lf.Chamber().state(1.0), model)

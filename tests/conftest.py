@@ -232,6 +232,31 @@ def run(capsys):
     return command
 
 
+@pytest.fixture
+def prints(run):
+    """What a command prints that ends well and says nothing on the error stream."""
+
+    def command(*arguments):
+        code, text, errors = run(*arguments)
+        assert (code, errors) == (0, "")
+        return text
+
+    return command
+
+
+@pytest.fixture
+def refuses(run):
+    """The one line in which a command says why it does nothing."""
+
+    def command(*arguments):
+        code, text, errors = run(*arguments)
+        assert (code, text, errors.count("\n")) == (2, "", 1), errors
+        assert errors.startswith("lightflyer: error: ")
+        return errors
+
+    return command
+
+
 # runs calls of functions that the scripts before it define; JSON has no infinity and no NaN
 DRIVER = """
 {

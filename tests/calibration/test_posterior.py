@@ -116,7 +116,7 @@ def test_likelihood_of_stated_uncertainties_is_that_of_the_fit(file, stated):
     assert here - away == pytest.approx(0.5 * growth, rel=1e-6)
 
 
-def test_command_draws_the_same_with_the_same_seed(estimated, run, tmp_path):
+def test_command_draws_the_same_with_the_same_seed(estimated, prints, tmp_path):
     fit, drawn = estimated
     columns = (PRESSURE, fit.points.irradiance, DIAMETER)
     rows = [
@@ -126,9 +126,7 @@ def test_command_draws_the_same_with_the_same_seed(estimated, run, tmp_path):
     points, out = tmp_path / "points.csv", tmp_path / "fit"
     points.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
     arguments = ["--posterior", "--samples", FEW, "--seed", "1", "--out", out, "--json"]
-    code, text, errors = run("calibrate", points, *arguments)
-    assert (code, errors) == (0, "")
-    printed = json.loads(text)
+    printed = json.loads(prints("calibrate", points, *arguments))
     written = json.loads((out / "calibration.json").read_text(encoding="utf-8"))
     assert printed == written
     assert printed["posterior"]["draws"] == FEW

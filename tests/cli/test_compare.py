@@ -16,15 +16,13 @@ def files(run, tmp_path):
     return first, second
 
 
-def test_table_and_files(run, files, tmp_path):
+def test_table_and_files(prints, files, tmp_path):
     with files[1].open("a", encoding="utf-8") as file:
         file.write("\n")
     text = files[1].read_text("utf-8")
     files[1].write_text(text.replace("tac_bottom = 0.9", 'tac_bottom = "0.90 ± 0.03"'), "utf-8")
     out = tmp_path / "out"
-    code, text, errors = run("compare", *files, "--out", out, "--samples", "100")
-    assert (code, errors) == (0, "")
-    lines = text.splitlines()
+    lines = prints("compare", *files, "--out", out, "--samples", "100").splitlines()
     assert lines[0] == "A  narrow: disk of 2 cm, Lu2023"
     table = lines[: next(i for i, line in enumerate(lines) if line.startswith("warning"))]
     assert max(map(len, table)) <= 80
@@ -43,27 +41,25 @@ def test_table_and_files(run, files, tmp_path):
     assert {"comparison.png", "comparison.svg"} <= {path.name for path in out.iterdir()}
 
 
-def test_json_within_a_range(run, files):
-    code, text, errors = run("compare", *files, "--altitudes", "65 km to 85 km", "--json")
-    assert (code, errors) == (0, "")
-    summary = json.loads(text)
+def test_json_within_a_range(prints, files):
+    summary = json.loads(prints("compare", *files, "--altitudes", "65 km to 85 km", "--json"))
     assert summary["altitude_range_km"] == pytest.approx([65.0, 85.0])
     assert summary["differing_surroundings"] == {}
 
 
-def test_what_lies_beyond_the_range_asked_for_is_not_denied(run, files):
-    _, text, _ = run("compare", *files, "--altitudes", "50 km to 55 km", "--samples", "0")
+def test_what_lies_beyond_the_range_asked_for_is_not_denied(prints, files):
+    text = prints("compare", *files, "--altitudes", "50 km to 55 km", "--samples", "0")
     assert text.count("not in range") == 2
     assert "nowhere" not in text
 
 
-def test_one_file_given_twice_is_said(run, files):
-    _, text, _ = run("compare", files[0], files[0], *files[1:], "--samples", "0")
+def test_one_file_given_twice_is_said(prints, files):
+    text = prints("compare", files[0], files[0], *files[1:], "--samples", "0")
     assert text.count("are the same design") == 1
     assert "narrow and narrow (2) are the same design" in " ".join(text.split())
 
 
-def test_mistakes_are_one_line_each(run, files, tmp_path):
+def test_mistakes_are_one_line_each(run, refuses, files, tmp_path):
     chamber = tmp_path / "chamber.toml"
     run("init", chamber, "--kind", "chamber")
     broken = tmp_path / "broken.toml"
@@ -79,8 +75,7 @@ def test_mistakes_are_one_line_each(run, files, tmp_path):
         ((*files, "--pressures", "1 Pa to 3 Pa"), "narrow.toml is described over altitude"),
         ((*files, "--samples", "7"), "samples = 7"),
     ):
-        code, text, errors = run("compare", *arguments)
-        assert (code, text) == (2, "")
+        errors = refuses("compare", *arguments)
         assert told in errors
         assert errors.startswith("lightflyer: error: ")
         assert errors.count("\n") == 1

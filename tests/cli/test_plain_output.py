@@ -13,18 +13,12 @@ import lightflyer
 CLI = Path(lightflyer.__file__).parent / "cli"
 
 
-def test_brackets_in_names_are_no_markup(run, tmp_path, monkeypatch):
+def test_brackets_in_names_are_no_markup(prints, refuses, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    code, out, _ = run("init", "o[red]x.toml", "--model", "lu2023")
-    assert code == 0
-    assert "wrote o[red]x.toml" in out
-    code, out, _ = run("predict", "o[red]x.toml", "--out", "run [/b] x :smile:")
-    assert code == 0
-    assert "run [/b] x :smile:" in out
-    code, out, _ = run("predict", "a[/b].toml")
-    assert code == 2
-    code, out, _ = run("materials")
-    assert "[um]" in out
+    assert "wrote o[red]x.toml" in prints("init", "o[red]x.toml", "--model", "lu2023")
+    assert "run [/b] x :smile:" in prints("predict", "o[red]x.toml", "--out", "run [/b] x :smile:")
+    refuses("predict", "a[/b].toml")
+    assert "[um]" in prints("materials")
 
 
 def test_one_place_makes_consoles():
@@ -60,7 +54,6 @@ def test_a_narrow_terminal_loses_columns_not_digits(run, flyer_file, monkeypatch
     assert not [line for line in table.splitlines() if len(line) > 50]
 
 
-def test_no_table_is_wrapped_in_a_pipe(run, monkeypatch):
+def test_no_table_is_wrapped_in_a_pipe(prints, monkeypatch):
     monkeypatch.delenv("COLUMNS", raising=False)
-    _, text, _ = run("materials")
-    assert max(map(len, text.splitlines())) > 100
+    assert max(map(len, prints("materials").splitlines())) > 100

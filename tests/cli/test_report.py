@@ -60,10 +60,9 @@ def points(tmp_path):
     return write
 
 
-def test_the_page_says_what_the_terminal_says(run, points, tmp_path):
+def test_the_page_says_what_the_terminal_says(prints, points, tmp_path):
     path, target = points(), tmp_path / "report.html"
-    code, printed, errors = run("lab", "levitation", path, "--report", target)
-    assert (code, errors) == (0, "")
+    printed = prints("lab", "levitation", path, "--report", target)
     assert printed.splitlines()[-1] == f"wrote {target}"
     found = Elements(target.read_text(encoding="utf-8"))
     text = " ".join(" ".join(found.texts).split())
@@ -140,10 +139,9 @@ def test_the_figure_is_within_the_page_and_says_what_it_shows(run, points, tmp_p
     assert 'alt="irradiance to levitate [kW/m²]' in target.read_text("utf-8")
 
 
-def test_nothing_that_a_file_contains_becomes_markup(run, points, tmp_path):
+def test_nothing_that_a_file_contains_becomes_markup(prints, points, tmp_path):
     target = tmp_path / "report.html"
-    code, _, _ = run("lab", "levitation", points(*PAYLOADS), "--report", target)
-    assert code == 0
+    prints("lab", "levitation", points(*PAYLOADS), "--report", target)
     found = Elements(target.read_text(encoding="utf-8"))
     assert set(found.tags) <= ALLOWED
     assert not any(name.startswith("on") for name, _ in found.attributes)
@@ -159,27 +157,21 @@ def test_a_page_runs_and_fetches_nothing():
     assert "https:" not in whole
 
 
-def test_warnings_and_json_are_on_the_page(run, points, tmp_path):
+def test_warnings_and_json_are_on_the_page(run, prints, points, tmp_path):
     target = tmp_path / "report.html"
-    code, printed, _ = run("lab", "levitation", points(), "--json", "--report", target)
-    assert code == 0
-    assert printed.startswith("{")
+    assert prints("lab", "levitation", points(), "--json", "--report", target).startswith("{")
     text = "".join(Elements(target.read_text(encoding="utf-8")).texts)
     assert '"warnings"' in text
     run("lab", "levitation", points(), "--report", target)
     assert '<p class="warning">warning: ' in target.read_text(encoding="utf-8")
 
 
-def test_a_command_that_fails_writes_no_page(run, points, tmp_path):
+def test_a_command_that_fails_writes_no_page(prints, refuses, points, tmp_path):
     path, target = points(), tmp_path / "report.html"
     path.write_text(path.read_text().replace("1500", "-1500"), encoding="utf-8")
-    code, _, errors = run("lab", "levitation", path, "--columns", "speed", "--report", target)
-    assert code == 2
-    assert errors.count("\n") == 1
+    refuses("lab", "levitation", path, "--columns", "speed", "--report", target)
     assert not target.exists()
-    code, printed, _ = run("lab", "levitation", points())  # and is not recorded any more
-    assert code == 0
-    assert "report.html" not in printed
+    assert "report.html" not in prints("lab", "levitation", points())
 
 
 @pytest.mark.parametrize(
@@ -191,12 +183,10 @@ def test_a_command_that_fails_writes_no_page(run, points, tmp_path):
     ],
 )
 def test_a_page_that_cannot_be_written_is_refused_before_the_work(
-    run, points, tmp_path, name, message
+    refuses, points, tmp_path, name, message
 ):
     (tmp_path / "folder.html").mkdir()
-    code, printed, errors = run("lab", "levitation", points(), "--report", tmp_path / name)
-    assert code == 2
-    assert printed == ""
+    errors = refuses("lab", "levitation", points(), "--report", tmp_path / name)
     assert message in errors
     assert errors.count("\n") == 1
 

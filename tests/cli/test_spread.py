@@ -55,10 +55,9 @@ def mission(tmp_path):
     return write
 
 
-def test_a_swarm_is_spread_and_kept(run, mission, tmp_path):
+def test_a_swarm_is_spread_and_kept(prints, mission, tmp_path):
     out = tmp_path / "swarm"
-    code, shown, errors = run("spread", mission(), "--out", out, "--format", "png")
-    assert code == 0, errors
+    shown = prints("spread", mission(), "--out", out, "--format", "png")
     assert "within 40 km of 45° N, 10° E" in shown
     summary = json.loads((out / "spread.json").read_text(encoding="utf-8"))
     assert summary["members"] == 3
@@ -70,7 +69,7 @@ def test_a_swarm_is_spread_and_kept(run, mission, tmp_path):
     assert (out / "spread.png").stat().st_size > 300
     kept = next(out.glob("members/batch-*"))
     when = kept.stat().st_mtime_ns
-    code, again, _ = run("spread", mission(), "--out", out, "--format", "png", "--json")
+    again = prints("spread", mission(), "--out", out, "--format", "png", "--json")
     assert json.loads(again) == summary
     assert kept.stat().st_mtime_ns == when  # nothing is flown again
 
@@ -83,8 +82,7 @@ def test_a_swarm_is_spread_and_kept(run, mission, tmp_path):
     (("[flyer]", "[flyer]"), ("--members", "0"), "0 members is none"),
     (("[flyer]", "[flyer]"), ("--scheduler", "nowhere"), "nowhere"),
 ])  # fmt: skip
-def test_what_is_no_swarm_is_refused_in_one_line(run, mission, change, options, said):
-    code, _, errors = run("spread", mission(change), *options)
-    assert code == 2
+def test_what_is_no_swarm_is_refused_in_one_line(refuses, mission, change, options, said):
+    errors = refuses("spread", mission(change), *options)
     (line,) = [line for line in errors.splitlines() if "error" in line]
     assert said in line

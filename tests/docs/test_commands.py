@@ -47,10 +47,8 @@ def test_the_page_is_in_the_lists_that_lead_to_it(name):
 
 
 @pytest.mark.parametrize("name", [name for name in COMMANDS if name != "lab"])
-def test_the_page_has_the_options_of_the_help(name, run):
-    code, printed, _ = run(*name.split(), "--help")
-    assert code == 0
-    offered = _first_words(r"│[ *]*(--\w.*)", printed)
+def test_the_page_has_the_options_of_the_help(name, prints):
+    offered = _first_words(r"│[ *]*(--\w.*)", prints(*name.split(), "--help"))
     listed = options(name)
     assert offered == _first_words(r"^\* `(--[^`]*)`", listed)
     page = (PAGES / f"{name.replace(' ', '-')}.md").read_text(encoding="utf-8")

@@ -47,14 +47,12 @@ def job(name, workplace, document, **choices):
     )
 
 
-def test_page_shows_what_the_command_line_prints(workplace, document, tmp_path, run):
+def test_page_shows_what_the_command_line_prints(workplace, document, tmp_path, prints):
     document["flyer"]["diameter"] = "2.3456789 cm"
     shown = pages.ANSWERS["predict"](workplace, {"document": document})
     path = tmp_path / "flyer.toml"
     path.write_bytes(download("toml", workplace, document, Choices()).content)
-    code, printed, _ = run("predict", path, "--json")
-    assert code == 0
-    told = json.loads(printed)
+    told = json.loads(prints("predict", path, "--json"))
     for key, value in shown["summary"].items():
         assert told[key] == value, key  # to the last digit
 
@@ -124,11 +122,10 @@ def test_bands_are_those_that_the_samples_of_the_command_have(workplace, uncerta
     assert "500 samples" in found["note"]
 
 
-def test_verdict_is_that_of_the_command(workplace, tmp_path, run):
+def test_verdict_is_that_of_the_command(workplace, tmp_path, run, prints):
     """A flyer whose film survives in a third of the samples is no flyer that survives."""
     run("init", tmp_path / "laden.toml", "--kind", "laden")
-    code, printed, _ = run("predict", tmp_path / "laden.toml")
-    assert code == 0
+    printed = prints("predict", tmp_path / "laden.toml")
     document = tomllib.loads((tmp_path / "laden.toml").read_text(encoding="utf-8"))
     first = pages.ANSWERS["predict"](workplace, {"document": document})["verdict"]
     assert first["state"] == "unsure"  # until samples say more

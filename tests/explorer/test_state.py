@@ -134,7 +134,7 @@ def test_files_that_the_opened_file_names_may_be_anywhere(tmp_path):
         workplace.design({**document, "payload": {"reserve": "../0"}})
 
 
-def test_command_serves_the_file_and_says_where(tmp_path, run, monkeypatch):
+def test_command_serves_the_file_and_says_where(tmp_path, prints, monkeypatch):
     served = []
 
     def serve(workplace, port, opened):
@@ -144,19 +144,15 @@ def test_command_serves_the_file_and_says_where(tmp_path, run, monkeypatch):
     monkeypatch.setattr(server, "serve", serve)
     path = tmp_path / "mine.toml"
     path.write_text(to_toml(DOCUMENTS["mission"]), encoding="utf-8")
-    code, printed, _ = run("explore", path, "--no-browser", "--port", "8123")
-    assert code == 0
-    assert "http://127.0.0.1:8123/" in printed
+    assert "http://127.0.0.1:8123/" in prints("explore", path, "--no-browser", "--port", "8123")
     ((workplace, port),) = served
     assert (workplace.initial["mission"]["altitude"], port) == ("75 km", 8123)
 
 
-def test_wrong_file_ends_the_command_with_its_line(tmp_path, run):
+def test_wrong_file_ends_the_command_with_its_line(tmp_path, refuses):
     path = tmp_path / "flyer.toml"
     path.write_text('[flyer]\ndiameter = "2 xm"\n', encoding="utf-8")
-    code, _, error = run("explore", path, "--no-browser")
-    assert code == 2
-    (line,) = error.splitlines()
+    (line,) = refuses("explore", path, "--no-browser").splitlines()
     assert line.startswith(f'lightflyer: error: {path}:2: flyer.diameter: "2 xm"')
 
 

@@ -39,3 +39,28 @@ def lab(run, monkeypatch):
         return code, "\n".join([*unwrap(out), ""]) if lines else out, err
 
     return command
+
+
+@pytest.fixture
+def lab_prints(lab):
+    """What a command prints that ends well and says nothing on the error stream."""
+
+    def command(*arguments):
+        code, text, errors = lab(*arguments)
+        assert (code, errors) == (0, "")
+        return text
+
+    return command
+
+
+@pytest.fixture
+def lab_refuses(lab):
+    """The one line in which a command says why it does nothing."""
+
+    def command(*arguments):
+        code, text, errors = lab(*arguments)
+        assert (code, text, errors.count("\n")) == (2, "", 1), errors
+        assert errors.startswith("lightflyer: error: ")
+        return errors
+
+    return command

@@ -8,11 +8,10 @@ VANE = ("--diameter", "12 cm", "--hot", "419 ± 2 K", "--cold", "394 ± 2 K")
 CURVE = ("--pressures", "0.01 Pa, 10 Pa")
 
 
-def test_points_beside_the_curve(folder, lab):
+def test_points_beside_the_curve(folder, lab_prints):
     text = "pressure [mTorr], force [uN], force_uncertainty [uN]\n1, 16, 1\n4, 27, 1\n20, 19, 1\n"
     (folder / "vane.csv").write_text(text, encoding="utf-8")
-    code, out, err = lab("force", "vane.csv", *VANE, "--out", "o")
-    assert (code, err) == (0, "")
+    out = lab_prints("force", "vane.csv", *VANE, "--out", "o")
     assert "assumes a thin vane in open space" in out
     assert "bands contain both, and that normal motion" in " ".join(out.split())
     assert "largest force predicted: 27." in out

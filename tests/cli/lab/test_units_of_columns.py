@@ -160,7 +160,7 @@ def numbers_in(found, path=""):
 
 
 @pytest.fixture
-def reduced(run, examples, monkeypatch):
+def reduced(prints, examples, monkeypatch):
     """Numbers that a command finds, after a change of its files."""
 
     monkeypatch.setenv("COLUMNS", "200")
@@ -175,8 +175,7 @@ def reduced(run, examples, monkeypatch):
             text = (folder / file).read_text(encoding="utf-8")
             unit, size = COMMANDS[command][1][file][column]
             (folder / file).write_text(in_other_unit(text, column, unit, size), encoding="utf-8")
-        code, out, errors = run(*words, *shlex.split(COMMANDS[command][0]), "--json")
-        assert code == 0, errors
+        out = prints(*words, *shlex.split(COMMANDS[command][0]), "--json")
         return dict(numbers_in(json.loads(out)))
 
     return numbers
@@ -199,17 +198,16 @@ def test_a_column_in_another_unit_changes_no_result(reduced, unchanged, command,
         assert math.isclose(found[place], value, rel_tol=1e-5, abs_tol=1e-9), place
 
 
-def test_all_columns_of_a_light_meter_in_another_unit(run, examples):
+def test_all_columns_of_a_light_meter_in_another_unit(prints, examples):
     folder = examples("thermography")
     command = ("lab", "thermography", "light-meter.csv", "--light-meter", "--draws", "1000")
-    _, expected, _ = run(*command, "--json")
+    expected = prints(*command, "--json")
     text = (folder / "light-meter.csv").read_text(encoding="utf-8")
     for name in ("incident", "reflected", "transmitted", "dark"):
         column = next(one for one in re.split("[,;\n]", text) if one.startswith(name))
         text = in_other_unit(text, column, "mW/m^2", MILLI)
     (folder / "light-meter.csv").write_text(text, encoding="utf-8")
-    code, found, errors = run(*command, "--json")
-    assert code == 0, errors
+    found = prints(*command, "--json")
     pairs = zip(numbers_in(json.loads(found)), numbers_in(json.loads(expected)), strict=True)
     for (place, value), (_, other) in pairs:
         assert place.startswith(".read") or math.isclose(value, other, rel_tol=1e-6), place

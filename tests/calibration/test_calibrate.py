@@ -637,38 +637,31 @@ def test_clear_errors(setup, exact, free, says):
     assert "\n" not in str(raised.value)
 
 
-def test_a_name_that_two_numbers_have(exact, setup):
+THIRD = np.arange(14) == 3
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        ({"conductance": np.ones(14)}, "conductance is not a number of the design"),
+        ({"pressure": np.where(THIRD, 1e-6, PRESSURE)},
+         r"no irradiance levitates synthetic 2 cm at 1e-06 Pa \(1 of 14 points\)"),
+        ({"irradiance_uncertainty": np.where(THIRD, 0.0, 1.0)}, "point 4 has no uncertainty"),
+    ],
+)  # fmt: skip
+def test_points_of_no_use(setup, exact, more, says):
+    with pytest.raises(lf.ParameterError, match=says):
+        lf.calibrate(setup, points=points(exact, **more))
+
+
+def test_designs_and_points_that_do_not_go_together(setup, exact):
+    with pytest.raises(lf.ParameterError, match="coordinate of this environment is altitude"):
+        lf.calibrate(setup.flyer, lf.Earth(), setup.model, points=points(exact))
+    few = Points("few.csv", SAMPLES[:2], {"pressure": PRESSURE[:2], "irradiance": exact[:2]})
+    with pytest.raises(lf.ParameterError, match=r"few.csv: 2 points cannot determine 2 parameters"):
+        lf.calibrate(setup, points=few)
     walls = lf.Setup(setup.flyer, lf.Chamber(radius=0.2), setup.model)
     with pytest.raises(lf.ParameterError, match=r'"radius" is ambiguous: flyer.radius, '):
         lf.calibrate(walls, points=points(exact), free=["radius"])
     # a column describes the flyer
     assert lf.calibrate(walls, points=points(exact)).values == pytest.approx(TRUTH, rel=1e-6)
-
-
-def test_a_column_that_is_no_number_of_the_flyer(setup, exact):
-    with pytest.raises(lf.ParameterError, match="conductance is not a number of the design"):
-        lf.calibrate(setup, points=points(exact, conductance=np.ones(14)))
-
-
-def test_only_where_the_coordinate_is_the_pressure(setup, exact):
-    with pytest.raises(lf.ParameterError, match="coordinate of this environment is altitude"):
-        lf.calibrate(setup.flyer, lf.Earth(), setup.model, points=points(exact))
-
-
-def test_fewer_points_than_parameters(setup, exact):
-    few = Points("few.csv", SAMPLES[:2], {"pressure": PRESSURE[:2], "irradiance": exact[:2]})
-    with pytest.raises(lf.ParameterError, match=r"few.csv: 2 points cannot determine 2 parameters"):
-        lf.calibrate(setup, points=few)
-
-
-def test_points_out_of_reach(setup, exact):
-    thin = points(exact, pressure=np.where(np.arange(14) == 3, 1e-6, PRESSURE))
-    says = r"no irradiance levitates synthetic 2 cm at 1e-06 Pa \(1 of 14 points\)"
-    with pytest.raises(lf.ParameterError, match=says):
-        lf.calibrate(setup, points=thin)
-
-
-def test_an_uncertainty_that_is_missing_for_one_point(setup, exact):
-    some = np.where(np.arange(14) == 3, 0.0, 0.01 * exact)
-    with pytest.raises(lf.ParameterError, match="point 4 has no uncertainty"):
-        lf.calibrate(setup, points=points(exact, irradiance_uncertainty=some))

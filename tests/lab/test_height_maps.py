@@ -14,6 +14,8 @@ from lightflyer.lab.readers.microscopes import Channel, choose_channel
 from lightflyer.lab.readers.number_matrix import read_number_matrix
 from lightflyer.lab.surface.reduction import roughness, to_dataset
 
+from .damage import damaged
+
 pytest.importorskip("SurfaceTopography")
 FILES = Path(__file__).parent / "height_maps"
 SHAPE = (40, 48)
@@ -233,21 +235,6 @@ def test_options_of_a_matrix_are_refused_where_the_file_states_them():
 def test_a_name_need_not_tell_the_format(tmp_path):
     (tmp_path / "map.dat").write_bytes((FILES / "wsxm.top").read_bytes())
     assert read_height_map(tmp_path / "map.dat").channel == "Topography"
-
-
-def damaged(content, rng, header_size):
-    """Bytes changed, put in or taken out of the header, or the end cut off."""
-    kind = rng.integers(4)
-    at = int(rng.integers(header_size))
-    size = int(rng.integers(1, 5))
-    noise = rng.integers(0, 256, size, dtype=np.uint8).tobytes()
-    if kind == 0:
-        return content[: int(rng.integers(len(content)))], "cut"
-    if kind == 1:
-        return content[:at] + noise + content[at + size :], "changed"
-    if kind == 2:
-        return content[:at] + noise + content[at:], "put in"
-    return content[:at] + content[at + size :], "taken out"
 
 
 @pytest.mark.slow

@@ -25,6 +25,8 @@ from lightflyer.lab.readers.spectra.interpretation import (
 from lightflyer.lab.readers.spectra.jcamp_dx import last_digit, read_rows
 from lightflyer.lab.readers.spectrum_data import format_of, read_raw, read_spectrum
 
+from .damage import damaged
+
 SAMPLES = Path(__file__).parent / "spectra"
 DAMAGES = 200
 
@@ -543,25 +545,6 @@ def contents():
     yield "built.dx", linked(jdx(), jdx(yunits="REFLECTANCE")).encode()
 
 
-def damaged(content, number, rng):
-    """Replaced, cut out, put in, cut off or set to zero; every other time near the start."""
-    data = bytearray(content)
-    at = int(rng.integers(0, len(data) if number % 2 else min(len(data), 1200)))
-    some = int(rng.integers(1, 9))
-    match number % 5:
-        case 0:
-            data[at : at + some] = rng.bytes(some)
-        case 1:
-            del data[at : at + some]
-        case 2:
-            data[at:at] = rng.bytes(some)
-        case 3:
-            del data[at:]
-        case _:
-            data[at : at + some] = bytes(some)
-    return bytes(data)
-
-
 CONTENTS = dict(contents())
 
 
@@ -572,7 +555,8 @@ def test_damage_gives_one_line_or_a_spectrum(name):
     wants = ReadOptions(quantity="transmittance")
     said: list[str] = []
     for number in range(DAMAGES):
-        source = Source(Path(name), damaged(content, number, rng))
+        bad, _ = damaged(content, rng, len(content) if number % 2 else 1200)
+        source = Source(Path(name), bad)
         try:
             kind = format_of(source)
             if kind is None:

@@ -22,6 +22,8 @@ from lightflyer.lab.thermography.thermal_image import (
     setting_warnings,
 )
 
+from .damage import damaged
+
 FILES = Path(__file__).parent / "thermal_images"
 CELSIUS = 273.15
 
@@ -238,18 +240,6 @@ def test_a_scale_is_a_temperature(text):
         parse_scale(text)
 
 
-def damaged(content, rng):
-    at, size = int(rng.integers(min(len(content), 900))), int(rng.integers(1, 5))
-    noise = rng.integers(0, 256, size, dtype=np.uint8).tobytes()
-    kinds = (
-        content[: int(rng.integers(len(content)))],
-        content[:at] + noise + content[at + size :],
-        content[:at] + noise + content[at:],
-        content[:at] + content[at + size :],
-    )
-    return kinds[rng.integers(4)]
-
-
 @pytest.mark.parametrize(
     "name", ["flir-ax8.jpg", "zenmuse-xt.jpg", "research-ir.fff", "flir-vue.tiff", "matrix.csv"]
 )
@@ -261,7 +251,7 @@ def test_damage_gives_an_image_or_one_line(name, tmp_path):
     rng = np.random.default_rng(2)
     said = []
     for _ in range(200):
-        path.write_bytes(damaged(content, rng))
+        path.write_bytes(damaged(content, rng, 900)[0])
         try:
             found = read_thermal_image(path, scale=scale)
         except lf.ConfigurationError as error:

@@ -86,6 +86,8 @@ FLYERS = [
     ("earth", "tac_top = 0.8", "", r"\[film\] needs tac_top"),
     ("earth", "emittance = 0.08", "emittance = 0.08\nemittance_top = 0.1", "not both"),
     ("earth", "emittance = 0.08", "", "give emittance, or both"),
+    ("earth", "emittance = 0.08", "emittance = 1.4", "film.emittance = 1.4: must be between 0"),
+    ("earth", "[film]", "[film]\ntac_correlation = 1.5", "must be between -1 and 1"),
     ("earth", 'kind = "earth"', 'kind = "moon"', "choose from"),
     ("earth", '"us1976"', '"us1967"', "choose from us1976"),
     ("earth", '"us1976"', '"nrlmsis"', "needs date, latitude, longitude, f107 and ap"),
@@ -215,9 +217,11 @@ COMMANDS = [
     ("predict flyer.toml --at 70kg", "of the wrong kind"),
     ("predict flyer.toml --at 3Pa", "of the wrong kind"),
     ("predict flyer.toml --at 2000km", "--at: altitude 2000km must be between"),
+    ("predict flyer.toml --at , --out o", "--at"),
     ("predict flyer.toml --samples -3", "--samples. Must be >= 0"),
     ("predict flyer.toml --samples 1000000000", "--samples. Must be <= 1000000"),
     ("predict flyer.toml --samples many", '"many" is not a whole number'),
+    ("predict flyer.toml --samples 1 --out o", "give at least 100 for a 95 % band, or 0"),
     ("predict flyer.toml --seed -1", "--seed. Must be >= 0"),
     ("predict flyer.toml --csv", "add --out FOLDER"),
     ("predict flyer.toml --format pdf", "add --out FOLDER"),
@@ -240,6 +244,12 @@ COMMANDS = [
     ("calibrate points.csv --flyer flyer.toml", "levitation points need a chamber"),
     ("calibrate points.csv --step 200", "has no unit"),
     ("calibrate points.csv --pressure-accuracy 5", 'per cent are written "5 %"'),
+    ("calibrate points.csv --pressure-accuracy 5Pa", "--pressure-accuracy: "),
+    ("calibrate points.csv --irradiance-accuracy 150%", "= 1.5 is not between 0 and 1"),
+    ("calibrate points.csv --step 90kW/m^2 --out o", "is not smaller than the least irradiance"),
+    ("calibrate points.csv --free C_FM", 'did you mean "c_fm"'),
+    ("calibrate points.csv --free irradiance", "irradiance has no effect on the light that lifts"),
+    ("calibrate points.csv --free c_fm,density --out o", "density is not a number of the design"),
     ("calibrate points.csv --columns a,b", "has no row"),
     ("calibrate one.csv", "1 point cannot determine 2 parameters"),
     ("sweep study.toml", r"sweep needs --out \(folder for the results"),
@@ -259,6 +269,13 @@ COMMANDS = [
     ("kinetic --kn 1", r"kinetic needs --tac-top \(.* and --tac-bottom \("),
     (f"{KINETIC} --gas xenon", 'Choose from: "monatomic", "diatomic"'),
     (f"{KINETIC} --boundary 1", "is not at least 1.5"),
+    (f"{KINETIC} --temperature-ratio 2 --top-temperature 1", "--top-temperature"),
+    (f"{KINETIC} --top-temperature inf", "--top-temperature = inf is not a finite number"),
+    (f"{KINETIC} --top-temperature-ratio 2", "--top-temperature-ratio needs --temperature-ratio"),
+    (f"{KINETIC} --open-fraction 1 --out o", "--open-fraction = 1 is not between 0 and 0.999"),
+    (f"{KINETIC} --wall rough", "rough"),
+    (f"{KINETIC} --tangential-accommodation 0.9", "--tangential-accommodation"),
+    (f"{KINETIC} --wall cercignani-lampis --tangential-accommodation 0.2", "no wall has tac_top"),
     (f"{KINETIC} --floor 2 --lid 3", "--lid needs --side; alone it does nothing"),
     (f"{KINETIC} --floor-temperature 0.1", "--floor-temperature needs --floor"),
     (f"{KINETIC} --floor 0.01 --lid 3 --side 3", "--floor = 0.01 is not at least 0.1"),
@@ -398,6 +415,12 @@ def test_a_mistake_in_python_names_the_argument(make, named):
         make()
     assert named in str(caught.value)
     assert str(caught.value).count("\n") == 0
+
+
+def test_altitudes_beyond_the_atmosphere(refuses, flyer_file):
+    path = flyer_file('"0 deg"', '"0 deg"\naltitude_max = "300 km"')
+    assert "altitude" in refuses("predict", path, "--out", path.parent / "out")
+    assert not (path.parent / "out").exists()
 
 
 def test_the_number_of_mistakes_looked_at():

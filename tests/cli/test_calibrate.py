@@ -44,31 +44,6 @@ def test_flyer_file_and_names_in_full(folder, prints):
     assert parameters["force.c_fm"]["value"] == pytest.approx(0.45, rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("text", "arguments", "says"),
-    [
-        ("sample,pressure [Pa]\na,1\n", [], "points.csv:1: the column irradiance is missing"),
-        ("sample,pressure [Pa],irradiance [W/m^2]\na,2,900\n", [], "1 point cannot determine"),
-        (None, ["--free", "c_fm,density"], "density is not a number of the design"),
-        (None, ["--free", " , "], "no parameters to fit"),
-    ],
-)
-def test_bad_input(folder, refuses, text, arguments, says):
-    if text:
-        (folder / "points.csv").write_text(text, encoding="utf-8")
-    errors = refuses("calibrate", "points.csv", "--out", "fit", *arguments)
-    assert says in errors
-    assert errors.count("\n") == 1
-    assert not (folder / "fit").exists()
-
-
-def test_points_over_altitude_are_refused(prints, refuses):
-    prints("init", "--kind", "earth", "earth.toml")
-    errors = refuses("calibrate", "points.csv", "--flyer", "earth.toml")
-    assert "earth.toml: levitation points need a chamber" in errors
-    assert errors.count("\n") == 1
-
-
 @pytest.mark.slow
 def test_table_and_json_say_which_interval_is_which(folder, prints):
     prints("init", "--kind", "chamber", "flyer.toml")
@@ -113,22 +88,6 @@ def test_the_points_of_the_documentation(folder, run, prints):
     run("init", "--kind", "chamber", "chamber.toml")
     assert "c_fm" in prints("calibrate", "points.csv", "--flyer", "chamber.toml", "--out", "fit")
     assert (folder / "fit" / "residuals.png").exists()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (["--step", "200"], "--step: "),
-        (["--step", "9 kW/m^2"], "is not smaller than the least irradiance"),
-        (["--pressure-accuracy", "5 Pa"], "--pressure-accuracy: "),
-        (["--irradiance-accuracy", "150 %"], "--irradiance-accuracy = 1.5 is not between 0 and 1"),
-    ],
-)
-def test_bad_options(folder, refuses, arguments, says):
-    errors = refuses("calibrate", "points.csv", "--out", "fit", *arguments)
-    assert says in errors
-    assert errors.count("\n") == 1
-    assert not (folder / "fit").exists()
 
 
 @pytest.fixture
@@ -222,13 +181,6 @@ def test_samples_named_like_formulas_are_none(folder, run):
     assert all(row.startswith("'=1+1,") for row in rows)
 
 
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        (["--free", "C_FM"], 'did you mean "c_fm"?'),
-        (["--free", "irradiance"], "irradiance has no effect on the light that lifts"),
-        (["--pressure-accuracy", "0.5"], "is 50 %: more than of any such instrument"),
-    ],
-)
-def test_slips_are_named(run, options, says):
-    assert says in run("calibrate", "points.csv", *options)[2]
+def test_an_accuracy_in_per_cent_without_its_sign_is_said(run):
+    errors = run("calibrate", "points.csv", "--pressure-accuracy", "0.5")[2]
+    assert "is 50 %: more than of any such instrument" in errors

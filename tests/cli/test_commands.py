@@ -187,32 +187,6 @@ def test_tac_above_one_warns_in_one_line(run, flyer_file):
     assert "It flies from " in text
 
 
-BAD = [
-    (("emittance = 0.08", "emittance = 1.4"), (), "film.emittance = 1.4"),
-    (("", ""), ("--at", "72"), "--at"),
-    (("", ""), ("--at", "5 Pa"), "--at"),
-    (("", ""), ("--at", "400 km"), "altitude"),
-    (("", ""), ("--at", ","), "--at"),
-    (("", ""), ("--colour", "red"), "--colour"),
-    (('"0 deg"', '"0 deg"\naltitude_max = "300 km"'), (), "altitude"),
-]
-
-
-@pytest.mark.parametrize(("change", "options", "message"), BAD)
-def test_bad_input_is_one_line_exit_code_two_and_no_file(
-    refuses, flyer_file, tmp_path, change, options, message
-):
-    out = tmp_path / "out"
-    errors = refuses("predict", flyer_file(*change), "--out", out, *options)
-    assert message in errors
-    assert "Traceback" not in errors
-    assert not out.exists()
-
-
-def test_a_missing_file_is_one_line(refuses, tmp_path):
-    assert "cannot be read" in refuses("predict", tmp_path / "nowhere.toml")
-
-
 def test_a_folder_that_cannot_be_written_is_one_line(refuses, flyer_file, tmp_path):
     (tmp_path / "file").write_text("in the way")
     assert "cannot be written" in refuses("predict", flyer_file(), "--out", tmp_path / "file")

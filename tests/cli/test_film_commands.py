@@ -249,6 +249,4 @@ def test_a_sample_by_angle(prints, film_file, tmp_path):
 
 @pytest.mark.parametrize("asked", ["90 deg", "-1 deg,3 deg", "5 nm", "often"])
 def test_angles_that_are_none(refuses, film_file, asked):
-    errors = refuses("film", film_file(), "--angles", asked)
-    assert "--angles" in errors
-    assert len(errors.strip().splitlines()) == 1
+    assert "--angles" in refuses("film", film_file(), "--angles", asked)

@@ -62,38 +62,6 @@ def test_table_of_a_hot_disk(prints, monkeypatch):
     assert "heat, bottom" in text
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (("--boundary", "0.5"), "--boundary = 0.5 is not at least 1.5"),
-        (("--temperature-ratio", "4"), "--temperature-ratio = 4 is not between 0.5 and 3.5"),
-        (("--temperature-ratio", "2", "--top-temperature", "1"), "--top-temperature"),
-        (("--open-fraction", "1"), "--open-fraction = 1 is not between 0 and 0.999"),
-        (("--top-temperature-ratio", "2"), "--top-temperature-ratio needs --temperature-ratio"),
-        (("--gas", "argon"), "argon"),
-        (("--wall", "rough"), "rough"),
-        (("--tangential-accommodation", "0.9"), "--tangential-accommodation"),
-        (
-            ("--wall", "cercignani-lampis", "--tangential-accommodation", "0.2"),
-            "no wall has tac_top",
-        ),
-        (("--top-temperature", "inf"), "--top-temperature = inf is not a finite number"),
-    ],
-)
-def test_bad_input_is_one_line(run, tmp_path, arguments, says):
-    out = tmp_path / "out"
-    code, text, errors = run(*CASE, *arguments, "--out", out)
-    assert code == 2
-    assert says in errors
-    assert text == ""
-    assert not out.exists()
-
-
-def test_the_knudsen_number_is_called_as_its_option(refuses):
-    errors = refuses("kinetic", "--kn", "0.01", "--tac-top", "0.8", "--tac-bottom", "0.9")
-    assert "--kn = 0.01 is not between 0.03 and 100" in errors
-
-
 def test_a_folder_that_cannot_be_written_is_found_before_solving(refuses, tmp_path, monkeypatch):
     monkeypatch.setattr(solver, "_case", None)  # any solution would fail on it
     (tmp_path / "file").write_text("")

@@ -95,24 +95,6 @@ def test_first_order_alone(prints, folder):
     assert "monte_carlo" not in results["best.payload_mg"]
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "arguments", "says"),
-    [
-        ("", "", ["--samples", "-1"], "--samples. Must be >= 0"),
-        ("", "", ["--samples", "1"], "--samples = 1: give at least 100 for a 95 % band, or 0"),
-        ("", "", ["--seed", "-1"], "--seed. Must be >= 0"),
-        ("= 0.5", "= 1.5", [], "film.tac_correlation = 1.5: must be between -1 and 1"),
-    ],
-)
-def test_bad_input(refuses, folder, old, new, arguments, says):
-    text = FILE.replace(old, new) if old else FILE
-    (folder / "flyer.toml").write_text(text, encoding="utf-8")
-    errors = refuses("predict", folder / "flyer.toml", "--out", folder / "out", *arguments)
-    assert says in errors
-    assert errors.count("\n") == 1
-    assert not (folder / "out").exists()
-
-
 @pytest.mark.parametrize(("highest", "has_bands"), [("520 K", True), ("300 K", False)])
 def test_brackets_are_explained_where_there_are_any(prints, folder, highest, has_bands):
     text = FILE.replace("[environment]", f'highest_temperature = "{highest}"\n[environment]')

@@ -186,9 +186,7 @@ def test_a_page_that_cannot_be_written_is_refused_before_the_work(
     refuses, points, tmp_path, name, message
 ):
     (tmp_path / "folder.html").mkdir()
-    errors = refuses("lab", "levitation", points(), "--report", tmp_path / name)
-    assert message in errors
-    assert errors.count("\n") == 1
+    assert message in refuses("lab", "levitation", points(), "--report", tmp_path / name)
 
 
 def test_lines_that_a_terminal_breaks_are_whole_again(rng):

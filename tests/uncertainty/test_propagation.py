@@ -113,6 +113,32 @@ def test_first_order_is_that_of_repeated_predictions():
         assert uncertain.first_order[name] == pytest.approx(expected, rel=5e-3), name
 
 
+def test_bands_of_light_to_first_order_are_even_in_its_logarithm():
+    """Ends at 1.96 standard deviations, by differences of the model."""
+    spread, step = 0.02, 1e-4
+    found = propagate(configure(emittance=f"0.08 ± {spread}"))
+    setup = found.prediction.setup
+    state = setup.environment.state(found.coordinate)
+    light = lf.levitate(setup.flyer, state, setup.model).irradiance
+    flies = light < 2e3
+    state = setup.environment.state(found.coordinate[flies])
+
+    def logarithm(emittance):
+        film = dataclasses.replace(
+            setup.flyer.film, emittance_top=emittance, emittance_bottom=emittance
+        )
+        disk = dataclasses.replace(setup.flyer, film=film)
+        return np.log(lf.levitate(disk, state, setup.model).irradiance)
+
+    half = 1.959964 * spread * (logarithm(0.08 + step) - logarithm(0.08 - step)) / (2.0 * step)
+    assert half.max() > 0.1
+    for end, sign in ((found.high, 1.0), (found.low, -1.0)):
+        band, expected = end["levitation_irradiance"][flies], light[flies] * np.exp(sign * half)
+        known = np.isfinite(band)  # not beyond the model's range
+        assert known.sum() > 10
+        np.testing.assert_allclose(band[known], expected[known], rtol=1e-5)
+
+
 def test_correlated_tacs_leave_their_difference_certain():
     tac = {"tac_top": "0.8 ± 0.03", "tac_bottom": "0.9 ± 0.03"}
     spread = {

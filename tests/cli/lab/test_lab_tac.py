@@ -132,9 +132,7 @@ def test_both_faces_are_written_with_their_correlation(examples, lab_prints, fly
 def test_faces_that_are_not_two(examples, lab_refuses, flyer_file, arguments, says):
     examples("tac")
     flyer_file(*KINETIC_FORCE)
-    err = lab_refuses("tac", *arguments)
-    assert says in err
-    assert err.count("\n") == 1
+    assert says in lab_refuses("tac", *arguments)
 
 
 def test_accuracy_widens_what_is_written(examples, lab_prints, flyer_file):
@@ -211,7 +209,6 @@ def test_undetermined_coefficient_is_not_written(folder, lab_prints, lab_refuses
     err = lab_refuses("tac", "raw.csv", "--update", path, "--face", "top", "--out", "o")
     assert "raw.csv: these rows do not determine the accommodation coefficient; they have" in err
     assert "Pa or beyond would determine it; " in err
-    assert err.count("\n") == 1
     assert path.read_text(encoding="utf-8") == before
     assert not (folder / "o").exists()
     found = json.loads(lab_prints("tac", "raw.csv", "--json"))
@@ -230,7 +227,6 @@ def test_pressure_in_the_wrong_unit_is_not_written(examples, lab_refuses, flyer_
     err = lab_refuses("tac", "raw.txt", "--update", path, "--face", "top")
     assert "is unlikely, 0.2 to 1.3 is usual" in err
     assert "check the units; --insist" in err
-    assert err.count("\n") == 1
     assert path.read_bytes() == before
 
 

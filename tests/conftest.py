@@ -90,6 +90,25 @@ def compiled():
     return transformations.compiled
 
 
+@pytest.fixture(scope="session")
+def require_derivatives(compiled):
+    """Compare derivatives of a function of a vector with differences, vmap with a plain call."""
+
+    def require(function, point, rtol, atol, modes=(jax.jacrev,)):
+        shifts = 1e-5 * np.diag(point)
+        moved = np.concatenate([point + shifts, point - shifts, point[None]])
+        with lf.float64():
+            values = np.asarray(compiled(jax.vmap(function))(moved))
+            slopes = [np.asarray(compiled(mode(function))(point)) for mode in modes]
+            np.testing.assert_allclose(values[-1], np.asarray(function(point)), rtol=1e-12)
+        differences = (values[: point.size] - values[point.size : -1]) / 2e-5
+        for slope in slopes:
+            np.testing.assert_allclose(slope, slopes[0], rtol=1e-8, atol=1e-12)
+            np.testing.assert_allclose(slope * point, differences.T, rtol=rtol, atol=atol)
+
+    return require
+
+
 @pytest.fixture
 def rng():
     return np.random.default_rng(20231118)

@@ -2,7 +2,6 @@ import csv
 import re
 from pathlib import Path
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -374,25 +373,9 @@ def outcomes(x):
     return jnp.log(jnp.stack([force, *balance.temperatures, velocity]))
 
 
-def moved(step=1e-5):
-    """The point with each number moved up, then down, by a share of it, then as it is."""
-    shifts = step * np.diag(POINT)
-    return np.concatenate([POINT + shifts, POINT - shifts, POINT[None]])
-
-
-def differences(values, step=1e-5):
-    """Relative derivatives by central differences, of values at the moved points."""
-    size = POINT.size
-    return (values[:size] - values[size : 2 * size]) / (2.0 * step)
-
-
 @pytest.mark.slow
-def test_derivatives_jit_and_vmap(compiled):
-    with lf.float64():
-        values = np.asarray(compiled(jax.vmap(outcomes))(jnp.asarray(moved())))
-        np.testing.assert_allclose(values[-1], np.asarray(outcomes(POINT)), rtol=1e-12)
-        reverse = np.asarray(compiled(jax.jacrev(outcomes))(jnp.asarray(POINT)))
-    np.testing.assert_allclose(reverse * POINT, differences(values).T, rtol=5e-6, atol=1e-7)
+def test_derivatives_jit_and_vmap(require_derivatives):
+    require_derivatives(outcomes, POINT, rtol=5e-6, atol=1e-7)
 
 
 def test_what_is_outside_the_models_range():

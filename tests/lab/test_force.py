@@ -79,6 +79,25 @@ def test_a_factor_is_found():
 
 
 @pytest.mark.slow
+def test_points_count_by_their_spread_along_the_slope_of_the_curve():
+    """At the top of the curve an uncertain pressure takes nothing from a point."""
+    hot, step = vane(), 1e-4
+    force, spread = hot.force(PRESSURES), np.where(np.arange(9) % 2, 0.3, 0.02)
+    above, below = (hot.force(PRESSURES * np.exp(end)) for end in (step, -step))
+    slope = np.log(above / below) / (2.0 * step)
+    factor = np.linspace(0.8, 1.3, 9)
+    points = table(
+        factor * force, force_uncertainty=0.01 * factor * force,
+        pressure_uncertainty=spread * PRESSURES,
+    )  # fmt: skip
+    weight = 1.0 / (0.01**2 + (slope * spread) ** 2)
+    expected = np.exp(np.sum(weight * np.log(factor)) / np.sum(weight))
+    found = lf.lab.compare_forces(hot, points).ratio.value
+    assert found == pytest.approx(expected, rel=1e-3)
+    blunt = 1.0 / (0.01**2 + spread**2)
+    assert abs(found / np.exp(np.sum(blunt * np.log(factor)) / np.sum(blunt)) - 1.0) > 0.01
+
+
 def test_the_interval_of_the_ratio_contains_one():
     """Vanes drawn from a stated one, with instruments and points that err as stated."""
     stated = lf.lab.Vane(

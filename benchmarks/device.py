@@ -21,7 +21,7 @@ import jax.numpy as jnp
 import numpy as np
 
 import lightflyer as lf
-from lightflyer.compute.devices import OnDevices, find_devices
+from lightflyer.compute.evaluation import OnDevices, find_devices
 from lightflyer.environment import EnvironmentState, Radiation
 
 RESULT = Path(__file__).with_name("device.csv")

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.explorer.hints import templates
+from lightflyer.explorer.grammar import templates
 from lightflyer.explorer.pages import ANSWERS
 from lightflyer.explorer.state import Workplace, plain
 

@@ -14,7 +14,7 @@ from lightflyer.config.flyer_file import FlyerFile, models_for
 from lightflyer.config.reader import design_of_text
 from lightflyer.core.quantity import impossible_as_nan
 from lightflyer.design.tables import tabulate
-from lightflyer.explorer.hints import templates
+from lightflyer.explorer.grammar import templates
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
 
 KINDS = {name: one.document for name, one in templates().items() if name != "mission"}

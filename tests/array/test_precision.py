@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.compute.compilation import jit_with_options
+from lightflyer.compute.evaluation import jit_with_options
 from lightflyer.core.entry_point import elementwise_entry_point, entry_point
 
 

@@ -7,7 +7,7 @@ from scipy.stats import norm, qmc
 
 from lightflyer.lab.estimate import Estimate, weighted_mean
 from lightflyer.search.sobol_estimates import REPLICATES, indices_with_intervals
-from lightflyer.uncertainty.correlation import correlate
+from lightflyer.uncertainty.inputs import correlate
 
 
 def drawn(values, spreads, correlations, count=1 << 15):

@@ -12,7 +12,7 @@ from scipy.optimize import minimize_scalar
 
 import lightflyer as lf
 from lightflyer.calibration import Points
-from lightflyer.calibration.targets import target_of
+from lightflyer.calibration.inputs import target_of
 from lightflyer.core.quantity import Coefficient, Conductivity, Length, Mass
 
 TRUTH = np.array([0.4, 3.0])

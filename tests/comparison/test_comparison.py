@@ -10,7 +10,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.comparison import to_dataset, write_csv
-from lightflyer.comparison.tables import join_outputs, require_comparable
+from lightflyer.comparison.text import join_outputs, require_comparable
 from lightflyer.design.outputs import outputs_of
 
 

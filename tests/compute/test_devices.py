@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.compute.devices import find_devices
+from lightflyer.compute.evaluation import find_devices
 from lightflyer.core.errors import ConfigurationError
 
 DEVICES = 4

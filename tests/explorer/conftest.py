@@ -8,8 +8,7 @@ from importlib import resources
 import pytest
 
 from lightflyer.explorer import jobs, server
-from lightflyer.explorer.diagnostics import keeping_warnings
-from lightflyer.explorer.state import Workplace
+from lightflyer.explorer.state import Workplace, keeping_warnings
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lightflyer.explorer.hints import templates
+from lightflyer.explorer.grammar import templates
 from lightflyer.explorer.state import plain
 
 JSON = {"Content-Type": "application/json"}

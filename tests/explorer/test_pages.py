@@ -16,12 +16,11 @@ from lightflyer.config.flyer_file import FlyerFile
 from lightflyer.config.reader import FLYER_FILE
 from lightflyer.explorer import jobs, pages, view
 from lightflyer.explorer.compute import prediction_of, quick
-from lightflyer.explorer.diagnostics import keeping_warnings
 from lightflyer.explorer.downloads import download, python_lines
-from lightflyer.explorer.hints import templates
+from lightflyer.explorer.grammar import templates
 from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.panes import panes
-from lightflyer.explorer.state import View, plain, to_toml
+from lightflyer.explorer.state import View, keeping_warnings, plain, to_toml
 from lightflyer.files.toml_file import parse_toml, validate
 from lightflyer.film.optics.spectra import am0
 from lightflyer.lab.levitation.data import read_lift_offs

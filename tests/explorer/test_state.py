@@ -11,8 +11,7 @@ from lightflyer.core.quantity import Length, Quantity
 from lightflyer.core.units import Measured
 from lightflyer.explorer import server
 from lightflyer.explorer.editing import slider, sliders, switch_alternative
-from lightflyer.explorer.grammar import BASES, grammar, quantity_text
-from lightflyer.explorer.hints import templates
+from lightflyer.explorer.grammar import BASES, grammar, quantity_text, templates
 from lightflyer.explorer.maps import Choices, payload_map
 from lightflyer.explorer.state import (
     View,

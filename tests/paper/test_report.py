@@ -11,13 +11,12 @@ import lightflyer as lf
 from lightflyer.calibration import read_points
 from lightflyer.core.progress import report_to
 from lightflyer.files.result_text import unwrap
-from lightflyer.paper.claims import Claim, Quantity, Verdict, claims
-from lightflyer.paper.conditions import COLUMNS, facts
+from lightflyer.paper.conditions import COLUMNS, Claim, Quantity, Verdict, claims, facts
 from lightflyer.paper.curves import FIGURES
-from lightflyer.paper.reproduce import reproduce
-from lightflyer.paper.results import planck_peak
-from lightflyer.paper.tables import (
+from lightflyer.paper.report import reproduce
+from lightflyer.paper.results import (
     difference_uncertainty,
+    planck_peak,
     table_1,
     table_s2,
     tac_pairs,

@@ -4,7 +4,7 @@ from scipy import stats
 
 import lightflyer as lf
 from lightflyer.numerics.correlation import correlation_matrix
-from lightflyer.uncertainty.correlation import correlate, correlated_groups
+from lightflyer.uncertainty.inputs import correlate, correlated_groups
 
 NAMES = ["a", "b", "c", "d"]
 

@@ -19,8 +19,8 @@ from lightflyer.environment.earth import Lu2023Section
 from lightflyer.film.section import MeasuredFilmSection
 from lightflyer.force.lu2023 import Lu2023ForceSection
 from lightflyer.uncertainty import monte_carlo
-from lightflyer.uncertainty.derivatives import derivatives
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
+from lightflyer.uncertainty.targets import derivatives
 
 FILM = {
     "areal_density": "1.0 g/m^2",

@@ -3,7 +3,7 @@ from .bayes import posterior as posterior
 from .calibration import Calibration as Calibration
 from .fitting import calibrate as calibrate
 from .gauge import Gauge as Gauge
+from .gauge import found_step as found_step
 from .gauge import read_gauge as read_gauge
 from .points import Points as Points
 from .points import read_points as read_points
-from .steps import found_step as found_step

@@ -92,7 +92,7 @@ class Posterior(PrintedResult):
             )
 
     def text_parts(self) -> Parts:
-        from lightflyer.calibration.text import posterior_parts
+        from lightflyer.calibration.calibration import posterior_parts
 
         return posterior_parts(self)
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from lightflyer.calibration.calibration import Calibration
-from lightflyer.calibration.steps import found_step
-from lightflyer.calibration.targets import target_of
+from lightflyer.calibration.gauge import found_step
+from lightflyer.calibration.inputs import target_of
 from lightflyer.core.errors import Doubt
 from lightflyer.core.quantity import Quantity
 

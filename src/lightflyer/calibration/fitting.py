@@ -20,7 +20,7 @@ from scipy.special import chdtri, fdtri
 from lightflyer.calibration.calibration import Calibration
 from lightflyer.calibration.diagnostics import diagnose
 from lightflyer.calibration.inputs import instruments
-from lightflyer.calibration.least_squares import LeastSquares
+from lightflyer.calibration.least_squares import LeastSquares, from_inputs
 from lightflyer.calibration.points import Points, log_uncertainty
 from lightflyer.calibration.problem import (
     DEFAULT_FREE,
@@ -29,7 +29,6 @@ from lightflyer.calibration.problem import (
     Problem,
     problem_of,
 )
-from lightflyer.calibration.total import from_inputs
 from lightflyer.config.designs import as_design
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConvergenceError, ParameterError
@@ -103,9 +102,9 @@ def calibrate(
     slope of the fitted curve (effective variance). Intervals are those of the profile likelihood;
     if the scatter is estimated, their threshold is that of Fisher's distribution, and they are
     widened where the residuals show that points scatter unevenly [MacKinnonWhite1985]_. The total
-    ones
-    add what the inputs' uncertainties move the fit by; see
-    :mod:`lightflyer.calibration.total`. The two half-widths, of the logarithm, add in quadrature.
+    ones add what the inputs' uncertainties move the fit by; see
+    :mod:`lightflyer.calibration.least_squares`. The two half-widths, of the logarithm, add in
+    quadrature.
 
     Examples
     --------

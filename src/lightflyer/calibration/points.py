@@ -15,8 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.array.records import ShortRepr
-from lightflyer.calibration.gauge import Gauge
-from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD, require_step
+from lightflyer.calibration.gauge import CENTRE, UNIFORM_SPREAD, Gauge, require_step
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ConfigurationError, Doubt, ParameterError

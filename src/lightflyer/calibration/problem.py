@@ -12,9 +12,8 @@ import numpy as np
 
 from lightflyer.array.namespace import Array, xp
 from lightflyer.array.records import Module, field
-from lightflyer.calibration.inputs import FitInputs, fit_inputs
+from lightflyer.calibration.inputs import Fields, FitInputs, Target, fit_inputs, target_of
 from lightflyer.calibration.points import Points
-from lightflyer.calibration.targets import Fields, Target, target_of
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import impossible_as_nan
 from lightflyer.design.design import AbstractDesign

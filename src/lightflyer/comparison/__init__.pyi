@@ -2,5 +2,5 @@ from .comparison import Compared as Compared
 from .comparison import Comparison as Comparison
 from .comparison import compare as compare
 from .differences import Difference as Difference
-from .tables import to_dataset as to_dataset
-from .tables import write_csv as write_csv
+from .text import to_dataset as to_dataset
+from .text import write_csv as write_csv

@@ -17,7 +17,7 @@ import numpy as np
 from lightflyer.array import tree
 from lightflyer.array.records import ShortRepr
 from lightflyer.comparison.differences import Difference, differing_models, differing_surroundings
-from lightflyer.comparison.tables import require_comparable
+from lightflyer.comparison.text import require_comparable
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterError
 from lightflyer.core.progress import report
@@ -205,7 +205,7 @@ class Comparison(PrintedResult):
     @cached_property
     def dataset(self) -> "xr.Dataset":
         """The tables as a dataset with units; see :func:`~lightflyer.comparison.to_dataset`."""
-        from lightflyer.comparison.tables import to_dataset
+        from lightflyer.comparison.text import to_dataset
 
         return to_dataset(self)
 

@@ -1,4 +1,7 @@
-"""Many designs at once: a function of the varied numbers, by NumPy or compiled, in batches."""
+"""Many designs at once: a function of the varied numbers, by NumPy or compiled, in batches.
+
+It is computed on this machine's processors, or on its GPUs.
+"""
 
 import itertools
 import math
@@ -6,22 +9,25 @@ import threading
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from lightflyer.array import tree
 from lightflyer.array.namespace import by_jax, has_jax, load_jax, number
-from lightflyer.compute.compilation import jit_with_options
-from lightflyer.compute.devices import OnDevices
 from lightflyer.core.entry_point import ROWS, written_for_jax
 from lightflyer.core.errors import ConfigurationError, ParameterError, ParameterWarning
+from lightflyer.core.extras import extra
 from lightflyer.core.progress import Counted
 from lightflyer.core.quantity import impossible_as_nan
 from lightflyer.design.design import AbstractDesign
 from lightflyer.design.tables import evaluate
 from lightflyer.numerics.batches import in_batches
 from lightflyer.study.study import Study
+
+Device = Literal["cpu", "gpu"]  # Kinds of devices, by JAX's names
+
+_AXIS = "designs"
 
 BATCH = 16_384  # Designs evaluated at once: they fit the processor's cache, and one thread
 
@@ -51,6 +57,70 @@ according to which operations it compiles together, and that depends on the numb
 """
 
 Table = dict[str, np.ndarray]
+
+
+def find_devices(kind: str) -> list[Any]:
+    """All devices of a kind that this process has."""
+    if kind not in get_args(Device):
+        raise ConfigurationError(f"device {kind}: is not one of {', '.join(get_args(Device))}")
+    extra("jax", f"device {kind}", "jax")
+    try:
+        return load_jax().local_devices(backend=kind)
+    except RuntimeError:
+        raise ConfigurationError(
+            f'device {kind}: JAX finds none here; for one of NVIDIA install "jax[cuda13]", else '
+            "leave the device out"
+        ) from None
+
+
+class OnDevices:
+    """Divides arrays over devices and computes each part where it lies."""
+
+    # The parts do not wait for each other: a search ends on each device when its own designs have
+    # converged. Float64 throughout.
+
+    def __init__(self, kind: str):
+        devices = find_devices(kind)
+        self.count = len(devices)
+        jax = load_jax()
+        self._mesh = jax.sharding.Mesh(np.array(devices), (_AXIS,))
+        self._each = jax.sharding.PartitionSpec(_AXIS)
+
+    def divide_work(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """A function of arrays of designs that is computed part by part."""
+        return load_jax().shard_map(
+            function, mesh=self._mesh, in_specs=self._each, out_specs=self._each, check_vma=False
+        )
+
+    def place(self, arrays: Any) -> Any:
+        """Arrays on the devices, a part on each; their length is a multiple of the devices'."""
+        jax = load_jax()
+        return jax.device_put(arrays, jax.sharding.NamedSharding(self._mesh, self._each))
+
+
+def jit_with_options(function: Callable[..., Any], options: dict[str, Any]) -> Callable[..., Any]:
+    """Like :func:`jax.jit`, with options of XLA where it knows them."""
+    jitted = _Tolerant(function, options)
+    return lambda *args, **kwargs: jitted.use(lambda chosen: chosen(*args, **kwargs))
+
+
+class _Tolerant:
+    """A jitted function, without those of its options that this XLA does not know."""
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]):
+        self._function, self._known = function, dict(options)
+        self._chosen = load_jax().jit(function, compiler_options=self._known)
+
+    def use(self, how: Callable[[Any], Any]) -> Any:
+        while True:
+            try:
+                return how(self._chosen)
+            except load_jax().errors.JaxRuntimeError as error:
+                unknown = {name for name in self._known if f"'{name}'" in str(error)}
+                if "No such compile option" not in str(error) or not unknown:
+                    raise
+            self._known = {k: v for k, v in self._known.items() if k not in unknown}
+            self._chosen = load_jax().jit(self._function, compiler_options=self._known or None)
 
 
 class Evaluator:

@@ -10,8 +10,15 @@ from lightflyer.config.flyer_file import FileDesign, models_for, sections_in
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import Measured, scale_and_offset
-from lightflyer.explorer.grammar import BASES, MISSION, kinds_of_part, quantity_text
-from lightflyer.explorer.hints import base_of, example, templates
+from lightflyer.explorer.grammar import (
+    BASES,
+    MISSION,
+    base_of,
+    example,
+    kinds_of_part,
+    quantity_text,
+    templates,
+)
 from lightflyer.explorer.state import Document, plain
 from lightflyer.files.section import Alternative, Section
 from lightflyer.flyer.section import FlyerSection

@@ -28,8 +28,7 @@ from lightflyer.explorer.compute import (
 )
 from lightflyer.explorer.downloads import python_lines
 from lightflyer.explorer.editing import sliders, switch_alternative
-from lightflyer.explorer.grammar import MISSION, grammar
-from lightflyer.explorer.hints import templates
+from lightflyer.explorer.grammar import MISSION, grammar, templates
 from lightflyer.explorer.state import (
     MOST_PINS,
     Document,

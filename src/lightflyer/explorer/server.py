@@ -35,11 +35,10 @@ import lightflyer
 from lightflyer.core.errors import ConfigurationError, LightflyerError, OutputError
 from lightflyer.core.progress import Step
 from lightflyer.explorer import jobs, pages
-from lightflyer.explorer.diagnostics import keeping_warnings
 from lightflyer.explorer.downloads import download
 from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.panes import panes
-from lightflyer.explorer.state import Workplace, entries_of
+from lightflyer.explorer.state import Workplace, entries_of, keeping_warnings
 
 ADDRESS = "127.0.0.1"
 

@@ -1,13 +1,18 @@
 """What the page holds: a document, which is a flyer file, and its forms as URL and as TOML.
 
-Everything that a page sends passes through the parser of flyer files, with its messages.
+Everything that a page sends passes through the parser of flyer files, with its messages. Python's
+warnings about a design are gathered for the request in whose thread they are given: a library
+warns a whole process.
 """
 
 import datetime
 import json
 import re
+import threading
 import tomllib
+import warnings
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path, PurePosixPath, PureWindowsPath
@@ -16,12 +21,10 @@ from urllib.parse import parse_qsl, urlencode
 
 from lightflyer.config.flyer_file import PARTS, FileDesign, section_at
 from lightflyer.config.reader import FLYER_FILE, design_of_text
-from lightflyer.core.errors import ConfigurationError
+from lightflyer.core.errors import ConfigurationError, ParameterWarning
 from lightflyer.core.extras import extra
 from lightflyer.core.text import read_text
-from lightflyer.explorer.diagnostics import gathering_warnings
-from lightflyer.explorer.grammar import MISSION
-from lightflyer.explorer.hints import templates
+from lightflyer.explorer.grammar import MISSION, templates
 from lightflyer.files.section import Alternative
 from lightflyer.files.toml_file import parse_toml
 from lightflyer.mission.mission_file import MissionFile, mission_of_text
@@ -38,6 +41,8 @@ _DEEPEST = 12  # sections within sections
 _MOST_ENTRIES = 40  # of all lists, such as layers, which cost time and memory
 _KEY = re.compile(r"^[A-Za-z0-9_-]{1,60}$")
 _DATE = re.compile(r"^\d{4}-\d{2}-\d{2}(?:[Tt ]\d{2}:\d{2}.*)?$")
+
+_HERE = threading.local()
 
 
 @dataclass(frozen=True)
@@ -336,3 +341,33 @@ def _sections(content: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, An
         if isinstance(entry, Mapping):
             yield f"{prefix}{key}", entry
             yield from _sections(entry, f"{prefix}{key}.")
+
+
+@contextmanager
+def keeping_warnings() -> Iterator[None]:
+    """Gather warnings about parameters for as long as the server runs."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", ParameterWarning)
+        usual = warnings.showwarning
+
+        def show(message: Warning | str, *rest: Any, **named: Any) -> None:
+            gathered = getattr(_HERE, "gathered", None)
+            if gathered is None:
+                usual(message, *rest, **named)
+            elif str(message) not in gathered:
+                gathered.append(str(message))
+
+        warnings.showwarning = show
+        yield
+
+
+@contextmanager
+def gathering_warnings() -> Iterator[list[str]]:
+    """Texts of the warnings that come up in this thread within the block."""
+    before = getattr(_HERE, "gathered", None)
+    found: list[str] = []
+    _HERE.gathered = found
+    try:
+        yield found
+    finally:
+        _HERE.gathered = before

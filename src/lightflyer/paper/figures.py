@@ -21,8 +21,7 @@ from lightflyer.files.drawing import (
     shared_legend,
 )
 from lightflyer.files.palette import BLUE, GREY, ORANGE, VERMILION
-from lightflyer.paper.claims import DECIDING
-from lightflyer.paper.conditions import COLUMNS, facts
+from lightflyer.paper.conditions import COLUMNS, DECIDING, facts
 from lightflyer.paper.curves import (
     COATINGS,
     LARGER_SIZES_CM,

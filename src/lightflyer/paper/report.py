@@ -1,16 +1,31 @@
-"""The report: the paper's numbers beside ours, as JSON, Markdown and one HTML page."""
+"""Recompute the paper: its numbers beside ours, as JSON, Markdown and one HTML page."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import lightflyer
+from lightflyer.calibration.points import Points
+from lightflyer.core import progress
+from lightflyer.core.atomic_files import output_directory
 from lightflyer.files import page
-from lightflyer.paper.claims import DECIDING, Claim, Quantity, claims
-from lightflyer.paper.conditions import COLUMNS, KINETIC, facts
-from lightflyer.paper.curves import FIGURES, captions
-from lightflyer.paper.tables import Row, table_1, table_s2, tac_pairs
+from lightflyer.files.drawing import DOTS_PER_INCH, save, use_style
+from lightflyer.paper.conditions import COLUMNS, DECIDING, KINETIC, Claim, Quantity, claims, facts
+from lightflyer.paper.curves import FIGURES, captions, rows
+from lightflyer.paper.figures import measured_figures, paper_figure
+from lightflyer.paper.results import (
+    Row,
+    check_values,
+    column_values,
+    common_values,
+    kinetic_values,
+    table_1,
+    table_s2,
+    tac_pairs,
+    to_csv,
+)
 
 SOURCE = (
     "Z. Lu, G. Aldan, D. Levin, M. F. Campbell, I. Bargatin, “Photophoretic Light-flyers with "
@@ -308,3 +323,51 @@ def _html(block: _Block, images: dict[str, Path]) -> str:
 def dump(results: Results) -> str:
     """The report's JSON text."""
     return json.dumps(as_json(results), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def compute() -> Results:
+    """Compute the numbers of the report."""
+    results, common = Results(), common_values()
+    for column in COLUMNS:
+        progress.report(f"check values, {column.title}")
+        results.checks[column.key] = check_values(column)
+        progress.report(f"claims, {column.title}")
+        results.columns[column.key] = {**common, **column_values(column)}
+    progress.report("claims, kinetic theory")
+    results.kinetic = kinetic_values()
+    return results
+
+
+def reproduce(
+    out: Path,
+    points: Points | None = None,
+    *,
+    formats: Sequence[str] = ("png", "svg"),
+    dpi: int = DOTS_PER_INCH,
+    style: str | None = None,
+) -> Results:
+    """Write report, figures and data into a folder: everything, or nothing on failure."""
+    results = compute()
+    endings = dict.fromkeys(("png", *formats))
+    with output_directory(out) as stage, use_style(style):
+        images = {}
+        figures = {}
+        for name, (title, curves_of) in FIGURES.items():
+            progress.report(f"computing {title}")
+            curves = curves_of()
+            stage(f"data/{name}.csv").write_text("\n".join(rows(curves)) + "\n", encoding="utf-8")
+            figures[name] = paper_figure(name, curves, points)
+        if points is not None:
+            figures |= measured_figures(points)
+        for name, figure in figures.items():
+            progress.report(f"drawing {name}")
+            files = {ending: stage(f"figures/{name}.{ending}") for ending in endings}
+            images[name] = files["png"]
+            save(figure, list(files.values()), dpi=dpi)
+        stage("data/table-1.csv").write_text(to_csv(table_1()), encoding="utf-8")
+        stage("data/table-s2.csv").write_text(to_csv(table_s2()), encoding="utf-8")
+        stage("data/tac-pairs.csv").write_text(to_csv(tac_pairs()), encoding="utf-8")
+        stage("report.json").write_text(dump(results), encoding="utf-8")
+        stage("report.md").write_text(as_markdown(results), encoding="utf-8")
+        stage("report.html").write_text(as_html(results, images), encoding="utf-8")
+    return results

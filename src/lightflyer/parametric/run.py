@@ -1,4 +1,7 @@
-"""Sweeps: the outputs of all designs of a study, in memory or in a folder that keeps them."""
+"""Sweeps: the outputs of all designs of a study, in memory or in a folder that keeps them.
+
+Sweeps over labelled arrays may be larger than memory where Dask holds them.
+"""
 
 import math
 import shutil
@@ -13,19 +16,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.compute.chunks import CHUNK, Chunks
-from lightflyer.compute.devices import find_devices
-from lightflyer.compute.evaluation import Evaluator
+from lightflyer.compute.evaluation import Evaluator, Table, find_devices
 from lightflyer.compute.scheduler import Task, connect_client, processors, run_here, run_on_dask
 from lightflyer.compute.store import empty_dataset, open_store, require_extra
 from lightflyer.config.designs import as_design
+from lightflyer.core.checks import is_labelled
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
 from lightflyer.core.progress import Counted
 from lightflyer.core.quantity import require_record
+from lightflyer.design.design import AbstractDesign, Field
+from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
+from lightflyer.study.axes import Axis, require
 from lightflyer.study.distributions import SAMPLES
 from lightflyer.study.sections import SamplingSection, from_arguments
-from lightflyer.study.study import Study, assemble_study, read_entries
+from lightflyer.study.study import Dimension, Study, assemble_study, read_entries
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,6 +41,63 @@ LARGEST = 10**9  # Number of designs above which a sweep must be confirmed
 _BYTES = 8  # of a number
 _GIGABYTE = 1e9
 _NUMBERS_BESIDE = 2  # of each design, beside what varies and its outputs: its number, and a spare
+
+
+def sweep_labelled(
+    design: AbstractDesign, entries: Mapping[str, Any], outputs: tuple[str, ...]
+) -> "xr.Dataset":
+    """Outputs over arrays that broadcast by the names of their dimensions."""
+    import xarray as xr
+
+    arrays = {name: _array(design.field(name), entry) for name, entry in entries.items()}
+    found = xr.apply_ufunc(
+        lambda *columns: _evaluate(design, list(arrays), columns, outputs),
+        *arrays.values(),
+        output_core_dims=[[] for _ in outputs],
+        dask="parallelized",
+        output_dtypes=[float] * len(outputs),
+    )
+    columns = found if isinstance(found, tuple) else (found,)
+    dataset = xr.Dataset(dict(zip(outputs, columns, strict=True)))
+    known_outputs = outputs_of(design.setup)
+    for name, column in dataset.items():
+        column.attrs = known_outputs[str(name)].attributes
+    dataset = dataset.assign_coords(arrays)
+    for name, array in arrays.items():
+        dataset[name].attrs = array.attrs | design.field(name).attributes
+    return dataset
+
+
+def _array(known: Field, entry: Any) -> "xr.DataArray":
+    import xarray as xr
+
+    if is_labelled(entry):
+        array: xr.DataArray = known.quantity.number(known.name, entry)
+        return array if is_labelled(array) else xr.DataArray(array)
+    if not isinstance(entry, Axis):
+        raise ConfigurationError(f"{known.name}: a distribution cannot be combined with DataArrays")
+    if entry.single:
+        return xr.DataArray(float(entry.values[0]))
+    return xr.DataArray(entry.values, dims=[known.name], coords={known.name: entry.values})
+
+
+def _evaluate(
+    design: AbstractDesign,
+    names: list[str],
+    columns: Sequence[np.ndarray],
+    outputs: tuple[str, ...],
+) -> Any:
+    """Outputs of a block of designs, one for each element of the broadcast columns."""
+    columns = np.broadcast_arrays(*columns)
+    values: Table = {name: np.ravel(column) for name, column in zip(names, columns, strict=True)}
+    for name, column in values.items():
+        require(design.field(name), column)
+    study = Study(design, (Dimension("design", values),), {}, outputs)
+    results: Table = dict.fromkeys(outputs, columns[0])
+    if columns[0].size:
+        results, _ = Evaluator(study)(0, study.size)
+    found = tuple(results[name].reshape(columns[0].shape) for name in outputs)
+    return found if len(found) > 1 else found[0]  # xarray takes a tuple for several outputs
 
 
 @dataclass(frozen=True)
@@ -185,7 +248,6 @@ def sweep(
     if any(hasattr(entry, "dims") for entry in entries.values()):
         if out is not None or scheduler is not None:
             raise ConfigurationError("out and scheduler take ranges and lists, not DataArrays")
-        from lightflyer.parametric.labelled import sweep_labelled
 
         return sweep_labelled(design, entries, names)
     sampling = from_arguments(SamplingSection, method=method, points=points, seed=seed)

@@ -2,6 +2,8 @@ from .bounds import Bounds as Bounds
 from .bounds import Tolerance as Tolerance
 from .front import Front as Front
 from .front import pareto as pareto
+from .objectives import AsMade as AsMade
+from .objectives import Effect as Effect
 from .optimiser import Optimum as Optimum
 from .optimiser import optimise as optimise
 from .problem import Problem as Problem
@@ -12,5 +14,3 @@ from .sobol import read_sensitivity_study as read_sensitivity_study
 from .sobol import sensitivity as sensitivity
 from .stacks import RankedStack as RankedStack
 from .stacks import Ranking as Ranking
-from .tolerance import AsMade as AsMade
-from .tolerance import Effect as Effect

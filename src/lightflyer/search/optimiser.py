@@ -26,19 +26,19 @@ from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Prediction, predict_design
-from lightflyer.search.diagnostics import diagnose_solution
 from lightflyer.search.local_search import (
     AGREEMENT,
     FEASIBLE,
     LocalOptimum,
+    Rival,
+    diagnose_solution,
     maximise_from,
     maximise_in_full,
+    rivals_of,
 )
-from lightflyer.search.objectives import SCREENED, ObjectiveFunction
+from lightflyer.search.objectives import SCREENED, AsMade, ObjectiveFunction, simulate_making
 from lightflyer.search.problem import Problem, as_problem
-from lightflyer.search.rivals import Rival, rivals_of
 from lightflyer.search.stacks import Ranking, choose_stack, merit
-from lightflyer.search.tolerance import AsMade, simulate_making
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

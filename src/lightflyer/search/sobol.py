@@ -31,8 +31,12 @@ from lightflyer.design.outputs import check_outputs, outputs_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.search.difference import MeasuredDifference, measured_differences
-from lightflyer.search.sobol_estimates import REPLICATES, indices_with_intervals
+from lightflyer.search.sobol_estimates import (
+    REPLICATES,
+    MeasuredDifference,
+    indices_with_intervals,
+    measured_differences,
+)
 from lightflyer.study.axes import Axis, read_entry
 from lightflyer.study.distributions import SAMPLE, Distribution, stated_distributions
 from lightflyer.study.sections import SensitivitySection, from_arguments
@@ -44,7 +48,7 @@ from lightflyer.study.study import (
     read_study_file,
     require_compatible,
 )
-from lightflyer.uncertainty.correlation import correlate, correlated_groups
+from lightflyer.uncertainty.inputs import correlate, correlated_groups
 
 if TYPE_CHECKING:
     import xarray as xr

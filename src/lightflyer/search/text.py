@@ -10,10 +10,10 @@ from lightflyer.prediction.text import prediction_parts
 
 if TYPE_CHECKING:
     from lightflyer.search.front import Front
+    from lightflyer.search.objectives import AsMade
     from lightflyer.search.optimiser import Optimum
     from lightflyer.search.problem import Constraint, Problem
     from lightflyer.search.sobol import Indices
-    from lightflyer.search.tolerance import AsMade
 
 _SHOWN_ELASTICITIES = 8
 _ROWS = 12

@@ -11,7 +11,7 @@ import numpy as np
 from lightflyer.core.errors import ConfigurationError, ParameterWarning
 from lightflyer.design.design import AbstractDesign, Field
 from lightflyer.numerics.correlation import Correlations
-from lightflyer.uncertainty.correlation import correlate
+from lightflyer.uncertainty.inputs import correlate
 
 SAMPLE = "sample"  # Dimension along which all distributions are drawn together
 

@@ -25,7 +25,6 @@ from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.evaluator import Table
 from lightflyer.prediction.prediction import Prediction, predict_design, search_grid
-from lightflyer.uncertainty.derivatives import Derivatives, derivatives
 from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs
 from lightflyer.uncertainty.monte_carlo import (
     LEAST_LIGHT,
@@ -33,7 +32,13 @@ from lightflyer.uncertainty.monte_carlo import (
     search_samples,
     tabulate_samples,
 )
-from lightflyer.uncertainty.targets import find_targets, sample_result, spread_of
+from lightflyer.uncertainty.targets import (
+    Derivatives,
+    derivatives,
+    find_targets,
+    sample_result,
+    spread_of,
+)
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -108,10 +108,10 @@ def calibrate_command(
     """
     out = figures.folder(out)
     from lightflyer.calibration import bayes
+    from lightflyer.calibration.calibration import fit_parts
     from lightflyer.calibration.fitting import calibrate
     from lightflyer.calibration.gauge import read_gauge
     from lightflyer.calibration.points import read_points
-    from lightflyer.calibration.text import fit_parts
     from lightflyer.config.reader import read_flyer_file
     from lightflyer.config.update import require_no_doubt, update_flyer_file
 

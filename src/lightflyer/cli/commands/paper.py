@@ -27,8 +27,8 @@ def paper_command(
 
     points = None if data is None else read_points(data, strict=True)
 
-    from lightflyer.paper.claims import claims
-    from lightflyer.paper.reproduce import reproduce
+    from lightflyer.paper.conditions import claims
+    from lightflyer.paper.report import reproduce
 
     console = printer()
     results = reproduce(out, points, formats=figures.endings, dpi=figures.dpi, style=figures.style)

@@ -74,7 +74,7 @@ def levitation(
         Flyer file to write the calibrated force coefficients into, with the ± of points and
         instruments; the file's own ± are not counted twice.
     """
-    from lightflyer.calibration.text import fit_parts
+    from lightflyer.calibration.calibration import fit_parts
     from lightflyer.files.table import same_text
     from lightflyer.gas import GASES
     from lightflyer.lab.gauges import pirani_doubts

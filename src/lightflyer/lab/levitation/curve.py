@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lightflyer.calibration.diagnostics import LEAST_PROBABILITY, step_warning
+from lightflyer.calibration.gauge import CENTRE, found_step, require_step
 from lightflyer.calibration.inputs import instruments
 from lightflyer.calibration.points import doubts, log_uncertainty
-from lightflyer.calibration.steps import CENTRE, found_step, require_step
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, Doubt

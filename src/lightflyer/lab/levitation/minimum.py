@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from lightflyer.calibration.diagnostics import LEAST_PROBABILITY
-from lightflyer.calibration.steps import CENTRE, UNIFORM_SPREAD
+from lightflyer.calibration.gauge import CENTRE, UNIFORM_SPREAD
 from lightflyer.numerics.residuals import alike_points
 
 DEGREE = 2  # Degree of the local polynomials

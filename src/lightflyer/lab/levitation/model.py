@@ -8,9 +8,8 @@ import numpy as np
 
 from lightflyer.calibration.calibration import Calibration
 from lightflyer.calibration.fitting import calibrate
-from lightflyer.calibration.inputs import INSTRUMENTS
+from lightflyer.calibration.inputs import INSTRUMENTS, target_of
 from lightflyer.calibration.points import Points
-from lightflyer.calibration.targets import target_of
 from lightflyer.config.designs import as_design
 from lightflyer.design.setup import Setup
 from lightflyer.lab.estimate import Estimate

@@ -22,7 +22,7 @@ from lightflyer.calibration.figures import fitted_curve
 from lightflyer.files import drawing, palette
 from lightflyer.files.display_units import in_words
 from lightflyer.lab.readers.height_map import HeightMap
-from lightflyer.lab.thermography.camera import parse_band
+from lightflyer.lab.thermography.data import parse_band
 from lightflyer.parametric.figures import pareto_figure
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)

@@ -17,7 +17,7 @@ from lightflyer.film.media.dispersion import Cauchy, Formula
 from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample
 from lightflyer.lab.optics.fit import fit_optics
 from lightflyer.lab.optics.model import OpticalModel
-from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+from lightflyer.lab.readers.interpretation import MeasuredSpectrum
 
 COMMAND = "lab optics"
 

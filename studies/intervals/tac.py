@@ -16,8 +16,8 @@ from scipy.interpolate import PchipInterpolator
 from trial import Trial
 
 import lightflyer as lf
+from lightflyer.calibration.gauge import rows_at_the_end
 from lightflyer.files.table import Table
-from lightflyer.lab.gauges import rows_at_the_end
 
 COMMAND = "lab tac"
 

@@ -17,7 +17,7 @@ from lightflyer.search.optimiser import find_optimum
 from lightflyer.search.problem import as_problem
 from lightflyer.statics.equations import FlightEquations
 from lightflyer.uncertainty.inputs import draw, uncertain_inputs
-from lightflyer.uncertainty.monte_carlo import tabulate_samples
+from lightflyer.uncertainty.targets import tabulate_samples
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results.json"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lightflyer.lab.readers.height_map import HeightMap, read_height_map
-from lightflyer.lab.surface.particles import level
+from lightflyer.lab.surface.heights import level
 from lightflyer.lab.surface.reduction import roughness
 from lightflyer.lab.thermography.thermal_image import parse_scale, read_thermal_image
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from lightflyer.core.errors import Doubt
+from lightflyer.film.media.compound import bruggeman
 from lightflyer.film.media.dispersion import TaucLorentz
-from lightflyer.film.media.effective_media import bruggeman
 from lightflyer.lab.optics.data import read_sample
 from lightflyer.lab.optics.fit import fit_optics
 

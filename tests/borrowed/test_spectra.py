@@ -10,7 +10,7 @@ from lightflyer.core.quantity import Quantity
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.lab.readers.formats import Source
-from lightflyer.lab.readers.spectra.interpretation import ReadOptions, interpret_spectrum
+from lightflyer.lab.readers.interpretation import ReadOptions, interpret_spectrum
 from lightflyer.lab.readers.spectrum_data import format_of, read_raw, read_spectrum
 
 

@@ -12,8 +12,8 @@ from lightflyer.core.entry_point import entry_point
 from lightflyer.design.tables import tabulate
 from lightflyer.prediction.text import verdict_lines
 from lightflyer.uncertainty.inputs import uncertain_inputs
-from lightflyer.uncertainty.monte_carlo import LOWER, UPPER, search_samples, tabulate_samples
 from lightflyer.uncertainty.propagation import DEFAULT_SAMPLES
+from lightflyer.uncertainty.targets import LOWER, UPPER, search_samples, tabulate_samples
 
 model = pytest.importorskip("calculator.model")
 from calculator.kinds import KINDS  # noqa: E402

@@ -16,7 +16,7 @@ from lightflyer.config.flyer_file import FlyerFile
 from lightflyer.config.reader import FLYER_FILE
 from lightflyer.explorer import jobs, pages, view
 from lightflyer.explorer.compute import prediction_of, quick
-from lightflyer.explorer.downloads import download, python_lines
+from lightflyer.explorer.editing import download, python_lines
 from lightflyer.explorer.grammar import templates
 from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.panes import panes

@@ -23,7 +23,7 @@ from lightflyer.film.layer_section import (
     TaucLorentzSection,
 )
 from lightflyer.film.layered_section import LayeredFilmSection
-from lightflyer.film.section import MeasuredFilmSection
+from lightflyer.film.properties import MeasuredFilmSection
 
 DOCS = Path(__file__).parents[2] / "docs"
 TEMPLATES = Path(lf.__file__).parent / "data"

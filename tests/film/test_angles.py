@@ -20,9 +20,8 @@ from lightflyer.film import (
     light_by_angle,
     tabulated_material,
 )
-from lightflyer.film.optics.angles import heat_by_angle
-from lightflyer.film.report.angular_summary import write_csv, write_spectral_csv
-from lightflyer.film.report.figures import angle_figures
+from lightflyer.film.angles import heat_by_angle, write_csv, write_spectral_csv
+from lightflyer.film.figures import angle_figures
 
 ANGLES = np.radians([0.0, 35.0, 80.0])
 COARSE = 100

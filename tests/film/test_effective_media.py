@@ -7,7 +7,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.film import Rule, bruggeman
-from lightflyer.film.media.effective_media import Shape, maxwell_garnett, parallel, series
+from lightflyer.film.media.compound import Shape, maxwell_garnett, parallel, series
 
 PYELLI = [  # host, inclusion, fraction; Bruggeman's and Maxwell Garnett's index by pyElli 0.23.1
     (1.0, 4.2 + 2.1j, 0.30, 1.7281121650250268 + 0.30772343070963626j,

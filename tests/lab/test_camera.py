@@ -4,7 +4,7 @@ from scipy import constants, integrate
 
 import lightflyer as lf
 from lightflyer.lab import flat_band
-from lightflyer.lab.thermography.camera import CameraBand, parse_band, read_response
+from lightflyer.lab.thermography.data import CameraBand, parse_band, read_response
 
 
 def radiance(temperature, shortest, longest, response=lambda _: 1.0):

@@ -12,7 +12,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.calibration.points import read_points
 from lightflyer.files.table import read_table
-from lightflyer.film.media.material_csv import read_index_csv
+from lightflyer.film.media.materials import read_index_csv
 from lightflyer.lab.synthetic import example_files
 from lightflyer.lab.tac.data import read_resistance_calibration, read_tac
 from lightflyer.lab.thermography.data import THERMAL, columns_of

@@ -9,7 +9,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.core.units import Measured
 from lightflyer.files.table import Table
-from lightflyer.lab.force import vane as module
+from lightflyer.lab import force as module
 
 PRESSURES = np.geomspace(0.01, 5.0, 9)
 

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.lab.readers.formats import Format
+from lightflyer.lab.readers.formats import Format, read_number_matrix
 from lightflyer.lab.readers.height_map import HeightMap, list_channels, read_height_map
 from lightflyer.lab.readers.microscopes import Channel, choose_channel
-from lightflyer.lab.readers.number_matrix import read_number_matrix
 from lightflyer.lab.surface.reduction import roughness, to_dataset
 
 from .damage import damaged

@@ -10,13 +10,13 @@ import tmm
 import lightflyer as lf
 from lightflyer.config.reader import read_design, read_film_file
 from lightflyer.film.media.dispersion import Cauchy, Formula
-from lightflyer.film.optics.thickness import thickness_uncertainty
+from lightflyer.film.optics.stack import thickness_uncertainty
 from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample, read_sample
 from lightflyer.lab.optics.fit import fit_optics, to_dataset
 from lightflyer.lab.optics.model import FilmProblem, OpticalModel
 from lightflyer.lab.optics.search import intervals, search
-from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
-from lightflyer.lab.synthetic.optics import TRUTH, optics_files
+from lightflyer.lab.readers.interpretation import MeasuredSpectrum
+from lightflyer.lab.synthetic.spectra import TRUTH, optics_files
 from lightflyer.numerics.residuals import correlation_length
 
 pytestmark = pytest.mark.slow

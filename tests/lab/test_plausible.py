@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from lightflyer.calibration.gauge import Gauge
+from lightflyer.calibration.gauge import Gauge, gauge_of, pirani_doubts, rows_at_the_end
 from lightflyer.config.update import require_no_doubt
 from lightflyer.core.errors import ConfigurationError, Doubt
-from lightflyer.lab.gauges import gauge_of, pirani_doubts, rows_at_the_end
 from lightflyer.lab.result import joint_warnings
-from lightflyer.lab.synthetic.tac import PLATINUM, _power
+from lightflyer.lab.synthetic.gas import PLATINUM, _power
 from lightflyer.lab.tac.data import TacAccuracy, read_tac
 from lightflyer.lab.tac.fit import fit_tac
 from lightflyer.lab.thermography.data import LIGHT, THERMAL, read_readings

@@ -12,9 +12,9 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
+from lightflyer.lab.readers import jcamp_dx, spc, vendors
 from lightflyer.lab.readers.formats import Source, read_source
-from lightflyer.lab.readers.spectra import jcamp_dx, omnic, opus, spc
-from lightflyer.lab.readers.spectra.interpretation import (
+from lightflyer.lab.readers.interpretation import (
     Axis,
     OrdinateUnit,
     ReadOptions,
@@ -22,7 +22,7 @@ from lightflyer.lab.readers.spectra.interpretation import (
     interpret_spectrum,
     parse_ordinate,
 )
-from lightflyer.lab.readers.spectra.jcamp_dx import last_digit, read_rows
+from lightflyer.lab.readers.jcamp_dx import last_digit, read_rows
 from lightflyer.lab.readers.spectrum_data import format_of, read_raw, read_spectrum
 
 from .damage import damaged
@@ -102,7 +102,7 @@ def test_points_that_jasco_marks_as_empty_are_left_out():
 
 
 def test_opus_absorbance_is_that_of_its_single_beams():
-    beams = {one.ordinate_name: one for one in opus.read_opus(read_source(SAMPLES / "opus.0"))}
+    beams = {one.ordinate_name: one for one in vendors.read_opus(read_source(SAMPLES / "opus.0"))}
     ratio = beams["single channel"].ordinate / beams["single channel of the reference"].ordinate
     found = read_spectrum(SAMPLES / "opus.0")  # the only result among three spectra
     np.testing.assert_allclose(found.value, ratio[::-1], rtol=3e-7)
@@ -111,7 +111,7 @@ def test_opus_absorbance_is_that_of_its_single_beams():
 
 def test_raw_values_of_omnic_and_grams():
     """As spectrochempy-omnic 0.2.1 and spc-io 0.2.1 read them."""
-    (one,) = omnic.read_omnic(read_source(SAMPLES / "omnic.spa"))
+    (one,) = vendors.read_omnic(read_source(SAMPLES / "omnic.spa"))
     np.testing.assert_array_equal(
         one.ordinate[[0, 1000, 3631]],
         [0.017102178186178207, 0.8031986951828003, 0.032076966017484665],

@@ -6,7 +6,7 @@ from scipy import ndimage, stats
 
 import lightflyer as lf
 from lightflyer.lab.readers.height_map import HeightMap, read_height_map
-from lightflyer.lab.surface.particles import find_particles, flatten_rows, level
+from lightflyer.lab.surface.heights import find_particles, flatten_rows, level
 from lightflyer.lab.surface.reduction import roughness, summary, surface_parameters
 from lightflyer.lab.synthetic.surface import (
     igor_wave,

@@ -14,10 +14,9 @@ from lightflyer.lab.tac import fit as tac
 from lightflyer.lab.tac import intervals
 from lightflyer.lab.tac import problem as tac_problem
 from lightflyer.lab.tac.data import EXACT, TacAccuracy, TacRun, unstated_accuracies
-from lightflyer.lab.tac.diagnostics import misfit_warnings
 from lightflyer.lab.tac.fit import mean_tac, summary
-from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC_LAW, KineticLaw
-from lightflyer.lab.tac.preparation import Bench, make_problem, rows_off_the_curve
+from lightflyer.lab.tac.preparation import Bench, make_problem, misfit_warnings, rows_off_the_curve
+from lightflyer.lab.tac.problem import HEAT_LAWS, KINETIC_LAW, KineticLaw
 
 TRUTH = (0.75, 1.22, 4.09)  # the paper's fit to platinum
 DIAMETER = 24e-3

@@ -13,7 +13,7 @@ from lightflyer.lab.tac import intervals, preparation
 from lightflyer.lab.tac.data import EXACT, TacAccuracy, TacRun
 from lightflyer.lab.tac.difference import _means, difference_tables, fit_tac_difference
 from lightflyer.lab.tac.fit import fit_tac
-from lightflyer.lab.tac.heat_law import KINETIC_LAW
+from lightflyer.lab.tac.problem import KINETIC_LAW
 
 DIAMETER = 24e-3
 TOP, BOTTOM = (0.75, 1.22, 4.09), (0.90, 1.15, 4.60)

@@ -3,7 +3,7 @@ import re
 import numpy as np
 import pytest
 
-from lightflyer.lab.tac.diagnostics import drift_warnings
+from lightflyer.lab.tac.preparation import drift_warnings
 
 
 def sweep(rows, rng):

@@ -6,8 +6,8 @@ from scipy import ndimage
 
 import lightflyer as lf
 from lightflyer.lab.readers.height_map import HeightMap, mask_as_png, read_mask
+from lightflyer.lab.surface.heights import texture_of
 from lightflyer.lab.surface.reduction import roughness
-from lightflyer.lab.surface.statistics import texture_of
 
 STEP, WIDTH, RMS = 20e-9, 6.0, 10e-9  # pixel [m], of the filter [pixels], [m]
 

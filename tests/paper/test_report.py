@@ -12,7 +12,7 @@ from lightflyer.calibration import read_points
 from lightflyer.core.progress import report_to
 from lightflyer.files.result_text import unwrap
 from lightflyer.paper.conditions import COLUMNS, Claim, Quantity, Verdict, claims, facts
-from lightflyer.paper.curves import FIGURES
+from lightflyer.paper.figures import FIGURES
 from lightflyer.paper.report import reproduce
 from lightflyer.paper.results import (
     difference_uncertainty,

@@ -16,7 +16,7 @@ from lightflyer.core.quantity import Fraction
 from lightflyer.design.design import ObjectDesign
 from lightflyer.design.tables import tabulate
 from lightflyer.environment.earth import Lu2023Section
-from lightflyer.film.section import MeasuredFilmSection
+from lightflyer.film.properties import MeasuredFilmSection
 from lightflyer.force.lu2023 import Lu2023ForceSection
 from lightflyer.uncertainty import monte_carlo
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs

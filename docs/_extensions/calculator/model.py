@@ -21,8 +21,7 @@ from lightflyer.core.validity import Validity
 from lightflyer.design.diagnostics import diagnose_force
 from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.outputs import OUTPUTS
-from lightflyer.film.properties import FilmProperties
-from lightflyer.film.section import FilmSection
+from lightflyer.film.properties import FilmProperties, FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.uncertainty.propagation import DEFAULT_SAMPLES
 

@@ -16,8 +16,12 @@ import numpy as np
 
 from lightflyer.array import tree
 from lightflyer.array.records import ShortRepr
-from lightflyer.comparison.differences import Difference, differing_models, differing_surroundings
-from lightflyer.comparison.text import require_comparable
+from lightflyer.comparison.text import (
+    Difference,
+    differing_models,
+    differing_surroundings,
+    require_comparable,
+)
 from lightflyer.config.designs import as_design
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterError
 from lightflyer.core.progress import report

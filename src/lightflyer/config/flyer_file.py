@@ -21,7 +21,7 @@ from lightflyer.design.design import AbstractDesign, AbstractStacks, digest
 from lightflyer.design.setup import Setup
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.files.section import Alternative, Section
-from lightflyer.film.section import FilmSection
+from lightflyer.film.properties import FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
 

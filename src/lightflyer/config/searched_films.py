@@ -20,8 +20,7 @@ from lightflyer.film.computed import surrogate_properties
 from lightflyer.film.layer_section import OF_NO_MEDIUM, LayerSection
 from lightflyer.film.optics.stack import Film
 from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate
-from lightflyer.film.properties import PROPERTIES, FilmProperties
-from lightflyer.film.section import FACES, WholeFilm
+from lightflyer.film.properties import FACES, PROPERTIES, FilmProperties, WholeFilm
 
 if TYPE_CHECKING:
     from lightflyer.config.flyer_file import FileDesign

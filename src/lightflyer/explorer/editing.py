@@ -1,15 +1,24 @@
-"""Changes of a document that take more than a text: other alternatives, and where sliders end."""
+"""Changes of a document that take more than a text, and files of it for the user.
+
+Changes are other alternatives, and where sliders end; files are the design as TOML and Python, and
+its results as CSV and NetCDF.
+"""
 
 import math
+import pprint
 import re
-from collections.abc import Mapping
+import tempfile
+from collections.abc import Callable, Mapping
 from copy import deepcopy
+from pathlib import Path
 from typing import Any, NamedTuple
 
+import lightflyer
 from lightflyer.config.flyer_file import FileDesign, models_for, sections_in
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import Measured, scale_and_offset
+from lightflyer.explorer.compute import prediction_of, uncertainty_of
 from lightflyer.explorer.grammar import (
     BASES,
     MISSION,
@@ -19,9 +28,11 @@ from lightflyer.explorer.grammar import (
     quantity_text,
     templates,
 )
-from lightflyer.explorer.state import Document, plain
+from lightflyer.explorer.maps import Choices
+from lightflyer.explorer.state import Document, Workplace, plain, to_toml
 from lightflyer.files.section import Alternative, Section
 from lightflyer.flyer.section import FlyerSection
+from lightflyer.prediction.tables import to_dataset, write_csv
 
 _DECADE = 10.0  # a slider of a positive number reaches so many times below and above
 _TWICE = 2.0  # one of a number that may be zero, from there to so many times
@@ -29,6 +40,8 @@ _KELVIN = "K"  # temperatures: twice, not ten times
 _FROM_ZERO = 10.0  # of the unit, where the number is zero
 _UNIT = re.compile(r"[A-Za-zµμ°%].*$")
 _EXPONENT = re.compile(r"^([-+]?[\d.]+)[eE][-+]?\d+")
+
+_WIDTH = 88
 
 
 class Slider(NamedTuple):
@@ -208,3 +221,104 @@ def value_at(document: Document, name: str) -> Any:
         else:
             return None
     return place
+
+
+class Download(NamedTuple):
+    """A file for the user."""
+
+    name: str
+    kind: str  # Media type
+    content: bytes
+
+
+def download(what: str, workplace: Workplace, document: Document, choices: Choices) -> Download:
+    """A file with a design or its results; ``choices``: of the figure."""
+    if what in KINDS:
+        return KINDS[what](workplace, document)
+    from lightflyer.explorer.figures import figure_bytes
+
+    name, _, ending = what.rpartition(".")
+    content = figure_bytes(name, ending, workplace, document, choices)
+    kind = "image/svg+xml" if ending == "svg" else "image/png"
+    return Download(f"lightflyer-{what}", kind, content)
+
+
+def _without_mission(document: Document) -> Document:
+    return {name: part for name, part in document.items() if name != MISSION}
+
+
+def _heading(command: str) -> str:
+    return (
+        f"# Written by lightflyer explore {lightflyer.__version__}. "
+        f"The same numbers come from:  lightflyer {command}\n\n"
+    )
+
+
+def _toml(workplace: Workplace, document: Document) -> Download:
+    workplace.design(document)
+    text = _heading("predict flyer.toml --out FOLDER") + to_toml(_without_mission(document))
+    return Download("flyer.toml", "application/toml", text.encode())
+
+
+def _mission_toml(workplace: Workplace, document: Document) -> Download:
+    workplace.mission(document)
+    text = _heading("fly mission.toml --out FOLDER") + to_toml(document)
+    return Download("mission.toml", "application/toml", text.encode())
+
+
+def python_lines(document: Document) -> str:
+    """Lines of Python that give the results of the page."""
+    parts = _without_mission(document)
+    arguments = ",\n".join(f"    {name}={_literal(part)}" for name, part in parts.items())
+    lines = f"import lightflyer as lf\n\nflyer_file = lf.FlyerFile(\n{arguments},\n)\n"
+    lines += "prediction = lf.predict(flyer_file)\nprint(prediction.summary())\n"
+    if MISSION in document:
+        lines += (
+            "\n# mission.toml is another download of the explorer\n"
+            'mission = lf.mission.read_mission_file("mission.toml")\n'
+            "flown = lf.fly(mission.design, mission=mission.mission)\n"
+            'print(flown.attrs["end"])\n'
+        )
+    return lines
+
+
+def _literal(part: Any) -> str:
+    return pprint.pformat(part, width=_WIDTH, sort_dicts=False).replace("\n", "\n    ")
+
+
+def _python(workplace: Workplace, document: Document) -> Download:
+    workplace.design(document)
+    return Download("explored.py", "text/x-python", python_lines(document).encode())
+
+
+def _file_content(write: Callable[[Path], object], ending: str) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, f"prediction.{ending}")
+        write(path)
+        return path.read_bytes()
+
+
+def _csv(workplace: Workplace, document: Document) -> Download:
+    prediction = prediction_of(workplace.design(document))
+    content = _file_content(lambda path: write_csv(prediction, path), "csv")
+    return Download("prediction.csv", "text/csv", content)
+
+
+def _netcdf(workplace: Workplace, document: Document) -> Download:
+    design = workplace.design(document)
+    dataset = to_dataset(prediction_of(design), design.text)
+    uncertainty = uncertainty_of(design)
+    if uncertainty is not None:
+        uncertainty.add_to_dataset(dataset)
+    content = bytes(dataset.to_netcdf(engine="h5netcdf"))
+    return Download("prediction.nc", "application/x-netcdf", content)
+
+
+KINDS: dict[str, Callable[[Workplace, Document], Download]] = {
+    "toml": _toml,
+    "mission.toml": _mission_toml,
+    "python": _python,
+    "csv": _csv,
+    "netcdf": _netcdf,
+}
+"""Files by what the page calls them."""

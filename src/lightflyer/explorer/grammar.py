@@ -21,7 +21,7 @@ from lightflyer.core.units import Measured
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.files.section import Alternative, OneOf, Section
 from lightflyer.film.media.library import material_names
-from lightflyer.film.section import FilmSection
+from lightflyer.film.properties import FilmSection
 from lightflyer.flyer.section import FlyerSection
 from lightflyer.force.section import ForceSection
 from lightflyer.mission.mission_file import EnsembleSection, LaunchesSection, MissionSection

@@ -29,7 +29,7 @@ from lightflyer.files.drawing import EXTRAPOLATED
 from lightflyer.files.palette import BLUE, GREEN, GREY, LESS, MORE, ORANGE, PURPLE, SKY, VERMILION
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.film.optics.spectra import planck
-from lightflyer.film.report.summary import FilmSummary
+from lightflyer.film.summary import FilmSummary
 from lightflyer.mission.areas import describe_place
 from lightflyer.mission.report.figures import MOST_LINES, map_view, shores
 from lightflyer.mission.report.summary import day_and_night

@@ -26,8 +26,7 @@ from lightflyer.explorer.compute import (
 from lightflyer.explorer.compute import (
     warm as warm_up,
 )
-from lightflyer.explorer.downloads import python_lines
-from lightflyer.explorer.editing import sliders, switch_alternative
+from lightflyer.explorer.editing import python_lines, sliders, switch_alternative
 from lightflyer.explorer.grammar import MISSION, grammar, templates
 from lightflyer.explorer.state import (
     MOST_PINS,

@@ -35,7 +35,7 @@ import lightflyer
 from lightflyer.core.errors import ConfigurationError, LightflyerError, OutputError
 from lightflyer.core.progress import Step
 from lightflyer.explorer import jobs, pages
-from lightflyer.explorer.downloads import download
+from lightflyer.explorer.editing import download
 from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.panes import panes
 from lightflyer.explorer.state import Workplace, entries_of, keeping_warnings

@@ -13,6 +13,7 @@ from lightflyer.core.checks import is_traced
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.units import Measured
 from lightflyer.film.optics.averages import (
+    POINTS_PER_E_FOLD,
     Average,
     Shares,
     heat_shares,
@@ -26,7 +27,6 @@ from lightflyer.film.optics.diagnostics import (
     roughness_warnings,
     thick_warnings,
 )
-from lightflyer.film.optics.integration import POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import Spectrum
 from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate

@@ -25,7 +25,7 @@ from lightflyer.core.quantity import (
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Section
 from lightflyer.files.toml_file import file_beside
-from lightflyer.film.media.compound import TemperatureDependentMedium
+from lightflyer.film.media.compound import Rule, Shape, TemperatureDependentMedium
 from lightflyer.film.media.database import database_page, looks_like_page
 from lightflyer.film.media.dispersion import (
     Cauchy,
@@ -36,7 +36,6 @@ from lightflyer.film.media.dispersion import (
     Lorentz,
     TaucLorentz,
 )
-from lightflyer.film.media.effective_media import Rule, Shape
 from lightflyer.film.media.library import (
     MECHANICS,
     MEDIA,
@@ -47,8 +46,7 @@ from lightflyer.film.media.library import (
     material,
     mechanics_of,
 )
-from lightflyer.film.media.material_csv import names_file
-from lightflyer.film.media.materials import vacuum
+from lightflyer.film.media.materials import names_file, vacuum
 from lightflyer.film.media.medium import Extrapolation, Medium
 from lightflyer.film.media.mixture import SHEETS, Graded, Mixture
 from lightflyer.film.optics.stack import Layer

@@ -29,7 +29,7 @@ from lightflyer.film.computed import ComputedFilm, with_measurements
 from lightflyer.film.layer_section import OF_NO_MEDIUM, LayerSection, Policy
 from lightflyer.film.media.library import MECHANICS
 from lightflyer.film.media.medium import Extrapolation, Medium
-from lightflyer.film.optics.integration import COARSE_POINTS_PER_E_FOLD, POINTS_PER_E_FOLD
+from lightflyer.film.optics.averages import COARSE_POINTS_PER_E_FOLD, POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import (
     Spectrum,
     am0,
@@ -37,10 +37,8 @@ from lightflyer.film.optics.spectra import (
     spectral_line,
     spectrum_from_csv,
 )
-from lightflyer.film.optics.stack import Film
-from lightflyer.film.optics.thickness import neighbouring_films
-from lightflyer.film.properties import FilmProperties
-from lightflyer.film.section import FACES, FilmSection, WholeFilm
+from lightflyer.film.optics.stack import Film, neighbouring_films
+from lightflyer.film.properties import FACES, FilmProperties, FilmSection, WholeFilm
 from lightflyer.numerics.correlation import correlation_matrix
 from lightflyer.structure.laminate import Laminate
 

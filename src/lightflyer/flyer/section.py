@@ -6,8 +6,7 @@ from lightflyer.core.quantity import RADIANS_PER_DEGREE, Azimuth, Mass, Tilt
 from lightflyer.core.units import Measured
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import Alternative
-from lightflyer.film.properties import FilmProperties
-from lightflyer.film.section import FilmSection
+from lightflyer.film.properties import FilmProperties, FilmSection
 from lightflyer.flyer.base import AbstractFlyer
 
 _FILM = "film"

@@ -34,7 +34,6 @@ from lightflyer.files.toml_file import file_beside
 from lightflyer.film.layer_section import NamedSection, Policy, named_medium
 from lightflyer.film.layered_section import LitSection, light_of
 from lightflyer.film.media.medium import Extrapolation, Medium
-from lightflyer.film.optics.absorbed_powers import read_absorbed_powers
 from lightflyer.film.optics.curve import (
     NODES,
     EmittanceCurve,
@@ -43,7 +42,7 @@ from lightflyer.film.optics.curve import (
     emittance_bounds,
 )
 from lightflyer.film.optics.spectra import Spectrum
-from lightflyer.film.optics.sphere import sphere_absorption
+from lightflyer.film.optics.sphere import read_absorbed_powers, sphere_absorption
 from lightflyer.film.properties import excess_of_growth
 from lightflyer.flyer.bodies import AbstractClosedFlyer
 from lightflyer.flyer.section import FlyerSection

@@ -66,7 +66,7 @@ class GaugeOptions:
 
     def build(self, gas: "AbstractGas", ambient: float | None) -> "Gauge":
         """The gauge in a gas at a temperature [K], by default that of a room."""
-        from lightflyer.lab.gauges import gauge_of
+        from lightflyer.calibration.gauge import gauge_of
 
         warm, tube = self.gauge_temperature, self.gauge_tube
         return gauge_of(

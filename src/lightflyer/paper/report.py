@@ -13,8 +13,7 @@ from lightflyer.core.atomic_files import output_directory
 from lightflyer.files import page
 from lightflyer.files.drawing import DOTS_PER_INCH, save, use_style
 from lightflyer.paper.conditions import COLUMNS, DECIDING, KINETIC, Claim, Quantity, claims, facts
-from lightflyer.paper.curves import FIGURES, captions, rows
-from lightflyer.paper.figures import measured_figures, paper_figure
+from lightflyer.paper.figures import FIGURES, captions, measured_figures, paper_figure, rows
 from lightflyer.paper.results import (
     Row,
     check_values,

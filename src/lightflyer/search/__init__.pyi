@@ -2,6 +2,8 @@ from .bounds import Bounds as Bounds
 from .bounds import Tolerance as Tolerance
 from .front import Front as Front
 from .front import pareto as pareto
+from .local_search import RankedStack as RankedStack
+from .local_search import Ranking as Ranking
 from .objectives import AsMade as AsMade
 from .objectives import Effect as Effect
 from .optimiser import Optimum as Optimum
@@ -12,5 +14,3 @@ from .sobol import Indices as Indices
 from .sobol import SensitivityStudy as SensitivityStudy
 from .sobol import read_sensitivity_study as read_sensitivity_study
 from .sobol import sensitivity as sensitivity
-from .stacks import RankedStack as RankedStack
-from .stacks import Ranking as Ranking

@@ -30,15 +30,17 @@ from lightflyer.search.local_search import (
     AGREEMENT,
     FEASIBLE,
     LocalOptimum,
+    Ranking,
     Rival,
+    choose_stack,
     diagnose_solution,
     maximise_from,
     maximise_in_full,
+    merit,
     rivals_of,
 )
 from lightflyer.search.objectives import SCREENED, AsMade, ObjectiveFunction, simulate_making
 from lightflyer.search.problem import Problem, as_problem
-from lightflyer.search.stacks import Ranking, choose_stack, merit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from lightflyer.film.section import FACES
+from lightflyer.film.properties import FACES
 
 REPLICATES = 8  # Scrambled Sobol sequences, of which a study's samples consist
 

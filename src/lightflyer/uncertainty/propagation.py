@@ -26,18 +26,16 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.evaluator import Table
 from lightflyer.prediction.prediction import Prediction, predict_design, search_grid
 from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs
-from lightflyer.uncertainty.monte_carlo import (
+from lightflyer.uncertainty.targets import (
     LEAST_LIGHT,
     NIGHT,
-    search_samples,
-    tabulate_samples,
-)
-from lightflyer.uncertainty.targets import (
     Derivatives,
     derivatives,
     find_targets,
     sample_result,
+    search_samples,
     spread_of,
+    tabulate_samples,
 )
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import xarray as xr
 
 import lightflyer as lf
 from lightflyer.config.reader import read_flyer_file
-from lightflyer.lab.synthetic.ftir import true_transmittance
+from lightflyer.lab.synthetic.spectra import true_transmittance
 
 FILM = """\
 [film]

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.film import Film
+    from lightflyer.film.angles import AngularSummary
     from lightflyer.film.layered_section import SampleSection
-    from lightflyer.film.report.angular_summary import AngularSummary
-    from lightflyer.film.report.summary import FilmSummary
+    from lightflyer.film.summary import FilmSummary
 
 _LEAST_SHARE = 0.0005  # of a spectrum, printed as 0.1 %
 _SHOWN_TEMPERATURE = 300.0  # [K], nearest to which an emittance by angle is printed
@@ -69,8 +69,8 @@ def film_command(
     """
     out = figures.folder(out)
     from lightflyer.config.reader import read_film_file
-    from lightflyer.film.report.angular_summary import AngularSummary, write_csv, write_spectral_csv
-    from lightflyer.film.report.summary import FilmSummary
+    from lightflyer.film.angles import AngularSummary, write_csv, write_spectral_csv
+    from lightflyer.film.summary import FilmSummary
 
     section = read_film_file(film_file)
     asked = quantities("--temperatures", temperatures, "K")
@@ -113,7 +113,7 @@ def film_command(
         }
 
     def draw() -> "dict[str, Figure]":
-        from lightflyer.film.report.figures import angle_figures, film_figures
+        from lightflyer.film.figures import angle_figures, film_figures
 
         return film_figures(summary) | ({} if by_angle is None else angle_figures(by_angle))
 
@@ -126,7 +126,7 @@ def film_command(
     if by_angle is not None:
         import numpy as np
 
-        from lightflyer.film.optics.angles import shares_by_name
+        from lightflyer.film.angles import shares_by_name
 
         number = int(np.argmin(abs(by_angle.temperatures - _SHOWN_TEMPERATURE)))
         shown = f"{by_angle.temperatures[number]:g} K"
@@ -155,8 +155,8 @@ def _points(
     """Optics at the wavelengths of ``--at``, for normal incidence on the top, and warnings."""
     if at is None:
         return [], []
-    from lightflyer.film.optics.thickness import thickness_uncertainty
-    from lightflyer.film.report.summary import possible_interval
+    from lightflyer.film.optics.stack import thickness_uncertainty
+    from lightflyer.film.summary import possible_interval
 
     wavelengths = quantities("--at", at, "m")
 
@@ -204,7 +204,7 @@ def _angles_json(by_angle: "AngularSummary") -> dict[str, Any]:
     """Averages by angle, as lists over the angles."""
     import numpy as np
 
-    from lightflyer.film.optics.angles import POLARISATIONS, shares_by_name
+    from lightflyer.film.angles import POLARISATIONS, shares_by_name
 
     def listed(values: Any) -> dict[str, Any]:
         return {name: values[row].tolist() for row, name in enumerate(POLARISATIONS)}

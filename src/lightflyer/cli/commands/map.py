@@ -51,8 +51,8 @@ def map_command(
     figures.folder(out)
     from lightflyer.files.display_units import amount
     from lightflyer.parametric.explore import choose_slice, find_name
+    from lightflyer.parametric.figures import map_parts
     from lightflyer.parametric.run import open_sweep
-    from lightflyer.parametric.text import map_parts
 
     dataset = open_sweep(results)
     output = find_name(dataset, value, among="outputs")

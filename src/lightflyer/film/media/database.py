@@ -16,8 +16,7 @@ import numpy as np
 
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.extras import extra
-from lightflyer.film.media.material_csv import names_file
-from lightflyer.film.media.materials import Material, Segment
+from lightflyer.film.media.materials import Material, Segment, names_file
 from lightflyer.film.media.medium import MICROMETRE
 
 if TYPE_CHECKING:

@@ -17,15 +17,14 @@ import numpy as np
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.extras import load_plugins
 from lightflyer.core.units import Measured
+from lightflyer.film.media.compound import Shape, maxwell_garnett
 from lightflyer.film.media.database import (
     SITE,
     database_page,
     looks_like_page,
     page_material,
 )
-from lightflyer.film.media.effective_media import Shape, maxwell_garnett
-from lightflyer.film.media.material_csv import names_file
-from lightflyer.film.media.materials import Material, Segment, material_from_csv, vacuum
+from lightflyer.film.media.materials import Material, Segment, material_from_csv, names_file, vacuum
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium
 
 _Lookup: TypeAlias = Callable[

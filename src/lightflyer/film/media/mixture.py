@@ -9,8 +9,7 @@ from lightflyer.array.records import field
 from lightflyer.core.checks import is_concrete, is_traced, require_positive, require_range
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.film.media.compound import Compound, indices, vector
-from lightflyer.film.media.effective_media import Rule, Shape
+from lightflyer.film.media.compound import Compound, Rule, Shape, indices, vector
 from lightflyer.film.media.materials import vacuum
 from lightflyer.film.media.medium import GIVEN, MICROMETRE, Medium
 

@@ -13,7 +13,7 @@ from lightflyer.core.checks import require_positive
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Length, Temperature
 from lightflyer.files.table import shipped_table
-from lightflyer.film.media.material_csv import read_spectrum_csv
+from lightflyer.film.media.materials import read_spectrum_csv
 
 SECOND_RADIATION_CONSTANT = constants.PLANCK * constants.SPEED_OF_LIGHT / constants.BOLTZMANN
 """hc/k [m K]."""

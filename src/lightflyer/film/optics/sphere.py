@@ -1,9 +1,11 @@
 """What a homogeneous sphere does with light and heat radiation, by the theory of Mie.
 
 It scatters, absorbs, and is heated unevenly: the asymmetry of its heat sources drives
-photophoresis.
+photophoresis. Where a particle of any shape absorbs light comes from a file of a program such as
+ADDA.
 """
 
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,12 +15,19 @@ from lightflyer.array.namespace import Numeric
 from lightflyer.array.records import Module, field, short_repr
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import is_traced, require_positive, require_range
-from lightflyer.core.errors import ParameterError
-from lightflyer.core.quantity import Length
+from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.quantity import Length, Quantity
+from lightflyer.files.table import Table, read_table
+from lightflyer.files.table_layout import Column
 from lightflyer.film.media.medium import Medium
-from lightflyer.film.optics.averages import light_coverage, thermal_coverage
+from lightflyer.film.optics.averages import (
+    COARSE_POINTS_PER_E_FOLD,
+    light_coverage,
+    light_grid,
+    thermal_coverage,
+    thermal_grid,
+)
 from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
-from lightflyer.film.optics.integration import COARSE_POINTS_PER_E_FOLD, light_grid, thermal_grid
 from lightflyer.film.optics.spectra import Spectrum, am0
 from lightflyer.film.optics.stack import Film, Layer
 
@@ -31,6 +40,15 @@ _AT_ONCE = 512  # Spheres computed at a time, and orders times spheres: what mem
 _ORDERS_AT_ONCE = 500_000
 _TYPICAL, _NEARLY_ALL = 300.0, 0.999  # Temperature [K] and share at which data are reported missing
 _LEAST_WEIGHT = 1e-10  # of a wavelength in an average, over the largest
+
+_COLUMNS = (
+    *(Column(name, Quantity(), required=True, any_unit=True) for name in "xyz"),
+    Column("q", Quantity("", 0.0), ("|E|^2",), required=True, any_unit=True),
+)
+_ROUNDED = 0.01  # of a grid step: digits that a file leaves out
+_IN_A_POINT = (
+    0.75  # Asymmetry factor over efficiency, where all is absorbed in one place of the surface
+)
 
 
 class Mie(NamedTuple):
@@ -327,3 +345,110 @@ def _first_order(p: np.ndarray, order: np.ndarray) -> int:
         enough = decay(middle) - base > _CONVERGED
         low, high = np.where(enough, low, middle), np.where(enough, middle, high)
     return int(np.ceil(high.max()))
+
+
+class AbsorbedPowers(Module):
+    r"""Absorbed power at the points of a cubic grid that fill a particle.
+
+    Only shares count: the unit of positions and of powers is any. The particle stands for the
+    sphere of its volume, whose temperature difference drives the force.
+    """
+
+    position: np.ndarray  #: shape (points, 3); from the middle of the volume, in grid steps [1]
+    share: np.ndarray  #: shape (points,); of the absorbed power [1]
+    propagation: np.ndarray  #: shape (3,); direction in which the light travels [1]
+
+    @property
+    def radius(self) -> float:
+        """Radius of the sphere of equal volume [grid steps]."""
+        return float(np.cbrt(0.75 / np.pi * self.share.size))
+
+    @property
+    def asymmetry(self) -> float:
+        r"""Asymmetry factor J₁ over the absorption efficiency, where heat is conducted evenly [1].
+
+        The first harmonic of the surface temperature follows the dipole of the sources.
+        """
+        return float(self._toward_light @ self.share) * _IN_A_POINT / self.radius
+
+    @property
+    def asymmetry_without_conduction(self) -> float:
+        """The same where heat leaves straight outwards and none flows sideways [1]."""
+        distance = np.linalg.norm(self.position, axis=1)
+        cosine = np.divide(self._toward_light, distance, where=distance > 0.0,
+                           out=np.zeros_like(distance))  # fmt: skip
+        return float(cosine @ self.share) * _IN_A_POINT
+
+    @property
+    def sideways(self) -> np.ndarray:
+        """Part of :attr:`asymmetry` across the light [1], shape (3,); its force is not computed."""
+        mean = self.share @ self.position
+        return (mean - (mean @ self.propagation) * self.propagation) * _IN_A_POINT / self.radius
+
+    @property
+    def _toward_light(self) -> np.ndarray:
+        return -self.position @ self.propagation
+
+
+def read_absorbed_powers(
+    *paths: str | Path, propagation: tuple[float, float, float] = (0.0, 0.0, 1.0)
+) -> AbsorbedPowers:
+    """Absorbed powers of a particle from text files, such as the internal fields of ADDA.
+
+    Parameters
+    ----------
+    *paths : str or path
+        The columns are ``x y z q``, or ``x y z |E|^2 ...`` as ``adda -store_int_field`` writes
+        them to ``IntField-X`` and ``IntField-Y``. Both files together are unpolarised light.
+        The points are those of a cubic grid, and ``q`` is the power per volume, in any unit.
+        The squared field stands for it where all of the particle is one medium.
+    propagation : sequence of 3 numbers
+        Direction in which the light travels; ADDA's default is along z.
+
+    Returns
+    -------
+    AbsorbedPowers
+
+    Raises
+    ------
+    ConfigurationError
+        One line that says what is wrong and where.
+    """
+    if not paths:
+        raise ParameterError("read_absorbed_powers() needs the path of a file, such as IntField-X")
+    direction = np.asarray(propagation, float)
+    if direction.shape != (3,):
+        raise ParameterError("propagation has three numbers, such as (0, 0, 1)")
+    require_positive(length_of_propagation=np.linalg.norm(direction))
+    tables = [read_table(path, _COLUMNS, strict=True) for path in paths]
+    grids = [_grid(table) for table in tables]
+    order = [np.lexsort(grid.T) for grid in grids]
+    points = grids[0][order[0]]
+    for path, grid, one in zip(paths[1:], grids[1:], order[1:], strict=True):
+        if not np.array_equal(grid[one], points):
+            raise ConfigurationError(f"{path}: has other points than {paths[0]}")
+    powers = [table.numbers["q"][one] for table, one in zip(tables, order, strict=True)]
+    power = np.sum(powers, axis=0)
+    position = points - points.mean(axis=0)
+    return AbsorbedPowers(position, power / power.sum(), direction / np.linalg.norm(direction))
+
+
+def _grid(table: Table) -> np.ndarray:
+    """Whole numbers of grid steps from one corner, shape (points, 3)."""
+    places = np.stack([table.numbers[name] for name in "xyz"], axis=1)
+    places = places - places.min(axis=0)
+    gaps = np.diff(np.sort(places, axis=0), axis=0)
+    step = np.min(gaps[gaps > _ROUNDED * np.max(gaps, initial=0.0)], initial=np.inf)
+    whole = np.rint(places / step)
+    if np.isinf(step) or np.any(np.abs(places / step - whole) > _ROUNDED):
+        raise ConfigurationError(
+            f"{table.source}: its points are not those of a cubic grid; write one row for each "
+            "cell of a grid with equal steps, as adda -store_int_field does"
+        )
+    _, first = np.unique(whole, axis=0, return_index=True)
+    if first.size < len(whole):
+        line = table.lines[np.setdiff1d(np.arange(len(whole)), first)[0]]
+        raise ConfigurationError(f"{table.source}:{line}: repeats the point of another line")
+    if not np.any(table.numbers["q"] > 0.0):
+        raise ConfigurationError(f"{table.source}: no point absorbs anything")
+    return np.asarray(whole)

@@ -13,14 +13,14 @@ import numpy as np
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import Module
 from lightflyer.core.errors import ParameterError
-from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
-from lightflyer.film.optics.integration import (
+from lightflyer.film.optics.averages import (
     POINTS_PER_E_FOLD,
     Grid,
     hemisphere,
     light_grid,
     thermal_grid,
 )
+from lightflyer.film.optics.curve import EmittanceCurve, node_temperatures
 from lightflyer.film.optics.spectra import Spectrum, am0
 from lightflyer.film.optics.stack import GRAZING, Film
 from lightflyer.film.optics.transfer_matrix import transfer

@@ -71,9 +71,9 @@ def force(
     force_accuracy
         The same of the balance.
     """
+    from lightflyer.calibration.gauge import pirani_doubts
     from lightflyer.gas import GASES
-    from lightflyer.lab.force.vane import ASSUMED_TAC, Vane, compare_forces, read_forces
-    from lightflyer.lab.gauges import pirani_doubts
+    from lightflyer.lab.force import ASSUMED_TAC, Vane, compare_forces, read_forces
     from lightflyer.lab.result import Outcome, dataset
 
     if (tac_hot is None) != (tac_cold is None) or (tac is not None and tac_hot is not None):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from lightflyer.film.optics.stack import Film
     from lightflyer.lab.ftir.reduction import Ftir
-    from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+    from lightflyer.lab.readers.interpretation import MeasuredSpectrum
     from lightflyer.lab.result import Outcome
 
 _WAVENUMBERS = 1000  # of a computed spectrum
@@ -101,7 +101,7 @@ def ftir(
         Face of that film.
     """
     from lightflyer.config.update import emittance_keys
-    from lightflyer.lab.ftir.air import parse_ranges, with_straight_lines, without_air
+    from lightflyer.lab.ftir.means import parse_ranges, with_straight_lines, without_air
     from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
     from lightflyer.lab.readers.spectrum_data import read_spectrum
     from lightflyer.lab.result import Outcome, figures_by, rejected_json
@@ -165,7 +165,7 @@ def ftir(
 
 
 def _read_parts(spectra: "list[MeasuredSpectrum]") -> Iterator[str]:
-    from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE
+    from lightflyer.lab.readers.interpretation import PER_CENTIMETRE
     from lightflyer.lab.result import rejected_lines
 
     for one in spectra:

@@ -75,9 +75,9 @@ def levitation(
         instruments; the file's own ± are not counted twice.
     """
     from lightflyer.calibration.calibration import fit_parts
+    from lightflyer.calibration.gauge import pirani_doubts
     from lightflyer.files.table import same_text
     from lightflyer.gas import GASES
-    from lightflyer.lab.gauges import pirani_doubts
     from lightflyer.lab.levitation import curve as curve_module
     from lightflyer.lab.levitation.curve import curves_parts
     from lightflyer.lab.levitation.data import read_lift_offs

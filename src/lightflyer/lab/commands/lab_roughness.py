@@ -63,7 +63,7 @@ def roughness(
     from lightflyer.lab.readers.height_map import list_channels as channels_of
     from lightflyer.lab.readers.height_map import mask_as_png, read_height_map, read_mask
     from lightflyer.lab.result import Outcome, estimate_table, figures_by, require_distinct
-    from lightflyer.lab.surface.particles import THRESHOLD
+    from lightflyer.lab.surface.heights import THRESHOLD
     from lightflyer.lab.surface.reduction import NAMES, mean_parameters, summary, to_dataset
     from lightflyer.lab.surface.reduction import roughness as roughness_of
 

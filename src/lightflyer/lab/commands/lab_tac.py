@@ -103,20 +103,20 @@ def tac(
     face
         Face of that film which has the measured surface.
     """
+    from lightflyer.calibration.gauge import pirani_doubts
     from lightflyer.config.update import tac_keys
     from lightflyer.core.checks import require_positive, require_range
     from lightflyer.gas import GASES
-    from lightflyer.lab.gauges import pirani_doubts
     from lightflyer.lab.result import Outcome, figures_by, require_distinct
     from lightflyer.lab.tac import data
     from lightflyer.lab.tac import fit as tac_fits
-    from lightflyer.lab.tac.diagnostics import POSSIBLE_TAC
     from lightflyer.lab.tac.difference import (
         difference_dataset,
         difference_tables,
         fit_tac_difference,
     )
-    from lightflyer.lab.tac.heat_law import HEAT_LAWS, KINETIC, KineticLaw
+    from lightflyer.lab.tac.preparation import POSSIBLE_TAC
+    from lightflyer.lab.tac.problem import HEAT_LAWS, KINETIC, KineticLaw
 
     faces = [files] if files else [top, bottom]
     if not all(faces) or (files and (top or bottom)):
@@ -222,7 +222,7 @@ def _about_flyer(
     from lightflyer.config.reader import read_flyer_file
     from lightflyer.gas.registry import AIRS
     from lightflyer.lab.tac import fit as tac_fits
-    from lightflyer.lab.tac.heat_law import KINETIC
+    from lightflyer.lab.tac.problem import KINETIC
 
     for fits in sides:
         reason = tac_fits.why_no_property(fits)

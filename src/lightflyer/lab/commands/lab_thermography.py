@@ -102,7 +102,7 @@ def thermography(
     from lightflyer.config.update import emittance_keys
     from lightflyer.lab.result import Outcome, figures_by
     from lightflyer.lab.thermography import data, thermal_image
-    from lightflyer.lab.thermography.camera import UNCOOLED, parse_band
+    from lightflyer.lab.thermography.data import UNCOOLED, parse_band
     from lightflyer.lab.thermography.reduction import reduce_readings, to_dataset
 
     texts = {"hotplate": hotplate, "lower": lower, "upper": upper, "ambient": ambient}

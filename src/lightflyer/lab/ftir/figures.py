@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from lightflyer.files.drawing import legend_below, new_figure
 from lightflyer.files.palette import GREY, ORANGE, PALETTE
 from lightflyer.film.optics.spectra import planck
-from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE
+from lightflyer.lab.readers.interpretation import PER_CENTIMETRE
 
 if TYPE_CHECKING:
     from lightflyer.lab.ftir.reduction import Ftir

@@ -23,8 +23,8 @@ from lightflyer.core.errors import Doubt, ParameterError
 from lightflyer.core.quantity import Temperature
 from lightflyer.files.result_text import Parts, table_of
 from lightflyer.lab.estimate import CONFIDENCE, Estimate
-from lightflyer.lab.ftir import diagnostics, means
-from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE, MeasuredSpectrum
+from lightflyer.lab.ftir import means
+from lightflyer.lab.readers.interpretation import PER_CENTIMETRE, MeasuredSpectrum
 from lightflyer.lab.result import (
     EMISSIVITY,
     LabResult,
@@ -304,7 +304,7 @@ def reduce_ftir(
                 f"accuracy of {used:.2g} is stated or assumed: are all of one film?"
             ))  # fmt: skip
     rest = {where: means.remainder([one[where] for one in raw]) for where in raw[0]}
-    bounds, unsaid = diagnostics.Bounds(), diagnostics.Bounds()
+    bounds, unsaid = means.Bounds(), means.Bounds()
     transmittance = _cut(bounds, "transmittance", raw[0])
     reflectance = _cut(bounds, "reflectance", raw[1]) if reflectances else None
     # without reflectance the rest is cut where the transmittance was, which has been said
@@ -324,11 +324,11 @@ def reduce_ftir(
         uncovered=uncovered,
         accuracy=used,
         warnings=(
-            *diagnostics.coverage_warnings(whole, band, uncovered_band, uncovered),
+            *means.coverage_warnings(whole, band, uncovered_band, uncovered),
             *far,
-            *diagnostics.spectrum_warnings(spectra, reflectances, band, used),
+            *means.spectrum_warnings(spectra, reflectances, band, used),
             *bounds.warnings,
-            *diagnostics.accuracy_warnings(accuracy, used),
+            *means.accuracy_warnings(accuracy, used),
             *(doubts_of("emissivity", EMISSIVITY, emissivity.band.value) if reflectances else []),
         ),
     )
@@ -344,7 +344,7 @@ def _common_range(spectra: Sequence[MeasuredSpectrum]) -> tuple[float, float]:
 
 
 def _cut(
-    bounds: diagnostics.Bounds, quantity: str, shares: dict[str | float, means.MeanShare]
+    bounds: means.Bounds, quantity: str, shares: dict[str | float, means.MeanShare]
 ) -> Averages:
     found = {
         where: bounds.cut(

@@ -6,12 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.array.records import ShortRepr
-from lightflyer.calibration.gauge import Gauge
+from lightflyer.calibration.gauge import Gauge, end_text, rows_at_the_end
 from lightflyer.calibration.points import LEVITATION_COLUMNS, SAMPLE_PROPERTIES, read_points
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.table import Table
-from lightflyer.lab.gauges import end_text, rows_at_the_end
 
 COLUMNS = LEVITATION_COLUMNS
 """Columns of a file of levitation points, the same as for a calibration."""

@@ -23,7 +23,7 @@ from lightflyer.film.layered_section import SampleSection
 from lightflyer.film.optics.stack import GRAZING, Film, Side
 from lightflyer.lab.optics.ellipsometry import ORDINATES, EllipsometrySection, MeasuredFile
 from lightflyer.lab.readers.formats import Ordinate
-from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+from lightflyer.lab.readers.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectrum_data import read_spectrum
 from lightflyer.lab.result import require_distinct
 

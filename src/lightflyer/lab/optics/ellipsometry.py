@@ -22,7 +22,7 @@ from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.files.toml_file import file_beside
 from lightflyer.film.optics.stack import Side
-from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum
+from lightflyer.lab.readers.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectrum_data import AXES, COLUMNS
 
 ORDINATES: tuple[Literal["N", "C", "S"], ...] = ("N", "C", "S")

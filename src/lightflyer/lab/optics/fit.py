@@ -29,7 +29,7 @@ from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
 from lightflyer.lab.optics.model import FilmProblem, OpticalModel, select_covered
 from lightflyer.lab.optics.record import diagnose, display_unit, is_off
 from lightflyer.lab.optics.search import STARTS, FilmFit, Scatter, intervals, search
-from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE
+from lightflyer.lab.readers.interpretation import PER_CENTIMETRE
 from lightflyer.lab.result import (
     LabResult,
     Reported,

@@ -14,9 +14,14 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length
 from lightflyer.core.units import parse, scale_and_offset
 from lightflyer.lab.readers import microscopes
-from lightflyer.lab.readers.formats import Format, find_format, read_source
+from lightflyer.lab.readers.formats import (
+    Format,
+    NumberMatrix,
+    find_format,
+    read_number_matrix,
+    read_source,
+)
 from lightflyer.lab.readers.microscopes import Channel, choose_channel, with_different_names
-from lightflyer.lab.readers.number_matrix import NumberMatrix, read_number_matrix
 
 _GWYDDION = ("Channel", "Width", "Height", "Value units")  # the lines of its header
 _SIDES, _ROUNDED = ("Width", "Height"), 1e-3

@@ -13,11 +13,10 @@ from lightflyer.core.errors import ConfigurationError, MissingExtraError
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
-from lightflyer.lab.readers import formats
-from lightflyer.lab.readers.spectra import jasco, jcamp_dx, omnic, opus, perkin_elmer, spc
-from lightflyer.lab.readers.spectra.interpretation import PER_CENTIMETRE as PER_CENTIMETRE
-from lightflyer.lab.readers.spectra.interpretation import MeasuredSpectrum as MeasuredSpectrum
-from lightflyer.lab.readers.spectra.interpretation import (
+from lightflyer.lab.readers import formats, jasco, jcamp_dx, spc, vendors
+from lightflyer.lab.readers.interpretation import PER_CENTIMETRE as PER_CENTIMETRE
+from lightflyer.lab.readers.interpretation import MeasuredSpectrum as MeasuredSpectrum
+from lightflyer.lab.readers.interpretation import (
     ReadOptions,
     interpret_spectrum,
     readable,
@@ -25,18 +24,18 @@ from lightflyer.lab.readers.spectra.interpretation import (
 )
 
 SPECTRUM_FORMATS = [
-    formats.Format(opus.FORMAT, formats.starts_with(opus.MAGIC), opus.read_opus),
-    formats.Format(omnic.FORMAT, formats.starts_with(omnic.MAGIC), omnic.read_omnic),
-    formats.Format(perkin_elmer.SP, formats.starts_with(perkin_elmer.MAGIC), perkin_elmer.read_sp),
+    formats.Format(vendors.OPUS, formats.starts_with(vendors.OPUS_MAGIC), vendors.read_opus),
+    formats.Format(vendors.OMNIC, formats.starts_with(vendors.OMNIC_MAGIC), vendors.read_omnic),
+    formats.Format(vendors.SP, formats.starts_with(vendors.SP_MAGIC), vendors.read_sp),
     formats.Format(jasco.JWS, jasco.is_jws, jasco.read_jws),
     formats.Format(spc.FORMAT, spc.is_spc, spc.read_spc),
     formats.Format(jcamp_dx.FORMAT, jcamp_dx.is_jcamp, jcamp_dx.read_jcamp),
-    formats.Format(perkin_elmer.ASC, perkin_elmer.is_asc, perkin_elmer.read_asc),
+    formats.Format(vendors.ASC, vendors.is_asc, vendors.read_asc),
     formats.Format(jasco.TEXT, jasco.is_jasco_text, jasco.read_jasco_text),
 ]
 """All formats; binary ones, whose first bytes tell, before text. A plug-in adds its own."""
 
-_BINARY = {".spa": omnic.FORMAT, ".spg": omnic.FORMAT, ".spc": spc.FORMAT, ".sp": perkin_elmer.SP,
+_BINARY = {".spa": vendors.OMNIC, ".spg": vendors.OMNIC, ".spc": spc.FORMAT, ".sp": vendors.SP,
            ".jws": jasco.JWS, ".jrs": jasco.JWS}  # fmt: skip
 _NOT_READ = {".srs": "a series of OMNIC", ".map": "a map of OMNIC", ".jwb": "a block of JASCO",
              ".fsm": "an image of PerkinElmer", ".wdf": "Raman data of Renishaw",

@@ -33,8 +33,8 @@ from lightflyer.lab.result import (
     plain,
     variables,
 )
-from lightflyer.lab.surface import particles
-from lightflyer.lab.surface.statistics import DRAWS, SPECTRUM, Texture, spread, texture_of
+from lightflyer.lab.surface import heights
+from lightflyer.lab.surface.heights import DRAWS, SPECTRUM, Texture, spread, texture_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -104,7 +104,7 @@ class Roughness(LabResult):
         channel = f", {source.channel}" if source.channel else ""
         sides = " x ".join(f"{side / _MICROMETRE:.4g}" for side in (source.width, source.length))
         masked = ", ".join(
-            f"{particles.count_objects(mask)} {name} ({_PERCENT * mask.mean():.2f} %)"
+            f"{heights.count_objects(mask)} {name} ({_PERCENT * mask.mean():.2f} %)"
             for name, mask in (("particles", self.particles), ("holes", self.holes))
         )
         yield (
@@ -127,9 +127,9 @@ class Roughness(LabResult):
         """The result as a JSON object."""
         of_all = {f"{name}_all": one for name, one in self.parameters_all.items()}
         counts = {
-            "particles": particles.count_objects(self.particles),
+            "particles": heights.count_objects(self.particles),
             "particle_fraction": float(self.particles.mean()),
-            "holes": particles.count_objects(self.holes),
+            "holes": heights.count_objects(self.holes),
             "hole_fraction": float(self.holes.mean()),
             "missing_fraction": float(self.source.missing.mean()),
             **self.texture.summary(),
@@ -157,9 +157,9 @@ def roughness(
     source: HeightMap,
     *,
     mask: Mask = "auto",
-    threshold: float = particles.THRESHOLD,
+    threshold: float = heights.THRESHOLD,
     order: int = 2,
-    flatten: particles.Flatten = "none",
+    flatten: heights.Flatten = "none",
     flatten_order: int = 0,
     height_accuracy: Fraction | None = None,
     seed: int = 0,
@@ -203,7 +203,7 @@ def roughness(
     for name, value in (("order", order), ("flatten_order", flatten_order)):
         if not isinstance(value, int | np.integer):
             raise ParameterError(f"{name} = {value!r} is not a whole number")
-    if flatten not in get_args(particles.Flatten):
+    if flatten not in get_args(heights.Flatten):
         raise ParameterError(f'flatten = "{flatten}" is unknown; choose none or rows')
     require_range("threshold", threshold, 1.0)
     require_range("order", order, 0, 5)
@@ -211,14 +211,14 @@ def roughness(
     require_range("height_accuracy", height_accuracy, 0.0, 0.5)
     rows = None if flatten == "none" else flatten_order
     missing = source.missing
-    raw = particles.fill_missing(source.height)
+    raw = heights.fill_missing(source.height)
     if np.ptp(raw) == 0.0:
         raise ConfigurationError(
             f"{source.source}: all heights are equal: this is no map of a surface"
         )
     if rows is not None:
-        raw = particles.flatten_rows(raw, rows)
-    whole = particles.level(raw, missing, order)
+        raw = heights.flatten_rows(raw, rows)
+    whole = heights.level(raw, missing, order)
     nothing = np.zeros(raw.shape, bool)
     if not isinstance(mask, str):
         mask = np.asarray(mask)
@@ -229,29 +229,29 @@ def roughness(
             raise ConfigurationError(
                 f"{source.source}: the mask has {' and the map '.join(sizes)} pixels"
             )
-        if mask.mean() > particles.MOST_MASKED:
+        if mask.mean() > heights.MOST_MASKED:
             raise ConfigurationError(
-                f"{source.source}: the mask given leaves out more than {particles.MOST_MASKED:.0%} "
+                f"{source.source}: the mask given leaves out more than {heights.MOST_MASKED:.0%} "
                 "of the map; what is 1, or not black, is left out"
             )
-        found = particles.Objects(particles.level(raw, mask | missing, order), mask, nothing)
+        found = heights.Objects(heights.level(raw, mask | missing, order), mask, nothing)
     elif mask == "none":
-        found = particles.Objects(whole, nothing, nothing)
+        found = heights.Objects(whole, nothing, nothing)
     elif mask != "auto":
         raise ParameterError(f'mask = "{mask}" is unknown; choose auto, none, or give an array')
     else:
         try:
-            found = particles.find_particles(raw, threshold=threshold, order=order)
+            found = heights.find_particles(raw, threshold=threshold, order=order)
         except ConfigurationError as error:
             raise ConfigurationError(f"{source.source}: {error}") from None
     if missing.any():
         holes = (found.holes | missing) & ~found.particles
-        found = particles.Objects(
-            particles.level(raw, found.particles | holes, order), found.particles, holes
+        found = heights.Objects(
+            heights.level(raw, found.particles | holes, order), found.particles, holes
         )
     masked = found.particles | found.holes
     accuracy = HEIGHT_ACCURACY if height_accuracy is None else height_accuracy
-    kept = particles.kept_power(raw.shape, min(*raw.shape, SPECTRUM), order, rows)
+    kept = heights.kept_power(raw.shape, min(*raw.shape, SPECTRUM), order, rows)
     common = (kept, accuracy, seed, source.pixel_aspect)
     inside, lost, patches = _estimates(found.height, masked, *common)
     everything = _estimates(whole, missing, *common)[0]

@@ -7,22 +7,22 @@ from lightflyer.core.errors import ParameterError
 
 # by measurement: module here, its function that makes the files, commands that reduce them
 _EXAMPLES = {
-    "force": ("force", "force_files", (
+    "force": ("gas", "force_files", (
         'force vane.csv --diameter "12 cm" --hot "419 K" --cold "394 K" --out force',
     )),
-    "ftir": ("ftir", "ftir_files", (
+    "ftir": ("spectra", "ftir_files", (
         "ftir film.jdx --out ftir", "ftir film.csv --reflectance film-reflectance.csv",
     )),
-    "levitation": ("levitation", "levitation_files", (
+    "levitation": ("gas", "levitation_files", (
         "levitation levitation.csv --out levitation", "levitation launchpads.csv",
     )),
-    "optics": ("optics", "optics_files", ("optics sample.toml --out optics",)),
+    "optics": ("spectra", "optics_files", ("optics sample.toml --out optics",)),
     "roughness": ("surface", "roughness_files", ("roughness {} --out roughness",)),
-    "tac": ("tac", "tac_files", (
+    "tac": ("gas", "tac_files", (
         "tac tac-raw.csv --calibration tac-resistance.csv", "tac tac-reduced.txt --out tac",
         "tac --top tac-top.txt --bottom tac-bottom.txt --out faces",
     )),
-    "thermography": ("thermography", "thermography_files", (
+    "thermography": ("spectra", "thermography_files", (
         'thermography thermal.csv --band "7.5-14 um" --accuracy "0.5 K" --out thermography',
         "thermography light-meter.csv --light-meter",
     )),

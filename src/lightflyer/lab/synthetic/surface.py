@@ -6,7 +6,7 @@ from importlib.util import find_spec
 import numpy as np
 from scipy import ndimage
 
-from lightflyer.lab.surface.particles import level
+from lightflyer.lab.surface.heights import level
 from lightflyer.lab.synthetic.faults import label
 
 _SIDE = 10e-6  # [m]

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.array.records import ShortRepr
-from lightflyer.calibration.gauge import Gauge
+from lightflyer.calibration.gauge import Gauge, end_text, rows_at_the_end
 from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.calibration.points import copies
 from lightflyer.core.arguments import reads_units
@@ -23,7 +23,6 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.files.table import Table, read_table
 from lightflyer.files.table_layout import Column
-from lightflyer.lab.gauges import end_text, rows_at_the_end
 
 PIRANI_ACCURACY = 0.05
 """Standard uncertainty of a Pirani gauge, of the reading [1]: its maker's limits, 10 % at

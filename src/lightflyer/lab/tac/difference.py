@@ -24,7 +24,6 @@ from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.result import LabResult, Reported, Series, Shown, variables
 from lightflyer.lab.tac.data import TacAccuracy, TacRun
-from lightflyer.lab.tac.diagnostics import MOST_TAC, POSSIBLE_TAC, cut
 from lightflyer.lab.tac.fit import (
     TacFit,
     fit_together,
@@ -33,8 +32,14 @@ from lightflyer.lab.tac.fit import (
     warnings_of,
     with_spread,
 )
-from lightflyer.lab.tac.heat_law import KINETIC_LAW, AbstractHeatLaw
-from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, Bench
+from lightflyer.lab.tac.preparation import (
+    LU2023_HEATER_DIAMETER,
+    MOST_TAC,
+    POSSIBLE_TAC,
+    Bench,
+    cut,
+)
+from lightflyer.lab.tac.problem import KINETIC_LAW, AbstractHeatLaw
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -40,12 +40,18 @@ from lightflyer.lab.result import (
     plain,
     variables,
 )
-from lightflyer.lab.tac import diagnostics
+from lightflyer.lab.tac import preparation
 from lightflyer.lab.tac.data import IN_WORDS, TacAccuracy, TacRun
-from lightflyer.lab.tac.heat_law import KINETIC, KINETIC_LAW, AbstractHeatLaw, Limits, nominal_area
 from lightflyer.lab.tac.intervals import HeaterSolution, positive_estimate, solve
 from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, Bench, Prepared, prepare
-from lightflyer.lab.tac.problem import PARAMETERS
+from lightflyer.lab.tac.problem import (
+    KINETIC,
+    KINETIC_LAW,
+    PARAMETERS,
+    AbstractHeatLaw,
+    Limits,
+    nominal_area,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -270,8 +276,8 @@ def fit_tac(
         :math:`2\sigma\varepsilon(T_h^4-T_c^4)/\Delta T` is counted apart from the offset;
         otherwise the offset includes it.
     law : AbstractHeatLaw
-        Law of heat loss, one of :data:`~lightflyer.lab.tac.heat_law.HEAT_LAWS` or a
-        :class:`~lightflyer.lab.tac.heat_law.KineticLaw` in a chamber. By the paper's equations as
+        Law of heat loss, one of :data:`~lightflyer.lab.tac.problem.HEAT_LAWS` or a
+        :class:`~lightflyer.lab.tac.problem.KineticLaw` in a chamber. By the paper's equations as
         ``printed`` the coefficient comes out 11 to 20 % larger than by the kinetic equation; as
         ``reported``, which counts the plateau twice, more than twice as large.
     gas : AbstractGas
@@ -323,9 +329,9 @@ def fit_together(runs: Sequence[TacRun], bench: Bench) -> tuple[list[TacFit], np
 
 def _result(prepared: Prepared, solution: HeaterSolution, bench: Bench) -> TacFit:
     run, problem, reading = prepared.run, prepared.problem, bench.law.name
-    diagnostics.require_possible(run.source, solution.total, reading)
-    undetermined = diagnostics.why_undetermined(solution.total["tac"], problem, solution.scatter)
-    estimates, texts = diagnostics.cut(solution.total)
+    preparation.require_possible(run.source, solution.total, reading)
+    undetermined = preparation.why_undetermined(solution.total["tac"], problem, solution.scatter)
+    estimates, texts = preparation.cut(solution.total)
     fitted = problem.model(*solution.values.values())
     off = [int(line) for line in run.table.lines[prepared.off_curve]]
     if off:
@@ -335,7 +341,7 @@ def _result(prepared: Prepared, solution: HeaterSolution, bench: Bench) -> TacFi
     texts += [
         *run.notes,
         *ambient_doubts(run.ambient_temperature),
-        *diagnostics.result_warnings(estimates, reading),
+        *preparation.result_warnings(estimates, reading),
     ]
     kinetic = prepared.others.get(KINETIC)
     if kinetic is not None:  # by the paper's formulas
@@ -344,8 +350,8 @@ def _result(prepared: Prepared, solution: HeaterSolution, bench: Bench) -> TacFi
             f"the reading {reading} gives a coefficient {error:+.0f} % from that of the kinetic "
             f"equation ({kinetic:.3g}); the interval leaves this error of the formula out"
         )
-    texts += diagnostics.misfit_warnings(solution.alike, len(fitted), solution.values)
-    texts += diagnostics.drift_warnings(
+    texts += preparation.misfit_warnings(solution.alike, len(fitted), solution.values)
+    texts += preparation.drift_warnings(
         problem.conductance / fitted - 1.0, problem.pressure, solution.alike
     )
     if undetermined:
@@ -359,9 +365,9 @@ def _result(prepared: Prepared, solution: HeaterSolution, bench: Bench) -> TacFi
         gas=bench.gas.name,
         accuracy=bench.accuracy,
         **estimates,
-        statistical=diagnostics.cut(solution.statistical)[0],
+        statistical=preparation.cut(solution.statistical)[0],
         covariance_intervals={
-            name: one.interval for name, one in diagnostics.cut(solution.total_normal)[0].items()
+            name: one.interval for name, one in preparation.cut(solution.total_normal)[0].items()
         },
         covariance=solution.covariance,
         common_errors={name: solution.values[name] for name in problem.errors.names},
@@ -397,7 +403,7 @@ def mean_tac(fits: Sequence[TacFit], name: str = "tac") -> Estimate:
         return fits[0].estimates()[name]
     each = [with_spread(fit.statistical[name]) for fit in fits]
     mean = weighted_mean(each, common=_common_part(fits, name))
-    low, high = diagnostics.BOUNDS[name]
+    low, high = preparation.BOUNDS[name]
     return replace(mean, interval=(max(mean.interval[0], low), min(mean.interval[1], high)))
 
 
@@ -428,7 +434,7 @@ def why_no_property(fits: Sequence[TacFit]) -> str | None:
         if fit.undetermined:
             return fit.undetermined
     mean, first = mean_tac(fits), fits[0]
-    if mean.interval[0] <= diagnostics.POSSIBLE_TAC:
+    if mean.interval[0] <= preparation.POSSIBLE_TAC:
         return None
     return (
         f"{first.run.source}: accommodation coefficient {mean.value:.3g} by the reading "

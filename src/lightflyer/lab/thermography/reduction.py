@@ -3,7 +3,7 @@ r"""Reflectance, transmittance and emissivity from temperatures, or from a light
 A thermal camera sees three apparent temperatures of a film above a hotplate: that of the hotplate,
 that of the film's lower side, which reflects the hotplate, and that of its upper side, which
 transmits it. With B the radiance within the camera's band
-(:mod:`lightflyer.lab.thermography.camera`) and surroundings at :math:`T_\infty`,
+(:mod:`lightflyer.lab.thermography.data`) and surroundings at :math:`T_\infty`,
 
 .. math::
     S &= B(T_\mathrm{hotplate}) - B(T_\infty), \\
@@ -44,8 +44,15 @@ from lightflyer.lab.result import (
     plain,
     variables,
 )
-from lightflyer.lab.thermography.camera import MICROMETRE, UNCOOLED, flat_band
-from lightflyer.lab.thermography.data import LIGHT, THERMAL, Readings, Scene
+from lightflyer.lab.thermography.data import (
+    LIGHT,
+    MICROMETRE,
+    THERMAL,
+    UNCOOLED,
+    Readings,
+    Scene,
+    flat_band,
+)
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -24,10 +24,10 @@ from lightflyer.lab.readers.formats import (
     Source,
     find_format,
     has_suffix,
+    read_number_matrix,
     read_source,
     require_sound_tiff,
 )
-from lightflyer.lab.readers.number_matrix import read_number_matrix
 from lightflyer.lab.thermography import flir
 from lightflyer.lab.thermography.data import THERMAL, ZERO_CELSIUS
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
@@ -29,8 +29,11 @@ from lightflyer.force.kinetic.model import Kinetic
 from lightflyer.force.kinetic.walls import IN_WORDS
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.gas.pure import ARGON
-from lightflyer.lab.estimate import Estimate, central_interval
+from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, central_interval
 from lightflyer.lab.result import LabResult, Series, Shown, plain, variables
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 ASSUMED_TAC, ROOM = Measured(0.9, 0.05), Measured(295.0)
 SAMPLES = 1000  # of the uncertain numbers of a vane
@@ -66,6 +69,8 @@ _HEADINGS = (
     "predicted\n[µN]",
     "measured over\npredicted",
 )
+
+_DECADES = 2.5  # below the largest force that the axis shows, at most
 
 
 @dataclass(frozen=True)
@@ -191,7 +196,7 @@ class VaneForces(LabResult):
     ratio: Estimate | None  #: Measured over predicted force, mean over the points
     warnings: tuple[str, ...]
 
-    _drawing = "force.figures:plot_forces"
+    _drawing = "force:plot_forces"
 
     @property
     def largest(self) -> tuple[float, float]:
@@ -374,3 +379,27 @@ def _warnings(
             f"the forces are {apart:.2g} times those predicted: check their unit, that of the "
             "pressures, and the vane"
         )
+
+
+def plot_forces(found: VaneForces, ax: "Axes") -> None:
+    """Draw curve, band and points."""
+    from lightflyer.files.drawing import BAND, label_axes, legend_below
+    from lightflyer.files.palette import BLUE
+
+    low, high = found.band / MICRONEWTON
+    ax.fill_between(found.pressure, low, high, color=BLUE, alpha=0.2, lw=0, label=BAND)
+    ax.plot(found.pressure, found.force / MICRONEWTON, color=BLUE, lw=1.5, label="predicted")
+    shown = found.force
+    if found.points is not None:
+        numbers = found.points.numbers
+        up, right = (
+            NORMAL_FACTOR * numbers.get(f"{name}_uncertainty", np.zeros(found.predicted.size))
+            for name in ("force", "pressure")
+        )
+        ax.errorbar(numbers["pressure"], numbers["force"] / MICRONEWTON, up / MICRONEWTON, right,
+                    fmt="o", color="black", mfc="none", ms=5, lw=0.7, label="measured")  # fmt: skip
+        shown = np.concatenate([shown, numbers["force"]])
+    label_axes(ax, "pressure [Pa]", "force [µN]", log="xy")
+    most = shown.max() / MICRONEWTON
+    ax.set_ylim(max(0.5 * shown.min() / MICRONEWTON, most / 10**_DECADES), 2.0 * most)
+    legend_below(ax)

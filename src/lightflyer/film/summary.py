@@ -11,12 +11,18 @@ from lightflyer.array.records import ShortRepr
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.core.errors import ParameterError
 from lightflyer.film.media.medium import MICROMETRE
-from lightflyer.film.optics.averages import Average, Shares, heat_shares, light_shares
+from lightflyer.film.optics.averages import (
+    COARSE_POINTS_PER_E_FOLD,
+    POINTS_PER_E_FOLD,
+    Average,
+    Shares,
+    heat_shares,
+    light_shares,
+)
 from lightflyer.film.optics.diagnostics import film_warnings
-from lightflyer.film.optics.integration import COARSE_POINTS_PER_E_FOLD, POINTS_PER_E_FOLD
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0
 from lightflyer.film.optics.stack import Film
-from lightflyer.film.optics.thickness import thickness_uncertainty as propagate
+from lightflyer.film.optics.stack import thickness_uncertainty as propagate
 from lightflyer.film.optics.transfer_matrix import StackOptics
 
 if TYPE_CHECKING:
@@ -133,7 +139,7 @@ class FilmSummary(ShortRepr):
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the spectra, and what each layer absorbs."""
-        from lightflyer.film.report.figures import plot_film
+        from lightflyer.film.figures import plot_film
 
         return plot_film(self, ax)
 

@@ -9,13 +9,13 @@ from matplotlib.ticker import FixedLocator, MultipleLocator, NullFormatter, StrM
 
 from lightflyer.files.drawing import figure_for, legend_below, new_figure
 from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, YELLOW
+from lightflyer.film.angles import with_mean
 from lightflyer.film.media.medium import MICROMETRE
-from lightflyer.film.optics.angles import with_mean
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, am0, planck
 
 if TYPE_CHECKING:
-    from lightflyer.film.report.angular_summary import AngularSummary
-    from lightflyer.film.report.summary import FilmSummary
+    from lightflyer.film.angles import AngularSummary
+    from lightflyer.film.summary import FilmSummary
 
 _HEIGHT = 4.6  # [inch]
 _TICKS_UM = (0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)

@@ -1,1 +1,0 @@
-"""Optics and mass of a film as summaries, tables and figures."""

@@ -1,1 +1,0 @@
-"""Force on a heated vane over pressure, beside the kinetic equation."""

@@ -1,1 +1,0 @@
-"""Files of spectra as instruments write them: one format a module."""

@@ -150,14 +150,25 @@ class Calibration(PrintedResult):
         return plot_calibration(self, ax)
 
     def text_parts(self) -> Parts:
-
         yield from fit_parts(self)
         yield from warning_lines(self.warnings)
 
     def summary(self) -> dict[str, Any]:
         """The fit as a JSON object; what is infinite or unknown is null."""
         return {
-            "parameters": {name: self._parameter(row) for row, name in enumerate(self.names)},
+            "parameters": {
+                name: {
+                    "value": float(self.values[row]),
+                    "standard_uncertainty": _plain(self.standard_uncertainties[row]),
+                    "interval_95": _plain(self.intervals[row]),
+                    "total_standard_uncertainty": _plain(self.total_standard_uncertainties[row]),
+                    "total_interval_95": _plain(self.total_intervals[row]),
+                    "relative_uncertainty_by_input": {
+                        input_: _plain(shares[row]) for input_, shares in self.contributions.items()
+                    },
+                }
+                for row, name in enumerate(self.names)
+            },
             "interval_95": "at the inputs as given: by the points' scatter alone",
             "total_interval_95": "by the points' scatter and the uncertainties of the inputs",
             "inputs_in_total": list(self.contributions),
@@ -172,18 +183,6 @@ class Calibration(PrintedResult):
             "stated_errors_scaled_by": self.error_scale,
             "alike_points": self.alike,
             "warnings": list(self.warnings),
-        }
-
-    def _parameter(self, row: int) -> dict[str, Any]:
-        return {
-            "value": float(self.values[row]),
-            "standard_uncertainty": _plain(self.standard_uncertainties[row]),
-            "interval_95": _plain(self.intervals[row]),
-            "total_standard_uncertainty": _plain(self.total_standard_uncertainties[row]),
-            "total_interval_95": _plain(self.total_intervals[row]),
-            "relative_uncertainty_by_input": {
-                name: _plain(shares[row]) for name, shares in self.contributions.items()
-            },
         }
 
 
@@ -229,7 +228,8 @@ def _explain(fit: "Calibration") -> list[str]:
         else ""
     )
     shares = ", ".join(
-        f"{name} ({_percentages(values)})" for name, values in fit.contributions.items()
+        f"{name} ({', '.join(f'{rounded(100.0 * share)} %' for share in values)})"
+        for name, values in fit.contributions.items()
     )
     return [
         f"{_points(fit)} scatter by {rounded(100.0 * fit.scatter)} % of the irradiance; their "
@@ -242,11 +242,6 @@ def _explain(fit: "Calibration") -> list[str]:
 def _points(fit: "Calibration") -> str:
     samples = len(set(fit.points.samples))
     return f"{len(fit.points)} points of {samples} sample{'s' * (samples > 1)}"
-
-
-def _percentages(shares: Any) -> str:
-    """Relative standard uncertainty of each parameter by one input."""
-    return ", ".join(f"{rounded(100.0 * share)} %" for share in shares)
 
 
 def posterior_parts(drawn: "Posterior") -> Parts:

@@ -149,7 +149,9 @@ def _calibration(
     alike = alike_points((residuals * fit.weight)[order])
     scale = cost / freedom if estimated or scaled else 1.0
     variance = alike * scale
-    limit = cost + _threshold(variance, freedom, estimated=estimated or scaled)
+    # the cost at the ends of an interval
+    quantile = fdtri(1, freedom, CONFIDENCE) if estimated or scaled else chdtri(1, 1.0 - CONFIDENCE)
+    limit = cost + float(variance * quantile)
     weighted = fit.at(best).jacobian * fit.weight[:, None]
     in_logarithms = np.asarray(np.linalg.inv(weighted.T @ weighted)) * variance
     inputs = from_inputs(fit, best)
@@ -220,13 +222,6 @@ def _natural(ends: np.ndarray, parameters: Sequence[Parameter]) -> np.ndarray:
     """Ends of intervals, cut at what is possible."""
     least, most = np.array([parameter.ends for parameter in parameters]).T
     return np.clip(np.exp(ends), least[:, None], most[:, None])
-
-
-def _threshold(variance: float, freedom: int, *, estimated: bool) -> float:
-    """Increase of the cost at the ends of an interval."""
-    if estimated:
-        return float(variance * fdtri(1, freedom, CONFIDENCE))
-    return float(variance * chdtri(1, 1.0 - CONFIDENCE))
 
 
 def _reachable_start(problem: Problem) -> np.ndarray:

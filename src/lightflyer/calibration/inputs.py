@@ -86,7 +86,9 @@ def target_of(design: AbstractDesign, name: str, *, describes_flyer: bool = Fals
         if field is not None:
             value = design.number(field)
             own = None if value is None else value / factor
-            return Target((field,), factor, _scale(design.quantities[field], factor), own)
+            kind = design.quantities[field]
+            kind = replace(kind, lowest=kind.lowest / factor, highest=kind.highest / factor)
+            return Target((field,), factor, kind, own)
     faces = _faces(known, name)
     if faces:
         return Target(faces, 1.0, design.quantities[faces[0]], _mean(design, faces))
@@ -106,10 +108,6 @@ def _faces(known: Iterable[str], name: str) -> tuple[str, ...]:
     """Numbers of both faces that a name without a face stands for; empty where there are none."""
     found = tuple(_only(known, f"{name}_{face}") for face in FACES)
     return tuple(field for field in found if field is not None) if all(found) else ()
-
-
-def _scale(quantity: Quantity, factor: float) -> Quantity:
-    return replace(quantity, lowest=quantity.lowest / factor, highest=quantity.highest / factor)
 
 
 def _mean(design: AbstractDesign, fields: tuple[str, ...]) -> float | None:

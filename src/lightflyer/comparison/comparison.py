@@ -173,13 +173,10 @@ class Comparison(PrintedResult):
             for first, second in combinations(self.flyers, 2)
             if tree.equal(first.setup, second.setup)
         )
-        return same + unequal + self._unequal_bands() + own
-
-    def _unequal_bands(self) -> tuple[str, ...]:
         without = [found.name for found in self.flyers if found.uncertainty is None]
-        if not 0 < len(without) < len(self.flyers):
-            return ()
-        return (f"no band for {', '.join(without)}: no ± is stated",)
+        if 0 < len(without) < len(self.flyers):
+            unequal += (f"no band for {', '.join(without)}: no ± is stated",)
+        return same + unequal + own
 
     def plot(self, output: str | None = None, ax: "Axes | None" = None) -> "Figure":
         """Draw the flyers over altitude or pressure, with 95 % bands where ± are stated."""

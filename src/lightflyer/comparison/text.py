@@ -90,7 +90,8 @@ def _table(headings: Iterable[str], left: tuple[int, ...] = (0,)) -> Table:
 
 
 def _best_cells(found: "Compared", scale: float) -> tuple[str, ...]:
-    prediction, digits = found.prediction, _digits(found)
+    prediction = found.prediction
+    digits = ".3g" if prediction.coordinate.logarithmic else ".1f"
     values, (_, factor) = found.best.values, prediction.coordinate_key
     band = found.best_band("payload")
     shown = {name: values[name] * OUTPUTS[name].shown[0] for name in values if name in OUTPUTS}
@@ -144,10 +145,6 @@ def _too_hot(found: "Compared") -> np.ndarray:
     """Where, of the listed coordinates, the film is hotter than it withstands."""
     highest = found.prediction.verdict.highest_temperature
     return found.listed["temperature"] > (math.inf if highest is None else highest)
-
-
-def _digits(found: "Compared") -> str:
-    return ".3g" if found.prediction.coordinate.logarithmic else ".1f"
 
 
 def _payloads_table(comparison: "Comparison") -> Table:
@@ -243,11 +240,8 @@ def write_csv(comparison: "Comparison", path: Path) -> None:
         for row, found in enumerate(comparison.flyers):
             for place, coordinate in enumerate(comparison.coordinates):
                 numbers = (float(stack[row, place]) for stack in stacks)
-                writer.writerow([cell_text(found.name), f"{coordinate:.10g}", *map(_cell, numbers)])
-
-
-def _cell(number: float) -> str:
-    return f"{number:.10g}" if np.isfinite(number) else ""
+                cells = (f"{one:.10g}" if np.isfinite(one) else "" for one in numbers)
+                writer.writerow([cell_text(found.name), f"{coordinate:.10g}", *cells])
 
 
 def _columns(

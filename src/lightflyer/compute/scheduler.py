@@ -117,8 +117,14 @@ def _settle_in() -> None:
     import distributed
 
     _keep_freed_memory()
-    if has_jax():
-        _start_jax(distributed.get_worker().state.nthreads)
+    if has_jax() and _XLA_THREADS not in os.environ:
+        # By itself JAX takes as many threads as there are processors and cuts each operation into
+        # as many parts. But the others have workers of their own, and whole operations cost less.
+        os.environ[_XLA_THREADS] = str(distributed.get_worker().state.nthreads)
+        try:
+            load_jax().devices()
+        finally:
+            os.environ.pop(_XLA_THREADS, None)
 
 
 def _keep_freed_memory() -> None:
@@ -130,18 +136,6 @@ def _keep_freed_memory() -> None:
         libc = ctypes.CDLL(None)
         libc.mallopt(_M_MMAP_THRESHOLD, _KEPT)
         libc.mallopt(_M_TRIM_THRESHOLD, _KEPT)
-
-
-def _start_jax(threads: int) -> None:
-    """Start JAX on so many threads, unless it has started or the environment says how many."""
-    # By itself it takes as many as there are processors and cuts each operation into as many parts.
-    # But the other processors have workers of their own, and whole operations cost less.
-    if _XLA_THREADS not in os.environ:
-        os.environ[_XLA_THREADS] = str(threads)
-        try:
-            load_jax().devices()
-        finally:
-            os.environ.pop(_XLA_THREADS, None)
 
 
 def _remotely(task: AbstractTask, number: int) -> Any:

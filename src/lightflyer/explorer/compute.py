@@ -15,7 +15,7 @@ import numpy as np
 from lightflyer.config.flyer_file import FileDesign
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.units import parse, scale_and_offset
-from lightflyer.design.outputs import OUTPUTS, Output, outputs_of
+from lightflyer.design.outputs import OUTPUTS, outputs_of
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
@@ -144,7 +144,13 @@ def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) 
             scale / json_scale,
         )
         found.append(reading)
-    found += [_own(prediction.setup, name) for name in ("own_mass", "areal_density")]
+    flyer = prediction.setup.flyer
+    own = {"own_mass": flyer.own_mass, "areal_density": flyer.own_mass / flyer.area}
+    for name, number in own.items():
+        value = float(np.asarray(number))
+        scale, unit = OUTPUTS[name].display_unit_for(value)
+        shown = _number(value * scale, pretty_unit(unit))
+        found.append(Reading(name, _SHORT[name], shown, value))
     return found
 
 
@@ -212,17 +218,6 @@ def _verdict(prediction: Prediction, spreads: Mapping[str, Any]) -> Iterator[Rea
         yield Reading(name, survives, words, None)
 
 
-def _own(setup: Setup, name: str) -> Reading:
-    value = float(np.asarray(_design_output(setup, name)))
-    scale, unit = OUTPUTS[name].display_unit_for(value)
-    return Reading(name, _SHORT[name], _number(value * scale, pretty_unit(unit)), value)
-
-
-def _design_output(setup: Setup, name: str) -> Any:
-    mass = setup.flyer.own_mass
-    return mass if name == "own_mass" else mass / setup.flyer.area
-
-
 def _reading(
     name: str,
     label: str,
@@ -254,17 +249,16 @@ def _number(value: float, unit: str, digits: int = _DIGITS) -> str:
 
 
 def values_at(setup: Setup, place: float) -> list[Reading]:
-    """Outputs at one altitude or pressure; ``place``: or."""
-    known = outputs_of(setup)
-    table = Evaluator(setup)(np.array([place]))
-    return [_at_place(known[name], float(column[0])) for name, column in table.items()]
-
-
-def _at_place(output: Output, value: float) -> Reading:
-    scale, unit = output.display_unit_for(value)
-    json_key, json_scale = output.json
-    finite = value * json_scale if math.isfinite(value) else None
-    return Reading(json_key, output.long_name, _number(value * scale, pretty_unit(unit)), finite)
+    """Outputs at one altitude or pressure."""
+    known, readings = outputs_of(setup), []
+    for name, column in Evaluator(setup)(np.array([place])).items():
+        output, value = known[name], float(column[0])
+        scale, unit = output.display_unit_for(value)
+        json_key, json_scale = output.json
+        finite = value * json_scale if math.isfinite(value) else None
+        shown = _number(value * scale, pretty_unit(unit))
+        readings.append(Reading(json_key, output.long_name, shown, finite))
+    return readings
 
 
 def pretty_unit(unit: str) -> str:

@@ -76,11 +76,14 @@ def slider(text: str, value: Measured, quantity: Quantity) -> Slider:
     found = _UNIT.search(_EXPONENT.sub(r"\1", text.strip()))
     scale, offset = scale_and_offset(found[0], quantity.unit) if found else (1.0, 0.0)
     own = _round((value.value - offset) / scale)
-    lowest, highest = ((end - offset) / scale for end in _limits(quantity))
+    smallest, largest = quantity.sizes
+    least = max(quantity.lowest, smallest if quantity.open_below else -largest)
+    most = min(quantity.highest, largest)
+    lowest, highest = ((end - offset) / scale for end in (least, most))
     if math.isfinite(quantity.highest - quantity.lowest):
         low, high, logarithmic = lowest, highest, False
         if quantity.open_below:  # such as an emittance: zero itself is impossible
-            low = lowest + _smallest(own, lowest)
+            low = lowest + min(0.01, 0.1 * (own - lowest))
     elif quantity.open_below and offset == 0.0:
         reach = _TWICE if quantity.unit == _KELVIN else _DECADE
         low, high, logarithmic = max(own / reach, lowest), min(own * reach, highest), True
@@ -88,17 +91,6 @@ def slider(text: str, value: Measured, quantity: Quantity) -> Slider:
         reach = _TWICE * abs(own) or _FROM_ZERO
         low, high, logarithmic = max(-reach, lowest), min(reach, highest), False
     return Slider(own, _round(low), _round(high), logarithmic, text)
-
-
-def _limits(quantity: Quantity) -> tuple[float, float]:
-    smallest, largest = quantity.sizes
-    low = max(quantity.lowest, smallest if quantity.open_below else -largest)
-    return low, min(quantity.highest, largest)
-
-
-def _smallest(value: float, lowest: float) -> float:
-    """A hundredth, or less where the number is less itself."""
-    return min(0.01, 0.1 * (value - lowest))
 
 
 def _round(number: float) -> float:
@@ -175,15 +167,11 @@ def _content(kind: type[Section], tag: str, before: Mapping[str, Any]) -> dict[s
 
 def _from_template(kind: type[Section]) -> dict[str, Any] | None:
     for template in templates().values():
-        for section in _all_sections(template.document):
+        for section in template.document.values():
             if isinstance(section, dict) and _describes(kind, section):
                 found: dict[str, Any] = plain(section)
                 return found
     return None
-
-
-def _all_sections(document: Mapping[str, Any]) -> list[Any]:
-    return [part for part in document.values() if isinstance(part, Mapping)]
 
 
 def _describes(kind: type[Section], content: Mapping[str, Any]) -> bool:
@@ -269,7 +257,11 @@ def _mission_toml(workplace: Workplace, document: Document) -> Download:
 def python_lines(document: Document) -> str:
     """Lines of Python that give the results of the page."""
     parts = _without_mission(document)
-    arguments = ",\n".join(f"    {name}={_literal(part)}" for name, part in parts.items())
+    literals = {name: pprint.pformat(part, width=_WIDTH, sort_dicts=False)
+                for name, part in parts.items()}  # fmt: skip
+    arguments = ",\n".join(
+        f"    {name}=" + text.replace("\n", "\n    ") for name, text in literals.items()
+    )
     lines = f"import lightflyer as lf\n\nflyer_file = lf.FlyerFile(\n{arguments},\n)\n"
     lines += "prediction = lf.predict(flyer_file)\nprint(prediction.summary())\n"
     if MISSION in document:
@@ -282,26 +274,17 @@ def python_lines(document: Document) -> str:
     return lines
 
 
-def _literal(part: Any) -> str:
-    return pprint.pformat(part, width=_WIDTH, sort_dicts=False).replace("\n", "\n    ")
-
-
 def _python(workplace: Workplace, document: Document) -> Download:
     workplace.design(document)
     return Download("explored.py", "text/x-python", python_lines(document).encode())
 
 
-def _file_content(write: Callable[[Path], object], ending: str) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, f"prediction.{ending}")
-        write(path)
-        return path.read_bytes()
-
-
 def _csv(workplace: Workplace, document: Document) -> Download:
     prediction = prediction_of(workplace.design(document))
-    content = _file_content(lambda path: write_csv(prediction, path), "csv")
-    return Download("prediction.csv", "text/csv", content)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "prediction.csv")
+        write_csv(prediction, path)
+        return Download("prediction.csv", "text/csv", path.read_bytes())
 
 
 def _netcdf(workplace: Workplace, document: Document) -> Download:

@@ -32,7 +32,6 @@ _CONTINUED = re.compile(r"^\s{12,}# (.*)$")
 _PREFIX, _SUFFIX = "flyer-", ".toml"
 _GUESS = "(guess) "
 _FIRST = "earth"
-_MISSION = "mission"
 
 MISSION = "mission"  # Part of a document that a mission file has beside those of a flyer file
 
@@ -73,7 +72,11 @@ class Template(NamedTuple):
 @cache
 def templates() -> dict[str, Template]:
     """Flyer files that come with the package, and the mission, by name."""
-    found = {name: Template(name, _title(text), tomllib.loads(text)) for name, text in _texts()}
+    found = {}
+    for name, text in _texts():
+        # the first sentence of the first comment
+        title = text.partition("\n")[0].removeprefix("# ").partition(":")[0].rstrip(".")
+        found[name] = Template(name, title, tomllib.loads(text))
     return {_FIRST: found[_FIRST], **found}
 
 
@@ -110,11 +113,11 @@ def base_of(kind: type[Section]) -> type[Alternative] | None:
 
 def _section_of(section: str, document: dict[str, Any]) -> type[Section] | None:
     """Class of a section; a film within a flyer has words for that flyer alone."""
-    if section.partition(".")[0] == _MISSION:
+    if section.partition(".")[0] == MISSION:
         kinds: dict[str, type[Section]] = {
-            _MISSION: MissionSection,
-            f"{_MISSION}.ensemble": EnsembleSection,
-            f"{_MISSION}.launches": LaunchesSection,
+            MISSION: MissionSection,
+            f"{MISSION}.ensemble": EnsembleSection,
+            f"{MISSION}.launches": LaunchesSection,
         }
         return kinds.get(section)
     return None if section.startswith("flyer.") else section_at(section, document)
@@ -128,13 +131,8 @@ def _texts() -> list[tuple[str, str]]:
         (name.removeprefix(_PREFIX).removesuffix(_SUFFIX), (folder / name).read_text("utf-8"))
         for name in chosen
     ]
-    mission = (folder / f"{_MISSION}{_SUFFIX}").read_text("utf-8")
-    return [*sorted(texts, key=lambda entry: entry[0] != _FIRST), (_MISSION, mission)]
-
-
-def _title(text: str) -> str:
-    """First sentence of a template's first comment."""
-    return text.partition("\n")[0].removeprefix("# ").partition(":")[0].rstrip(".")
+    mission = (folder / f"{MISSION}{_SUFFIX}").read_text("utf-8")
+    return [*sorted(texts, key=lambda entry: entry[0] != _FIRST), (MISSION, mission)]
 
 
 def _hints_of(text: str) -> dict[tuple[str, str], Hint]:
@@ -174,7 +172,7 @@ def grammar() -> dict[str, Any]:
         "parts": parts,
         "bases": {
             name: {tag: _name_of(kind) for tag, kind in base.alternatives.items()}
-            for name, base in _bases().items()
+            for name, base in ((_name_of(one), one) for one in Alternative.__subclasses__())
         },
         "sections": sections,
         "materials": sorted(material_names()),
@@ -189,10 +187,6 @@ def quantity_text(value: Measured, quantity: Quantity) -> str:
 
 def _shortest(number: float) -> str:
     return repr(float(number)).removesuffix(".0")
-
-
-def _bases() -> dict[str, type[Alternative]]:
-    return {_name_of(base): base for base in Alternative.__subclasses__()}
 
 
 def _name_of(kind: type) -> str:
@@ -224,11 +218,17 @@ def _describe(kind: type[Section], sections: dict[str, Any]) -> None:
     sections[name] = {}  # so that a section within itself ends here
     base = base_of(kind)
     choosing = [] if base is None else [key for key, _ in base.choosing_keys]
-    fields = [
-        _field(kind, key, info, sections)
-        for key, info in kind.model_fields.items()
-        if key not in choosing
-    ]
+    fields: list[dict[str, Any]] = []
+    for key, info in kind.model_fields.items():
+        if key not in choosing:
+            hint = hints().get((kind.__qualname__, key))
+            fields.append({
+                "name": key,
+                "label": key.replace("_", " "),
+                "words": info.description or (hint.words if hint else ""),
+                "required": info.is_required(),
+                **_kind_of(kind, key, info, sections),
+            })  # fmt: skip
     sections[name] = {
         "about": (kind.__doc__ or "")
         .partition("\n")[0]
@@ -237,19 +237,6 @@ def _describe(kind: type[Section], sections: dict[str, Any]) -> None:
         .replace("``", ""),
         "fields": sorted(fields, key=lambda field: not field["required"]),
     }
-
-
-def _field(
-    kind: type[Section], key: str, info: FieldInfo, sections: dict[str, Any]
-) -> dict[str, Any]:
-    hint = hints().get((kind.__qualname__, key))
-    described: dict[str, Any] = {
-        "name": key,
-        "label": key.replace("_", " "),
-        "words": info.description or (hint.words if hint else ""),
-        "required": info.is_required(),
-    }
-    return described | _kind_of(kind, key, info, sections)
 
 
 def _kind_of(

@@ -220,18 +220,16 @@ def _claim_blocks(claim: Claim, results: Results) -> list[_Block]:
         row = [quantity.name, f"{quantity.paper}{unit}", f"{quantity.tolerance:g}{unit}{note}"]
         for column in COLUMNS:
             ours = results.columns[column.key][quantity.key]
-            row += _ours(claim, quantity, ours)
+            value, difference = f"{ours:.5g}", f"{quantity.difference(ours):+.3g}"
+            mark = "✓" if quantity.agrees(ours) else "✗"
+            row += (
+                [f"({value})", f"({difference})"]
+                if claim.missing
+                else [f"{value} {mark}", difference]
+            )
         rows.append(tuple(row))
     table = _Block("table", rows=(tuple(header), *rows))
     return [_Block("h3", f"Claim {claim.number}: {claim.text}"), table]
-
-
-def _ours(claim: Claim, quantity: Quantity, ours: float) -> list[str]:
-    value, difference = f"{ours:.5g}", f"{quantity.difference(ours):+.3g}"
-    if claim.missing:
-        return [f"({value})", f"({difference})"]
-    mark = "✓" if quantity.agrees(ours) else "✗"
-    return [f"{value} {mark}", difference]
 
 
 def _check_table(key: str, results: Results) -> _Block:

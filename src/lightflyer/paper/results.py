@@ -300,21 +300,20 @@ def _optical_row(stated: Row) -> Row:
 
 def table_s2() -> list[Row]:
     """Thermal accommodation coefficients: each test with its 95 % interval, and their mean."""
-    return [_accommodation_row(stated) for stated in facts()["accommodation"]]
-
-
-def _accommodation_row(stated: Row) -> Row:
-    tests: list[Any] = list(zip(stated["tests"], stated["lowest"], stated["highest"], strict=True))
-    tests += [(None, None, None)] * (_MOST_TESTS - len(tests))
-    row: Row = {"sample": stated["sample"]}
-    for number, (tac, lowest, highest) in enumerate(tests, start=1):
-        row |= {f"test_{number}": tac, f"lowest_{number}": lowest, f"highest_{number}": highest}
-    row["literature"] = stated.get("literature")
-    values = stated["tests"]
-    row["mean"], row["deviation"] = statistics.mean(values), statistics.stdev(values)
-    row["printed_mean"] = stated.get("tac")
-    row["printed_uncertainty"] = stated.get("tac_uncertainty")
-    return row
+    rows = []
+    for stated in facts()["accommodation"]:
+        values = stated["tests"]
+        tests: list[Any] = list(zip(values, stated["lowest"], stated["highest"], strict=True))
+        tests += [(None, None, None)] * (_MOST_TESTS - len(tests))
+        row: Row = {"sample": stated["sample"]}
+        for number, (tac, lowest, highest) in enumerate(tests, start=1):
+            row |= {f"test_{number}": tac, f"lowest_{number}": lowest, f"highest_{number}": highest}
+        row["literature"] = stated.get("literature")
+        row["mean"], row["deviation"] = statistics.mean(values), statistics.stdev(values)
+        row["printed_mean"] = stated.get("tac")
+        row["printed_uncertainty"] = stated.get("tac_uncertainty")
+        rows.append(row)
+    return rows
 
 
 def tac_pairs() -> list[Row]:

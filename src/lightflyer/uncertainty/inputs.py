@@ -100,14 +100,11 @@ class Inputs(ShortRepr):
     def setup_of(self, samples: np.ndarray) -> Any:
         """Setup whose uncertain numbers are arrays over samples; ``samples`` (samples, k)."""
         if not any(samples is known for known, _ in self._last):
-            self._last[:] = [(samples, self._build_rows(samples))]
+            with warnings.catch_warnings():
+                # a sample beyond what is usual is no news: its distribution was stated
+                warnings.simplefilter("ignore", ParameterWarning)
+                self._last[:] = [(samples, self.build(samples.T[:, :, None]))]
         return self._last[0][1]
-
-    def _build_rows(self, samples: np.ndarray) -> Any:
-        with warnings.catch_warnings():
-            # a sample beyond what is usual is no news: its distribution was stated
-            warnings.simplefilter("ignore", ParameterWarning)
-            return self.build(samples.T[:, :, None])
 
     @cached_property
     def _last(self) -> list[tuple[np.ndarray, Any]]:

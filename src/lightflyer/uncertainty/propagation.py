@@ -25,7 +25,7 @@ from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.evaluator import Table
 from lightflyer.prediction.prediction import Prediction, predict_design, search_grid
-from lightflyer.uncertainty.inputs import Drawn, Inputs, draw_possible, uncertain_inputs
+from lightflyer.uncertainty.inputs import Inputs, draw_possible, uncertain_inputs
 from lightflyer.uncertainty.targets import (
     LEAST_LIGHT,
     NIGHT,
@@ -289,8 +289,12 @@ def propagate(
     if samples:
         report("bands by Monte Carlo")
         drawn = draw_possible(inputs, samples, seed)
-        told = _diagnostics(drawn)
         draws = drawn.samples
+        if drawn.refused:
+            told += (
+                f"{100.0 * drawn.refused:.2g} % of the Monte Carlo draws were impossible and were "
+                f"drawn again ({drawn.why}); first order does not know of that limit",
+            )
         asked = {target.quantity for target in targets} - {"", NIGHT}
         wanted = tuple(dict.fromkeys((*BANDS, *sorted(asked))))
         whole = search_grid(prediction.setup, _SEARCHED_POINTS)
@@ -302,9 +306,19 @@ def propagate(
             names = tuple(name for name in wanted if (group_of(name) == LEVITATION) is lit)
             coordinates = np.unique(np.concatenate(parts))
             table = tabulate_samples(inputs, draws, coordinates, names)
-            told += _describe_unsolved(table)
+            # a balance may have no solution within the tolerance
+            missing = np.isnan(table[LEAST_LIGHT if LEAST_LIGHT in table else "lift_over_weight"])
+            if missing.any():
+                told += (
+                    f"{100.0 * missing.mean():.2g} % of the Monte Carlo balances missed their "
+                    "tolerance; they count as places that no light lifts",
+                )
             tables.append((coordinates, table))
-        inside = [_between(whole[0], whole[-1], *table) for table in tables]
+        within = ((whole[0] <= place) & (place <= whole[-1]) for place, _ in tables)
+        inside = [
+            (place[chosen], {name: values[:, chosen] for name, values in table.items()})
+            for (place, table), chosen in zip(tables, within, strict=True)
+        ]
         found = search_samples(inputs, draws, inside)
         sampled = {target.name: sample_result(target, found, tables) for target in targets}
     return PredictionUncertainty(
@@ -332,32 +346,6 @@ def require_samples(samples: int, seed: int, prefix: str = "") -> None:
         )
     if seed < 0:
         raise ParameterError(f"{prefix}seed = {seed}: must be zero or positive")
-
-
-def _diagnostics(drawn: Drawn) -> tuple[str, ...]:
-    if not drawn.refused:
-        return ()
-    return (
-        f"{100.0 * drawn.refused:.2g} % of the Monte Carlo draws were impossible and were drawn "
-        f"again ({drawn.why}); first order does not know of that limit",
-    )
-
-
-def _describe_unsolved(table: Table) -> tuple[str, ...]:
-    """What is missing in the samples, where a balance has no solution within the tolerance."""
-    missing = np.isnan(table[LEAST_LIGHT if LEAST_LIGHT in table else "lift_over_weight"])
-    if not missing.any():
-        return ()
-    return (
-        f"{100.0 * missing.mean():.2g} % of the Monte Carlo balances missed their tolerance; they "
-        "count as places that no light lifts",
-    )
-
-
-def _between(low: float, high: float, coordinate: np.ndarray, table: Table) -> tuple[Any, Table]:
-    """The columns of a table, shape (samples, n), at coordinates in a range."""
-    inside = (low <= coordinate) & (coordinate <= high)
-    return coordinate[inside], {name: values[:, inside] for name, values in table.items()}
 
 
 def _central(drawn: np.ndarray, *, endless: bool) -> dict[str, Any]:

@@ -75,7 +75,8 @@ def tabulate_samples(
     if any(np.ndim(leaf) > 2 for leaf in tree.leaves(setup)):  # tables for each sample
         some = np.flatnonzero(asked.any(axis=1))
         filled = np.where(asked, places, places[asked][0])[some]
-        rows = tree.map_leaves(lambda leaf: _rows_of(leaf, len(samples), some), setup)
+        each = len(samples), 1  # shape of what every sample has for itself, a number or a table
+        rows = tree.map_leaves(lambda one: one[some] if np.shape(one)[:2] == each else one, setup)
         light = rows.environment.radiation.irradiance
         table = table_of(rows, filled, light, names, _tabulate_each)
         found[:, some] = [np.broadcast_to(table[name], filled.shape) for name in names]
@@ -86,11 +87,6 @@ def tabulate_samples(
         table = table_of(rows, places[asked], np.broadcast_to(light, shape)[asked], names)
         found[:, asked] = [table[name] for name in names]
     return dict(zip(names, found, strict=True))
-
-
-def _rows_of(leaf: Any, samples: int, some: np.ndarray) -> Any:
-    """A number or a table of each sample, shape (samples, 1, ...), for some samples."""
-    return leaf[some] if np.shape(leaf)[:2] == (samples, 1) else leaf
 
 
 def _place_in_row(leaf: Any, asked: np.ndarray) -> Any:
@@ -212,17 +208,15 @@ class Derivatives:
     def optimum(self, objective: str, point: int) -> np.ndarray:
         """Gradient of the coordinate of an optimum, shape (k,)."""
         if objective not in self._slope_changes:
-            self._slope_changes[objective] = self._slope_change(objective)
+            step = _FAR * self.coordinate
+            both = np.concatenate([self.coordinate - step, self.coordinate + step])
+            slopes = _directions(self.inputs, both, (objective,), _SHARE_OF_SLOPES)[1]
+            (rows,) = np.moveaxis(slopes, 1, 0)
+            below, above = np.split(rows, 2, axis=1)
+            # derivatives of the slope over the coordinate, shape (k + 1, n); at sea level none
+            changes = (above - below) / np.where(step > 0.0, 2.0 * step, np.nan)
+            self._slope_changes[objective] = changes
         return _moved(self._slope_changes[objective][:, point])
-
-    def _slope_change(self, name: str) -> np.ndarray:
-        """Derivatives of an output's slope over the coordinate, shape (k + 1, n)."""
-        step = _FAR * self.coordinate
-        both = np.concatenate([self.coordinate - step, self.coordinate + step])
-        (rows,) = np.moveaxis(_directions(self.inputs, both, (name,), _SHARE_OF_SLOPES)[1], 1, 0)
-        below, above = np.split(rows, 2, axis=1)
-        # at sea level there is none
-        return (above - below) / np.where(step > 0.0, 2.0 * step, np.nan)
 
     def moving(self, name: str, point: int, coordinate: np.ndarray) -> np.ndarray:
         """Gradient of an output where the coordinate has a gradient itself, shape (k,)."""

@@ -25,8 +25,7 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 import lightflyer as lf
-from lightflyer.compute.chunks import Chunks
-from lightflyer.compute.evaluation import BATCH, Evaluator
+from lightflyer.compute.evaluation import BATCH, Chunks, Evaluator
 from lightflyer.compute.scheduler import processors
 from lightflyer.core.progress import report_to
 from lightflyer.parametric.run import sweep_into

@@ -16,7 +16,7 @@ import numpy as np
 import zarr
 from zarr.codecs import Crc32cCodec
 
-from lightflyer.compute.chunks import Chunks
+from lightflyer.compute.evaluation import Chunks
 from lightflyer.compute.store import empty_dataset, versions
 from lightflyer.core.errors import OutputError
 

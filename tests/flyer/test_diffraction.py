@@ -7,7 +7,8 @@ import lightflyer as lf
 from lightflyer.design.diagnostics import diagnose_at
 from lightflyer.design.setup import Setup
 from lightflyer.film import am0
-from lightflyer.film.optics.diffraction import (
+from lightflyer.film.optics.spectra import blackbody_fraction
+from lightflyer.film.optics.waves import (
     LARGEST_DEFICIT,
     MEDIAN_WAVELENGTH_BY_TEMPERATURE,
     MEDIAN_WAVELENGTH_OF_SUNLIGHT,
@@ -16,7 +17,6 @@ from lightflyer.film.optics.diffraction import (
     narrow_channels,
     narrow_holes,
 )
-from lightflyer.film.optics.spectra import blackbody_fraction
 
 
 def test_half_of_the_radiation_lies_beyond_the_median_wavelengths():

@@ -8,8 +8,7 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
-from lightflyer.compute.chunks import Chunks
-from lightflyer.compute.evaluation import FEW, FEW_OVER_BAND, Evaluator
+from lightflyer.compute.evaluation import FEW, FEW_OVER_BAND, Chunks, Evaluator
 from lightflyer.config.designs import as_design
 from lightflyer.parametric import run
 from lightflyer.parametric.run import open_sweep

@@ -18,7 +18,7 @@ from lightflyer.design.tables import tabulate
 from lightflyer.environment.earth import Lu2023Section
 from lightflyer.film.properties import MeasuredFilmSection
 from lightflyer.force.lu2023 import Lu2023ForceSection
-from lightflyer.uncertainty import monte_carlo
+from lightflyer.uncertainty import targets
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
 from lightflyer.uncertainty.targets import derivatives
 
@@ -355,7 +355,7 @@ def test_possible_draws_are_as_they_come():
 
 def test_samples_without_a_solution_are_counted(both, monkeypatch):
     design = ObjectDesign(both.prediction.setup, {"flyer.film.absorptance": 0.03})
-    tabulate = monte_carlo.tabulate_samples
+    tabulate = targets.tabulate_samples
 
     def with_gaps(inputs, samples, coordinate, names):
         table = tabulate(inputs, samples, coordinate, names)
@@ -388,16 +388,16 @@ def test_places_that_are_not_asked_cost_nothing_and_are_unknown(kind):
     )
     inputs = uncertain_inputs(file.design())
     samples, places = draw(inputs, 100, seed=0), np.linspace(60e3, 80e3, 3)
-    whole = monte_carlo.tabulate_samples(inputs, samples, places, ("lift_over_weight",))
+    whole = targets.tabulate_samples(inputs, samples, places, ("lift_over_weight",))
     some = np.full((100, 3), np.nan)
     some[7, 1], some[9] = places[1], places
-    found = monte_carlo.tabulate_samples(inputs, samples, some, ("lift_over_weight",))
+    found = targets.tabulate_samples(inputs, samples, some, ("lift_over_weight",))
     asked = ~np.isnan(some)
     lifts = found["lift_over_weight"]
     np.testing.assert_allclose(lifts[asked], whole["lift_over_weight"][asked], rtol=1e-12)
     assert np.isnan(lifts[~asked]).all()
     nothing = np.full((100, 1), np.nan)
-    found = monte_carlo.tabulate_samples(inputs, samples, nothing, ("lift_over_weight",))
+    found = targets.tabulate_samples(inputs, samples, nothing, ("lift_over_weight",))
     assert np.isnan(found["lift_over_weight"]).all()
 
 

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.special import chdtri, fdtri
 
-from lightflyer.calibration.calibration import Calibration
-from lightflyer.calibration.diagnostics import diagnose
+from lightflyer.calibration.calibration import Calibration, diagnose
 from lightflyer.calibration.inputs import instruments
 from lightflyer.calibration.least_squares import LeastSquares, from_inputs
 from lightflyer.calibration.points import Points, log_uncertainty

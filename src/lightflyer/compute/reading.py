@@ -12,7 +12,7 @@ import google_crc32c
 import xarray as xr
 from zarr.storage import LocalStore
 
-from lightflyer.compute.chunks import Chunks
+from lightflyer.compute.evaluation import Chunks
 from lightflyer.compute.store import (
     CHECKSUM_BYTES,
     JOURNAL,

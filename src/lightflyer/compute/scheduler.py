@@ -15,7 +15,7 @@ from threading import Thread
 from typing import Any, NamedTuple, Protocol
 
 from lightflyer.array.namespace import has_jax, load_jax
-from lightflyer.compute.chunks import Chunks
+from lightflyer.compute.evaluation import Chunks
 from lightflyer.compute.store import Record, stored_study, versions, write_chunk
 from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.core.extras import extra

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import lightflyer
-from lightflyer.compute.chunks import Chunks
+from lightflyer.compute.evaluation import Chunks
 from lightflyer.core.atomic_files import PARTIAL, write_whole
 from lightflyer.core.errors import OutputError
 from lightflyer.core.extras import extra, version_of

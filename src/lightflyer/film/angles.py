@@ -3,7 +3,7 @@
 import csv
 import dataclasses
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -53,6 +53,11 @@ class DirectionalShares(NamedTuple):
     def polarisation_mean(self) -> "DirectionalShares":
         """The mean of both polarisations, without their axis."""
         return DirectionalShares(*(0.5 * (share[0] + share[1]) for share in self))
+
+    def with_mean(self) -> dict[str, np.ndarray]:
+        """Shares by name, the mean behind both polarisations; shape (3, ...)."""
+        shares = {name: np.asarray(value) for name, value in self._asdict().items()}
+        return {name: np.concatenate([s, s.mean(axis=0)[None]]) for name, s in shares.items()}
 
 
 def light_by_angle(
@@ -161,17 +166,6 @@ def _directional(
     return DirectionalShares(*(part @ weight.T for part in parts))
 
 
-def with_mean(share: Numeric) -> np.ndarray:
-    """A share of s and p polarisation with their mean behind, shape (3, ...)."""
-    values = np.asarray(share)
-    return np.concatenate([values, values.mean(axis=0, keepdims=True)])
-
-
-def shares_by_name(shares: DirectionalShares) -> dict[str, Any]:
-    """Shares by name with the mean of the polarisations."""
-    return {name: with_mean(value) for name, value in shares._asdict().items()}
-
-
 @dataclasses.dataclass(frozen=True, eq=False)
 class AngularSummary(ShortRepr):
     """Optics of a film's top by angle and polarisation, spectral and averaged."""
@@ -237,7 +231,7 @@ class AngularSummary(ShortRepr):
                 {"units": "1", "long_name": f"{name}{about}"},
             )
             for prefix, about, dims, shares in groups
-            for name, values in shares_by_name(shares).items()
+            for name, values in shares.with_mean().items()
         }  # fmt: skip
         angle = {"units": "degree", "long_name": "angle between the rays and the film's normal"}
         return xr.Dataset(
@@ -264,10 +258,10 @@ class AngularSummary(ShortRepr):
 
 def write_csv(summary: "AngularSummary", path: Path) -> None:
     """Write the averages, one row an angle, polarisation and spectrum."""
-    spectra = [(summary.light.name, shares_by_name(summary.lit))]
+    spectra = [(summary.light.name, summary.lit.with_mean())]
     for number, temperature in enumerate(summary.temperatures):
         shares = DirectionalShares(*(part[..., number] for part in summary.thermal))
-        spectra.append((f"black body {temperature:g} K", shares_by_name(shares)))
+        spectra.append((f"black body {temperature:g} K", shares.with_mean()))
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["spectrum", "angle [deg]", "polarisation",
@@ -281,7 +275,7 @@ def write_csv(summary: "AngularSummary", path: Path) -> None:
 
 def write_spectral_csv(summary: "AngularSummary", path: Path) -> None:
     """Write the spectra, one row a wavelength, angle and polarisation."""
-    table = shares_by_name(summary.spectral_shares)
+    table = summary.spectral_shares.with_mean()
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["wavelength [um]", "angle [deg]", "polarisation",

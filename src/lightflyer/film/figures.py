@@ -9,7 +9,6 @@ from matplotlib.ticker import FixedLocator, MultipleLocator, NullFormatter, StrM
 
 from lightflyer.files.drawing import figure_for, legend_below, new_figure
 from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, YELLOW
-from lightflyer.film.angles import with_mean
 from lightflyer.film.media.medium import MICROMETRE
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, am0, planck
 
@@ -133,12 +132,12 @@ def _angle_axis(ax: Axes, label: str) -> None:
 
 def draw_light(summary: "AngularSummary", ax: Axes) -> Axes:
     """Draw shares of the light over the angle, by polarisation."""
-    degrees = np.degrees(summary.incidence)
+    degrees, light = np.degrees(summary.incidence), summary.lit.with_mean()
     colours = {"reflectance": BLUE, "transmittance": GREEN, "absorptance": VERMILION}
     if summary.film.is_rough:
         colours["scattered"] = PURPLE
     for name, colour in colours.items():
-        for row, (_, line) in zip(with_mean(getattr(summary.lit, name)), _LINES, strict=True):
+        for row, (_, line) in zip(light[name], _LINES, strict=True):
             ax.plot(degrees, row, color=colour, ls=line, label=name if line == "-" else None)
     _explain_lines(ax)
     _angle_axis(ax, f"share of {summary.light.name} [1]")
@@ -149,11 +148,11 @@ def draw_light(summary: "AngularSummary", ax: Axes) -> Axes:
 
 def draw_emittance(summary: "AngularSummary", ax: Axes) -> Axes:
     """Draw the directional emittance of the top over the angle, by polarisation."""
-    degrees = np.degrees(summary.incidence)
+    degrees, emittance = np.degrees(summary.incidence), summary.thermal.with_mean()["absorptance"]
     count = len(summary.temperatures)
     shown = np.unique(np.linspace(0, count - 1, min(count, _MOST_TEMPERATURES)).astype(int))
     for number, colour in zip(shown, _COLOURS, strict=False):
-        rows = with_mean(summary.thermal.absorptance[..., number])
+        rows = emittance[..., number]
         label = f"{summary.temperatures[number]:g} K"
         for row, (_, line) in zip(rows, _LINES, strict=True):
             ax.plot(degrees, row, color=colour, ls=line, label=label if line == "-" else None)

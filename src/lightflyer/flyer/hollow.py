@@ -20,7 +20,7 @@ from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude, Exitances, Radiation
 from lightflyer.files.section import Spelling
-from lightflyer.film.optics.diffraction import narrow_channels
+from lightflyer.film.optics.waves import narrow_channels
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.bodies import AbstractClosedFlyer
 from lightflyer.flyer.hollow_geometry import (

@@ -20,7 +20,7 @@ from lightflyer.core.quantity import (
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
-from lightflyer.film.optics.diffraction import narrow_channels
+from lightflyer.film.optics.waves import narrow_channels
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.flyer.hanging import Hanging, hangs_wrongly

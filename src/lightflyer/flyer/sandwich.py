@@ -25,7 +25,7 @@ from lightflyer.core.units import Measured
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Section, Spelling
-from lightflyer.film.optics.diffraction import narrow_holes
+from lightflyer.film.optics.waves import narrow_holes
 from lightflyer.film.properties import FilmProperties, excess_of_growth
 from lightflyer.flyer.bodies import AbstractThinFlyer
 from lightflyer.flyer.hanging import Hanging, hangs_wrongly

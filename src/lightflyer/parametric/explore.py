@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.compute.chunks import Chunks
+from lightflyer.compute.evaluation import Chunks
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.units import file_unit, number_or_text, parse
 from lightflyer.design.outputs import OUTPUTS

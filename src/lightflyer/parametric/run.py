@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.compute.chunks import CHUNK, Chunks
-from lightflyer.compute.evaluation import Evaluator, Table, find_devices
+from lightflyer.compute.evaluation import CHUNK, Chunks, Evaluator, Table, find_devices
 from lightflyer.compute.scheduler import Task, connect_client, processors, run_here, run_on_dask
 from lightflyer.compute.store import empty_dataset, open_store, require_extra
 from lightflyer.config.designs import as_design

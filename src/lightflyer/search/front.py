@@ -58,7 +58,7 @@ class Front(PrintedResult):
 
     def plot(self) -> "Figure":
         """Draw the objectives, each against the first."""
-        from lightflyer.search.figures import front_figure
+        from lightflyer.search.text import front_figure
 
         return front_figure(self)
 

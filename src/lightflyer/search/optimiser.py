@@ -94,7 +94,7 @@ class Optimum(PrintedResult):
 
     def plot(self) -> "Figure":
         """Draw the elasticities; ``prediction.plot()`` draws what the best design does."""
-        from lightflyer.search.figures import elasticity_figure
+        from lightflyer.search.text import elasticity_figure
 
         return elasticity_figure(self)
 

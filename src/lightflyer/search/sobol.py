@@ -127,7 +127,7 @@ class Indices(PrintedResult):
 
     def plot(self) -> "Figure":
         """Draw the effect of each input, and the shares of the variance."""
-        from lightflyer.search.figures import tornado_figure
+        from lightflyer.search.text import tornado_figure
 
         return tornado_figure(self)
 

@@ -94,7 +94,7 @@ class PredictionUncertainty(PrintedResult):
 
     def plot(self, what: str | None = None, ax: "Axes | None" = None) -> "Figure":
         """Draw the prediction with its 95 % bands."""
-        from lightflyer.uncertainty.figures import plot_uncertainty
+        from lightflyer.uncertainty.text import plot_uncertainty
 
         return plot_uncertainty(self, what, ax)
 

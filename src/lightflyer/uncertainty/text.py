@@ -1,11 +1,19 @@
-"""The bands of a prediction in words: lines and tables."""
+"""The bands of a prediction in words, in tables and in its figures."""
 
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from rich.table import Table
 
+from lightflyer.files.palette import GREY
 from lightflyer.files.result_text import NARROW, Parts, warning_lines, width_of, wrap
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from lightflyer.uncertainty.propagation import PredictionUncertainty
 
 _UNITS = {
     "km": "km", "mg": "mg", "k": "K", "w_m2": "W/m²", "g_m2": "g/m²", "pa": "Pa", "h": "h",
@@ -19,6 +27,10 @@ _GROUPS = {
 }
 _ROUNDING = 1e-12
 _OF_MODEL = re.compile(r"force\.\w+_error")  # inputs that are errors of the force model itself
+
+_OPACITY = 0.2
+_HEADROOM = 1.1
+_FAR = 1e9  # beyond every axis
 
 
 def band_parts(uncertainty: dict[str, Any], width: int = NARROW) -> Parts:
@@ -95,3 +107,61 @@ def _span(band: dict[str, Any] | None, value: float) -> str:
         return "–" if spread is None else f"± {spread:.3g}"
     high = "∞" if band["high"] is None else f"{band['high']:.4g}"
     return f"{band['low']:.4g} to {high}"
+
+
+def add_to_figures(figures: "dict[str, Figure]", uncertainty: "PredictionUncertainty") -> None:
+    """Shade the 95 % bands around the lines of a prediction's figures."""
+    irradiance, temperature = figures["levitation-irradiance"].axes[:2]
+    payload = figures["payload"].axes[0]
+    for panel, ax in (
+        ("irradiance", irradiance),
+        ("temperature", temperature),
+        ("payload", payload),
+    ):
+        add_bands(panel, ax, uncertainty)
+
+
+_BANDS = {
+    "irradiance": {"needed to levitate": "levitation_irradiance"},
+    "temperature": {"just levitating": "levitation_temperature", "available light": "temperature"},
+    "payload": {"largest payload": "payload"},
+}
+"""By panel, the outputs that have bands, by the ends of their lines' labels."""
+
+
+def add_bands(panel: str, ax: "Axes", uncertainty: "PredictionUncertainty") -> None:
+    """Shade the 95 % bands around the lines of one panel; ``ax``: with that panel; changed."""
+    from lightflyer.files.drawing import BAND, legend_below
+    from lightflyer.prediction.figures import across, display_unit_at_best
+
+    bands = _BANDS.get(panel, {})
+    for label, output in bands.items():  # in the colour of the first line whose label ends so
+        scale, _ = display_unit_at_best(uncertainty.prediction, output)
+        low, high = uncertainty.low[output] * scale, uncertainty.high[output] * scale
+        # a lower end without an upper one: some samples need more light than there is a number for
+        ceiling = np.where(np.isfinite(low) & ~np.isfinite(high), _FAR, high)
+        lines = (line for line in ax.get_lines() if str(line.get_label()).endswith(label))
+        colour = next(lines).get_color()
+        places = uncertainty.coordinate * across(uncertainty.prediction)
+        ax.fill_between(places, low, ceiling, color=colour, alpha=_OPACITY, lw=0, zorder=0)
+    if panel == "payload":
+        scale, _ = display_unit_at_best(uncertainty.prediction, "payload")
+        bottom, top = ax.get_ylim()
+        highest = _HEADROOM * scale * float(np.nanmax(uncertainty.high["payload"]))
+        ax.set_ylim(bottom, max(top, highest))
+    if bands:
+        # one entry for bands of several colours
+        ax.fill_between([], [], [], color=GREY, alpha=2.0 * _OPACITY, lw=0, label=BAND)
+        legend_below(ax)
+
+
+def plot_uncertainty(
+    uncertainty: "PredictionUncertainty", what: str | None = None, ax: "Axes | None" = None
+) -> "Figure":
+    """Draw a prediction with its 95 % bands."""
+    from lightflyer.prediction.figures import panels
+
+    figure, drawn = panels(uncertainty.prediction, what, ax)
+    for panel, axes in drawn:
+        add_bands(panel, axes, uncertainty)
+    return figure

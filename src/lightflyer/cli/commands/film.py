@@ -126,12 +126,10 @@ def film_command(
     if by_angle is not None:
         import numpy as np
 
-        from lightflyer.film.angles import shares_by_name
-
         number = int(np.argmin(abs(by_angle.temperatures - _SHOWN_TEMPERATURE)))
         shown = f"{by_angle.temperatures[number]:g} K"
-        light = shares_by_name(by_angle.lit)
-        heat = shares_by_name(by_angle.thermal)["absorptance"][..., number]
+        light = by_angle.lit.with_mean()
+        heat = by_angle.thermal.with_mean()["absorptance"][..., number]
         columns = [light["reflectance"], light["transmittance"], light["absorptance"], heat]
         names = ("reflectance", "transmittance", "absorptance", f"emittance, {shown}")
         heads = ("angle\n[deg]", *(f"{name}\ns / p / mean" for name in names))
@@ -204,15 +202,15 @@ def _angles_json(by_angle: "AngularSummary") -> dict[str, Any]:
     """Averages by angle, as lists over the angles."""
     import numpy as np
 
-    from lightflyer.film.angles import POLARISATIONS, shares_by_name
+    from lightflyer.film.angles import POLARISATIONS
 
     def listed(values: Any) -> dict[str, Any]:
         return {name: values[row].tolist() for row, name in enumerate(POLARISATIONS)}
 
-    emittance = shares_by_name(by_angle.thermal)["absorptance"]
+    emittance = by_angle.thermal.with_mean()["absorptance"]
     return {
         "angle_deg": np.degrees(by_angle.incidence).tolist(),
-        "light": {name: listed(values) for name, values in shares_by_name(by_angle.lit).items()},
+        "light": {name: listed(values) for name, values in by_angle.lit.with_mean().items()},
         "emittance_top": {
             f"{temperature:g}": listed(emittance[..., number])
             for number, temperature in enumerate(by_angle.temperatures)

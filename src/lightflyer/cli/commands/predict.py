@@ -147,7 +147,7 @@ def _write(
     def draw() -> "dict[str, Figure]":
         figures = prediction_figures(prediction)
         if uncertainty is not None:
-            from lightflyer.uncertainty.figures import add_to_figures
+            from lightflyer.uncertainty.text import add_to_figures
 
             add_to_figures(figures, uncertainty)
         return figures

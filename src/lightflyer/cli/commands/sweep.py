@@ -56,7 +56,7 @@ def sweep_command(
     json_output
         Print one JSON object instead of tables.
     """
-    from lightflyer.compute.chunks import CHUNK
+    from lightflyer.compute.evaluation import CHUNK
     from lightflyer.parametric.run import open_sweep, sweep_into
     from lightflyer.study.study import read_study
 

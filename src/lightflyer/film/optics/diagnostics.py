@@ -12,9 +12,9 @@ from lightflyer.film.media.medium import MICROMETRE, Medium
 from lightflyer.film.media.mixture import Graded
 from lightflyer.film.optics.averages import Average, thermal_coverage
 from lightflyer.film.optics.curve import EmittanceCurve
-from lightflyer.film.optics.diffraction import narrow_holes
 from lightflyer.film.optics.spectra import SPECTRUM_RANGE, Spectrum, am0
 from lightflyer.film.optics.stack import Film
+from lightflyer.film.optics.waves import narrow_holes
 
 WORTH_SAYING = 0.001
 """Least share of a spectrum's power whose absence or extrapolation is named [1]."""

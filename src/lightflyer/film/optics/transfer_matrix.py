@@ -1,6 +1,6 @@
 r"""Reflection, transmission and absorption of a stack of layers.
 
-Fields of neighbouring coherent layers are added (:mod:`lightflyer.film.optics.coherent`). In an
+Fields of neighbouring coherent layers are added (:mod:`lightflyer.film.optics.waves`). In an
 incoherent layer, one so thick or uneven that interference averages out, powers are added instead:
 it has a downward and an upward power, and the groups of coherent layers above and below it reflect
 and pass shares of them.
@@ -14,7 +14,7 @@ import numpy as np
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import Module, field
 from lightflyer.core.entry_point import entry_point
-from lightflyer.film.optics.coherent import (
+from lightflyer.film.optics.waves import (
     Beam,
     Fields,
     HalfSpace,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.calibration.diagnostics import LEAST_PROBABILITY, step_warning
+from lightflyer.calibration.calibration import LEAST_PROBABILITY, step_warning
 from lightflyer.calibration.gauge import CENTRE, found_step, require_step
 from lightflyer.calibration.inputs import instruments
 from lightflyer.calibration.points import doubts, log_uncertainty

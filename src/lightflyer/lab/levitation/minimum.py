@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtrc
 
-from lightflyer.calibration.diagnostics import LEAST_PROBABILITY
+from lightflyer.calibration.calibration import LEAST_PROBABILITY
 from lightflyer.calibration.gauge import CENTRE, UNIFORM_SPREAD
 from lightflyer.numerics.residuals import alike_points
 

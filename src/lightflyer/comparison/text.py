@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.table import Table
 
 import lightflyer
 from lightflyer.array.records import Module, ShortRepr
@@ -25,6 +24,7 @@ from lightflyer.prediction.text import film_lines
 
 if TYPE_CHECKING:
     import xarray as xr
+    from rich.table import Table
 
     from lightflyer.comparison.comparison import Compared, Comparison
 
@@ -72,7 +72,7 @@ def _best_line(comparison: "Comparison") -> Iterator[str]:
         yield f"{best.name} carries most: {payload} {mass}{within} at {place} {where.shown_unit}"
 
 
-def _best_table(comparison: "Comparison") -> Table:
+def _best_table(comparison: "Comparison") -> "Table":
     """Largest payload that each film survives; the best of all is marked."""
     unit, (scale, mass) = comparison.coordinate.shown_unit, comparison.display_unit("payload")
     headings = ("", f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
@@ -85,7 +85,7 @@ def _best_table(comparison: "Comparison") -> Table:
     return table
 
 
-def _table(headings: Iterable[str], left: tuple[int, ...] = (0,)) -> Table:
+def _table(headings: Iterable[str], left: tuple[int, ...] = (0,)) -> "Table":
     return table_of(headings, left=left, collapse_padding=True, pad_edge=False)
 
 
@@ -122,7 +122,7 @@ def _ends(band: tuple[float, float], scale: float) -> list[str]:
     return [f"{0.0 if abs(end) < _ROUNDING * size else end * scale:.3g}" for end in band]
 
 
-def needs_table(comparison: "Comparison") -> Table:
+def needs_table(comparison: "Comparison") -> "Table":
     """What each flyer's payload needs where it carries most, and what is left."""
     having = [found for found in comparison.flyers if found.setup.budget is not None]
     scales, headings = {}, [""]
@@ -147,7 +147,7 @@ def _too_hot(found: "Compared") -> np.ndarray:
     return found.listed["temperature"] > (math.inf if highest is None else highest)
 
 
-def _payloads_table(comparison: "Comparison") -> Table:
+def _payloads_table(comparison: "Comparison") -> "Table":
     """Payload of each flyer at round coordinates; the largest that its film survives is marked."""
     where, (scale, mass) = comparison.coordinate, comparison.display_unit("payload")
     _, factor = comparison.flyers[0].prediction.coordinate_key

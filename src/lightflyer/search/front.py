@@ -13,8 +13,7 @@ from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.files.result_text import Parts, PrintedResult
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.search.local_search import diagnose_solution
-from lightflyer.search.objectives import ObjectiveFunction
+from lightflyer.search.objectives import ObjectiveFunction, diagnose_solution
 from lightflyer.search.problem import PROBABILITY, Problem, as_problem
 
 if TYPE_CHECKING:

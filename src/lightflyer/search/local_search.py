@@ -10,7 +10,7 @@ than its tables of n and k.
 """
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,8 +21,7 @@ from scipy.stats import qmc
 from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import LightflyerError
 from lightflyer.core.progress import report
-from lightflyer.design.diagnostics import TOO_HOT, diagnose_design, diagnose_designs
-from lightflyer.search.objectives import SCREENED, ObjectiveFunction
+from lightflyer.search.objectives import SCREENED, ObjectiveFunction, range_passed
 from lightflyer.search.problem import Choice, Problem
 
 FEASIBLE = 1e-6  # Largest violation of a constraint, over the size of its limit
@@ -126,28 +125,6 @@ def maximise_in_full(
     if len(ends) > 1:
         function.match(best.point)
     return best
-
-
-def diagnose_solution(problem: Problem, design: Mapping[str, float]) -> tuple[str, ...]:
-    """What a reader must know of a design, with uncertain numbers at their means."""
-    return diagnose_design(problem.design, _values(problem, design))
-
-
-def range_passed(problem: Problem, designs: Sequence[Mapping[str, float]]) -> list[tuple[str, ...]]:
-    """Diagnostics of designs that others of the search might not have; of heat the search knows."""
-    several = [_values(problem, design) for design in designs]
-    found = []
-    for values, said in zip(several, diagnose_designs(problem.design, several), strict=True):
-        # what is said of data that end holds for every thickness: no other design would avoid it
-        own = problem.design.warnings_for(values)
-        found.append(
-            tuple(text for text in said if text not in own and not text.startswith(TOO_HOT))
-        )
-    return found
-
-
-def _values(problem: Problem, design: Mapping[str, float]) -> dict[str, float]:
-    return problem.means() | problem.fixed | dict(design)
 
 
 @dataclass(frozen=True)

@@ -2,20 +2,20 @@
 
 import copy
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 from scipy.special import ndtr, ndtri
-from scipy.stats import qmc
 
 from lightflyer.array import tree
 from lightflyer.array.namespace import number
 from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ConfigurationError, ParameterWarning
 from lightflyer.core.quantity import impossible_as_nan
+from lightflyer.design.diagnostics import TOO_HOT, diagnose_design, diagnose_designs
 from lightflyer.design.outputs import outputs_of
 from lightflyer.design.tables import evaluate
 from lightflyer.files.result_text import listed
@@ -330,6 +330,8 @@ class AsMade(ShortRepr):
 
 def simulate_making(function: ObjectiveFunction, point: np.ndarray) -> AsMade | None:
     """What becomes of a design that is made with errors; ``point`` (k,)."""
+    from scipy.stats import qmc  # slow to import
+
     # The errors are normal and independent. Each flyer's films are computed with all errors at
     # once.
     problem = function.problem
@@ -361,3 +363,25 @@ def simulate_making(function: ObjectiveFunction, point: np.ndarray) -> AsMade | 
     share = LOW if problem.objectives[0].sign > 0.0 else 1.0 - LOW
     low = float(np.quantile(drawn, share))
     return AsMade(effects, float(np.mean(drawn)), low, SAMPLES)
+
+
+def diagnose_solution(problem: Problem, design: Mapping[str, float]) -> tuple[str, ...]:
+    """What a reader must know of a design, with uncertain numbers at their means."""
+    return diagnose_design(problem.design, _values(problem, design))
+
+
+def range_passed(problem: Problem, designs: Sequence[Mapping[str, float]]) -> list[tuple[str, ...]]:
+    """Diagnostics of designs that others of the search might not have; of heat the search knows."""
+    several = [_values(problem, design) for design in designs]
+    found = []
+    for values, said in zip(several, diagnose_designs(problem.design, several), strict=True):
+        # what is said of data that end holds for every thickness: no other design would avoid it
+        own = problem.design.warnings_for(values)
+        found.append(
+            tuple(text for text in said if text not in own and not text.startswith(TOO_HOT))
+        )
+    return found
+
+
+def _values(problem: Problem, design: Mapping[str, float]) -> dict[str, float]:
+    return problem.means() | problem.fixed | dict(design)

@@ -33,13 +33,18 @@ from lightflyer.search.local_search import (
     Ranking,
     Rival,
     choose_stack,
-    diagnose_solution,
     maximise_from,
     maximise_in_full,
     merit,
     rivals_of,
 )
-from lightflyer.search.objectives import SCREENED, AsMade, ObjectiveFunction, simulate_making
+from lightflyer.search.objectives import (
+    SCREENED,
+    AsMade,
+    ObjectiveFunction,
+    diagnose_solution,
+    simulate_making,
+)
 from lightflyer.search.problem import Problem, as_problem
 
 if TYPE_CHECKING:

@@ -382,11 +382,10 @@ def map_parts(dataset: "xr.Dataset", fields: list[str], output: str) -> "tuple[s
     flying.attrs = dataset[output].attrs
     scales, headings = zip(*map(scale_and_label, [*columns, flying]), strict=True)
     rows = (
-        [_cell(scale * value) for scale, value in zip(scales, row, strict=True)]
+        [
+            f"{scale * value:.4g}" if math.isfinite(value) else "–"
+            for scale, value in zip(scales, row, strict=True)
+        ]
         for row in zip(*(part.values for part in [*columns, flying]), strict=True)
     )
     return finding, table_of(headings, rows, left=(), collapse_padding=True, pad_edge=False)
-
-
-def _cell(value: float) -> str:
-    return f"{value:.4g}" if math.isfinite(value) else "–"

@@ -1,6 +1,6 @@
 """Several objectives at once: the Pareto front, by a genetic algorithm."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -152,6 +152,15 @@ def pareto(
         bounds.field.name: np.asarray(bounds.value(places[:, row]))
         for row, bounds in enumerate(problem.bounds)
     }
+    said = []
+    if problem.needs_recompute:
+        said.append(
+            "the films of the front are computed on a coarse grid, within a few thousandths; in "
+            "full at its middle only"
+        )
+    for word, row in (("first", 0), ("last", -1)):
+        design = {name: float(column[row]) for name, column in designs.items()}
+        said += [f"{word} design: {text}" for text in diagnose_solution(problem, design)]
     return Front(
         problem=problem,
         objectives={
@@ -159,21 +168,8 @@ def pareto(
         },
         designs=designs,
         evaluations=population * generations,
-        warnings=tuple(_warnings(problem, designs)),
+        warnings=tuple(said),
     )
-
-
-def _warnings(problem: Problem, designs: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """Diagnostics of the designs at both ends of a front."""
-    if problem.needs_recompute:
-        yield (
-            "the films of the front are computed on a coarse grid, within a few thousandths; in "
-            "full at its middle only"
-        )
-    for word, row in (("first", 0), ("last", -1)):
-        design = {name: float(column[row]) for name, column in designs.items()}
-        for text in diagnose_solution(problem, design):
-            yield f"{word} design: {text}"
 
 
 def _search(

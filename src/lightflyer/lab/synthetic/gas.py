@@ -49,7 +49,7 @@ def force_files(seed: int = 0) -> dict[str, str]:
     pressure = np.geomspace(*_VANE_PRESSURES, _VANE_POINTS)
     force = TRUE_VANE.force(pressure) * (1.0 + _VANE_NOISE * rng.normal(size=_VANE_POINTS))
     rows = [
-        [f"{p:.4g}", f"{1e6 * one:.4g}", f"{1e6 * _NOISE * one:.2g}"]
+        [f"{p:.4g}", f"{1e6 * one:.4g}", f"{1e6 * _VANE_NOISE * one:.2g}"]
         for p, one in zip(pressure, force, strict=True)
     ]
     lines = label("force", "truth: vane of 12 cm at 419 K and 394 K in argon at 295 K, TAC 0.85")

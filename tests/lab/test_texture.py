@@ -49,6 +49,15 @@ def test_an_oblong_pixel_is_no_stretched_surface():
     assert found.rms_slope == pytest.approx(RMS / (WIDTH * STEP), rel=0.08)
 
 
+def test_a_steep_ridge_has_the_area_of_its_faces():
+    """Faces of 45° over half of the map have √2 times its area."""
+    rise = STEP * np.repeat([1.0, -1.0, 0.0], [30, 30, 60])
+    height = np.tile(np.append(0.0, np.cumsum(rise)), (50, 1))
+    found = texture_of(height, np.zeros(height.shape, bool), (STEP, STEP))
+    assert found.developed_area == pytest.approx(0.5 * (np.sqrt(2.0) - 1.0), rel=1e-9)
+    assert found.rms_slope == pytest.approx(np.sqrt(0.5), rel=1e-9)
+
+
 def test_masks_come_in_as_they_went_out(tmp_path):
     mask = np.random.default_rng(4).random((30, 40)) < 0.1
     (tmp_path / "mask.png").write_bytes(mask_as_png(mask))

@@ -1,5 +1,7 @@
+import contextlib
 import ctypes
 import gc
+import importlib
 import importlib.metadata
 import json
 import os
@@ -107,6 +109,33 @@ def require_derivatives(compiled):
             np.testing.assert_allclose(slope * point, differences.T, rtol=rtol, atol=atol)
 
     return require
+
+
+STUDIES = Path(__file__).parents[1] / "studies"
+
+
+@pytest.fixture(scope="session")
+def study_of():
+    """Import modules of a study with its folder on the path, as where it runs."""
+
+    def names_of_studies():
+        files = {name: getattr(module, "__file__", None) for name, module in sys.modules.items()}
+        return {name for name, file in files.items() if file and STUDIES in Path(file).parents}
+
+    @contextlib.contextmanager
+    def modules(folder, *names):
+        path, before = list(sys.path), {name: sys.modules[name] for name in names_of_studies()}
+        for file in (STUDIES / folder).glob("*.py"):  # others have modules of the same names
+            sys.modules.pop(file.stem, None)
+        sys.path.insert(0, str(STUDIES / folder))
+        found = {name: importlib.import_module(name) for name in names}
+        yield found if len(found) > 1 else found[names[0]]
+        sys.path[:] = path
+        for name in names_of_studies():
+            del sys.modules[name]
+        sys.modules.update(before)
+
+    return modules
 
 
 @pytest.fixture

@@ -1,9 +1,7 @@
 """Drag by the kinetic equation: the solver, the table and the law of holes."""
 
-import importlib.util
 import math
 from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +19,6 @@ from lightflyer.kinetic_theory.moving import MovedDisk, moving_outcomes
 
 pytestmark = pytest.mark.slow  # numba compiles the solver
 
-STUDY = Path(__file__).parents[2] / "studies" / "drag" / "study.py"
 FACES = (0.6, 0.9)
 BGK = GasModel("bgk", 1.0, 0.0, 0.0, 0.66)
 
@@ -85,20 +82,18 @@ def test_solution_of_one_disk(monkeypatch):
         lf.kinetic_theory.solve_moving(1e-3, 1.0, 1.0)
 
 
-def test_table_is_made_of_the_points():
-    spec = importlib.util.spec_from_file_location("drag_study", STUDY)
-    study = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(study)
-    shipped = files("lightflyer.data").joinpath("drag_disk.csv").read_text("utf-8")
-    assert shipped == study.HEADER + "\n".join(study.rows()) + "\n"
-    worst = max(
-        abs(drag / table_says(delta, tac, gas) - 1.0)
-        for (delta, level), values in study.read_points().items()
-        if level == "fine"
-        for (gas, tac), drag in values.items()
-        if tac in study.CHECKED_TAC or delta > study.HIGHEST
-    )
-    assert worst < 1.5e-3  # between the TACs of the table, and in denser gas
+def test_table_is_made_of_the_points(study_of):
+    with study_of("drag", "study") as study:
+        shipped = files("lightflyer.data").joinpath("drag_disk.csv").read_text("utf-8")
+        assert shipped == study.HEADER + "\n".join(study.rows()) + "\n"
+        worst = max(
+            abs(drag / table_says(delta, tac, gas) - 1.0)
+            for (delta, level), values in study.read_points().items()
+            if level == "fine"
+            for (gas, tac), drag in values.items()
+            if tac in study.CHECKED_TAC or delta > study.HIGHEST
+        )
+        assert worst < 1.5e-3  # between the TACs of the table, and in denser gas
 
 
 @pytest.mark.parametrize(("gas", "tac"), [(MONATOMIC, 0.5), (DIATOMIC, 1.0)])

@@ -1,8 +1,6 @@
 """The kinetic force model: its table as smooth functions, and what flyers make of it."""
 
 import csv
-import importlib
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
@@ -336,14 +334,10 @@ STUDY = Path(__file__).parents[2] / "studies" / "kinetic_collisions"
 
 
 @pytest.fixture
-def comparison(monkeypatch):
-    """The study: simulations, and solutions of model equation and linear factors beside each."""
-    monkeypatch.syspath_prepend(STUDY)
-    sys.modules.pop("study", None)  # other studies have a file of that name
-    module = importlib.import_module("comparison")
-    for name in ("comparison", "study"):
-        del sys.modules[name]
-    return module
+def comparison(study_of):
+    """Simulations, and solutions of model equation and linear factors beside each."""
+    with study_of("kinetic_collisions", "comparison") as module:
+        yield module
 
 
 @pytest.mark.parametrize(

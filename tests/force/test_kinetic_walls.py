@@ -1,10 +1,6 @@
 """Walls of the kinetic model of a disk: free molecules, the solver's table, and what is said."""
 
 import dataclasses
-import importlib
-import importlib.util
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,8 +18,6 @@ from lightflyer.kinetic_theory.walls import normal_accommodation
 from lightflyer.prediction.prediction import Prediction
 
 COLD, EXCESS = 205.0, 1.34
-STUDY = Path(__file__).parents[2] / "studies" / "kinetic_walls" / "study.py"
-SIMULATION = STUDY.parents[1] / "direct_simulation"
 CL = "cercignani-lampis"
 KINDS = ("normal", "tangential", "rotational")
 MODEL = lf.Kinetic()
@@ -138,23 +132,16 @@ def test_walls_are_one_where_differences_are_small_and_gas_is_thin(disk):
 
 
 @pytest.fixture
-def study(monkeypatch):
-    spec = importlib.util.spec_from_file_location("kinetic_walls_study", STUDY)
-    module = importlib.util.module_from_spec(spec)
-    monkeypatch.setitem(sys.modules, spec.name, module)
-    spec.loader.exec_module(module)
-    return module
+def study(study_of):
+    with study_of("kinetic_walls", "study") as module:
+        yield module
 
 
 @pytest.fixture
-def direct_simulation(monkeypatch):
+def direct_simulation(study_of):
     """The study and the walls of direct simulation."""
-    monkeypatch.syspath_prepend(SIMULATION)
-    spec = importlib.util.spec_from_file_location("direct_study", SIMULATION / "study.py")
-    module = importlib.util.module_from_spec(spec)
-    monkeypatch.setitem(sys.modules, spec.name, module)
-    spec.loader.exec_module(module)
-    return module, importlib.import_module("dsmc.walls")
+    with study_of("direct_simulation", "study", "dsmc.walls") as modules:
+        yield modules.values()
 
 
 def table_of(gas):

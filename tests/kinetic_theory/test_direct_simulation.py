@@ -3,28 +3,20 @@
 import importlib
 import math
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-STUDY = Path(__file__).parents[2] / "studies" / "direct_simulation"
 KNUDSEN = 0.1
 NUMBER = 20_000
 NITROGEN_EXPONENT = 0.74
 
 
 @pytest.fixture(scope="module")
-def study():
-    """The study, whose folder is on the path as where it runs."""
-    others = sys.modules.pop("study", None)  # other studies have a module of this name
-    sys.path.insert(0, str(STUDY))
-    yield importlib.import_module("study")
-    sys.path.remove(str(STUDY))
-    del sys.modules["study"]
-    if others is not None:
-        sys.modules["study"] = others
+def study(study_of):
+    with study_of("direct_simulation", "study") as module:
+        yield module
 
 
 @pytest.fixture(scope="module")

@@ -1,10 +1,7 @@
 """The tables that ship are those that the study's points give."""
 
 import csv
-import importlib.util
-import sys
 from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,17 +9,11 @@ import pytest
 from lightflyer.array.namespace import float64
 from lightflyer.force.kinetic.ratios import kinetic_fit
 
-STUDY = Path(__file__).parents[2] / "studies" / "kinetic_table" / "study.py"
-
 
 @pytest.fixture(scope="module")
-def study():
-    spec = importlib.util.spec_from_file_location("kinetic_table_study", STUDY)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules[spec.name]
+def study(study_of):
+    with study_of("kinetic_table", "study") as module:
+        yield module
 
 
 @pytest.fixture(scope="module")

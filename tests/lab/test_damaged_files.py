@@ -1,8 +1,5 @@
 """A sample of the damaged files of ``studies/damaged_files``, reduced by every command."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,21 +7,13 @@ from lightflyer.core.quantity import Pressure
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 
-STUDY = Path(__file__).parents[2] / "studies" / "damaged_files"
 FIRST, EACH = 0, 1  # seeds; the study runs 2,000
 
 
 @pytest.fixture(scope="module")
-def check():
-    sys.path.insert(0, str(STUDY))
-    try:
-        import check
-
-        yield check
-    finally:
-        sys.path.remove(str(STUDY))
-        for name in ("check", "damage"):
-            sys.modules.pop(name, None)
+def check(study_of):
+    with study_of("damaged_files", "check") as module:
+        yield module
 
 
 def test_no_traceback_and_no_impossible_number(check):

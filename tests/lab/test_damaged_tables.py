@@ -2,8 +2,6 @@
 
 import csv
 import io
-import sys
-from pathlib import Path
 
 import numpy as np
 import openpyxl
@@ -17,21 +15,14 @@ from lightflyer.lab.synthetic import example_files
 from lightflyer.lab.tac.data import read_resistance_calibration, read_tac
 from lightflyer.lab.thermography.data import THERMAL, columns_of
 
-STUDY = Path(__file__).parents[2] / "studies" / "damaged_files"
 EACH = 200
 ROWS = 6  # of a file: a damage is then near every kind of cell
 
 
 @pytest.fixture(scope="module")
-def damaged():
-    sys.path.insert(0, str(STUDY))
-    try:
-        import damage
-
-        yield damage.damaged
-    finally:
-        sys.path.remove(str(STUDY))
-        sys.modules.pop("damage", None)
+def damaged(study_of):
+    with study_of("damaged_files", "damage") as module:
+        yield module.damaged
 
 
 POINTS = """\

@@ -1,8 +1,6 @@
 """One reading of the paper is a choice of many: the study that counts them."""
 
-import importlib
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -17,14 +15,9 @@ ALTITUDES = np.array([60e3, 68e3, 72e3, 78e3, 82e3])
 
 
 @pytest.fixture
-def study(monkeypatch):
-    """The study and its model, imported as the study imports it."""
-    monkeypatch.syspath_prepend(str(FOLDER))
-    for name in ("model", "study"):  # other studies have modules of these names
-        sys.modules.pop(name, None)
-    yield importlib.import_module("study")
-    for name in ("model", "study"):
-        sys.modules.pop(name, None)
+def study(study_of):
+    with study_of("conventions", "study") as module:
+        yield module
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 import importlib
 import json
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,23 +11,15 @@ from scipy.integrate import quad
 from scipy.stats import norm
 
 STUDY = Path(__file__).parents[2] / "studies" / "experiments"
-OWN = ("measurements", "disks", "others", "estimates", "figure", "study")
-OF_CLAIMS = ("sampling", "plates", "sandwiches")
 NEAR = "walls at 4.5 cm"
 SHOWN = ("open space", "floor at 4.5 cm, else 10 cm")  # surroundings on the page
 
 
 @pytest.fixture(scope="module")
-def study():
-    """Modules of the study, on the path as where it runs."""
-    names, path = (*OWN, *OF_CLAIMS), list(sys.path)
-    others = {name: sys.modules.pop(name) for name in names if name in sys.modules}
-    sys.path.insert(0, str(STUDY))
-    yield {name: importlib.import_module(name) for name in OWN}
-    sys.path[:] = path
-    for name in names:
-        sys.modules.pop(name, None)
-    sys.modules.update(others)
+def study(study_of):
+    names = ("measurements", "disks", "others", "estimates", "figure", "study")
+    with study_of("experiments", *names) as modules:
+        yield modules
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,7 @@
 """How often intervals contain the truth: a few dozen cases of each study, and the table in full."""
 
 import csv
-import importlib
 import math
-import sys
 from collections import defaultdict
 from pathlib import Path
 
@@ -29,11 +27,9 @@ MODULES = sorted({path.stem for path in STUDY.glob("*.py")} - {"study", "trial"}
 
 
 @pytest.fixture(scope="module")
-def study():
-    """The study's folder on the path, as where it runs."""
-    sys.path.insert(0, str(STUDY))
-    yield importlib.import_module("study")
-    sys.path.remove(str(STUDY))
+def study(study_of):
+    with study_of("intervals", "study") as module:
+        yield module
 
 
 @pytest.mark.slow

@@ -1,8 +1,6 @@
 """The flow around a disk that pumps: results as shipped are those of tables and models today."""
 
-import importlib
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,17 +10,12 @@ import lightflyer as lf
 from lightflyer.force.laws import outer_flow
 
 STUDY = Path(__file__).parents[2] / "studies" / "outer_flow"
-MODULES = ("claim", "findings", "mesh")
 
 
 @pytest.fixture(scope="module")
-def study():
-    """Modules of the study, on the path as where it runs."""
-    sys.path.insert(0, str(STUDY))
-    yield {name: importlib.import_module(name) for name in MODULES}
-    sys.path.remove(str(STUDY))
-    for name in MODULES:
-        sys.modules.pop(name)
+def study(study_of):
+    with study_of("outer_flow", "claim", "findings", "mesh") as modules:
+        yield modules
 
 
 @pytest.fixture(scope="module")

@@ -1,25 +1,18 @@
 """Claims of other flyers: the shipped results are those that the models give today."""
 
-import importlib
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 STUDY = Path(__file__).parents[2] / "studies" / "published_claims"
-MODULES = ("sampling", "plates", "sandwiches", "hollow")
 
 
 @pytest.fixture(scope="module")
-def study():
-    """Modules of the study, on the path as where it runs."""
-    sys.path.insert(0, str(STUDY))
-    yield {name: importlib.import_module(name) for name in MODULES}
-    sys.path.remove(str(STUDY))
-    for name in MODULES:
-        sys.modules.pop(name)
+def study(study_of):
+    with study_of("published_claims", "sampling", "plates", "sandwiches", "hollow") as modules:
+        yield modules
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,6 @@
 """The table of disks that survive their own lift, made again in part."""
 
 import csv
-import sys
 from pathlib import Path
 
 import pytest
@@ -10,13 +9,9 @@ STUDY = Path(__file__).parents[2] / "studies" / "survival"
 
 
 @pytest.fixture
-def study(monkeypatch):
-    monkeypatch.syspath_prepend(str(STUDY))
-    monkeypatch.delitem(sys.modules, "study", raising=False)
-    import study
-
-    yield study
-    sys.modules.pop("study", None)
+def study(study_of):
+    with study_of("survival", "study") as module:
+        yield module
 
 
 @pytest.mark.slow

@@ -75,13 +75,13 @@ def pytest_unconfigure(config):
         )
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def film():
     """The paper's germanium-coated film."""
     return lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def disk(film):
     return lf.Disk(film, radius=0.01)
 

@@ -45,8 +45,7 @@ def test_every_public_class_shows_itself_shortly():
     assert all(kind.__repr__.__module__.startswith("lightflyer") for kind in generated)
 
 
-def test_large_records_are_told_by_their_ends(rng):
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+def test_large_records_are_told_by_their_ends(rng, film):
     disk = lf.Disk(film, radius=np.linspace(1e-3, 2e-2, 500))
     assert "radius=<float64 (500,), 0.001 to 0.02>" in repr(disk)
     places = {"altitude": np.linspace(6e4, 8e4, 20), "latitude": np.linspace(-60.0, 60.0, 40)}

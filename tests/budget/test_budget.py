@@ -165,8 +165,7 @@ def test_mistakes_in_a_file_are_named_with_their_line(read, old, new, message):
         read(TEXT.replace(old, new))
 
 
-def test_a_budget_of_objects_is_part_of_a_design():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+def test_a_budget_of_objects_is_part_of_a_design(film):
     budget = Budget(ITEMS, CELLS, LINK)
     setup = lf.Setup(lf.Disk(film, 0.01), lf.Earth(), lf.Lu2023(), budget=budget)
     design = as_design(setup)

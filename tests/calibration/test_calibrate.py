@@ -41,8 +41,7 @@ def log_light(pressure=PRESSURE, diameter=DIAMETER, chamber=CHAMBER, **numbers):
 
 
 @pytest.fixture(scope="module")
-def setup():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+def setup(film):
     return lf.Setup(lf.Disk(film, 0.01), CHAMBER, lf.Lu2023(0.5, 2.0))
 
 
@@ -428,9 +427,8 @@ def test_numbers_of_a_wrong_unit_are_said(setup, exact):
     assert re.search(r"c_cont = \S+ is unlikely, 0.3 to 30 is usual: .*check the units", said)
 
 
-def test_parameters_that_can_hardly_be_told_apart():
+def test_parameters_that_can_hardly_be_told_apart(film):
     """The profile has several minima; looking twice at one place once found different ones."""
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     numbers = {
         "pressure": np.array([3.0, 4.0, 5.0, 8.0]),
         "irradiance": np.array([1000.0, 1100.0, 1200.0, 1400.0]),
@@ -494,8 +492,7 @@ class Slow(lf.AbstractForceModel):
         return free * self.weakness / (1.0 + state.pressure * flyer.radius / self.reach)
 
 
-def test_a_users_own_model():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+def test_a_users_own_model(film):
     flyer, pressure = lf.Disk(film, 0.01), np.geomspace(0.2, 2.0, 9)
     light = lf.levitate(flyer, CHAMBER.state(pressure), Slow(0.8, 0.02)).irradiance
     data = Points("own", ["disk"] * 9, {"pressure": pressure, "irradiance": light})

@@ -8,9 +8,8 @@ import lightflyer as lf
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
+def folder(tmp_path, monkeypatch, film):
     """A folder with synthetic points of the paper's disk; commands run in it."""
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     pressure = np.geomspace(1.5, 20.0, 6)
     disk, state = lf.Disk(film, 0.01), lf.Chamber(temperature=293.0).state(pressure)
     light = lf.levitate(disk, state, lf.Lu2023(0.45, 2.5)).irradiance

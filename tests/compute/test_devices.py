@@ -66,8 +66,7 @@ def test_several_devices_find_what_one_does():
 
 
 @pytest.mark.skipif(jax.default_backend() == "gpu", reason="there is a GPU")
-def test_a_gpu_that_is_not_there_is_one_line_and_nothing_is_written(tmp_path):
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+def test_a_gpu_that_is_not_there_is_one_line_and_nothing_is_written(tmp_path, film):
     made = lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023()
     out = tmp_path / "out.zarr"
     with pytest.raises(ConfigurationError, match=r'device gpu: .*install "jax\[cuda13\]"') as error:
@@ -82,9 +81,8 @@ def test_an_unknown_device_names_those_there_are():
 
 
 @pytest.mark.slow
-def test_a_sweep_on_gpus_is_that_of_processors(monkeypatch):
+def test_a_sweep_on_gpus_is_that_of_processors(monkeypatch, film):
     """With processors in the place of GPUs."""
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     made = lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023()
     over = {"altitude": {"from": "60 km", "to": "90 km", "points": 31}}
     asked = {"over": over, "outputs": ("payload", "temperature")}

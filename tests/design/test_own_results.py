@@ -37,8 +37,7 @@ class Tally(lf.AbstractForceModel):
 
 
 @pytest.fixture(scope="module")
-def setup():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+def setup(film):
     return lf.Setup(lf.Disk(film, 0.01), lf.lu2023_earth(), Tally())
 
 

@@ -11,12 +11,6 @@ SCALED = lf.Kinetic(polyatomic="scaled")
 CO2 = lf.gas.CARBON_DIOXIDE
 
 
-@pytest.fixture(scope="module")
-def disk():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    return lf.Disk(film, radius=0.01)
-
-
 @pytest.mark.parametrize(
     ("hot", "heat_error", "force_error"), [(1.01, 0.01, 0.017), (2.4, 0.03, 0.09)]
 )

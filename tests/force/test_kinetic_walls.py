@@ -24,12 +24,6 @@ MODEL = lf.Kinetic()
 ONE_ERROR = ({"force_error": 1.0, "heat_error": 1.0}, {"wall_error": 1.0})
 
 
-@pytest.fixture(scope="module")
-def disk():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    return lf.Disk(film, radius=0.01)
-
-
 def state_at(knudsen, gas=lf.gas.AIR):
     pressure = lf.gas.mean_free_path(1.0, COLD, gas) / (0.02 * knudsen)
     return lf.environment.EnvironmentState(pressure, COLD, 9.6, gas, lf.environment.Radiation())
@@ -451,8 +445,7 @@ def test_the_band_of_unknown_walls_contains_those_of_cercignani_and_lampis(altit
     assert looked >= 3
 
 
-def test_an_even_sharing_is_the_nominal_one_and_known_walls_have_none():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+def test_an_even_sharing_is_the_nominal_one_and_known_walls_have_none(film):
     disk, state = lf.Disk(film, radius=0.01), lf.Earth().state(75e3)
     assert lf.lift(disk, state, lf.Kinetic(sharing_error=0.0)) == lf.lift(disk, state, MODEL)
     with pytest.raises(lf.ParameterError, match="it is for unknown ones"):

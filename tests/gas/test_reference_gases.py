@@ -162,10 +162,8 @@ def test_collisions_until_rotation_relaxes():
         CARBON_DIOXIDE.rotational_collision_number(300.0)
 
 
-def test_free_atoms_carry_two_kt_each():
+def test_free_atoms_carry_two_kt_each(disk):
     cold, hot, pressure = 250.0, 400.0, 1e-4
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    disk = lf.Disk(film, radius=0.01)
     for gas in (ARGON, HELIUM):
         state = lf.Chamber(temperature=cold, gas=gas).state(pressure)
         (found,) = lf.FreeMolecular().heat_loss(disk, state, (hot / cold - 1.0,))
@@ -192,9 +190,7 @@ def test_names_in_flyer_files(flyer_file):
         read_flyer_file(path)
 
 
-def test_coefficients_fitted_in_air_are_said_to_be():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    disk = lf.Disk(film, radius=0.01)
+def test_coefficients_fitted_in_air_are_said_to_be(disk):
     for gas, count in ((lf.gas.US1976_AIR, 0), (NITROGEN, 1), (ARGON, 1)):
         found = lf.Lu2023().diagnostics(disk, lf.Chamber(gas=gas).state(3.0), 350.0)
         assert sum("fitted in air, and the gas is" in text for text in found) == count

@@ -132,8 +132,7 @@ def test_a_flyer_that_cannot_levitate_poisons_no_gradient():
     assert slope[1] == slope[2] == 0.0
 
 
-def test_derivative_in_the_dark_is_that_of_a_faint_light():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
+def test_derivative_in_the_dark_is_that_of_a_faint_light(film):
 
     def temperature(light):
         radiation = lf.environment.Radiation(light)

@@ -16,12 +16,6 @@ DARK = lf.environment.Radiation(0.0)
 TURN = EARTH_PLANET.rotation_rate
 
 
-@pytest.fixture(scope="module")
-def disk():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    return lf.Disk(film, radius=0.01)
-
-
 @pytest.fixture
 def still_air(isothermal_air):
     """Air of 220 K whose pressure falls by e in 6.5 km, in the dark."""

@@ -113,13 +113,12 @@ def test_waves_of_a_flight_are_its_own_and_come_with_the_ensemble(closed_form_di
     assert "waves: none" in calm.attrs["assumptions"]
 
 
-def test_waves_of_mars_are_not_known():
+def test_waves_of_mars_are_not_known(film):
     ensemble = lf.mission.Ensemble(members=2, waves=1.0)
     with pytest.raises(lf.ParameterError, match="over Mars leave waves out"):
         ensemble.waves_over(lf.Mars())
     unasked = lf.mission.Ensemble(members=2)
     assert unasked.waves_over(lf.Mars()) == 0.0
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     setup = lf.Setup(lf.Disk(film, radius=1e-3), lf.Mars(), lf.FreeMolecular())
     told = assumptions_of(setup, lf.mission.Level(), unasked, None)
     assert "waves: none; those of Mars are not known" in told

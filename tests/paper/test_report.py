@@ -339,10 +339,8 @@ def test_documentation_shows_what_the_report_says(folder):
         assert is_part_of(row, told), row
 
 
-def test_kinetic_theory_beside_the_paper_is_what_the_package_predicts(folder):
+def test_kinetic_theory_beside_the_paper_is_what_the_package_predicts(folder, disk):
     found = json.loads((folder / "report.json").read_text(encoding="utf-8"))["kinetic"]
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    disk = lf.Disk(film, 0.01)
     band = lf.levitation_band(disk, lf.lu2023_earth(), lf.Kinetic())
     np.testing.assert_allclose(
         [found["band_low"], found["band_high"]], [1e-3 * band.lower, 1e-3 * band.upper], rtol=1e-4

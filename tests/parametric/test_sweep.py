@@ -202,7 +202,7 @@ def test_bands_over_diameter(flyer):
     assert float(second.band_width) == 0.0
 
 
-def test_a_chamber_goes_by_pressure(film_section):
+def test_a_chamber_goes_by_pressure(film_section, film):
     flyer = lf.FlyerFile(
         flyer={"diameter": "2 cm"},
         film=film_section,
@@ -210,7 +210,6 @@ def test_a_chamber_goes_by_pressure(film_section):
         force={"model": "lu2023"},
     )
     found = lf.sweep(flyer, over={"pressure": ["3 Pa", "10 Pa"]}, outputs="levitation_irradiance")
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
     state = lf.Chamber().state(np.array([3.0, 10.0]))
     expected = lf.levitate(lf.Disk(film, 0.01), state, lf.Lu2023()).irradiance
     np.testing.assert_allclose(found.levitation_irradiance, expected, rtol=1e-9)
@@ -251,7 +250,7 @@ def test_layers_are_computed_for_each_thickness():
     np.testing.assert_allclose(varied.absorptance, float(disk.film.absorptance), rtol=1e-12)
 
 
-def test_labelled_arrays_keep_their_dimensions_and_stay_with_dask(flyer):
+def test_labelled_arrays_keep_their_dimensions_and_stay_with_dask(flyer, film):
     diameter = xr.DataArray(np.linspace(0.01, 0.03, 6), dims="design")
     irradiance = xr.DataArray(np.linspace(800.0, 1360.0, 6), dims="design")
     over = {
@@ -268,7 +267,6 @@ def test_labelled_arrays_keep_their_dimensions_and_stay_with_dask(flyer):
     )
     assert lazy.lift.chunks == ((4, 2), (2,))
     np.testing.assert_array_equal(lazy.lift.compute(), plain.lift)
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
     state = lf.lu2023_earth(irradiance=irradiance.values).state(74e3)
     expected = lf.lift(lf.Disk(film, 0.5 * diameter.values), state, lf.Lu2023())
     np.testing.assert_allclose(plain.lift.isel(altitude=1), expected, rtol=1e-9)

@@ -109,8 +109,7 @@ def test_the_fitted_coefficients_hold_where_they_were_fitted():
     assert "the diameter" not in warnings_of(diameter="6 cm", force=own, **kwargs)
 
 
-def test_a_flyer_colder_than_the_gas_does_not_melt():
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
+def test_a_flyer_colder_than_the_gas_does_not_melt(film):
     state = lf.Earth().state(80e3)
     (cold,) = lf.Lu2023().diagnostics(lf.Disk(film, 0.01), state, 0.9 * state.temperature)
     assert "below 1: c_fm and c_cont of lu2023 were fitted to films warmer than the gas" in cold
@@ -243,8 +242,7 @@ def test_thicknesses_go_through_to_flight():
         (lf.FreeMolecular(), 0.01),
     ],
 )
-def test_covered_is_where_nothing_is_said_to_be_outside(model, radius):
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
+def test_covered_is_where_nothing_is_said_to_be_outside(model, radius, film):
     setup = lf.Setup(lf.Disk(film, radius), lf.Earth(), model)
     for altitude in (30e3, 62e3, 78e3, 100e3, 119e3):
         found = lf.predict(setup, at=[altitude])

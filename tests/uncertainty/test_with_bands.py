@@ -121,9 +121,8 @@ def test_the_written_file_is_the_dataset(kind, tmp_path):
             assert written[name].dims == expected[name].dims
 
 
-def test_bands_to_first_order_end_with_the_range_of_the_force_model():
+def test_bands_to_first_order_end_with_the_range_of_the_force_model(film):
     """At 61 km, where the kinetic tables end, that of the irradiance was eight times as wide."""
-    film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     disk, over = lf.Disk(film, radius=0.01), np.linspace(58e3, 66e3, 33)
     design = as_design(disk, lf.Earth(), lf.Kinetic()).with_open_errors()
     found = lf.propagate(design, samples=0, over=over)

@@ -200,6 +200,19 @@ def test_intervals_know_that_the_points_of_a_sequence_avoid_each_other(uncertain
     assert np.all(many.first_interval < 0.4 * few.first_interval)
 
 
+def test_intervals_are_as_wide_as_indices_of_other_seeds_scatter(uncertain):
+    """Student's 97.5 % quantile of 8 sequences is 2.365 standard errors."""
+    inputs = {"flyer.diameter": "2.0 ± 0.3 cm", "film.areal_density": "1.0 ± 0.3 g/m^2"}
+    found = [
+        lf.sensitivity(uncertain, outputs="own_mass", points=64, inputs=inputs, seed=seed)[0]
+        for seed in range(16)
+    ]
+    for name in ("first", "total"):
+        scatter = np.std([getattr(one, name) for one in found], axis=0, ddof=1)
+        stated = np.mean([getattr(one, f"{name}_interval") for one in found], axis=0) / 2.365
+        assert np.all((stated > 0.7 * scatter) & (stated < 1.6 * scatter))
+
+
 def test_samples_of_sweeps_and_optima_have_the_files_correlation(uncertain):
     film = uncertain.film.model_copy(update={"tac_correlation": lf.Measured(-0.7)})
     correlated = uncertain.model_copy(update={"film": film})

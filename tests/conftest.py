@@ -218,16 +218,24 @@ c_cont = 3.0
 
 
 @pytest.fixture
-def flyer_file(tmp_path):
-    """Write a flyer file, with one text replaced by another; returns its path."""
+def write(tmp_path):
+    """Write a file, after changes of texts that have to be in it; returns its path."""
 
-    def write(old="", new="", text=FLYER_FILE):
-        assert old in text
-        path = tmp_path / "flyer.toml"
-        path.write_text(text.replace(old, new, 1) if old else text, encoding="utf-8")
+    def write(content, name="table.csv", *changes):
+        for old, new in changes:
+            assert old in content
+            content = content.replace(old, new, 1)
+        path = tmp_path / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
         return path
 
     return write
+
+
+@pytest.fixture
+def flyer_file(write):
+    """Write a flyer file, with one text replaced by another; returns its path."""
+    return lambda old="", new="", text=FLYER_FILE: write(text, "flyer.toml", (old, new))
 
 
 FILM = {

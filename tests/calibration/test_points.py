@@ -19,16 +19,6 @@ CNT, 20, 2.5, 50, 3
 """
 
 
-@pytest.fixture
-def write(tmp_path):
-    def write(text):
-        path = tmp_path / "points.csv"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
-
-
 def test_reads_units_comments_and_blank_lines(write):
     points = read_points(write(GOOD))
     assert points.samples == ["Ge 2 cm", "CNT"]

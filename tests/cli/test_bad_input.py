@@ -126,10 +126,8 @@ FLYERS = [
 
 
 @pytest.mark.parametrize(("kind", "old", "new", "message"), FLYERS)
-def test_a_mistake_in_a_flyer_file(run, tmp_path, kind, old, new, message):
-    assert old in TEXTS[kind]
-    path = tmp_path / "flyer.toml"
-    path.write_text(TEXTS[kind].replace(old, new, 1), encoding="utf-8")
+def test_a_mistake_in_a_flyer_file(run, write, kind, old, new, message):
+    path = write(TEXTS[kind], "flyer.toml", (old, new))
     errors = require_one_line(run("predict", path), place=r"flyer\.toml(:\d+)?")
     assert re.search(message, errors), errors
 
@@ -191,11 +189,9 @@ STUDIES = [
 
 
 @pytest.mark.parametrize(("kind", "old", "new", "message"), STUDIES)
-def test_a_mistake_in_a_study(run, tmp_path, kind, old, new, message):
-    assert old in TEXTS[kind]
-    (tmp_path / "flyer.toml").write_text(TEXTS["earth"], encoding="utf-8")
-    path = tmp_path / "study.toml"
-    path.write_text(TEXTS[kind].replace(old, new, 1), encoding="utf-8")
+def test_a_mistake_in_a_study(run, write, tmp_path, kind, old, new, message):
+    write(TEXTS["earth"], "flyer.toml")
+    path = write(TEXTS[kind], "study.toml", (old, new))
     more = ("--out", tmp_path / "r.zarr") if kind == "sweep" else ()
     errors = require_one_line(run(kind, path, *more), place=r"study\.toml(:\d+)?")
     assert re.search(message, errors), errors
@@ -362,10 +358,8 @@ POINTS = [
 
 
 @pytest.mark.parametrize(("old", "new", "message"), POINTS)
-def test_a_mistake_in_a_table(run, tmp_path, old, new, message):
-    assert old in TEXTS["points"]
-    path = tmp_path / "points.csv"
-    path.write_text(TEXTS["points"].replace(old, new, 1), encoding="utf-8")
+def test_a_mistake_in_a_table(run, write, old, new, message):
+    path = write(TEXTS["points"], "points.csv", (old, new))
     assert message in require_one_line(run("calibrate", path), place=r"points\.csv:\d+")
 
 

@@ -45,15 +45,9 @@ altitude = "72 km"
 
 
 @pytest.fixture
-def study(flyer_file, tmp_path):
-    def write(old="", new=""):
-        flyer_file()
-        assert old in STUDY
-        path = tmp_path / "study.toml"
-        path.write_text(STUDY.replace(old, new, 1) if old else STUDY, encoding="utf-8")
-        return path
-
-    return write
+def study(flyer_file, write):
+    flyer_file()
+    return lambda old="", new="": write(STUDY, "study.toml", (old, new))
 
 
 def test_a_sweep_its_repetition_and_its_maps(run, prints, refuses, study, tmp_path):

@@ -18,14 +18,8 @@ FLYER = '[force]\nmodel = "lu2023"\n[flyer]\ndiameter = "2 cm"\n' + FILM
 
 
 @pytest.fixture
-def film_file(tmp_path):
-    def write(old="", new="", text=FILM):
-        assert old in text
-        path = tmp_path / "film.toml"
-        path.write_text(text.replace(old, new, 1) if old else text, encoding="utf-8")
-        return path
-
-    return write
+def film_file(write):
+    return lambda old="", new="", text=FILM: write(text, "film.toml", (old, new))
 
 
 def test_film_writes_figures_and_one_json(prints, film_file, tmp_path):

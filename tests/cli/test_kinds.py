@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
+from lightflyer.cli.commands.init import templates
 
 EXACT = {  # derivatives take long to compile
     "balloon": "convection_error = 0.0\n",
@@ -53,18 +54,11 @@ EACH = {
 
 
 @pytest.fixture
-def file_of(run, tmp_path):
+def file_of(write):
     """A template's file, some of its texts replaced."""
 
     def make(kind, *changes):
-        path = tmp_path / "flyer.toml"
-        assert run("init", path, "--kind", kind, "--force")[0] == 0
-        text = path.read_text(encoding="utf-8")
-        for old, new in changes:
-            assert old in text
-            text = text.replace(old, new)
-        path.write_text(text + EXACT.get(kind, ""), encoding="utf-8")
-        return path
+        return write(templates()[kind].read() + EXACT.get(kind, ""), "flyer.toml", *changes)
 
     return make
 

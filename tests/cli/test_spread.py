@@ -40,19 +40,8 @@ model = "free-molecular"
 
 
 @pytest.fixture
-def mission(tmp_path):
-    """Write a mission file with some changes."""
-
-    def write(*changes):
-        text = MISSION
-        for old, new in changes:
-            assert old in text
-            text = text.replace(old, new)
-        path = tmp_path / "mission.toml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
+def mission(write):
+    return lambda *changes: write(MISSION, "mission.toml", *changes)
 
 
 def test_a_swarm_is_spread_and_kept(prints, mission, tmp_path):

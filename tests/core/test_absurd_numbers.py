@@ -46,13 +46,11 @@ def test_constructors_refuse_with_the_limit_and_its_reason(make):
         ('tac_top = "0.80 ± 0.02"', 'tac_top = "0.8 ± 100"', "uncertainty must be at most 1.3"),
     ],
 )
-def test_files_refuse_in_one_line(old, new, message, tmp_path):
+def test_files_refuse_in_one_line(old, new, message, write):
     from lightflyer.cli.commands.init import templates
 
     text = re.sub(r"tac_top = \S+.*", 'tac_top = "0.80 ± 0.02"', templates()["earth"].read())
-    assert old in text
-    path = tmp_path / "flyer.toml"
-    path.write_text(text.replace(old, new), encoding="utf-8")
+    path = write(text, "flyer.toml", (old, new))
     with pytest.raises(lf.ConfigurationError, match=re.escape(message)) as caught:
         lf.read_flyer_file(path)
     assert "\n" not in str(caught.value)

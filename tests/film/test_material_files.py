@@ -21,16 +21,6 @@ def rows(header, *columns, by=",", order=1):
     return "\n".join([header, *lines[::order]]) + "\n"
 
 
-@pytest.fixture
-def write(tmp_path):
-    def write(content, name="mine.csv"):
-        path = tmp_path / name
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        return path
-
-    return write
-
-
 ERRORS = np.array([0.01, 0.02, 0.03])
 
 

@@ -100,12 +100,9 @@ def test_ones_own_table(tmp_path):
         ("400,", "-400,", r"mine\.csv:3: wavelength = -400 nm is not positive"),
     ],
 )
-def test_a_bad_table_gets_one_clear_line(tmp_path, old, new, message):
-    path = tmp_path / "mine.csv"
-    assert old in GOOD
-    path.write_text(GOOD.replace(old, new, 1))
+def test_a_bad_table_gets_one_clear_line(write, old, new, message):
     with pytest.raises(lf.ConfigurationError, match=message) as caught:
-        material_from_csv(path)
+        material_from_csv(write(GOOD, "mine.csv", (old, new)))
     assert "\n" not in str(caught.value)
 
 

@@ -93,13 +93,10 @@ force_error = 0
 
 
 @pytest.fixture
-def disk_file(tmp_path):
-    def write(first="", diameter="2 cm"):
-        path = tmp_path / "flyer.toml"
-        path.write_text(FILM.format(first=first, diameter=diameter), encoding="utf-8")
-        return path
-
-    return write
+def disk_file(write):
+    return lambda first="", diameter="2 cm": write(
+        FILM.format(first=first, diameter=diameter), "flyer.toml"
+    )
 
 
 def test_ligaments_conduct_and_weigh_as_supports_of_their_share():

@@ -26,17 +26,10 @@ variables = ["temperature", "lift", "relative_payload", "levitation_irradiance"]
 
 
 @pytest.fixture
-def study_file(flyer_file, tmp_path):
+def study_file(flyer_file, write):
     """Write a study file with one text replaced by another, beside a flyer file."""
-
-    def write(old="", new="", text=STUDY):
-        flyer_file()
-        assert old in text
-        path = tmp_path / "study.toml"
-        path.write_text(text.replace(old, new, 1) if old else text, encoding="utf-8")
-        return path
-
-    return write
+    flyer_file()
+    return lambda old="", new="", text=STUDY: write(text, "study.toml", (old, new))
 
 
 def test_the_example_is_read(study_file):

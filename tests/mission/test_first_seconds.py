@@ -72,6 +72,23 @@ def test_linear_drag_stops_it_after_mass_times_speed_over_drag(
     np.testing.assert_allclose(gone / np.linalg.norm(gone), direction[:2], atol=5e-3)
 
 
+def test_a_film_warms_up_as_fast_as_its_heat_capacity_lets_it(still_air):
+    """In next to no air: light less radiation, over areal density and specific heat."""
+    film = lf.FilmProperties(0.1, 0.75, 0.08, 0.12, tac_top=0.8, tac_bottom=0.9)
+    lit = dataclasses.replace(still_air, radiation=lf.environment.Radiation(1000.0))
+    flown = lf.fly(
+        lf.Disk(film, 0.01), lit, lf.FreeMolecular(), duration="40 s", every="4 s",
+        release=lf.Release("170 km", **PLACE), inertia=lf.mission.Inertia(800.0),
+    )  # fmt: skip
+
+    def rate(_, kelvin):
+        return (750.0 - 0.2 * 5.670374419e-8 * (kelvin**4 - 220.0**4)) / (0.1 * 800.0)
+
+    exact = solve_ivp(rate, (0.0, 40.0), [220.0], t_eval=flown.elapsed, rtol=1e-9).y[0]
+    assert exact[3] < 330.0 < 420.0 < exact[-1]
+    np.testing.assert_allclose(flown.temperature, exact, rtol=1e-3)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("up", [None, 400.0])
 def test_a_fall_from_thin_air_is_that_of_newtons_law(up, closed_form_disk, still_air):

@@ -7,9 +7,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lightflyer as lf
+from lightflyer.array.namespace import by_numpy
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.designs import as_design
-from lightflyer.environment import EARTH_PLANET
+from lightflyer.environment import EARTH_PLANET, Place
+from lightflyer.mission.path.dynamics import Moving
+from lightflyer.mission.path.integration import Limits
+from lightflyer.mission.path.motion import Vehicle
+from lightflyer.mission.path.release import Start
 
 PLACE = {"latitude": 45.0, "longitude": 10.0, "time": "2026-06-21T12:00Z"}
 DARK = lf.environment.Radiation(0.0)
@@ -76,17 +81,16 @@ def test_a_film_warms_up_as_fast_as_its_heat_capacity_lets_it(still_air):
     """In next to no air: light less radiation, over areal density and specific heat."""
     film = lf.FilmProperties(0.1, 0.75, 0.08, 0.12, tac_top=0.8, tac_bottom=0.9)
     lit = dataclasses.replace(still_air, radiation=lf.environment.Radiation(1000.0))
-    flown = lf.fly(
-        lf.Disk(film, 0.01), lit, lf.FreeMolecular(), duration="40 s", every="4 s",
-        release=lf.Release("170 km", **PLACE), inertia=lf.mission.Inertia(800.0),
-    )  # fmt: skip
-
-    def rate(_, kelvin):
-        return (750.0 - 0.2 * 5.670374419e-8 * (kelvin**4 - 220.0**4)) / (0.1 * 800.0)
-
-    exact = solve_ivp(rate, (0.0, 40.0), [220.0], t_eval=flown.elapsed, rtol=1e-9).y[0]
-    assert exact[3] < 330.0 < 420.0 < exact[-1]
-    np.testing.assert_allclose(flown.temperature, exact, rtol=1e-3)
+    vehicle = Vehicle(lf.Setup(lf.Disk(film, 0.01), lit, lf.FreeMolecular()), lf.mission.Level())
+    place = Place(*(np.full((1, 1), part) for part in Place.at(PLACE["time"], 45.0, 10.0)))
+    law = Moving(vehicle, place.time, Limits(0.0, 200e3), lf.mission.Inertia(800.0))
+    with by_numpy():
+        state = law.at_release(Start(np.full((1, 1), 170e3), place))
+        for kelvin in (220.0, 400.0):
+            state[..., 7] = kelvin / 100.0
+            warming = 100.0 * law.rate(0.0, state)[0][..., 7].item()
+            radiated = 0.2 * 5.670374419e-8 * (kelvin**4 - 220.0**4)
+            assert warming == pytest.approx((750.0 - radiated) / (0.1 * 800.0), rel=1e-4)
 
 
 @pytest.mark.slow

@@ -2,7 +2,8 @@
 
 Germanium on mylar is seen in transmittance and in reflectance at 8°, with errors of scale and zero
 of each spectrum drawn from their accuracies. A clear film on glass is seen by an ellipsometer, with
-errors of N, C and S in common to all points. Noise is white.
+errors of N, C and S in common to all points. Noise is white: of Ψ and Δ, which the ordinates share,
+or of each ordinate by itself.
 """
 
 from dataclasses import replace
@@ -26,6 +27,7 @@ WAVELENGTH = np.linspace(0.45e-6, 1.6e-6, 116)[::-1]  # wavenumbers rise
 TILT = np.radians(8.0)
 GLASS, SLOPE = (1.50, 0.004e-12), 0.0035e-12  # Cauchy's numbers [1], [m²]
 ANGLE, ACCURACY, DEGREE = np.radians(65.0), 0.002, np.radians(0.05)
+NOISY = 0.002  # of N, C and S
 VISIBLE = np.linspace(0.4e-6, 0.9e-6, 51)[::-1]
 
 
@@ -75,8 +77,8 @@ def two_spectra(rng):
     return OpticsSample(film_of, free, tuple(spectra)), truth
 
 
-def angles(rng):
-    """N, C and S as they are read, and the truth."""
+def clear_film(rng):
+    """The truth of a clear film, with its Ψ and Δ [rad]."""
     truth = {"thickness": rng.uniform(80e-9, 200e-9), "a": rng.uniform(1.6, 1.75)}
     found = []
     for wavelength in VISIBLE:
@@ -85,21 +87,32 @@ def angles(rng):
         ratio = [tmm.coh_tmm(one, *stack, ANGLE, wavelength)["r"] for one in "sp"]
         seen = -tmm.ellips(*stack, ANGLE, wavelength)["Delta"] + np.pi
         found.append((np.arctan(np.abs(ratio[1] / ratio[0])), seen))
-    psi, delta = np.transpose(found) + DEGREE * rng.normal(size=(2, VISIBLE.size))
-    ordinates = {
-        "N": np.cos(2.0 * psi),
-        "C": np.sin(2.0 * psi) * np.cos(delta),
-        "S": np.sin(2.0 * psi) * np.sin(delta),
-    }
+    return truth, *np.transpose(found)
+
+
+def ordinates_of(psi, delta):
+    """N, C and S, shape (3, n)."""
+    sine = np.sin(2.0 * psi)
+    return np.stack([np.cos(2.0 * psi), sine * np.cos(delta), sine * np.sin(delta)])
+
+
+def sample_of(rng, ordinates):
+    """The sample as it is read, with errors in common to all points of an ordinate."""
     spectra = tuple(
         FilmSpectrum(
             MeasuredSpectrum(name, name, 1.0 / VISIBLE, value + ACCURACY * rng.normal()),
             ANGLE, "none", "top", 0.0, ACCURACY,
         )
-        for name, value in ordinates.items()
+        for name, value in zip("NCS", ordinates, strict=False)
     )  # fmt: skip
     free = FreeNumber("thickness", 140e-9, 50e-9, 260e-9, "m"), FreeNumber("a", 1.68, 1.52, 1.9)
-    return OpticsSample(clear_film_of, free, spectra), truth
+    return OpticsSample(clear_film_of, free, spectra)
+
+
+def angles(rng):
+    """N, C and S with noise of Ψ and Δ, and the truth."""
+    truth, *seen = clear_film(rng)
+    return sample_of(rng, ordinates_of(*seen + DEGREE * rng.normal(size=(2, VISIBLE.size)))), truth
 
 
 def folded_angles(rng):
@@ -108,10 +121,27 @@ def folded_angles(rng):
     return replace(sample, spectra=sample.spectra[:2]), truth
 
 
+def compensator(rng):
+    """Ψ and Δ of N, C and S that have noise each by itself, and the truth."""
+    truth, *seen = clear_film(rng)
+    n, c, s = ordinates_of(*seen) + NOISY * rng.normal(size=(3, VISIBLE.size))
+    read = 0.5 * np.arctan2(np.hypot(c, s), n), np.arctan2(s, c)
+    return sample_of(rng, ordinates_of(*read)), truth
+
+
+def analyser(rng):
+    """N and C that have noise each by itself, as of a rotating analyser, and the truth."""
+    truth, *seen = clear_film(rng)
+    read = ordinates_of(*seen)[:2] + NOISY * rng.normal(size=(2, VISIBLE.size))
+    return sample_of(rng, read), truth
+
+
 CONDITIONS = {
     "T and R of germanium on mylar": two_spectra,
     "Ψ and Δ of a clear film": angles,
     "Ψ and folded Δ of a clear film": folded_angles,
+    "noise of N, C and S of a clear film": compensator,
+    "noise of N and C of a clear film": analyser,
 }
 
 

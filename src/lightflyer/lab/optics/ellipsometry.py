@@ -26,9 +26,6 @@ from lightflyer.lab.readers.interpretation import MeasuredSpectrum
 from lightflyer.lab.readers.spectrum_data import AXES, COLUMNS
 
 ORDINATES: tuple[Literal["N", "C", "S"], ...] = ("N", "C", "S")
-SHARED = len(ORDINATES) / 2.0
-"""Ordinates for each measured angle: of three that follow from two, each tells so much less. So do
-N and C alone, which share the error of Ψ: it moves them twice as far as that of Δ does."""
 
 _GRAZING = 90.0
 _ANGLE = Quantity("deg", 0.0, 90.0)

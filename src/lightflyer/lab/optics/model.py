@@ -250,6 +250,28 @@ class FilmProblem:
         points = jacobian[: sum(len(one.spectrum.value) for one in self.spectra)]
         return float(np.sum((points @ full) * points))
 
+    def common_errors(self, solution: FilmSolution) -> np.ndarray:
+        """Variance of the free numbers over that without errors common to ordinates, (spectra,)."""
+        # N, C and S of a point follow from one Ψ and one Δ, whose errors move them together; which
+        # way depends on the point. How far deviations at one point add up, the residuals tell, as
+        # in variances of clustered data [LiangZeger1986]_.
+        full, jacobian = self._inverse(solution)
+        residual = self.residuals(np.concatenate([solution.position, solution.errors.ravel()]))
+        moves = (jacobian @ full)[:, : len(self.free)] * residual[:, None]
+        found, end = np.ones(len(self.spectra)), 0
+        reading: list[int] = []  # spectra of one angle, N first
+        parts = []
+        for number, one in enumerate(self.spectra):
+            begin, end = end, end + len(one.spectrum.value)
+            parts.append(moves[begin:end])
+            name = one.spectrum.quantity
+            reading = [*(reading if name in ORDINATES[1:] else []), number]
+            together = sum(parts[each] for each in reading)
+            apart = sum(np.sum(parts[each] ** 2, axis=0) for each in reading)
+            ratio = np.sum(together**2, axis=0) / np.where(apart > 0.0, apart, 1.0)
+            found[reading] = max(1.0, float(np.mean(ratio)))
+        return found
+
     def _inverse(self, solution: FilmSolution) -> tuple[np.ndarray, np.ndarray]:
         """Covariance of everything that is fitted, and the residuals' derivatives."""
         jacobian = self.jacobian(np.concatenate([solution.position, solution.errors.ravel()]))

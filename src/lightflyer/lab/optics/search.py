@@ -8,7 +8,6 @@ from scipy.stats import qmc
 
 from lightflyer.core.errors import ConvergenceError
 from lightflyer.lab.estimate import student_factor
-from lightflyer.lab.optics.ellipsometry import ORDINATES, SHARED
 from lightflyer.lab.optics.model import LEAST_ERROR, FilmProblem, FilmSolution
 from lightflyer.numerics.residuals import correlation_length
 
@@ -62,11 +61,11 @@ class FilmFit:
 def scatter_of(problem: FilmProblem, solution: FilmSolution) -> tuple[Scatter, ...]:
     """Scatter of each spectrum about a solution."""
     found = []
-    for one, reading in zip(problem.spectra, problem.readings(solution), strict=True):
+    readings, common = problem.readings(solution), problem.common_errors(solution)
+    for one, reading, alike in zip(problem.spectra, readings, common, strict=True):
         residual = one.spectrum.value - reading
         length, freedom = correlation_length(residual)
-        shared = SHARED if one.spectrum.quantity in ORDINATES else 1.0
-        length = min(shared * length, residual.size / _FEWEST)
+        length = min(alike * length, residual.size / _FEWEST)
         found.append((residual, length, residual.size / length, freedom))
     independent = sum(count for _, _, count, _ in found)
     lost = min(problem.determined_numbers(solution) / independent, _MOST_LOST)

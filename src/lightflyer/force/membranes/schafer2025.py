@@ -74,7 +74,6 @@ def perforated_disk_conductances(
     return _conductances(area, open_fraction, rarefaction, pressure, temperature, gas, ratio)
 
 
-@kept
 def _conductances(
     area: Numeric,
     open_fraction: Numeric,
@@ -97,9 +96,31 @@ def _conductances(
 
 
 @kept
-def _passing(passed: MembraneTransmission) -> Array:
-    """Share of molecules that a plane does not emit itself [1]."""
-    return 1.0 - passed.even
+def _returns(
+    flyer: Sandwich,
+    state: EnvironmentState,
+    passed: MembraneTransmission,
+    heat_capacity_ratio: Numeric,
+) -> tuple[Array, Array, Array]:
+    """Conductance of free molecules [W], and what the gas returns of emitted heat, even and odd."""
+    speed = state.gas.mean_speed(state.temperature)
+    free = free_molecular_conductance(flyer.area, 1.0, state.pressure, speed, heat_capacity_ratio)
+
+    def returned(open_fraction: Numeric, sign: float) -> Array:
+        found = _conductances(
+            flyer.area,
+            open_fraction,
+            rarefaction_of(flyer, state),
+            state.pressure,
+            state.temperature,
+            state.gas,
+            heat_capacity_ratio,
+        )
+        solid = 1.0 - open_fraction
+        return (1.0 - (found.own + sign * found.cross) / (free * solid)) / solid
+
+    # what passes is the share of molecules that a plane does not emit itself
+    return free, returned(1.0 - passed.even, 1.0), returned(passed.open_fraction, -1.0)
 
 
 class Schafer2025(AbstractForceModel):
@@ -156,33 +177,8 @@ class Schafer2025(AbstractForceModel):
         top, bottom = unknowns
         passed = self._passage(flyer)
         mean = state.temperature * (1.0 + 0.25 * (top + bottom))
-        free = free_molecular_conductance(
-            flyer.area,
-            1.0,
-            state.pressure,
-            state.gas.mean_speed(state.temperature),
-            state.gas.heat_capacity_ratio_at(mean),
-        )
-
-        def returned(open_fraction: Numeric, sign: float) -> Array:
-            """What the gas brings back of the heat that the faces emit, even or odd."""
-            found = perforated_disk_conductances(
-                flyer.area,
-                open_fraction,
-                rarefaction_of(flyer, state),
-                pressure=state.pressure,
-                temperature=state.temperature,
-                gas=state.gas,
-                mean_temperature=mean,
-            )
-            solid = 1.0 - open_fraction
-            return (1.0 - (found.own + sign * found.cross) / (free * solid)) / solid
-
-        from_top, from_bottom = passed.heat(
-            (top, bottom),
-            returned(_passing(passed), 1.0),
-            returned(passed.open_fraction, -1.0),
-        )
+        free, even, odd = _returns(flyer, state, passed, state.gas.heat_capacity_ratio_at(mean))
+        from_top, from_bottom = passed.heat((top, bottom), even, odd)
         upward = between_membranes(flyer, state, passed) * (bottom - top)
         return free * from_top - upward, free * from_bottom + upward
 

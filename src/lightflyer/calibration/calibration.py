@@ -240,15 +240,11 @@ def fit_parts(fit: "Calibration") -> Parts:
                 rounded(factor * fit.total_standard_uncertainties[row]),
             )
         )
-    yield f"{_points(fit)} give {listed(found)}; brackets: total 95 % intervals"
+    samples = len(set(fit.points.samples))
+    points = f"{len(fit.points)} points of {samples} sample{'s' * (samples > 1)}"
+    yield f"{points} give {listed(found)}; brackets: total 95 % intervals"
     yield table_of(_FIT, rows)
-    yield from _explain(fit)
-    if len(fit.names) > 1:
-        yield f"{correlation_text(fit.names, fit.covariance)} (given inputs)"
-
-
-def _explain(fit: "Calibration") -> list[str]:
-    """What the intervals of the table contain, in words."""
+    # what the intervals of the table contain, in words
     kind = "estimated from the scatter" if fit.estimated_scatter else "as stated in the file"
     if fit.error_scale != 1.0:
         kind = f"as stated in the file, times {fit.error_scale:.3g}"
@@ -257,21 +253,18 @@ def _explain(fit: "Calibration") -> list[str]:
         if math.isfinite(fit.reduced_chi_squared)
         else ""
     )
+    yield (
+        f"{points} scatter by {rounded(100.0 * fit.scatter)} % of the irradiance; their "
+        f"uncertainty is {kind}{chi_squared}"
+    )
+    yield "given inputs: the points' scatter alone, everything else exactly as stated"
     shares = ", ".join(
         f"{name} ({', '.join(f'{rounded(100.0 * share)} %' for share in values)})"
         for name, values in fit.contributions.items()
     )
-    return [
-        f"{_points(fit)} scatter by {rounded(100.0 * fit.scatter)} % of the irradiance; their "
-        f"uncertainty is {kind}{chi_squared}",
-        "given inputs: the points' scatter alone, everything else exactly as stated",
-        f"total: also the ± of {shares or 'nothing else, since nothing has one'}",
-    ]
-
-
-def _points(fit: "Calibration") -> str:
-    samples = len(set(fit.points.samples))
-    return f"{len(fit.points)} points of {samples} sample{'s' * (samples > 1)}"
+    yield f"total: also the ± of {shares or 'nothing else, since nothing has one'}"
+    if len(fit.names) > 1:
+        yield f"{correlation_text(fit.names, fit.covariance)} (given inputs)"
 
 
 def posterior_parts(drawn: "Posterior") -> Parts:

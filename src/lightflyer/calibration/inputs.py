@@ -245,11 +245,21 @@ def fit_inputs(
         if spread > 0.0
     ]
     every = (*own, *samples, *read_by)
+    # of inputs that move the design's costly part, its change by their error
+    spreads = (
+        {} if of_design is None else dict(zip(of_design.names, of_design.spreads, strict=True))
+    )
+    costly = {} if of_design is None else of_design.changes
+    changes = {
+        number: costly[one.name].in_unit(float(spreads[one.name]))
+        for number, one in enumerate(own)
+        if one.name in costly
+    }
     return FitInputs(
         inputs=every,
         correlation=_correlation(design, every, columns),
         targets=targets,
-        changes=_changes(of_design, own),
+        changes=changes,
         left_out=left_out,
     )
 
@@ -328,15 +338,3 @@ def _correlation(
                 column = keys.index((second, sample))
                 matrix[row, column] = matrix[column, row] = value
     return matrix
-
-
-def _changes(of_design: Inputs | None, own: Sequence[_Input]) -> dict[int, Change]:
-    """For inputs that move a design's costly part, its change by their error."""
-    if of_design is None:
-        return {}
-    spreads = dict(zip(of_design.names, of_design.spreads, strict=True))
-    return {
-        number: of_design.changes[one.name].in_unit(float(spreads[one.name]))
-        for number, one in enumerate(own)
-        if one.name in of_design.changes
-    }

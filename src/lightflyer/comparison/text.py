@@ -43,8 +43,21 @@ def comparison_parts(comparison: "Comparison") -> Parts:
     """The flyers, what each carries at best and over the coordinate, and in what they differ."""
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         yield f"{letter}  {found.name}: {found.description}"
-    yield from _best_line(comparison)
-    yield _best_table(comparison)
+    best, unit = comparison.best, comparison.coordinate.shown_unit
+    scale, mass = comparison.display_unit("payload")
+    if best.prediction.bands:
+        payload, band, place, *_ = _best_cells(best, scale)
+        within = "" if band == "–" else f" ({band})"
+        yield f"{best.name} carries most: {payload} {mass}{within} at {place} {unit}"
+    # the largest payload that each film survives; the best of all is marked
+    headings = ("", f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
+                "per area\n[g/m²]", "of own\nmass", "hot\n[K]",
+                f"levitates\n[{unit}]")  # fmt: skip
+    table = _table(headings)
+    for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
+        mark = "*" if found is best and found.prediction.bands else " "
+        table.add_row(f"{letter}{mark}", *_best_cells(found, scale))
+    yield table
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         if found.prediction.verdict.highest_temperature is not None:
             yield from (wrap(f"{letter}: {line}") for line in film_lines(found.prediction))
@@ -59,30 +72,6 @@ def comparison_parts(comparison: "Comparison") -> Parts:
         yield needs_table(comparison)
     yield from map(wrap, (*map(str, comparison.differing_models),
                           *warning_lines(comparison.warnings)))  # fmt: skip
-
-
-def _best_line(comparison: "Comparison") -> Iterator[str]:
-    """Which of the flyers that fly carries most."""
-    best = comparison.best
-    if best.prediction.bands:
-        where = comparison.coordinate
-        scale, mass = comparison.display_unit("payload")
-        payload, band, place, *_ = _best_cells(best, scale)
-        within = "" if band == "–" else f" ({band})"
-        yield f"{best.name} carries most: {payload} {mass}{within} at {place} {where.shown_unit}"
-
-
-def _best_table(comparison: "Comparison") -> "Table":
-    """Largest payload that each film survives; the best of all is marked."""
-    unit, (scale, mass) = comparison.coordinate.shown_unit, comparison.display_unit("payload")
-    headings = ("", f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
-                "per area\n[g/m²]", "of own\nmass", "hot\n[K]",
-                f"levitates\n[{unit}]")  # fmt: skip
-    table = _table(headings)
-    for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
-        mark = "*" if found is comparison.best and found.prediction.bands else " "
-        table.add_row(f"{letter}{mark}", *_best_cells(found, scale))
-    return table
 
 
 def _table(headings: Iterable[str], left: tuple[int, ...] = (0,)) -> "Table":
@@ -248,34 +237,25 @@ def _columns(
     comparison: "Comparison",
 ) -> dict[str, tuple[Output, np.ndarray | None, np.ndarray, np.ndarray | None]]:
     """Output, low end, values and high end, each of shape (flyers, n), by name."""
+    outputs: dict[str, Output] = {}  # that any of the flyers has, but for the coordinate
+    for flyer in comparison.flyers:
+        known = outputs_of(flyer.setup)
+        for name in flyer.table:
+            outputs[name] = join_outputs(outputs.get(name, known[name]), known[name])
+    outputs.pop(comparison.coordinate.name, None)
     found = {}
-    for name, output in _outputs(comparison).items():
-        rows = [_row(flyer.table, name, comparison) for flyer in comparison.flyers]
+    missing = np.full_like(comparison.coordinates, np.nan)
+    for name, output in outputs.items():
+        values = [flyer.table.get(name, missing) for flyer in comparison.flyers]
+        rows = [np.where(np.isfinite(one), one, np.nan) for one in values]
         bands = [flyer.band(name) for flyer in comparison.flyers]
         low = high = None
         if any(band is not None for band in bands):
-            missing = np.full_like(comparison.coordinates, np.nan)
             low, high = (
                 np.stack([missing if band is None else band[end] for band in bands])
                 for end in (0, 1)
             )
         found[name] = (output, low, np.stack(rows), high)
-    return found
-
-
-def _row(table: dict[str, np.ndarray], name: str, comparison: "Comparison") -> np.ndarray:
-    values = table.get(name, np.full_like(comparison.coordinates, np.nan))
-    return np.where(np.isfinite(values), values, np.nan)
-
-
-def _outputs(comparison: "Comparison") -> dict[str, Output]:
-    """Outputs that any of the flyers has, but for the coordinate."""
-    found: dict[str, Output] = {}
-    for flyer in comparison.flyers:
-        known = outputs_of(flyer.setup)
-        for name in flyer.table:
-            found[name] = join_outputs(found.get(name, known[name]), known[name])
-    found.pop(comparison.coordinate.name, None)
     return found
 
 

@@ -101,7 +101,15 @@ class Store:
         self._names = study.outputs
         self.token = str(stored_study(folder)["token"])
         self._journal_path = folder / RECORDS / JOURNAL
-        self.done, self.damaged = self._check()
+        content = self._journal_path.read_bytes() if self._journal_path.exists() else b""
+        entries = {entry["chunk"]: entry for entry in journal_entries(self.folder)}
+        self._remove_leftovers()
+        # entries of intact chunks, and numbers of the others
+        self.done = {chunk: entry for chunk, entry in entries.items() if self._is_intact(entry)}
+        self.damaged = sorted(set(entries) - set(self.done))
+        repaired = b"".join(map(_journal_line, self.done.values()))
+        if repaired != content:
+            write_atomically(self._journal_path, repaired)
         self._journal = self._journal_path.open("ab")
 
     @property
@@ -133,17 +141,6 @@ class Store:
 
     def close(self) -> None:
         self._journal.close()
-
-    def _check(self) -> tuple[dict[int, Any], list[int]]:
-        """Entries of intact chunks, and numbers of the others; repairs the journal."""
-        content = self._journal_path.read_bytes() if self._journal_path.exists() else b""
-        entries = {entry["chunk"]: entry for entry in journal_entries(self.folder)}
-        self._remove_leftovers()
-        intact = {chunk: entry for chunk, entry in entries.items() if self._is_intact(entry)}
-        repaired = b"".join(map(_journal_line, intact.values()))
-        if repaired != content:
-            write_atomically(self._journal_path, repaired)
-        return intact, sorted(set(entries) - set(intact))
 
     def _remove_leftovers(self) -> None:
         for leftover in self.folder.rglob(f"*{PARTIAL}"):

@@ -376,8 +376,29 @@ def _draw_s7(curves: Curves) -> Figure:
 
 def _draw_s8(curves: Curves) -> Figure:
     figure = new_figure(columns=2, height=_WITH_LEGEND)
-    _draw_sizes(figure.axes[0], curves)
-    _draw_payloads(figure.axes[1], curves)
+    altitudes, payloads = figure.axes
+    relative_payloads, diameter = payloads.twinx(), curves["diameter [cm]"]
+    for column in COLUMNS:
+        key, style = column.key, _STYLES[column.key]
+        lower, upper = (curves[f"{edge} edge {key} [km]"] for edge in ("lower", "upper"))
+        if key == DECIDING:
+            altitudes.fill_between(diameter, lower, upper, color=BLUE, alpha=0.2, lw=0)
+        altitudes.plot(diameter, lower, color=BLUE, ls=style, label=f"edges, {column.title}")
+        altitudes.plot(diameter, upper, color=BLUE, ls=style)
+        optimal, label = curves[f"optimal {key} [km]"], f"optimal, {column.title}"
+        altitudes.plot(diameter, optimal, color=ORANGE, ls=style, label=label)
+        payload = curves[f"payload {key} [mg]"]
+        payloads.plot(diameter, payload, color=BLUE, ls=style, label=f"payload, {column.title}")
+        relative = curves[f"relative payload {key} [1]"]
+        relative_payloads.plot(diameter, relative, color=VERMILION, ls=style, lw=1)
+        label = f"relative payload, {column.title}"
+        payloads.plot([], [], color=VERMILION, ls=style, lw=1, label=label)
+    altitudes.set_ylabel("altitude [km]")
+    payloads.axhline(0.0, color=GREY, lw=1)
+    payloads.set_ylim(-0.25, 1.0)
+    relative_payloads.set_ylim(-0.625, 2.5)  # both axes have their zero at one height
+    payloads.set_ylabel("payload [mg]", color=BLUE)
+    relative_payloads.set_ylabel("relative payload [own mass]", color=VERMILION)
     for ax, letter in zip(figure.axes[:2], "ab", strict=True):
         ax.set_xlim(0.0, curves["diameter [cm]"][-1])
         ax.set_xlabel("diameter [cm]")
@@ -385,40 +406,6 @@ def _draw_s8(curves: Curves) -> Figure:
         _letter(ax, letter)
         legend_below(ax, most=2)
     return figure
-
-
-def _draw_sizes(ax: Axes, curves: Curves) -> None:
-    """Altitudes at which disks levitate, over their diameter."""
-    diameter = curves["diameter [cm]"]
-    for column in COLUMNS:
-        key, style = column.key, _STYLES[column.key]
-        lower, upper = (curves[f"{edge} edge {key} [km]"] for edge in ("lower", "upper"))
-        if key == DECIDING:
-            ax.fill_between(diameter, lower, upper, color=BLUE, alpha=0.2, lw=0)
-        ax.plot(diameter, lower, color=BLUE, ls=style, label=f"edges, {column.title}")
-        ax.plot(diameter, upper, color=BLUE, ls=style)
-        optimal = curves[f"optimal {key} [km]"]
-        ax.plot(diameter, optimal, color=ORANGE, ls=style, label=f"optimal, {column.title}")
-    ax.set_ylabel("altitude [km]")
-
-
-def _draw_payloads(left: Axes, curves: Curves) -> None:
-    """Largest payload, absolute and relative, of disks over their diameter."""
-    right = left.twinx()
-    diameter = curves["diameter [cm]"]
-    for column in COLUMNS:
-        style = _STYLES[column.key]
-        payload = curves[f"payload {column.key} [mg]"]
-        left.plot(diameter, payload, color=BLUE, ls=style, label=f"payload, {column.title}")
-        relative = curves[f"relative payload {column.key} [1]"]
-        right.plot(diameter, relative, color=VERMILION, ls=style, lw=1)
-        label = f"relative payload, {column.title}"
-        left.plot([], [], color=VERMILION, ls=style, lw=1, label=label)
-    left.axhline(0.0, color=GREY, lw=1)
-    left.set_ylim(-0.25, 1.0)
-    right.set_ylim(-0.625, 2.5)  # both axes have their zero at one height
-    left.set_ylabel("payload [mg]", color=BLUE)
-    right.set_ylabel("relative payload [own mass]", color=VERMILION)
 
 
 def paper_figure(name: str, curves: Curves, points: Points | None = None) -> Figure:

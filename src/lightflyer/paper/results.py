@@ -275,27 +275,26 @@ def difference_uncertainty(first: float, second: float, correlation: float) -> f
 
 def table_1() -> list[Row]:
     """Optical properties of the films."""
-    return [_optical_row(stated) for stated in facts()["optical"]]
-
-
-def _optical_row(stated: Row) -> Row:
-    transmittance, reflectance = stated["transmittance"], stated["reflectance"]
-    errors = stated["transmittance_uncertainty"], stated["reflectance_uncertainty"]
-    return {
-        "sample": stated["sample"],
-        "band": stated["band"],
-        "transmittance": transmittance,
-        "transmittance_uncertainty": errors[0],
-        "reflectance": reflectance,
-        "reflectance_uncertainty": errors[1],
-        "absorptance": stated["absorptance"],
-        "absorptance_uncertainty": stated["absorptance_uncertainty"],
-        "absorptance_from_t_and_r": emissivity_from(transmittance, reflectance),
-        "its_uncertainty_independent": math.hypot(*errors),
-        "its_uncertainty_sum": sum(errors),
-        "upper_bound_from_t": emissivity_from(transmittance, 0.0),
-        "upper_bound_ftir": stated.get("upper_bound_ftir"),
-    }
+    rows = []
+    for stated in facts()["optical"]:
+        transmittance, reflectance = stated["transmittance"], stated["reflectance"]
+        errors = stated["transmittance_uncertainty"], stated["reflectance_uncertainty"]
+        rows.append({
+            "sample": stated["sample"],
+            "band": stated["band"],
+            "transmittance": transmittance,
+            "transmittance_uncertainty": errors[0],
+            "reflectance": reflectance,
+            "reflectance_uncertainty": errors[1],
+            "absorptance": stated["absorptance"],
+            "absorptance_uncertainty": stated["absorptance_uncertainty"],
+            "absorptance_from_t_and_r": emissivity_from(transmittance, reflectance),
+            "its_uncertainty_independent": math.hypot(*errors),
+            "its_uncertainty_sum": sum(errors),
+            "upper_bound_from_t": emissivity_from(transmittance, 0.0),
+            "upper_bound_ftir": stated.get("upper_bound_ftir"),
+        })  # fmt: skip
+    return rows
 
 
 def table_s2() -> list[Row]:

@@ -29,7 +29,6 @@ from lightflyer.uncertainty.inputs import Inputs, draw_possible, uncertain_input
 from lightflyer.uncertainty.targets import (
     LEAST_LIGHT,
     NIGHT,
-    Derivatives,
     derivatives,
     find_targets,
     sample_result,
@@ -144,10 +143,24 @@ class PredictionUncertainty(PrintedResult):
     def _ends(self) -> tuple[Table, Table]:
         # computed when a figure or file asks for them: the results above need none
         names = (*BANDS, *self.prediction.own_names)
+        low, high = {}, {}
         if not self.samples:
-            return _normal_bands(derivatives(self.inputs, self.coordinate), names)
+            slopes = derivatives(self.inputs, self.coordinate)
+            for name in names:
+                value, spread = slopes.value[name], slopes.spreads(name)
+                if group_of(name) == LEVITATION:
+                    # beyond the model's range its continuation bends: nothing tells its error
+                    value = np.where(slopes.value["covered"] > 0.0, value, np.nan)
+                low[name], high[name] = _normal_ends(value, spread, positive=name == _POSITIVE)
+            return low, high
         report("bands of the curves")
-        return _quantiles(tabulate_samples(self.inputs, self.draws, self.coordinate, names))
+        table = tabulate_samples(self.inputs, self.draws, self.coordinate, names)
+        for name, values in table.items():
+            # an irradiance that does not exist is above any other; a temperature then is unknown
+            whole = np.where(np.isnan(values), np.inf, values)
+            ends = np.percentile(whole, COVERAGE, axis=0, method="nearest")
+            low[name], high[name] = np.where(np.isfinite(ends), ends, np.nan)
+        return low, high
 
     @cached_property
     def bands(self) -> dict[str, tuple[float, float]]:
@@ -394,25 +407,4 @@ def _normal_ends(value: Any, spread: Any, *, positive: bool) -> tuple[Any, Any]:
         factor = np.exp(np.divide(half, value))
         # what needs no light, needs none to first order
         low, high = (np.where(value == 0.0, 0.0, end) for end in (value / factor, value * factor))
-    return low, high
-
-
-def _quantiles(table: Table) -> tuple[Table, Table]:
-    low, high = {}, {}
-    for name, values in table.items():
-        # an irradiance that does not exist is above any other; a temperature then is unknown
-        whole = np.where(np.isnan(values), np.inf, values)
-        ends = np.percentile(whole, COVERAGE, axis=0, method="nearest")
-        low[name], high[name] = np.where(np.isfinite(ends), ends, np.nan)
-    return low, high
-
-
-def _normal_bands(slopes: Derivatives, names: tuple[str, ...]) -> tuple[Table, Table]:
-    low, high = {}, {}
-    for name in names:
-        value, spread = slopes.value[name], slopes.spreads(name)
-        if group_of(name) == LEVITATION:
-            # beyond the model's range its continuation bends, and tells nothing of its error
-            value = np.where(slopes.value["covered"] > 0.0, value, np.nan)
-        low[name], high[name] = _normal_ends(value, spread, positive=name == _POSITIVE)
     return low, high

@@ -8,7 +8,7 @@ import lightflyer as lf
 from lightflyer.lab.readers.height_map import HeightMap, read_height_map
 from lightflyer.lab.surface.heights import find_particles, flatten_rows, level
 from lightflyer.lab.surface.reduction import roughness, summary, surface_parameters
-from lightflyer.lab.synthetic.surface import (
+from lightflyer.lab.synthetic.spectra import (
     igor_wave,
     random_surface,
     roughness_files,

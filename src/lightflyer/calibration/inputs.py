@@ -246,15 +246,12 @@ def fit_inputs(
     ]
     every = (*own, *samples, *read_by)
     # of inputs that move the design's costly part, its change by their error
-    spreads = (
-        {} if of_design is None else dict(zip(of_design.names, of_design.spreads, strict=True))
-    )
-    costly = {} if of_design is None else of_design.changes
-    changes = {
-        number: costly[one.name].in_unit(float(spreads[one.name]))
-        for number, one in enumerate(own)
-        if one.name in costly
-    }
+    changes = {}
+    if of_design is not None:
+        spreads = dict(zip(of_design.names, of_design.spreads, strict=True))
+        for number, one in enumerate(own):
+            if one.name in of_design.changes:
+                changes[number] = of_design.changes[one.name].in_unit(float(spreads[one.name]))
     return FitInputs(
         inputs=every,
         correlation=_correlation(design, every, columns),

@@ -296,8 +296,18 @@ def side_by_side(
 ) -> Comparison:
     """Compare predictions; ``bands``: of a name and the grid, by default none."""
     first, *_ = predictions.values()
-    grid = _common_grid([*predictions.values()], searched)
-    listed = first.coordinate.round_points(float(grid[0]), float(grid[-1]), _LISTED)
+    where = first.coordinate
+    if searched is None:  # where any flyer comes near to flying
+        ends = np.array([_range_near_flight(one) for one in predictions.values()])
+        ranges = np.array([one.coordinates[[0, -1]] for one in predictions.values()])
+        searched = (
+            max(ends[:, 0].min(), ranges[:, 0].max()),
+            min(ends[:, 1].max(), ranges[:, 1].min()),
+        )
+        if searched[0] >= searched[1]:
+            raise ConfigurationError(f"the flyers are searched over no {where.name} in common")
+    grid = where.evenly(*searched, POINTS)
+    listed = where.round_points(float(grid[0]), float(grid[-1]), _LISTED)
     flyers: list[Compared] = []
     for name, prediction in predictions.items():
         with _about(name):
@@ -363,25 +373,6 @@ def _range_of(where: Coordinate, searched: tuple[Any, Any]) -> tuple[float, floa
             "the first must be the lower one"
         )
     return low, high
-
-
-def _common_grid(
-    predictions: Sequence[Prediction], searched: tuple[float, float] | None
-) -> np.ndarray:
-    """Even coordinates over the range asked for, or where any flyer comes near to flying."""
-    where = predictions[0].coordinate
-    if searched is None:
-        ends = np.array([_range_near_flight(prediction) for prediction in predictions])
-        ranges = np.array([prediction.coordinates[[0, -1]] for prediction in predictions])
-        low, high = (
-            max(ends[:, 0].min(), ranges[:, 0].max()),
-            min(ends[:, 1].max(), ranges[:, 1].min()),
-        )
-        if low >= high:
-            raise ConfigurationError(f"the flyers are searched over no {where.name} in common")
-    else:
-        low, high = searched
-    return where.evenly(low, high, POINTS)
 
 
 def _range_near_flight(prediction: Prediction) -> tuple[float, float]:

@@ -109,15 +109,6 @@ def bands(workplace: Workplace, document: Document, choices: Choices) -> dict[st
     }
 
 
-def force_models(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
-    """The least irradiance by all force models that are for the flyer."""
-    del choices
-    designs, left_out = designs_by_model(workplace, document)
-    report("comparing")
-    found = side_by_side({name: prediction_of(design) for name, design in designs.items()})
-    return _models_data(found, left_out)
-
-
 def designs_by_model(
     workplace: Workplace, document: Document
 ) -> tuple[dict[str, FileDesign], list[str]]:
@@ -142,7 +133,12 @@ def designs_by_model(
     return designs, left_out
 
 
-def _models_data(found: Any, left_out: list[str]) -> dict[str, Any]:
+def force_models(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
+    """The least irradiance by all force models that are for the flyer."""
+    del choices
+    designs, left_out = designs_by_model(workplace, document)
+    report("comparing")
+    found = side_by_side({name: prediction_of(design) for name, design in designs.items()})
     where = found.coordinate
     factor = coordinate_factor(where)
     looks = [(colour, dash) for dash in _DASHES for colour in _MODEL_COLOURS]

@@ -59,14 +59,9 @@ class Bounds(ShortRepr):
 def read_bounds(entry: Mapping[str, Any], known: Field) -> Bounds:
     """Bounds of a free number."""
     low, high, logarithmic = read_ends(entry, known, _KEYS)
-    tolerance = _read_tolerance(entry.get("uncertainty"), known, low)
-    return Bounds(known, low, high, logarithmic, tolerance)
-
-
-def _read_tolerance(text: Any, known: Field, low: float) -> Tolerance | None:
-    """How exactly a free number can be made; ``low`` is the least that it may be."""
+    text = entry.get("uncertainty")
     if text is None:
-        return None
+        return Bounds(known, low, high, logarithmic)
     share = _PERCENT.fullmatch(text) if isinstance(text, str) else None
     if share and known.quantity.unit:
         found = Tolerance(float(share[1]) / 100.0, relative=True)
@@ -80,7 +75,7 @@ def _read_tolerance(text: Any, known: Field, low: float) -> Tolerance | None:
             f'uncertainty = "{text}" is one standard deviation and must be at most '
             f"{100.0 * _WORST_TOLERANCE:g} % of the number wherever it may lie"
         )
-    return found
+    return Bounds(known, low, high, logarithmic, found)
 
 
 def errors_of(bounds: Bounds) -> Distribution:

@@ -1,9 +1,15 @@
-"""Synthetic raw files with known truth, one module per measurement."""
+"""Synthetic raw files with known truth, with the faults that a laboratory's files have."""
 
+from collections.abc import Sequence
 from importlib import import_module
 from typing import NamedTuple
 
+import numpy as np
+
 from lightflyer.core.errors import ParameterError
+from lightflyer.core.units import scale_and_offset
+
+TORR = scale_and_offset("Torr", "Pa")[0]  # [Pa]
 
 # by measurement: module here, its function that makes the files, commands that reduce them
 _EXAMPLES = {
@@ -17,7 +23,7 @@ _EXAMPLES = {
         "levitation levitation.csv --out levitation", "levitation launchpads.csv",
     )),
     "optics": ("spectra", "optics_files", ("optics sample.toml --out optics",)),
-    "roughness": ("surface", "roughness_files", ("roughness {} --out roughness",)),
+    "roughness": ("spectra", "roughness_files", ("roughness {} --out roughness",)),
     "tac": ("gas", "tac_files", (
         "tac tac-raw.csv --calibration tac-resistance.csv", "tac tac-reduced.txt --out tac",
         "tac --top tac-top.txt --bottom tac-bottom.txt --out faces",
@@ -60,3 +66,33 @@ def example_files(name: str, seed: int = 0) -> Example:
     module, make, commands = _EXAMPLES[name]
     files = getattr(import_module(f"lightflyer.lab.synthetic.{module}"), make)(seed)
     return Example({**files}, [one.format(" ".join(files)) for one in commands])
+
+
+def label(name: str, truth: str) -> list[str]:
+    """First lines of every synthetic file; comment lines; ``name``: name of the measurement."""
+    return [f'# SYNTHETIC: made by "lightflyer lab example {name}", not measured', f"# {truth}"]
+
+
+def faulty_table(
+    lines: Sequence[str],
+    header: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    rng: np.random.Generator,
+    *,
+    delimiter: str = ",",
+    decimal_comma: bool = False,
+    shuffled: bool = False,
+) -> str:
+    """Text of a table with the faults of real ones; ``lines``: first lines."""
+    order = rng.permutation(len(rows)) if shuffled else np.arange(len(rows))
+    texts = [list(rows[index]) for index in order]
+    first, second, third, fourth = sorted(rng.choice(np.arange(2, len(rows) - 2), 4, replace=False))
+    texts[second][-1] = ""
+    texts[third][-1] = "OVLD"
+    joined = [delimiter.join(row) for row in texts]
+    if decimal_comma:
+        joined = [row.replace(".", ",") for row in joined]
+    joined[fourth] = "# lamp door opened, row lost"
+    joined.insert(first, joined[first])
+    mark = "\N{ZERO WIDTH NO-BREAK SPACE}" if decimal_comma else ""
+    return mark + "\n".join([*lines, delimiter.join(header), *joined]) + "\n"

@@ -15,7 +15,7 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force.kinetic.model import Kinetic
 from lightflyer.force.lu2023 import Lu2023
 from lightflyer.lab.force import Vane
-from lightflyer.lab.synthetic.faults import TORR, faulty_table, label
+from lightflyer.lab.synthetic import TORR, faulty_table, label
 from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER
 from lightflyer.statics.levitation import levitate
 

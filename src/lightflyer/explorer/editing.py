@@ -148,8 +148,21 @@ def _is_chosen(kind: type[Section], content: Any) -> bool:
 
 
 def _content(kind: type[Section], tag: str, before: Mapping[str, Any]) -> dict[str, Any]:
-    found = _from_template(kind)
     base = base_of(kind)
+    found: dict[str, Any] | None = None
+    if base is not None and issubclass(kind, Alternative):  # from the first template that has it
+        required = {key for key, info in kind.model_fields.items() if info.is_required()}
+        found = next(
+            (
+                plain(section)
+                for template in templates().values()
+                for section in template.document.values()
+                if isinstance(section, dict)
+                and required <= set(section) <= set(kind.model_fields)
+                and base.tag_of(section) == kind.tag()
+            ),
+            None,
+        )
     chosen: dict[str, Any] = {}
     if base is not None:
         names = [key for key, _ in base.choosing_keys]
@@ -163,24 +176,6 @@ def _content(kind: type[Section], tag: str, before: Mapping[str, Any]) -> dict[s
             start = {} if sections_in(info.annotation) else plain(example(kind, key))
             content |= {} if start is None else {key: start}
     return content
-
-
-def _from_template(kind: type[Section]) -> dict[str, Any] | None:
-    for template in templates().values():
-        for section in template.document.values():
-            if isinstance(section, dict) and _describes(kind, section):
-                found: dict[str, Any] = plain(section)
-                return found
-    return None
-
-
-def _describes(kind: type[Section], content: Mapping[str, Any]) -> bool:
-    base = base_of(kind)
-    if base is None or not issubclass(kind, Alternative):
-        return False
-    required = [key for key, info in kind.model_fields.items() if info.is_required()]
-    fits = set(content) <= set(kind.model_fields) and set(required) <= set(content)
-    return fits and base.tag_of(content) == kind.tag()
 
 
 def _fitting(document: Document) -> Document:

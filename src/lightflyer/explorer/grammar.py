@@ -84,10 +84,20 @@ def templates() -> dict[str, Template]:
 def hints() -> dict[tuple[str, str], Hint]:
     """What templates say about the keys of a section, the first that has the key."""
     found: dict[tuple[str, str], Hint] = {}
+    of_mission: dict[str, type[Section]] = {
+        MISSION: MissionSection,
+        f"{MISSION}.ensemble": EnsembleSection,
+        f"{MISSION}.launches": LaunchesSection,
+    }
     for _, text in _texts():
         document = tomllib.loads(text)
         for (section, key), hint in _hints_of(text).items():
-            kind = _section_of(section, document)
+            if section.partition(".")[0] == MISSION:
+                kind = of_mission.get(section)
+            elif section.startswith("flyer."):  # a film within a flyer has words for it alone
+                kind = None
+            else:
+                kind = section_at(section, document)
             base = None if kind is None else base_of(kind)
             for owner in filter(None, (kind, base)):
                 found.setdefault((owner.__qualname__, key), hint)
@@ -109,18 +119,6 @@ def base_of(kind: type[Section]) -> type[Alternative] | None:
             found: type[Alternative] = part
             return found
     return None
-
-
-def _section_of(section: str, document: dict[str, Any]) -> type[Section] | None:
-    """Class of a section; a film within a flyer has words for that flyer alone."""
-    if section.partition(".")[0] == MISSION:
-        kinds: dict[str, type[Section]] = {
-            MISSION: MissionSection,
-            f"{MISSION}.ensemble": EnsembleSection,
-            f"{MISSION}.launches": LaunchesSection,
-        }
-        return kinds.get(section)
-    return None if section.startswith("flyer.") else section_at(section, document)
 
 
 def _texts() -> list[tuple[str, str]]:

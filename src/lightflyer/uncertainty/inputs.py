@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -202,21 +202,14 @@ def _change(
     return Change(slope, bend, bounded=False)
 
 
-class Drawn(NamedTuple):
-    """Samples of a design's uncertain numbers."""
-
-    samples: np.ndarray  # shape (samples, k)
-    refused: float  # Share of the draws that were impossible, and were drawn again [1]
-    why: str  # Why, of one of them; empty where there is none
-
-
 def draw(inputs: Inputs, samples: int, seed: int) -> np.ndarray:
     """Draw inputs; see :func:`draw_possible`, shape (samples, k)."""
-    return draw_possible(inputs, samples, seed).samples
+    return draw_possible(inputs, samples, seed)[0]
 
 
-def draw_possible(inputs: Inputs, samples: int, seed: int) -> Drawn:
+def draw_possible(inputs: Inputs, samples: int, seed: int) -> tuple[np.ndarray, float, str]:
     """Draw inputs from a normal distribution, open ones evenly, and redraw the impossible."""
+    # Returns samples, shape (samples, k); the share of draws that were impossible, and why of one.
     # Their distribution is so the stated one on condition that the design is possible: that each
     # number is within its range, and that what belongs together agrees, as where a film absorbs and
     # transmits no more than all of the light.
@@ -237,7 +230,7 @@ def draw_possible(inputs: Inputs, samples: int, seed: int) -> Drawn:
         why = why or reason or " and ".join(f"{name} out of its range" for name in outside)
         drawn = np.concatenate([drawn, possible])
         if len(drawn) >= samples:
-            return Drawn(drawn[:samples], refused / (refused + len(drawn)), why)
+            return drawn[:samples], refused / (refused + len(drawn)), why
     raise ParameterError(
         f"the uncertainties of {', '.join(inputs.names)} make nearly every sample impossible: {why}"
     )

@@ -301,12 +301,11 @@ def propagate(
     told: tuple[str, ...] = ()
     if samples:
         report("bands by Monte Carlo")
-        drawn = draw_possible(inputs, samples, seed)
-        draws = drawn.samples
-        if drawn.refused:
+        draws, refused, why = draw_possible(inputs, samples, seed)
+        if refused:
             told += (
-                f"{100.0 * drawn.refused:.2g} % of the Monte Carlo draws were impossible and were "
-                f"drawn again ({drawn.why}); first order does not know of that limit",
+                f"{100.0 * refused:.2g} % of the Monte Carlo draws were impossible and were "
+                f"drawn again ({why}); first order does not know of that limit",
             )
         asked = {target.quantity for target in targets} - {"", NIGHT}
         wanted = tuple(dict.fromkeys((*BANDS, *sorted(asked))))

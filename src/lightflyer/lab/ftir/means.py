@@ -18,9 +18,14 @@ from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.core.errors import ConfigurationError, Doubt, ParameterError
 from lightflyer.files.quantities import ends
 from lightflyer.film.optics.spectra import SECOND_RADIATION_CONSTANT, blackbody_fraction
-from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
+from lightflyer.lab.estimate import (
+    LEAST_POINTS,
+    NORMAL_FACTOR,
+    Estimate,
+    point_noise,
+    student_factor,
+)
 from lightflyer.lab.readers.interpretation import PER_CENTIMETRE, MeasuredSpectrum
-from lightflyer.lab.spectrum_noise import LEAST_POINTS, point_noise
 
 GASES = {
     "CO₂": ((600.0, 740.0), (2250.0, 2400.0)),

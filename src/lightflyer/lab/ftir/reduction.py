@@ -22,7 +22,7 @@ from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.errors import Doubt, ParameterError
 from lightflyer.core.quantity import Temperature
 from lightflyer.files.result_text import Parts, table_of
-from lightflyer.lab.estimate import CONFIDENCE, Estimate
+from lightflyer.lab.estimate import CONFIDENCE, Estimate, noise_density
 from lightflyer.lab.ftir import means
 from lightflyer.lab.readers.interpretation import PER_CENTIMETRE, MeasuredSpectrum
 from lightflyer.lab.result import (
@@ -37,7 +37,6 @@ from lightflyer.lab.result import (
     require_distinct,
     variables,
 )
-from lightflyer.lab.spectrum_noise import noise_density
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -253,7 +252,7 @@ def reduce_ftir(
     Notes
     -----
     The interval of one spectrum includes its noise, whose correlation along the spectrum is
-    estimated (:mod:`lightflyer.lab.spectrum_noise`), and the accuracy; that of several includes the
+    estimated (:mod:`lightflyer.lab.estimate`), and the accuracy; that of several includes the
     scatter of their means with Student's factor, and the accuracy. Transmittance and reflectance
     have independent errors. With two or three repeats whose scatter is comparable with the accuracy
     the interval is wider than it need be.

@@ -17,9 +17,9 @@ import numpy as np
 from lightflyer.array.namespace import Numeric, by_numpy
 from lightflyer.core.errors import ParameterError
 from lightflyer.film.optics.stack import Film
+from lightflyer.lab.estimate import point_noise
 from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample
 from lightflyer.lab.optics.ellipsometry import ORDINATES
-from lightflyer.lab.spectrum_noise import point_noise
 
 LEAST_ERROR = 1e-4  # Least standard error of a point [1]: no photometer is better
 

@@ -15,7 +15,7 @@ from lightflyer.core.text import read_text
 from lightflyer.core.units import scale_and_offset
 from lightflyer.film.layered_section import LayeredFilmSection
 from lightflyer.film.optics.stack import Film
-from lightflyer.lab.estimate import Estimate
+from lightflyer.lab.estimate import Estimate, point_noise
 from lightflyer.lab.optics.data import (
     DEFAULT_SCALE_ACCURACY,
     DEFAULT_ZERO_ACCURACY,
@@ -25,7 +25,6 @@ from lightflyer.lab.optics.data import (
 )
 from lightflyer.lab.optics.search import FilmFit
 from lightflyer.lab.result import Series, csv_text
-from lightflyer.lab.spectrum_noise import point_noise
 
 if TYPE_CHECKING:
     from lightflyer.lab.optics.fit import OpticsFit

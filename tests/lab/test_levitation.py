@@ -12,11 +12,16 @@ from lightflyer.environment import Chamber
 from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer import Disk
 from lightflyer.force import Lu2023
-from lightflyer.lab.levitation.curve import LEAST_POINTS, compare, levitation_curve, summary
-from lightflyer.lab.levitation.data import LiftOffs, read_lift_offs
+from lightflyer.lab.levitation.curve import (
+    LEAST_POINTS,
+    calibrate_curves,
+    compare,
+    levitation_curve,
+    model_curve,
+    summary,
+)
+from lightflyer.lab.levitation.data import LiftOffs, minimum, read_lift_offs, smoother
 from lightflyer.lab.levitation.figures import residuals
-from lightflyer.lab.levitation.minimum import minimum, smoother
-from lightflyer.lab.levitation.model import calibrate_curves, model_curve
 from lightflyer.statics.levitation import levitate
 
 RANGE = (1.5, 40.0)

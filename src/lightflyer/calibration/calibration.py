@@ -9,7 +9,7 @@ from scipy.special import chdtrc
 
 from lightflyer.calibration.gauge import found_step
 from lightflyer.calibration.inputs import target_of
-from lightflyer.calibration.points import Points
+from lightflyer.calibration.points import LEAST_PROBABILITY, Points
 from lightflyer.calibration.problem import (
     Problem,
 )
@@ -39,9 +39,6 @@ _NORMAL = 1.959963984540054  # half width of a normal 95 % interval, in standard
 _FIT = ("parameter", "value", "given inputs\n95 %", "total\n95 %", "total\n±")
 _POSTERIOR = ("posterior\nat given inputs", "mean", "standard\ndeviation", "95 % interval",
               "R-hat", "effective")  # fmt: skip
-
-LEAST_PROBABILITY = 0.01
-"""Probability of chi-squared below which, or above one minus which, a warning says so."""
 
 FAR_ABOVE = 3.0
 """Scatter over what the points' uncertainties say, from which the fit is in doubt."""

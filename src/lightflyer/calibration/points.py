@@ -40,6 +40,9 @@ _OPTIMUM = Quantity(
     "Pa", likely=(0.9, 18.0), known="disks of 10 cm to 5 mm in air; the diameter would tell"
 )
 
+LEAST_PROBABILITY = 0.01
+"""Probability of chi-squared below which, or above one minus which, a warning says so."""
+
 
 def _positive(kind: object) -> Quantity:
     return replace(quantity_of(kind) or Quantity(), open_below=True)

@@ -106,7 +106,7 @@ def levitation(
     fit = None
     if flyer is not None:
         from lightflyer.config.reader import read_flyer_file
-        from lightflyer.lab.levitation.model import calibrate_curves, model_curve
+        from lightflyer.lab.levitation.curve import calibrate_curves, model_curve
 
         file = read_flyer_file(flyer)
         setups = {"model": file.build()}
@@ -128,7 +128,7 @@ def levitation(
     warnings = [*doubts, *document["warnings"]]
     values = {}
     if fit is not None:
-        from lightflyer.lab.levitation.model import measured_coefficients
+        from lightflyer.lab.levitation.curve import measured_coefficients
 
         values = {("force", name): one for name, one in measured_coefficients(fit).items()}
         document["calibration"] = fit.summary()

@@ -1,9 +1,12 @@
-r"""Optimal pressure and minimum irradiance from levitation points.
+"""Optimal pressure and minimum irradiance from levitation points.
 
 Local regression of degree 2 on logarithms, twice, smooths the points at which a sample lifted off.
 The minimum of the curve is the least irradiance at which the sample levitates.
+
+Beside the points stand model curves, and a calibration of the model to them.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -11,18 +14,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lightflyer.calibration.calibration import LEAST_PROBABILITY, step_warning
+from lightflyer.calibration.calibration import Calibration, step_warning
+from lightflyer.calibration.fitting import calibrate
 from lightflyer.calibration.gauge import CENTRE, found_step, require_step
-from lightflyer.calibration.inputs import instruments
-from lightflyer.calibration.points import doubts, log_uncertainty
+from lightflyer.calibration.inputs import INSTRUMENTS, instruments, target_of
+from lightflyer.calibration.points import LEAST_PROBABILITY, Points, doubts, log_uncertainty
+from lightflyer.config.designs import as_design
 from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, Doubt
 from lightflyer.core.quantity import Fraction, Irradiance
+from lightflyer.design.setup import Setup
 from lightflyer.files.result_text import Parts, PrintedResult, open_interval_text, table_of
 from lightflyer.lab.estimate import CONFIDENCE, Estimate, central_interval
-from lightflyer.lab.levitation.data import LiftOffs
-from lightflyer.lab.levitation.minimum import Minimum, minimum, smoother
+from lightflyer.lab.levitation.data import LiftOffs, Minimum, minimum, smoother
 from lightflyer.lab.result import (
     LabResult,
     Reported,
@@ -33,6 +38,7 @@ from lightflyer.lab.result import (
     plain,
     variables,
 )
+from lightflyer.statics.levitation import levitate
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,6 +55,9 @@ _TOO = ("those of the scatter", "too wide")  # of more and of less scatter than 
 _FAR_ABOVE = 3.0  # times the stated scatter, from which the points are in doubt
 _NO_MINIMUM = 0.9  # share of the measured log-pressures within the interval of the optimum
 _HEADINGS = ("sample", "points", "W/m²", "95 % interval", "at Pa", "95 % interval")
+
+_BEYOND = 1.5  # factor by which a model's curve extends beyond the measured pressures
+_PRESSURES = 200
 
 
 @dataclass(frozen=True, repr=False)
@@ -155,7 +164,7 @@ def levitation_curve(
     The curve is LOESS of degree 2 [Cleveland1988]_ on logarithms plus LOESS of its residuals
     ("twicing" [Tukey1977]_), which removes most of the bias of smoothing a bend. Points weigh by
     their uncertainties where these are stated. The 95 % intervals of curve and minimum are those of
-    simulated measurements; see :mod:`lightflyer.lab.levitation.minimum`.
+    simulated measurements; see :mod:`lightflyer.lab.levitation.data`.
     """
     require_range("span", span, 0.1, 1.0)
     require_range("draws", draws, 100)
@@ -360,3 +369,66 @@ def curves_parts(curves: Sequence[LevitationCurve]) -> Parts:
     counts = [str(len(curve.points.pressure)) for curve in curves]
     cells = ((name, count, *row) for (name, row), count in zip(rows.items(), counts, strict=True))
     yield table_of(_HEADINGS, cells, title="minimum irradiance and its pressure")
+
+
+def model_curve(points: LiftOffs, setup: Setup) -> tuple[np.ndarray, np.ndarray]:
+    """Irradiance at which the model levitates, a little beyond the pressures of a sample."""
+    low, high = points.pressure.min() / _BEYOND, points.pressure.max() * _BEYOND
+    pressure = np.geomspace(low, high, _PRESSURES)
+    design = as_design(setup)
+    values: dict[str, float] = {}
+    for name, value in points.properties.items():
+        target = target_of(design, name, describes_flyer=True)
+        values |= dict.fromkeys(target.fields, target.factor * value)
+    sample = design.build(values)
+    found = levitate(sample.flyer, sample.environment.state(pressure), sample.model, throw=False)
+    return pressure, np.where(found.levitates, found.irradiance, np.nan)
+
+
+def calibrate_curves(
+    curves: Sequence[LevitationCurve],
+    what: Any,
+    *,
+    keep_ground_effect: bool = False,
+    pressure_accuracy: float | None = None,
+    irradiance_accuracy: float | None = None,
+) -> Calibration:
+    """Fit the force coefficients to the points of all samples."""
+    lots = []
+    for curve in curves:
+        lot, count = curve.points, len(curve.points.pressure)
+        gap = None if keep_ground_effect else lot.floor_gap
+        numbers = {"pressure": lot.pressure, "irradiance": lot.irradiance, **lot.uncertainties}
+        numbers |= {name: np.full(count, value) for name, value in lot.properties.items()}
+        numbers["floor_gap"] = np.full(count, np.inf if gap is None else gap)
+        lots.append(Points(lot.place, [lot.name] * count, numbers).with_step(curve.step))
+    shared = set.intersection(*(set(one.numbers) for one in lots))
+    whole = Points(
+        source=lots[0].source,
+        samples=[name for one in lots for name in one.samples],
+        numbers={
+            name: np.concatenate([one.numbers[name] for one in lots])
+            for name in lots[0].numbers
+            if name in shared
+        },
+        step=max(curve.step for curve in curves),
+    )
+    return calibrate(
+        what,
+        points=whole.without_ground_effect(),
+        pressure_accuracy=pressure_accuracy,
+        irradiance_accuracy=irradiance_accuracy,
+    )
+
+
+def measured_coefficients(fit: Calibration) -> dict[str, Estimate]:
+    """Fitted parameters with what goes into the flyer file that the fit started from."""
+    found = {}
+    meters = [fit.contributions[one] for one in INSTRUMENTS if one in fit.contributions]
+    for row, name in enumerate(fit.names):
+        value = float(fit.values[row])
+        calibration = [value * float(shares[row]) for shares in meters]
+        spread = math.hypot(fit.standard_uncertainties[row], *calibration)
+        low, high = map(float, fit.total_intervals[row])
+        found[name] = Estimate(value, (low, high), "", spread)
+    return found

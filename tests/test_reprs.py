@@ -17,7 +17,6 @@ from lightflyer.files.section import Section
 LONGEST = 500  # characters
 ROOMS = [getattr(lf, name) for name in lf.__all__ if inspect.ismodule(getattr(lf, name))]
 SHORT = (Module, PrintedResult, ShortRepr, Section, enum.Enum, BaseException)
-PLAIN = (int, float, str, bool)
 
 
 def public_classes():

@@ -258,16 +258,10 @@ HEADER = """\
 """
 
 
-def write(tmp_path, content, name="spectrum.jdx"):
-    path = tmp_path / name
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    return path
-
-
 @pytest.mark.parametrize("form", FORMS.values(), ids=FORMS)
-def test_every_form_of_jcamp(tmp_path, form):
+def test_every_form_of_jcamp(form, write):
     text = HEADER.format(yunits="TRANSMITTANCE") + form + "\n##END=\n"
-    found = read_spectrum(write(tmp_path, text))
+    found = read_spectrum(write(text, "spectrum.jdx"))
     np.testing.assert_allclose(found.wavenumber, np.arange(400.0, 407.0) * PER_CM)
     np.testing.assert_allclose(
         found.value, np.array([1000, 2000, 2001, 2002, 2003, 2003, 2003]) * 1e-4
@@ -295,8 +289,8 @@ $$ comment
 """
 
 
-def test_jcamp_of_absorbance_over_wavelength(tmp_path):
-    found = read_spectrum(write(tmp_path, NIST))
+def test_jcamp_of_absorbance_over_wavelength(write):
+    found = read_spectrum(write(NIST, "spectrum.jdx"))
     np.testing.assert_allclose(found.wavenumber, [5e4, 8e4, 1e5])
     np.testing.assert_allclose(found.value, [1.0, 0.1, 10.0**-0.301])
 
@@ -310,14 +304,14 @@ TABLES = {
 
 
 @pytest.mark.parametrize("text", TABLES.values(), ids=TABLES)
-def test_tables(tmp_path, text):
-    found = read_spectrum(write(tmp_path, text, "s.csv"))
+def test_tables(text, write):
+    found = read_spectrum(write(text, "s.csv"))
     np.testing.assert_allclose(found.wavenumber, [1e5, 2e5])
     np.testing.assert_allclose(found.value, [0.8, 0.9])
 
 
-def test_table_without_header(tmp_path):
-    path = write(tmp_path, "1000 80\n2000 90\n", "s.txt")
+def test_table_without_header(write):
+    path = write("1000 80\n2000 90\n", "s.txt")
     found = read_spectrum(path, columns="wavenumber [cm^-1], transmittance [%]")
     np.testing.assert_allclose(found.value, [0.8, 0.9])
 
@@ -362,8 +356,8 @@ GOOD = HEADER.format(yunits="TRANSMITTANCE") + FORMS["fix"] + "\n##END=\n"
         ("s.csv", "wavenumber,transmittance\n1000,0.8\n", "wavenumber has no unit"),
     ],
 )
-def test_one_clear_line_for_each_mistake(tmp_path, name, content, says):
-    path = write(tmp_path, content, name)
+def test_one_clear_line_for_each_mistake(name, content, says, write):
+    path = write(content, name)
     with pytest.raises(lf.ConfigurationError) as error:
         read_spectrum(path)
     message = str(error.value)

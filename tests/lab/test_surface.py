@@ -240,15 +240,9 @@ def test_several_maps_are_averaged(rng):
     assert found["rms_height"]["value"] == pytest.approx(35.0, rel=1e-2)
 
 
-def write(tmp_path, content, name="map.txt"):
-    path = tmp_path / name
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    return path
-
-
-def test_formats_agree(tmp_path, rng):
+def test_formats_agree(tmp_path, rng, write):
     height = random_surface(rng, pixels=32) + 1e-6
-    igor = read_height_map(write(tmp_path, igor_wave(height, SIDE, "note"), "map.ibw"))
+    igor = read_height_map(write(igor_wave(height, SIDE, "note"), "map.ibw"))
     np.testing.assert_allclose(igor.height, height, rtol=1e-6)
     assert igor.channel == "HeightRetrace"
     assert (igor.width, igor.length) == pytest.approx((SIDE, SIDE))
@@ -257,15 +251,15 @@ def test_formats_agree(tmp_path, rng):
     for delimiter, comma in ((",", False), ("\t", True), (" ", False), (";", True)):
         text = "\n".join(delimiter.join(f"{1e9 * v:.6f}" for v in row) for row in height)
         text = text.replace(".", ",") if comma else text
-        found = read_height_map(write(tmp_path, text), size=SIDE, unit="nm")
+        found = read_height_map(write(text, "map.txt"), size=SIDE, unit="nm")
         np.testing.assert_allclose(found.height, height, rtol=1e-6)
     with pytest.raises(lf.ConfigurationError, match="choose one by --channel: HeightRetrace"):
         read_height_map(tmp_path / "map.ibw", channel="phase")
 
 
-def test_example_files_are_read(tmp_path):
+def test_example_files_are_read(write):
     for name, content in roughness_files(1).items():
-        found = read_height_map(write(tmp_path, content, name))
+        found = read_height_map(write(content, name))
         assert found.height.shape == (256, 256)
         assert (found.width, found.length) == pytest.approx((SIDE, SIDE))
         assert 34.0 < roughness(found).parameters["rms_height"].value < 36.0
@@ -316,8 +310,8 @@ ROWS = "\n".join(["1 2 3 4"] * 4)
         ),
     ],
 )
-def test_one_clear_line_for_each_mistake(tmp_path, name, content, says):
-    path = write(tmp_path, content, name)
+def test_one_clear_line_for_each_mistake(name, content, says, write):
+    path = write(content, name)
     with pytest.raises(lf.ConfigurationError) as error:
         read_height_map(path)
     message = str(error.value)

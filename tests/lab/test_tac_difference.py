@@ -18,7 +18,6 @@ from lightflyer.lab.tac.problem import KINETIC_LAW
 DIAMETER = 24e-3
 TOP, BOTTOM = (0.75, 1.22, 4.09), (0.90, 1.15, 4.60)
 USUAL = TacAccuracy()
-INSTRUMENTS = ("gauge", "gauge_zero", "power", "temperature", "diameter", "plateau")
 
 
 @pytest.fixture(autouse=True)

@@ -11,17 +11,12 @@ from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import as_problem
 from lightflyer.search.text import design_parts
 
+from ..conftest import FILM
+
 DIAMETER = {"from": "0.5 cm", "to": "5 cm", "scale": "log"}
 ALTITUDE = {"from": "60 km", "to": "90 km"}
 
 
-FILM = {
-    "areal_density": "1 g/m^2",
-    "absorptance": 0.75,
-    "emittance": 0.08,
-    "tac_top": 0.8,
-    "tac_bottom": 0.9,
-}
 LAYERED = {
     "layers": [
         {"material": "PET", "thickness": "500 nm"},

@@ -22,13 +22,8 @@ from lightflyer.uncertainty import targets
 from lightflyer.uncertainty.inputs import draw, draw_possible, uncertain_inputs
 from lightflyer.uncertainty.targets import derivatives
 
-FILM = {
-    "areal_density": "1.0 g/m^2",
-    "absorptance": 0.75,
-    "emittance": 0.08,
-    "tac_top": 0.8,
-    "tac_bottom": 0.9,
-}
+from ..conftest import FILM
+
 EARTH = {"atmosphere": "lu2023", "altitude_min": "55 km", "altitude_max": "90 km"}
 CHAMBER = {"kind": "chamber", "temperature": "295 K", "pressure_min": "0.5 Pa",
            "pressure_max": "50 Pa"}  # fmt: skip

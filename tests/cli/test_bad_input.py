@@ -132,7 +132,6 @@ def test_a_mistake_in_a_flyer_file(run, write, kind, old, new, message):
     assert re.search(message, errors), errors
 
 
-RANGE = 'from = "0.5 cm", to = "5 cm", points = 40, scale = "log"'
 OUTPUTS = (
     '["usable", "covered", "temperature", "lift_over_weight", "relative_payload", '
     '"levitation_irradiance"]'
@@ -140,39 +139,19 @@ OUTPUTS = (
 BEST = 'maximise = "payload"'
 SHARE = '"0.75 ± 0.02"'
 STUDIES = [
-    ("sweep", '"flyer.toml"', '"no.toml"', "does not exist; name a flyer file"),
     ("sweep", '"flyer.toml"', "3", "is not a text in quotes"),
     ("sweep", "[sweep]", "[sweeep]", 'did you mean "sweep"'),
-    ("sweep", "[outputs]", "[output]", 'did you mean "outputs"'),
-    ("sweep", "points = 40", "points = 1", "whole number of at least 2"),
-    ("sweep", "points = 40", "points = 2.5", "whole number of at least 2"),
     ("sweep", "points = 40", 'points = "40"', "whole number of at least 2"),
-    ("sweep", "points = 61", "points = 100000000", "must be at most 10000000"),
-    ("sweep", RANGE, 'from = "1 cm", to = "2 cm"', "needs points"),
-    ("sweep", 'scale = "log"', 'scale = "cubic"', "choose from linear, log"),
     ("sweep", '"0.5 cm"', '"0 cm"', "must be positive"),
-    ("sweep", '"0.5 cm"', '"9 cm"', "is an empty range: 9 cm is above 5 cm"),
-    ("sweep", '"0.5 cm"', '"0.5"', "has no unit"),
-    ("sweep", '"flyer.diameter"', '"flyer.diametre"', 'did you mean "flyer.diameter"'),
-    ("sweep", '"flyer.diameter"', '"diameter"', 'did you mean "flyer.diameter"'),
-    ("sweep", "[0.06, 0.08, 0.12]", "[]", "is an empty list"),
-    ("sweep", "[0.06, 0.08, 0.12]", "[0.06, 0.06]", "has a repeated value"),
-    ("sweep", "[0.06, 0.08, 0.12]", "[0.06, 6]", "must be between 0"),
     ("sweep", "[0.06, 0.08, 0.12]", '"many"', "is not a number"),
-    ("sweep", "altitude =", "pressure =", "is not a number of the design"),
-    ("sweep", OUTPUTS, '["temprature"]', 'did you mean "temperature"'),
     ("sweep", OUTPUTS, "[]", "names no output; choose from"),
     ("sweep", OUTPUTS, "3", "is not a list"),
-    ("optimise", BEST, 'maximise = "payloads"', 'did you mean "payload"'),
-    ("optimise", BEST, "maximise = []", "needs maximise or minimise"),
     ("optimise", BEST, f'{BEST}\nminimise = "payload"', "is an objective already"),
     ("optimise", BEST, 'maximise = ["payload", "payload"]', "is an objective already"),
     ("optimise", BEST, f"{BEST}\nstarts = 0", "must be at least 1"),
     ("optimise", BEST, f"{BEST}\nstarts = 2.5", "is not a whole number"),
     ("optimise", BEST, f"{BEST}\nseed = -4", "must be at least 0"),
     ("optimise", BEST, f'{BEST}\nbeyond_range = "yes"', "is not true or false"),
-    ("optimise", "at_most", "at_mots", "is not a limit; write"),
-    ("optimise", '"390 K"', '"390 Pa"', "of the wrong kind"),
     ("optimise", '"390 K"', "390", 'has no unit; write "390 K"'),
     ("optimise", "temperature = {", "temperture = {", 'did you mean "temperature"'),
     ("optimise", 'from = "0.5 cm", to = "4 cm"', 'from = "4 cm", to = "2 cm"', "empty range"),
@@ -180,11 +159,9 @@ STUDIES = [
     ("sensitivity", '["payload", "temperature"]', '"nothing"', "is not an output"),
     ("sensitivity", "points = 1024", "points = 0", "must be at least 1"),
     ("sensitivity", "points = 1024", "points = 1000000000", "must be at most 262144"),
-    ("sensitivity", SHARE, '"0.75"', "is not uncertain"),
     ("sensitivity", SHARE, '"0.75 ± 0"', "is not uncertain"),
     ("sensitivity", SHARE, '{ distribution = "cauchy" }', "choose from normal, uniform"),
     ("sensitivity", SHARE, '{ distribution = "normal" }', "needs mean, standard_deviation"),
-    ("sensitivity", '"80 km"', '["80 km"]', "is not one value"),
 ]
 
 
@@ -206,6 +183,8 @@ COMMANDS = [
     ("predict nothere.toml", "nothere.toml: cannot be read: No such file"),
     ("predict folder", "folder: cannot be read: Is a directory"),
     ("predict empty.toml", "is empty; 'lightflyer init' writes an example"),
+    ("predict blank.toml", "is empty; 'lightflyer init' writes an example"),
+    ("predict binary.toml", "is not text in UTF-8"),
     ("predict latin.toml", "latin.toml:1: is not text in UTF-8"),
     ("predict points.csv", "points.csv:6: is not valid TOML"),
     ("predict study.toml", "is a study file: run it with sweep"),
@@ -307,7 +286,9 @@ def folder(tmp_path_factory):
         (made / name).write_text(TEXTS[kind], encoding="utf-8")
     (made / "one.csv").write_text("\n".join(TEXTS["points"].splitlines()[:7]), encoding="utf-8")
     (made / "latin.toml").write_bytes("# µ\n".encode("latin-1"))
+    (made / "binary.toml").write_bytes(b"\xff\xfe\x00binary")
     (made / "empty.toml").touch()
+    (made / "blank.toml").write_text("  \n")
     (made / "matrix.txt").write_text("\n".join(["1 2 3 4 5 6 7 8 9"] * 9))
     (made / "folder").mkdir()
     return made

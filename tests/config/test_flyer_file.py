@@ -161,12 +161,7 @@ def test_other_force_models(flyer_file, model):
 MISTAKES = [
     ("emittance = 0.08", "emittance = 1.4", 9, "film.emittance = 1.4: must be between 0"),
     ("emittance = 0.08", "emitance = 0.08", 9, 'did you mean "emittance"?'),
-    ('diameter = "2 cm"', 'diameter = "2"', 3, 'has no unit; write "2 cm"'),
-    ('diameter = "2 cm"', "diameter = 2", 3, 'has no unit; write "2 cm"'),
-    ('diameter = "2 cm"', 'diameter = "2 kg"', 3, "wrong kind"),
-    ('diameter = "2 cm"', 'diameter = "-2 cm"', 3, "must be positive"),
     ('diameter = "2 cm"\n', "", 1, "[flyer] needs diameter"),
-    ("tac_top = 0.8", "tac_top = 1.5", 10, "film.tac_top = 1.5: must be between"),
     (
         '"lu2023"\nirradiance',
         '"lu2024"\nirradiance',
@@ -174,23 +169,12 @@ MISTAKES = [
         'atmosphere = "lu2024" is unknown; choose from us1976, lu2023, nrlmsis-global, nrlmsis; '
         'did you mean "lu2023"?',
     ),
-    ('kind = "earth"', 'kind = "moon"', 14, 'kind = "moon" is unknown; choose from'),
-    (
-        'model = "lu2023"',
-        'model = "lu2024"',
-        20,
-        'force.model = "lu2024" is unknown',
-    ),
     ('"reported"', '"printd"', 21, 'force.reading = "printd" is unknown; did you mean "printed"?'),
     ('"0 deg"', '"91 deg"', 17, "must be between 0 and 90 deg"),
-    ('"0 deg"', '["0 deg"]', 17, "is not a number"),
     ("[film]", "[flim]", 6, 'did you mean "film"?'),
     ("emittance = 0.08", "emittance = 0.08\ntransmittance = 0.3", 6, "transmittance = 0.3 and abs"),
     ("emittance = 0.08", "emittance_top = 0.08", 6, "both emittance_top and emittance_bottom"),
-    ("emittance = 0.08", "emittance = 0.08\nemittance_top = 0.08", 6, "not both"),
-    ('atmosphere = "lu2023"', 'atmosphere = "nrlmsis"', 13, "[environment] needs date"),
     ('kind = "earth"', 'kind = "chamber"', 13, "[environment] needs temperature"),
-    ('payload = "0 mg"', 'payload = "-1 mg"', 4, "must be zero or positive"),
     ("[flyer]\n", "colour = 3\n[flyer]\n", 1, "colour is not a key of a flyer file"),
     ("[film]\n", "film.payload = 3\n[film2]\n", None, ""),
     (
@@ -211,30 +195,6 @@ def test_every_mistake_names_its_line_and_what_is_allowed(flyer_file, old, new, 
     assert any(message in text for text in lines)
     if line is not None:
         assert any(text.startswith(f"{path}:{line}: ") and message in text for text in lines)
-
-
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        (b"", "is empty"),
-        (b"  \n", "is empty"),
-        (b"[flyer", "is not valid TOML"),
-        (b"\xff\xfe\x00binary", "is not text in UTF-8"),
-        (b"diameter = 2 cm", "is not valid TOML"),
-    ],
-)
-def test_files_that_are_no_flyer_files(tmp_path, content, message):
-    path = tmp_path / "flyer.toml"
-    path.write_bytes(content)
-    with pytest.raises(lf.ConfigurationError, match=message):
-        lf.read_flyer_file(path)
-
-
-def test_files_that_cannot_be_read(tmp_path):
-    with pytest.raises(lf.ConfigurationError, match="cannot be read"):
-        lf.read_flyer_file(tmp_path / "nowhere.toml")
-    with pytest.raises(lf.ConfigurationError, match="cannot be read"):
-        lf.read_flyer_file(tmp_path)
 
 
 def test_a_byte_order_mark_does_no_harm(flyer_file):

@@ -93,9 +93,7 @@ def test_the_same_data_twice_are_refused(name, run, refuses, tmp_path, monkeypat
         (["tac", "tac-reduced.txt", "--wall", "1 cm"], "is inside the heater"),
         (["tac", "tac-reduced.txt", "--wall", "12 mm"], "is inside the heater"),
         (["levitation", "flyer.toml"], "flyer.toml: is a TOML file"),
-        (["roughness", "flyer.toml", "--size", "-1 um"], '--size: "-1 um" is not positive'),
         (["levitation", "flyer.toml", "--draws", "1.5"], '"1.5" is not a whole number'),
-        (["thermography"], "or also --hotplate, --lower, --upper, --ambient"),
     ],
 )
 def test_what_labs_write_gets_an_answer_that_helps(

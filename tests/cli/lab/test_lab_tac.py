@@ -249,7 +249,6 @@ def test_repeated_fragment_is_left_out_and_named(folder, lab_prints):
         (HEADER + "1,0.05,290,295\n", [], "raw.csv:2: the heater at 290.00 K is not warmer"),
         (HEADER.replace("pressure", "Größe"), [], "raw.csv: has a header but no rows"),
         ("pressure [Pa],heater_power [W]\n1,2\n", [], "raw.csv: needs the column heater_temp"),
-        (HEADER + "1,1,320,295\n", ["--diameter", "24"], "--diameter: "),
         (HEADER + "1,1,320,295\n", ["--emissivity", "2"], "emissivity = 2 is not between"),
         (HEADER + "1,1,320,295\n", ["--update", "none.toml", "--face", "top"], ""),
         (

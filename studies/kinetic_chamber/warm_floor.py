@@ -1,7 +1,7 @@
 """Fit what a warm floor does: the share of its excess that the gas has, and its push on a disk.
 
 Run as ``python studies/kinetic_chamber/warm_floor.py``; prints the numbers of
-``environment/warm_floor.py`` and ``force/kinetic/warm_floor.py``, and what is left of the table.
+``environment/chamber.py`` and ``force/kinetic/warm_floor.py``, and what is left of the table.
 """
 
 from collections.abc import Callable
@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from lightflyer.array.namespace import float64
-from lightflyer.environment import warm_floor
+from lightflyer.environment import chamber
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic import warm_floor as kinetic_warm_floor
 
@@ -41,7 +41,7 @@ def main() -> None:
         # in radii, of which Kn is half a mean free path
         fit(
             "share: join, jump",
-            lambda numbers: warm_floor.joined_share(*place, knudsen, *numbers),
+            lambda numbers: chamber.joined_share(*place, knudsen, *numbers),
             table["floor_share"],
             [0.5, 1.5],
         )

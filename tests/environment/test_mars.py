@@ -8,11 +8,13 @@ from scipy.special import expn
 
 import lightflyer as lf
 from lightflyer.environment import Dust, MarsAtmosphere, Place, mars_sunlight
-from lightflyer.environment.light.dust import air_mass, dusty_light, two_stream_transmittance
-from lightflyer.environment.light.mars_sun import (
+from lightflyer.environment.light.mars import (
+    air_mass,
     distance_in_season,
+    dusty_light,
     solar_longitude,
     sun_from_mars,
+    two_stream_transmittance,
     zenith_angle_in_season,
 )
 from lightflyer.environment.mars import season_irradiance

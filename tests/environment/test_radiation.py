@@ -7,7 +7,7 @@ from scipy import integrate
 
 import lightflyer as lf
 from lightflyer.environment import Attitude, Radiation, sunlight
-from lightflyer.environment.view_factor import ground_view_factor, sphere_view_factor
+from lightflyer.environment.horizon import ground_view_factor, sphere_view_factor
 
 
 def sampled_view(tilt, straight_down, rays):

@@ -6,7 +6,7 @@ from scipy.integrate import quad
 
 import lightflyer as lf
 from lightflyer.array import tree
-from lightflyer.environment.view_factor import ground_view_factor
+from lightflyer.environment.horizon import ground_view_factor
 
 SIGMA = 5.670374419e-8
 SIZE, OUTLET = 0.1, 0.02

@@ -10,7 +10,7 @@ import lightflyer as lf
 from lightflyer.array.namespace import float64
 from lightflyer.core.constants import STEFAN_BOLTZMANN
 from lightflyer.core.errors import ParameterError
-from lightflyer.environment.warm_floor import conducted_share, share_of_floor, view_of_floor
+from lightflyer.environment.chamber import conducted_share, share_of_floor, view_of_floor
 from lightflyer.files.table import shipped_table
 
 COLD = 293.0

@@ -14,14 +14,14 @@ import pytest
 import lightflyer as lf
 from lightflyer.environment.horizon import (
     facing_share,
+    ground_view_factor,
     horizon_depression,
     lit_ground,
     visible_share,
 )
-from lightflyer.environment.light.mars_sun import solar_longitude, sun_from_mars
+from lightflyer.environment.light.mars import solar_longitude, sun_from_mars
 from lightflyer.environment.light.sun import sun_from_earth, sun_in_sky
 from lightflyer.environment.mars import season_irradiance
-from lightflyer.environment.view_factor import ground_view_factor
 from lightflyer.environment.wind.gradient import balanced_rotation
 from lightflyer.film.media import compound
 from lightflyer.film.media.dispersion import CodyLorentz, Drude, Gaussian, Lorentz, TaucLorentz

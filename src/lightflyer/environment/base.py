@@ -1,4 +1,4 @@
-"""Base classes of environments: state of the surroundings, place, coordinate."""
+"""Base classes of environments: state of the surroundings, place, coordinate, atmosphere."""
 
 import abc
 from collections.abc import Iterable
@@ -7,14 +7,15 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from lightflyer.array.namespace import Numeric
-from lightflyer.array.records import AbstractVar, ShortRepr, short_repr
+from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.array.records import AbstractVar, Module, ShortRepr, short_repr
 from lightflyer.core.checks import is_concrete, is_labelled
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Acceleration,
+    Altitude,
     Checked,
     Latitude,
     Length,
@@ -229,3 +230,43 @@ class AbstractEnvironment(Checked):
 
         ``place`` matters where the environment depends on it; by default the environment's own.
         """
+
+
+class AbstractAtmosphere(Module):
+    """Temperature, pressure and composition over altitude, and over place and time where known.
+
+    Methods take altitudes [m] of any shape and a place whose fields broadcast with them. They work
+    under JAX's transformations and return NaN outside :attr:`altitude_range`; environments raise
+    there where the altitude is concrete. An atmosphere of one place and time, and one that is the
+    same everywhere, does not look at the place.
+    """
+
+    @property
+    @abc.abstractmethod
+    def altitude_range(self) -> tuple[float, float]:
+        """Lowest and highest geometric altitude described [m]."""
+
+    @abc.abstractmethod
+    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:
+        """Kinetic temperature [K]."""
+
+    @abc.abstractmethod
+    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:
+        """Pressure [Pa]."""
+
+    @abc.abstractmethod
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:
+        """Mean molar mass over its value at sea level [1]."""
+
+    @property
+    def has_tides(self) -> bool:
+        """Whether tides are part of temperature and pressure, so that nothing else adds theirs."""
+        return False
+
+    def describe(self) -> str:
+        """Which atmosphere it is, in a short text; by default the name of the class."""
+        return f"atmosphere: {type(self).__name__}"
+
+    def _nan_outside(self, altitude: Altitude, value: Numeric) -> Array:
+        lowest, highest = self.altitude_range
+        return xp.where((altitude >= lowest) & (altitude <= highest), value, np.nan)

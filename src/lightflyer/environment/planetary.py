@@ -14,23 +14,23 @@ from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Acceleration, Fraction, Length
 from lightflyer.core.units import Measured
-from lightflyer.environment.altitude import (
-    AltitudeSection,
-    altitude_coordinate,
-    describe_floor,
-    warn_of_kilometres,
-)
-from lightflyer.environment.atmosphere.base import AbstractAtmosphere
 from lightflyer.environment.base import (
+    AbstractAtmosphere,
     AbstractEnvironment,
     Coordinate,
     EnvironmentState,
     Place,
 )
-from lightflyer.environment.light.dust import Dust, dusty_light
+from lightflyer.environment.light.mars import Dust, dusty_light
 from lightflyer.environment.light.sky import VIEW_OF_PLANET, AbstractSky, describe_shadow
 from lightflyer.environment.planet import Planet
 from lightflyer.environment.radiation import SKY_INFRARED, Radiation
+from lightflyer.environment.section import (
+    AltitudeSection,
+    altitude_coordinate,
+    describe_floor,
+    warn_of_kilometres,
+)
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.registry import GASES

@@ -19,8 +19,7 @@ from lightflyer.core.quantity import (
     PolarAngle,
 )
 from lightflyer.core.text import span
-from lightflyer.environment.horizon import facing_share
-from lightflyer.environment.view_factor import ground_view_factor, sphere_view_factor
+from lightflyer.environment.horizon import facing_share, ground_view_factor, sphere_view_factor
 
 EARTH_ALBEDO = 0.29
 """Share of sunlight that Earth reflects, clouds included: global mean, 99.1 of 340.0 W/m² [1];

@@ -22,7 +22,7 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import AbstractEnvironment, Place
-from lightflyer.environment.wind.beyond import with_end_of_data
+from lightflyer.environment.wind.gridded import with_end_of_data
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import Circle, geographic

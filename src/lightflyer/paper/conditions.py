@@ -19,7 +19,7 @@ from lightflyer.core import constants
 from lightflyer.core.entry_point import entry_point
 from lightflyer.design.setup import Setup
 from lightflyer.design.tables import LEVITATION, tabulate
-from lightflyer.environment.atmosphere.lu2023 import Lu2023Atmosphere
+from lightflyer.environment.atmosphere.earth import Lu2023Atmosphere
 from lightflyer.environment.chamber import Chamber
 from lightflyer.environment.radiation import Radiation
 from lightflyer.film.properties import FilmProperties

@@ -11,7 +11,7 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import Measured
 from lightflyer.design.design import Field
-from lightflyer.environment.altitude import warn_of_kilometres
+from lightflyer.environment.section import warn_of_kilometres
 from lightflyer.study.distributions import (
     MOST_SAMPLES,
     Distribution,

@@ -7,8 +7,8 @@ from typing import Any
 
 from lightflyer.config.designs import as_design
 from lightflyer.design.design import AbstractDesign
-from lightflyer.environment.altitude import warn_of_kilometres
 from lightflyer.environment.base import AbstractEnvironment
+from lightflyer.environment.section import warn_of_kilometres
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Prediction, predict_design
 from lightflyer.uncertainty.propagation import (

@@ -18,8 +18,7 @@ from lightflyer.core.quantity import (
     TemperatureOffset,
 )
 from lightflyer.core.text import span
-from lightflyer.environment.atmosphere.base import AbstractAtmosphere
-from lightflyer.environment.base import Place
+from lightflyer.environment.base import AbstractAtmosphere, Place
 from lightflyer.environment.planet import MARS_PLANET
 from lightflyer.files.table import shipped_table
 from lightflyer.numerics.spline import Spline

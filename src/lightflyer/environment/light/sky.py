@@ -22,8 +22,13 @@ from lightflyer.environment.horizon import (
     visible_share,
 )
 from lightflyer.environment.light.ground import AbstractGround, UniformGround
-from lightflyer.environment.light.sun import AbstractSun, EarthSun, SunInSky, sun_in_sky
-from lightflyer.environment.light.sun_table import TabulatedSun
+from lightflyer.environment.light.sun import (
+    AbstractSun,
+    EarthSun,
+    SunInSky,
+    TabulatedSun,
+    sun_in_sky,
+)
 from lightflyer.environment.planet import EARTH_PLANET, Planet
 from lightflyer.environment.radiation import SKY_INFRARED, Radiation
 

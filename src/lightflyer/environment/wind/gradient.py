@@ -9,7 +9,7 @@ from lightflyer.array.namespace import Numeric, xp
 from lightflyer.core import constants
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude, require_record
-from lightflyer.environment.atmosphere.global_nrlmsis import TROPICAL_YEAR, GlobalNRLMSIS
+from lightflyer.environment.atmosphere.nrlmsis import TROPICAL_YEAR, GlobalNRLMSIS
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.environment.wind.base import AbstractWind

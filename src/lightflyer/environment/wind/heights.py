@@ -8,7 +8,7 @@ import numpy as np
 from lightflyer.core import constants
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.units import scale_and_offset
-from lightflyer.environment.atmosphere.us1976 import US1976
+from lightflyer.environment.atmosphere.earth import US1976
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.environment.wind.gradient import CENTRIFUGAL, normal_gravity
 from lightflyer.environment.wind.layouts import called, unit_of

@@ -16,7 +16,7 @@ from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Altitude
-from lightflyer.environment.atmosphere.global_nrlmsis import TROPICAL_YEAR
+from lightflyer.environment.atmosphere.nrlmsis import TROPICAL_YEAR
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.wind.base import AbstractWind
 

@@ -11,17 +11,14 @@ from pydantic import ValidationInfo
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import GeomagneticIndex, SolarFlux, Velocity
 from lightflyer.core.units import Measured
-from lightflyer.environment.atmosphere.base import AbstractAtmosphere
-from lightflyer.environment.atmosphere.global_nrlmsis import GlobalNRLMSIS
-from lightflyer.environment.atmosphere.nrlmsis import Indices
-from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.environment.wind.beyond import WindBeyondData
+from lightflyer.environment.atmosphere.nrlmsis import GlobalNRLMSIS, Indices
+from lightflyer.environment.base import AbstractAtmosphere
+from lightflyer.environment.wind.base import AbstractWind, SumOfWinds, UniformWind
 from lightflyer.environment.wind.dataset import WindGrid
 from lightflyer.environment.wind.gradient import GradientWind
-from lightflyer.environment.wind.gridded import GriddedWind
+from lightflyer.environment.wind.gridded import GriddedWind, WindBeyondData
 from lightflyer.environment.wind.hwm14 import HWM14
 from lightflyer.environment.wind.store import Store, changes_of, open_wind
-from lightflyer.environment.wind.uniform import SumOfWinds, UniformWind
 from lightflyer.files.section import Alternative
 from lightflyer.files.toml_file import file_beside
 

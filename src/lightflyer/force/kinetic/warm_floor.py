@@ -10,13 +10,13 @@ momentum than those from above: thermophoresis. For a disk of like faces
 Without the denominator it is what free molecules bring: :math:`\vartheta` is the half-angle at
 which the disk sees the floor, and d the geometric mean of the distances. In dense gas the force
 falls somewhat faster than the square of the mean free path. Three numbers are fitted to the
-solutions behind :mod:`lightflyer.environment.warm_floor`, for TACs of 0.85; they follow them within
+solutions behind :mod:`lightflyer.environment.chamber`, for TACs of 0.85; they follow them within
 0.003 and 5 % (r.m.s.).
 """
 
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.environment.base import EnvironmentState
-from lightflyer.environment.warm_floor import distances, middle_distance
+from lightflyer.environment.chamber import distances, middle_distance
 from lightflyer.flyer.disk import Disk
 
 _FIRST, _SECOND, _STEEPNESS = 0.1679, 0.0516, 1.1198  # a, b, c

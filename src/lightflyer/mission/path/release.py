@@ -21,9 +21,9 @@ from lightflyer.core.quantity import (
     quantity_of,
     require_record,
 )
-from lightflyer.environment.altitude import warn_of_kilometres
 from lightflyer.environment.base import AbstractEnvironment, Place, Wind
 from lightflyer.environment.radiation import Attitude
+from lightflyer.environment.section import warn_of_kilometres
 from lightflyer.mission.path.integration import Limits, Start
 from lightflyer.mission.path.motion import Vehicle
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lightflyer.environment.base import Place
-from lightflyer.environment.wind.beyond import WindBeyondData
+from lightflyer.environment.wind.gridded import WindBeyondData
 from lightflyer.mission.areas import geographic
 from lightflyer.mission.path.integration import Trajectory
 from lightflyer.mission.path.motion import Course, Vehicle, moments

@@ -11,7 +11,7 @@ from lightflyer.core.clock import seconds_of
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked
-from lightflyer.environment.atmosphere.us1976 import US1976
+from lightflyer.environment.atmosphere.earth import US1976
 from lightflyer.environment.base import AbstractEnvironment, Place
 from lightflyer.environment.planetary import Planetary
 from lightflyer.mission.areas import distances_between, geographic, units_of

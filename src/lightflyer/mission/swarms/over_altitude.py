@@ -10,7 +10,7 @@ import numpy as np
 import lightflyer
 from lightflyer.core.errors import ParameterError
 from lightflyer.design.setup import Setup
-from lightflyer.environment.altitude import altitude_coordinate
+from lightflyer.environment.section import altitude_coordinate
 from lightflyer.files.display_units import amount, suitable
 from lightflyer.files.result_text import Parts, table_of, warning_lines, wrap
 from lightflyer.mission.path.steady import hanging_stability, steady_drift

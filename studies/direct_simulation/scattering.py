@@ -25,8 +25,7 @@ from lightflyer.force.kinetic.collisions import (
     with_collisions,
 )
 from lightflyer.force.kinetic.ratios import kinetic_fit
-from lightflyer.force.kinetic.scattering import Accommodations
-from lightflyer.force.kinetic.walls import scattering_fit, wall_fit
+from lightflyer.force.kinetic.walls import Accommodations, scattering_fit, wall_fit
 from lightflyer.force.laws.faces import accommodated_force
 from lightflyer.kinetic_theory.disk.cases import MEDIUM, Case, Resolution, solve_case
 from lightflyer.kinetic_theory.model_gases import gas_model

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 import lightflyer as lf
 from lightflyer.drag import disk, free_molecular
-from lightflyer.drag.disk_table import dense_share
+from lightflyer.drag.disk import dense_share
 from lightflyer.files import drawing as plot
 from lightflyer.files import palette
 

@@ -1,7 +1,7 @@
 """Fit what a warm floor does: the share of its excess that the gas has, and its push on a disk.
 
 Run as ``python studies/kinetic_chamber/warm_floor.py``; prints the numbers of
-``environment/chamber.py`` and ``force/kinetic/warm_floor.py``, and what is left of the table.
+``environment/chamber.py`` and ``force/kinetic/chamber.py``, and what is left of the table.
 """
 
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from lightflyer.array.namespace import float64
 from lightflyer.environment import chamber
 from lightflyer.files.table import shipped_table
-from lightflyer.force.kinetic import warm_floor as kinetic_warm_floor
+from lightflyer.force.kinetic import chamber as kinetic_warm_floor
 
 TAC = 0.85  # of the table's disk
 

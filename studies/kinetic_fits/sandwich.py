@@ -13,12 +13,10 @@ from kinetic_fits.common import (
 )
 from kinetic_fits.surfaces import mean_tac
 
-from lightflyer.force.kinetic import sandwich_walls
+from lightflyer.force.kinetic import sandwich_table
 from lightflyer.force.kinetic.ratios import KineticFit
-from lightflyer.force.kinetic.sandwich_table import Resistance, SandwichFit, flow
-from lightflyer.force.kinetic.sandwich_walls import SandwichWallsFit
-from lightflyer.force.kinetic.scattering import Accommodations
-from lightflyer.force.kinetic.walls import kinds_of
+from lightflyer.force.kinetic.sandwich_table import Resistance, SandwichFit, SandwichWallsFit, flow
+from lightflyer.force.kinetic.walls import Accommodations, kinds_of
 from lightflyer.numerics.horner import as_tuples
 
 _MOST = 8  # power of the rarefaction
@@ -113,7 +111,7 @@ def fit_walls(table: dict[str, np.ndarray], gas: str, maxwell: SandwichFit) -> S
     ends, tac = ends_of(rarefaction), mean_tac(table, gas)
     share = (1.0 - table["open_fraction"]) * tac
     ratio = maxwell.ratios(rarefaction, table["open_fraction"], tac, share, 1.0).force
-    dense = sandwich_walls.denseness(rarefaction)
+    dense = sandwich_table.denseness(rarefaction)
     powers = [
         (place, *others)
         for place in range(_PLACE_DEGREE + 1)
@@ -129,15 +127,15 @@ def fit_walls(table: dict[str, np.ndarray], gas: str, maxwell: SandwichFit) -> S
 def fit_sharing(gas: str, scattered: SandwichWallsFit) -> tuple[Coefficients, ...]:
     """What collisions add to the pushes at both ends of how a face may share its TAC."""
     # over place, open fraction and TAC: more than three numbers would slow each prediction
-    ranges = (-1.0, 1.0), scattered.ranges[0], sandwich_walls.UNKNOWN_TACS
+    ranges = (-1.0, 1.0), scattered.ranges[0], sandwich_table.UNKNOWN_TACS
     axes = np.meshgrid(*(np.linspace(*range_, 13) for range_ in ranges))
     place, hole, tac = variables = tuple(axis.ravel() for axis in axes)
     low, high = np.log(scattered.rarefaction_range)
     rarefaction = np.exp(0.5 * (low + high + place * (high - low)))
-    dense = sandwich_walls.denseness(rarefaction)
+    dense = sandwich_table.denseness(rarefaction)
     return tuple(
         least_squares(
             scattered.added(rarefaction, hole, end) / dense, variables, _SHARED_POWERS, 1.0 / dense
         )
-        for end in sandwich_walls.ends(tac, gas)
+        for end in sandwich_table.ends(tac, gas)
     )

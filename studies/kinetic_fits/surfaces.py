@@ -8,10 +8,8 @@ from kinetic_fits.common import Coefficients, ends_of, least_squares, place_in
 from lightflyer.force.kinetic import chamber, collisions, walls
 from lightflyer.force.kinetic.chamber import ChamberFit
 from lightflyer.force.kinetic.collisions import CollisionFit
-from lightflyer.force.kinetic.local_balance import LocalBalanceFit
-from lightflyer.force.kinetic.ratios import KineticFit, denseness
-from lightflyer.force.kinetic.scattering import Accommodations, ScatteringFit
-from lightflyer.force.kinetic.walls import WallFit
+from lightflyer.force.kinetic.ratios import KineticFit, LocalBalanceFit, denseness
+from lightflyer.force.kinetic.walls import Accommodations, ScatteringFit, WallFit
 
 Columns: TypeAlias = dict[str, np.ndarray]
 """Columns of a table, shape (n,) each."""

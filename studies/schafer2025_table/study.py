@@ -14,8 +14,7 @@ import numpy as np
 import lightflyer as lf
 from lightflyer.files import drawing as plot
 from lightflyer.files import palette
-from lightflyer.force.membranes.schafer2025 import rarefaction
-from lightflyer.force.membranes.schafer2025_table import perforated_disk_fit
+from lightflyer.force.schafer2025 import perforated_disk_fit, rarefaction
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent))

@@ -11,7 +11,7 @@ from scipy.special import erfc
 import lightflyer as lf
 from lightflyer.array.namespace import by_jax
 from lightflyer.budget import Budget, Item, RadioLink, SolarCells, free_space_loss
-from lightflyer.budget.link import REQUIRED_SIGNAL_DB
+from lightflyer.budget.payload import REQUIRED_SIGNAL_DB
 from lightflyer.comparison.text import needs_table
 from lightflyer.config.designs import as_design
 from lightflyer.design.diagnostics import diagnose_at

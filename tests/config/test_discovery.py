@@ -9,7 +9,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.core import extras
 from lightflyer.files.result_text import unwrap
-from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.base import FlyerSection
 
 WORKS = """
 from typing import Literal

@@ -10,8 +10,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.drag.convex import sphere_outline
-from lightflyer.flyer.hollow_geometry import FORMS
-from lightflyer.flyer.hollow_outline import hollow_outline
+from lightflyer.flyer.hollow_geometry import FORMS, hollow_outline
 
 KINDS = ("earth", "sandwich", "plate", "hollow", "balloon", "particle")
 

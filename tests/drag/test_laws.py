@@ -12,10 +12,14 @@ from scipy.integrate import quad
 import lightflyer as lf
 from lightflyer.drag import free_molecular
 from lightflyer.drag.convex import convex_drag, sphere_outline
-from lightflyer.drag.disk import _EDGEWISE_SHARE, EDGEWISE, edgewise_disk_drag
-from lightflyer.drag.disk_table import dense_share
-from lightflyer.drag.inertia import disk_inertia, edgewise_inertia, sphere_inertia
-from lightflyer.drag.similarity import molecular_speed, viscosity_growth
+from lightflyer.drag.disk import _EDGEWISE_SHARE, EDGEWISE, dense_share, edgewise_disk_drag
+from lightflyer.drag.similarity import (
+    disk_inertia,
+    edgewise_inertia,
+    molecular_speed,
+    sphere_inertia,
+    viscosity_growth,
+)
 from lightflyer.gas import AIR
 
 STUDIES = Path(__file__).parents[2] / "studies" / "drag"

@@ -9,7 +9,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.core.errors import ParameterError
 from lightflyer.drag import free_molecular
-from lightflyer.drag.disk_table import dense_share
+from lightflyer.drag.disk import dense_share
 from lightflyer.kinetic_theory.disk import cases
 from lightflyer.kinetic_theory.disk.cases import COARSE, Case, Resolution, solve_case
 from lightflyer.kinetic_theory.disk.hot_moving import hot_disk_drag

@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 
 from lightflyer import explorer
 from lightflyer.files import palette
-from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.base import FlyerSection
 
 STATIC = Path(explorer.__file__).parent / "static"
 

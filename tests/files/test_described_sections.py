@@ -12,7 +12,7 @@ import pytest
 import lightflyer as lf
 import lightflyer.config.flyer_file  # it knows all flyers and force models
 from lightflyer.array.records import Module, field
-from lightflyer.budget.section import CellsSection, ItemSection, LinkSection, PayloadSection
+from lightflyer.budget.payload import CellsSection, ItemSection, LinkSection, PayloadSection
 from lightflyer.core.quantity import Checked, Length, StandardErrors, quantities_of, quantity_of
 from lightflyer.core.units import Measured
 from lightflyer.files.section import DIAMETER, Section, Spelling

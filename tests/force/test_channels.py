@@ -18,7 +18,7 @@ from lightflyer.force.laws.channels import (
     thermomolecular_exponent,
     thermomolecular_pressure,
 )
-from lightflyer.gas.transmission_probability import slot_transmission
+from lightflyer.gas.molecules import slot_transmission
 
 BOTH = pytest.mark.parametrize("shape", [SLOT, ROUND], ids=lambda shape: shape.name)
 LENGTHS = np.array([0.05, 0.5, 1.0, 2.0, 5.0])

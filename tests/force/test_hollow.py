@@ -15,7 +15,7 @@ from lightflyer.force.convection import sphere_conductance
 from lightflyer.force.laws.channels import SLOT, channel_coefficients, direct_share
 from lightflyer.force.pumps import celenza2023_laws as published
 from lightflyer.force.pumps.hollow_flow import Corrections, Errors, PumpFlow, pump_flow
-from lightflyer.gas.transmission_probability import slot_transmission
+from lightflyer.gas.molecules import slot_transmission
 from lightflyer.statics.equations import FlightEquations
 
 MODEL = lf.HollowPump()

@@ -8,10 +8,10 @@ from kinetic_fits import sandwich
 
 import lightflyer as lf
 from lightflyer.files.table import shipped_table
-from lightflyer.force.kinetic import sandwich_walls as walls
+from lightflyer.force.kinetic import sandwich_table as walls
 from lightflyer.force.kinetic.sandwich_table import sandwich_fit
-from lightflyer.force.kinetic.scattering import Accommodations
-from lightflyer.force.membranes.sandwich import rarefaction
+from lightflyer.force.kinetic.walls import Accommodations
+from lightflyer.force.schafer2025 import rarefaction
 
 COLD, RADIUS = 220.0, 0.01
 CL = "cercignani-lampis"

@@ -6,7 +6,7 @@ import pytest
 import lightflyer as lf
 from lightflyer.config.reader import read_flyer_file
 from lightflyer.gas import AIR, ARGON, CARBON_DIOXIDE, HELIUM, NITROGEN, OXYGEN
-from lightflyer.gas.relaxation import Parker, vhs_collision_rate
+from lightflyer.gas.molecules import Parker, vhs_collision_rate
 
 REFERENCES = (AIR, NITROGEN, OXYGEN, ARGON, HELIUM)
 

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.config.designs import as_design
-from lightflyer.drag.turning import turning_disk_torque
+from lightflyer.drag.disk import turning_disk_torque
 from lightflyer.mission.path.steady import _Body, longest_rod, modes_of
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)

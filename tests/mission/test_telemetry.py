@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 import lightflyer as lf
-from lightflyer.budget.link import RadioLink
+from lightflyer.budget.payload import RadioLink
 from lightflyer.mission.path.integration import ALTITUDE_SCALE, Trajectory
 from lightflyer.mission.report.ground import Receiver, margin, passes_of, write_passes_csv
 

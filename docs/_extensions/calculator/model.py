@@ -22,7 +22,7 @@ from lightflyer.design.diagnostics import diagnose_force
 from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.film.properties import FilmProperties, FilmSection
-from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.base import FlyerSection
 from lightflyer.uncertainty.propagation import DEFAULT_SAMPLES
 
 from .javascript import Tables, write_function

@@ -11,7 +11,7 @@ import pydantic
 
 from lightflyer.array import tree
 from lightflyer.array.namespace import Numeric, by_numpy
-from lightflyer.budget.section import PayloadSection
+from lightflyer.budget.payload import PayloadSection
 from lightflyer.config.discovery import discover
 from lightflyer.config.searched_films import SurrogateFilms, part_at
 from lightflyer.core.errors import ConfigurationError, ParameterError
@@ -22,8 +22,8 @@ from lightflyer.design.setup import Setup
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.files.section import Alternative, Section
 from lightflyer.film.properties import FilmSection
-from lightflyer.flyer.section import FlyerSection
-from lightflyer.force.section import ForceSection
+from lightflyer.flyer.base import FlyerSection
+from lightflyer.force.base import ForceSection
 
 discover()
 

@@ -26,14 +26,15 @@ from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import short_repr
 from lightflyer.core.entry_point import entry_point
 from lightflyer.drag import free_molecular
-from lightflyer.drag.inertia import SPHERE_REYNOLDS, sphere_inertia
 from lightflyer.drag.similarity import (
     SLOW,
+    SPHERE_REYNOLDS,
     THIN,
     WARMTH,
     molecular_speed,
     rarefaction_parameter,
     reynolds_number,
+    sphere_inertia,
     viscosity_growth,
 )
 from lightflyer.gas.base import AbstractGas

@@ -55,7 +55,7 @@ from lightflyer.environment.radiation import Radiation
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.gas.air import AIR
 from lightflyer.gas.base import AbstractGas, mean_free_path
-from lightflyer.gas.registry import GASES
+from lightflyer.gas.pure import GASES
 from lightflyer.numerics.special import i0e
 
 _RARE = 0.4257  # Of the join of both limits, :math:`c`

@@ -38,7 +38,7 @@ from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.environment.wind.section import WindSection
 from lightflyer.gas.air import AIR, LU2023_AIR
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.registry import AIRS
+from lightflyer.gas.pure import AIRS
 
 _PLACE = ("date", "latitude", "longitude")
 _GIVEN_LIGHT = ("irradiance", "incidence")

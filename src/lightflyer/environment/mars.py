@@ -45,7 +45,7 @@ from lightflyer.environment.planetary import Planetary, PlanetSection
 from lightflyer.environment.radiation import SKY_INFRARED, Radiation
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.carbon_dioxide import CARBON_DIOXIDE
-from lightflyer.gas.registry import CARBON_DIOXIDES
+from lightflyer.gas.pure import CARBON_DIOXIDES
 
 _GAS_CONSTANT = 1e3 * constants.BOLTZMANN * constants.AVOGADRO  # [J/(kmol K)]
 

@@ -33,7 +33,7 @@ from lightflyer.environment.section import (
 )
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.registry import GASES
+from lightflyer.gas.pure import GASES
 
 _SHADOW_STEPS = 1501  # of the altitudes searched, in which the shadow's edge is looked for
 

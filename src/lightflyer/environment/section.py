@@ -28,7 +28,7 @@ from lightflyer.core.units import Measured, scale_and_offset
 from lightflyer.environment.base import AbstractEnvironment, Coordinate
 from lightflyer.environment.radiation import Radiation
 from lightflyer.files.section import Alternative, OneOf
-from lightflyer.gas.registry import GASES
+from lightflyer.gas.pure import GASES
 
 _SEARCH = "says where bands are searched"
 

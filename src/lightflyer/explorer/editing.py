@@ -31,7 +31,7 @@ from lightflyer.explorer.grammar import (
 from lightflyer.explorer.maps import Choices
 from lightflyer.explorer.state import Document, Workplace, plain, to_toml
 from lightflyer.files.section import Alternative, Section
-from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.base import FlyerSection
 from lightflyer.prediction.tables import to_dataset, write_csv
 
 _DECADE = 10.0  # a slider of a positive number reaches so many times below and above

@@ -22,8 +22,8 @@ from lightflyer.environment.section import EnvironmentSection
 from lightflyer.files.section import Alternative, OneOf, Section
 from lightflyer.film.media.library import material_names
 from lightflyer.film.properties import FilmSection
-from lightflyer.flyer.section import FlyerSection
-from lightflyer.force.section import ForceSection
+from lightflyer.flyer.base import FlyerSection
+from lightflyer.force.base import ForceSection
 from lightflyer.mission.mission_file import EnsembleSection, LaunchesSection, MissionSection
 
 _HEADER = re.compile(r"^\s*(?:# )?\[([\w.]+)\]")

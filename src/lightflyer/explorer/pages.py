@@ -41,7 +41,7 @@ from lightflyer.explorer.state import (
     to_url,
 )
 from lightflyer.files.palette import ON_PAGES, SERIES_ON_DARK
-from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.base import FlyerSection
 
 Answer = dict[str, Any]
 

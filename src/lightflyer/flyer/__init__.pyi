@@ -1,6 +1,7 @@
 from .balloon import Balloon as Balloon
 from .balloon import BalloonSection as BalloonSection
 from .base import AbstractFlyer as AbstractFlyer
+from .base import FlyerSection as FlyerSection
 from .disk import Disk as Disk
 from .disk import DiskSection as DiskSection
 from .hollow import HollowBody as HollowBody
@@ -9,6 +10,5 @@ from .plate import Plate as Plate
 from .plate import PlateSection as PlateSection
 from .sandwich import Sandwich as Sandwich
 from .sandwich import SandwichSection as SandwichSection
-from .section import FlyerSection as FlyerSection
 from .sphere import Sphere as Sphere
 from .sphere import SphereSection as SphereSection

@@ -15,10 +15,8 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.properties import FilmProperties, excess_of_growth
-from lightflyer.flyer.bodies import AbstractClosedFlyer
-from lightflyer.flyer.section import FlyerSection
-from lightflyer.flyer.shape import Shape
-from lightflyer.flyer.shell_shape import OF_SHELLS, Wall, shape_of_sphere
+from lightflyer.flyer.base import AbstractClosedFlyer, FlyerSection
+from lightflyer.flyer.shape import OF_SHELLS, Shape, Wall, shape_of_sphere
 
 _MOLAR_GAS_CONSTANT = constants.BOLTZMANN * constants.AVOGADRO  # [J/(mol K)]
 

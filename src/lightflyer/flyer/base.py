@@ -1,18 +1,31 @@
-"""Base class of flyers: what the heat balance and the force models need of them."""
+"""Base class of flyers, what those of one kind of body share, and ``[flyer]`` of a flyer file."""
 
 import abc
 import dataclasses
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+
 from lightflyer.array.namespace import Array, Numeric
 from lightflyer.array.records import AbstractClassVar, AbstractVar
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.quantity import Checked, Mass
-from lightflyer.drag.disk import Direction
+from lightflyer.core.quantity import RADIANS_PER_DEGREE, Azimuth, Checked, Mass, Tilt
+from lightflyer.core.units import Measured, scale_and_offset
+from lightflyer.drag.convex import Outline, convex_diagnostics, convex_drag
+from lightflyer.drag.disk import (
+    Direction,
+    disk_diagnostics,
+    disk_drag,
+    edgewise_disk_drag,
+    wide_hole_diagnostics,
+)
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
+from lightflyer.files.section import Alternative
 from lightflyer.film.properties import FilmProperties, lowest_limit
-from lightflyer.flyer.shape import Shape
+from lightflyer.film.section import FilmSection
+from lightflyer.flyer.hanging import THREE_POINTS, Hanging, Held
+from lightflyer.flyer.shape import Bent, Shape
 
 HIGHEST_TEMPERATURE = 3000.0
 """Highest temperature of the search [K]: no film survives it, and the gas correlations end
@@ -196,3 +209,184 @@ class AbstractFlyer(Checked):
         """
         del state
         return (excess,) * len(self.nodes) + (0.0 * excess,) * len(self.flows)
+
+
+class AbstractThinFlyer(AbstractFlyer):
+    """A thin round body of one film or several, with or without holes; its drag is a disk's."""
+
+    shown_unit: ClassVar[str] = "cm"
+    """Unit in which it is described."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def radius(self) -> Numeric: ...
+        @property
+        def hanging_radius(self) -> Numeric | None: ...
+        @property
+        def hanging(self) -> Hanging: ...
+
+    @property
+    @abc.abstractmethod
+    def faces(self) -> tuple[FilmProperties, FilmProperties]:
+        """Films whose top and whose bottom face the gas meets."""
+
+    @property
+    def passing_share(self) -> Numeric:
+        """Share of the free molecules arriving at the flyer that pass it [1]."""
+        return 0.0
+
+    @property
+    def widest_holes(self) -> tuple[Numeric, Numeric]:
+        """Radius of the holes [m], and their share of the area [1]."""
+        return 0.0, 0.0
+
+    @property
+    def area(self) -> Numeric:
+        """Area of the outline, holes included [m²]."""
+        return np.pi * self.radius**2
+
+    def held(self, state: EnvironmentState) -> Held:
+        """Its masses, and how its payload hangs."""
+        three = self.hanging == THREE_POINTS
+        return Held(self.own_mass, self.payload, state.gravity, self.hanging_radius, three)
+
+    def bent(self, state: EnvironmentState, temperatures: tuple[Array, ...]) -> Bent:
+        """How it curls and carries at temperatures of its nodes [K]."""
+        del state, temperatures
+        raise ConfigurationError(f"{self.describe()}: its layers are not known as a structure")
+
+    @property
+    def _tacs(self) -> tuple[Numeric, Numeric]:
+        top, bottom = self.faces
+        return top.tac_top, bottom.tac_bottom
+
+    def drag(
+        self,
+        state: EnvironmentState,
+        unknowns: tuple[Array, ...],
+        speed: Numeric,
+        direction: Direction = "broadside",
+    ) -> Array:
+        """Drag of a disk that lets a share of the gas pass [N]."""
+        law = edgewise_disk_drag if direction == "edgewise" else disk_drag
+        gas = (state.pressure, state.temperature, state.gas)
+        excesses = (unknowns[0], unknowns[len(self.nodes) - 1])
+        return law(speed, self.radius, *gas, self._tacs, excesses, self.passing_share)
+
+    def drag_diagnostics(
+        self,
+        state: EnvironmentState,
+        speed: Numeric,
+        direction: Direction = "broadside",
+        temperature: Numeric | None = None,
+    ) -> tuple[str, ...]:
+        gas = (state.pressure, state.temperature, state.gas)
+        hole_radius, open_fraction = self.widest_holes
+        return (
+            *disk_diagnostics(speed, self.radius, *gas, self._tacs, direction, temperature),
+            *wide_hole_diagnostics(hole_radius, self.radius, open_fraction, *gas),
+        )
+
+    def describe(self) -> str:
+        diameter = 2.0 * float(np.asarray(self.radius)) * scale_and_offset("m", self.shown_unit)[0]
+        return f"{type(self).__name__.lower()} of {diameter:g} {self.shown_unit}"
+
+
+class AbstractClosedFlyer(AbstractFlyer):
+    """A closed convex body, whose drag is that of its outline."""
+
+    @abc.abstractmethod
+    def outer_wall(self, unknowns: tuple[Array, ...]) -> tuple[Numeric, Numeric]:
+        """TAC of what the gas around meets, and its excess [1]."""
+
+    @abc.abstractmethod
+    def outline(self, direction: Direction) -> Outline:
+        """Outline along its motion."""
+
+    def drag(
+        self,
+        state: EnvironmentState,
+        unknowns: tuple[Array, ...],
+        speed: Numeric,
+        direction: Direction = "broadside",
+    ) -> Array:
+        """Drag of a closed body of this shape [N]."""
+        gas = (state.pressure, state.temperature, state.gas)
+        return convex_drag(speed, self.outline(direction), *gas, *self.outer_wall(unknowns))
+
+    def drag_diagnostics(
+        self,
+        state: EnvironmentState,
+        speed: Numeric,
+        direction: Direction = "broadside",
+        temperature: Numeric | None = None,
+    ) -> tuple[str, ...]:
+        gas = (state.pressure, state.temperature, state.gas)
+        return tuple(convex_diagnostics(speed, self.outline(direction), *gas, temperature))
+
+
+_FILM = "film"
+
+
+class FlyerSection(Alternative):
+    """``[flyer]``: payload and attitude; subclasses add shape and size.
+
+    A field ``film`` of the flyer is what ``[film]`` says; any other film has a section of its own,
+    such as ``[flyer.top]``, after the numbers.
+    """
+
+    choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = (("shape", "disk"),)
+    flyer_type: ClassVar[type[AbstractFlyer]]
+    """Class of the flyer that the section builds."""
+
+    needs_film: ClassVar[bool] = True
+    """Whether the file needs a section ``[film]``; a flyer of several films holds its own."""
+
+    needs_transmittance: ClassVar[bool] = True
+    """Whether it matters what passes a film: where light or heat radiation then meets another."""
+
+    default_model: ClassVar[str] = "kinetic"
+    """Force model where the file has no ``[force]``."""
+
+    payload: Mass = Measured(0.0)
+    tilt: Tilt = Measured(0.0)
+    azimuth: Azimuth = Measured(0.0)
+
+    def __init_subclass__(cls, of: type[AbstractFlyer] | None = None, **options: Any) -> None:
+        if of is not None:
+            cls.flyer_type = of
+            if "needs_film" not in vars(cls):
+                cls.needs_film = _FILM in of.film_names() or not of.film_names()
+        super().__init_subclass__(of=of, **options)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader of any result must know beside what films say, one line each."""
+        return ()
+
+    def idle(self) -> dict[str, str]:
+        level = self.tilt == Measured(0.0) and self.azimuth != self.tilt
+        return {"azimuth": "without tilt"} if level else {}
+
+    @classmethod
+    def keys_of(cls, described: type) -> dict[str, tuple[Any, Any]]:
+        films = {name: (FilmSection, ...) for name in cls.flyer_type.film_names() if name != _FILM}
+        return super().keys_of(described) | films
+
+    def build(self, film: FilmProperties | None, incidence: float) -> AbstractFlyer:
+        """The flyer; ``film``: what ``[film]`` says, where :attr:`needs_film`."""
+        films = {
+            name: film if name == _FILM else getattr(self, name).build(incidence)
+            for name in self.flyer_type.film_names()
+        }
+        return self.make(**films, attitude=self.attitude())
+
+    def attitude(self) -> Attitude | None:
+        """Attitude of the flyer, None for a level one."""
+        level = isinstance(self.tilt.value, float) and self.tilt.value == 0.0
+        if level:
+            return None
+        return Attitude(
+            self.tilt.value * RADIANS_PER_DEGREE, self.azimuth.value * RADIANS_PER_DEGREE
+        )

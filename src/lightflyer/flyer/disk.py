@@ -10,9 +10,8 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.bodies import AbstractThinFlyer
+from lightflyer.flyer.base import AbstractThinFlyer, FlyerSection
 from lightflyer.flyer.hanging import Hanging, hangs_wrongly
-from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import OF_FILMS, Bent, Shape, bent_film, shape_of_film
 
 

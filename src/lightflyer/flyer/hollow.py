@@ -22,17 +22,16 @@ from lightflyer.environment.radiation import Attitude, Exitances, Radiation
 from lightflyer.files.section import Spelling
 from lightflyer.film.optics.waves import narrow_channels
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.bodies import AbstractClosedFlyer
+from lightflyer.flyer.base import AbstractClosedFlyer, FlyerSection
 from lightflyer.flyer.hollow_geometry import (
     FORMS,
     Form,
     HollowForm,
+    hollow_outline,
     silhouette_below_horizon,
     tube_sizes,
 )
-from lightflyer.flyer.hollow_outline import hollow_outline
-from lightflyer.flyer.section import FlyerSection
-from lightflyer.flyer.shape import Shape
+from lightflyer.flyer.shape import OF_SHELLS, Shape, Wall, shape_of_sphere, shape_of_tube
 from lightflyer.flyer.sheets import (
     DARK,
     Exitance,
@@ -42,7 +41,6 @@ from lightflyer.flyer.sheets import (
     sheet_in_infrared,
     sheet_in_light,
 )
-from lightflyer.flyer.shell_shape import OF_SHELLS, Wall, shape_of_sphere, shape_of_tube
 
 _CENTIMETRE = 1e-2
 

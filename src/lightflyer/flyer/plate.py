@@ -22,13 +22,12 @@ from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.optics.waves import narrow_channels
 from lightflyer.film.properties import FilmProperties
-from lightflyer.flyer.bodies import AbstractThinFlyer
+from lightflyer.flyer.base import AbstractThinFlyer, FlyerSection
 from lightflyer.flyer.hanging import Hanging, hangs_wrongly
 from lightflyer.flyer.sandwich import Sandwich
-from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import OF_SANDWICHES, Bent, Core, Shape
 from lightflyer.flyer.sheets import net_gains, sheet_in_light
-from lightflyer.gas.transmission_probability import slot_transmission
+from lightflyer.gas.molecules import slot_transmission
 
 SHEAR_MODULUS = 5.6e10  # of alumina, by data/mechanics.toml [Pa]
 

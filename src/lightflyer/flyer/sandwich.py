@@ -27,9 +27,8 @@ from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Section, Spelling
 from lightflyer.film.optics.waves import narrow_holes
 from lightflyer.film.properties import FilmProperties, excess_of_growth
-from lightflyer.flyer.bodies import AbstractThinFlyer
+from lightflyer.flyer.base import AbstractThinFlyer, FlyerSection
 from lightflyer.flyer.hanging import Hanging, hangs_wrongly
-from lightflyer.flyer.section import FlyerSection
 from lightflyer.flyer.shape import (
     OF_SANDWICHES,
     Bent,
@@ -48,7 +47,7 @@ from lightflyer.flyer.sheets import (
     sheet_in_infrared,
     sheet_in_light,
 )
-from lightflyer.gas.transmission_probability import coaxial_share
+from lightflyer.gas.molecules import coaxial_share
 from lightflyer.structure.laminate import Laminate
 from lightflyer.structure.sandwich import Ligaments
 

@@ -44,8 +44,7 @@ from lightflyer.film.optics.curve import (
 from lightflyer.film.optics.spectra import Spectrum
 from lightflyer.film.optics.sphere import read_absorbed_powers, sphere_absorption
 from lightflyer.film.properties import excess_of_growth
-from lightflyer.flyer.bodies import AbstractClosedFlyer
-from lightflyer.flyer.section import FlyerSection
+from lightflyer.flyer.base import AbstractClosedFlyer, FlyerSection
 from lightflyer.numerics.spline import Spline
 
 Upright = Literal["nothing", "gravity", "dipole"]

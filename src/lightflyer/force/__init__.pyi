@@ -1,6 +1,7 @@
-from .balloon import BalloonConvection as BalloonConvection
 from .base import AbstractForceModel as AbstractForceModel
+from .base import ForceSection as ForceSection
 from .base import ModelResult as ModelResult
+from .convection import BalloonConvection as BalloonConvection
 from .free_molecular import FreeMolecular as FreeMolecular
 from .free_molecular import LinearFreeMolecular as LinearFreeMolecular
 from .kinetic.model import Kinetic as Kinetic
@@ -8,13 +9,12 @@ from .lu2023 import PRINTED as PRINTED
 from .lu2023 import REPORTED as REPORTED
 from .lu2023 import Lu2023 as Lu2023
 from .lu2023 import Reading as Reading
-from .membranes.schafer2025 import Schafer2025 as Schafer2025
-from .pumps.celenza2023 import Celenza2023 as Celenza2023
+from .lu2023 import SimpleForm as SimpleForm
+from .lu2023 import fit_simple_form as fit_simple_form
 from .pumps.channel_pump import ChannelPump as ChannelPump
+from .pumps.hollow_pump import Celenza2023 as Celenza2023
 from .pumps.hollow_pump import HollowPump as HollowPump
-from .section import ForceSection as ForceSection
-from .simple_form import SimpleForm as SimpleForm
-from .simple_form import fit_simple_form as fit_simple_form
+from .schafer2025 import Schafer2025 as Schafer2025
 from .spheres import FreeMolecularSphere as FreeMolecularSphere
 from .spheres import KineticSphere as KineticSphere
 from .spheres import Rohatschek1995 as Rohatschek1995

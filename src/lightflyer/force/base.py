@@ -1,4 +1,4 @@
-"""Base class of force models.
+"""Base class of force models, and ``[force]`` of a flyer file.
 
 A force model answers two questions about a flyer that is not as warm as the gas: how much heat does
 the gas take from each part of it, and how strongly does the gas push it? A new model is one small
@@ -17,6 +17,7 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Checked, quantities_of
 from lightflyer.core.validity import Looks, describe
 from lightflyer.environment.base import EnvironmentState
+from lightflyer.files.section import Alternative
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.gas.base import AbstractGas
 
@@ -137,3 +138,20 @@ class AbstractForceModel(Checked):
                 f"force model {type(self).__name__} is not for {gas.name}, whose molecules are "
                 f"{gas.molecules}; it is for {' and '.join(self.molecules)} gas"
             )
+
+
+class ForceSection(Alternative):
+    """``[force]``: a force model."""
+
+    choosing_keys: ClassVar[tuple[tuple[str, str], ...]] = (("model", "kinetic"),)
+    model_type: ClassVar[type[AbstractForceModel]]
+    """Class of the model that the section builds."""
+
+    def __init_subclass__(cls, of: type[AbstractForceModel] | None = None, **options: Any) -> None:
+        if of is not None:
+            cls.model_type = of
+        super().__init_subclass__(of=of, **options)
+
+    def build(self) -> AbstractForceModel:
+        """The force model."""
+        return self.make()

@@ -9,9 +9,8 @@ from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
-from lightflyer.force.base import AbstractForceModel
+from lightflyer.force.base import AbstractForceModel, ForceSection
 from lightflyer.force.laws.faces import accommodated_force, free_molecular_conductance, linear_force
-from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import knudsen_number
 
 # by the kinetic force, collisions take 1 % at Kn 10

@@ -22,10 +22,9 @@ from lightflyer.drag.similarity import rarefaction_parameter
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.sphere import Sphere
-from lightflyer.force.base import AbstractForceModel, ModelResult
+from lightflyer.force.base import AbstractForceModel, ForceSection, ModelResult
 from lightflyer.force.convection import joined_conductance, sphere_conductance
 from lightflyer.force.laws.faces import accommodated_force, free_molecular_conductance
-from lightflyer.force.section import ForceSection
 from lightflyer.gas.base import knudsen_number
 
 _THERMAL_CREEP = 1.14  # κ of [Rohatschek1995]

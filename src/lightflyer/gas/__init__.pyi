@@ -12,8 +12,10 @@ from .carbon_dioxide import CARBON_DIOXIDE as CARBON_DIOXIDE
 from .carbon_dioxide import FROZEN_CARBON_DIOXIDE as FROZEN_CARBON_DIOXIDE
 from .carbon_dioxide import CarbonDioxide as CarbonDioxide
 from .carbon_dioxide import FrozenCarbonDioxide as FrozenCarbonDioxide
-from .lemmon_jacobsen import LemmonJacobsen as LemmonJacobsen
+from .molecules import Parker as Parker
+from .molecules import vhs_collision_rate as vhs_collision_rate
 from .pure import ARGON as ARGON
+from .pure import GASES as GASES
 from .pure import HELIUM as HELIUM
 from .pure import NITROGEN as NITROGEN
 from .pure import OXYGEN as OXYGEN
@@ -25,6 +27,4 @@ from .reference import GAS_CONSTANT as GAS_CONSTANT
 from .reference import AbstractReferenceGas as AbstractReferenceGas
 from .reference import Correlations as Correlations
 from .reference import IdealHeatCapacity as IdealHeatCapacity
-from .registry import GASES as GASES
-from .relaxation import Parker as Parker
-from .relaxation import vhs_collision_rate as vhs_collision_rate
+from .reference import LemmonJacobsen as LemmonJacobsen

@@ -9,16 +9,15 @@ from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core import constants
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Temperature
-from lightflyer.gas import relaxation
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.lemmon_jacobsen import LemmonJacobsen
+from lightflyer.gas.molecules import NITROGEN_ROTATION, OXYGEN_ROTATION, Parker
 from lightflyer.gas.reference import (
     DIATOMIC_RATIO,
     AbstractReferenceGas,
     Correlations,
     IdealHeatCapacity,
+    LemmonJacobsen,
 )
-from lightflyer.gas.relaxation import Parker
 
 
 def _power(base: Numeric, exponent: float, unit: float = 1.0) -> Array:
@@ -63,15 +62,15 @@ class AbstractAir(AbstractGas):
 
     molecules: ClassVar[str] = "diatomic"
     rotation: ClassVar[tuple[tuple[float, Parker], ...]] = (
-        (_NITROGEN, relaxation.NITROGEN),
-        (_OXYGEN, relaxation.OXYGEN),
+        (_NITROGEN, NITROGEN_ROTATION),
+        (_OXYGEN, OXYGEN_ROTATION),
     )
 
 
 class Air(AbstractAir, AbstractReferenceGas):
     r"""Air by the reference correlations, in the limit of low density.
 
-    Viscosity and conductivity are :class:`~lightflyer.gas.lemmon_jacobsen.LemmonJacobsen`'s, the
+    Viscosity and conductivity are :class:`~lightflyer.gas.reference.LemmonJacobsen`'s, the
     heat capacity is that of the ideal gas with its vibrations.
 
     Attributes

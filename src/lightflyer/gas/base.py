@@ -18,7 +18,7 @@ from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Length, Pressure, Temperature
 from lightflyer.core.validity import Looks, describe
-from lightflyer.gas.relaxation import COLLISION_RATE, Parker, vhs_collision_rate
+from lightflyer.gas.molecules import COLLISION_RATE, Parker, vhs_collision_rate
 
 _RATIOS = 1.002, 1.001  # of temperatures between which a slope is taken
 
@@ -30,7 +30,7 @@ class AbstractGas(Module):
     #: ``"monatomic"``, ``"diatomic"`` or ``"polyatomic"``: which internal motion takes part in
     #: collisions. Force models that depend on it refuse other gases
     molecules: AbstractClassVar[str]
-    #: Shares of the rotating molecules and :class:`~lightflyer.gas.relaxation.Parker`'s law of
+    #: Shares of the rotating molecules and :class:`~lightflyer.gas.molecules.Parker`'s law of
     #: each, for :meth:`rotational_collision_number`; empty where it is not known
     rotation: ClassVar[tuple[tuple[float, Parker], ...]] = ()
     #: Molar gas constant over molar mass [J/(kg K)]

@@ -10,8 +10,7 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Temperature
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.chebyshev_fit import ChebyshevFit
-from lightflyer.gas.reference import BEYOND, GAS_CONSTANT, IdealHeatCapacity
+from lightflyer.gas.reference import BEYOND, GAS_CONSTANT, ChebyshevFit, IdealHeatCapacity
 
 MOLAR_MASS = 44.0098  # Molar mass [kg/kmol]; [SpanWagner1996]_
 

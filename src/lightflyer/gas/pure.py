@@ -1,4 +1,4 @@
-"""Nitrogen, oxygen, argon and helium: numbers with their sources.
+"""Nitrogen, oxygen, argon and helium: numbers with their sources; and all gases by name.
 
 Another gas is one more such class, listed in :data:`PURE_GASES`.
 """
@@ -8,8 +8,10 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from lightflyer.array.namespace import Numeric
-from lightflyer.gas import relaxation
-from lightflyer.gas.lemmon_jacobsen import LemmonJacobsen
+from lightflyer.gas.air import AIR, LU2023_AIR, US1976_AIR
+from lightflyer.gas.base import AbstractGas
+from lightflyer.gas.carbon_dioxide import CARBON_DIOXIDE, FROZEN_CARBON_DIOXIDE
+from lightflyer.gas.molecules import NITROGEN_ROTATION, OXYGEN_ROTATION, Parker
 from lightflyer.gas.reference import (
     DIATOMIC_RATIO,
     GAS_CONSTANT,
@@ -18,8 +20,8 @@ from lightflyer.gas.reference import (
     AbstractReferenceGas,
     Correlations,
     IdealHeatCapacity,
+    LemmonJacobsen,
 )
-from lightflyer.gas.relaxation import Parker
 
 _ATOMS = IdealHeatCapacity((MONATOMIC_HEAT_CAPACITY,))
 
@@ -45,7 +47,7 @@ class Nitrogen(AbstractReferenceGas):
 
     name: ClassVar[str] = "nitrogen"
     molecules: ClassVar[str] = "diatomic"
-    rotation: ClassVar[tuple[tuple[float, Parker], ...]] = ((1.0, relaxation.NITROGEN),)
+    rotation: ClassVar[tuple[tuple[float, Parker], ...]] = ((1.0, NITROGEN_ROTATION),)
     transport: ClassVar[LemmonJacobsen] = LemmonJacobsen(
         molar_mass=28.01348,
         diameter=0.3656,
@@ -92,7 +94,7 @@ class Oxygen(AbstractReferenceGas):
 
     name: ClassVar[str] = "oxygen"
     molecules: ClassVar[str] = "diatomic"
-    rotation: ClassVar[tuple[tuple[float, Parker], ...]] = ((1.0, relaxation.OXYGEN),)
+    rotation: ClassVar[tuple[tuple[float, Parker], ...]] = ((1.0, OXYGEN_ROTATION),)
     transport: ClassVar[LemmonJacobsen] = LemmonJacobsen(
         molar_mass=31.9988,
         diameter=0.3428,
@@ -238,3 +240,19 @@ HELIUM = Helium()
 """Helium by reference correlations."""
 
 PURE_GASES = (NITROGEN, OXYGEN, ARGON, HELIUM)  # Those of this module
+
+
+AIRS: dict[str, AbstractGas] = {gas.name: gas for gas in (AIR, US1976_AIR, LU2023_AIR)}
+"""Those of the Earth."""
+
+CARBON_DIOXIDES: dict[str, AbstractGas] = {
+    gas.name: gas for gas in (CARBON_DIOXIDE, FROZEN_CARBON_DIOXIDE)
+}
+"""Those of Mars."""
+
+GASES: dict[str, AbstractGas] = {
+    **AIRS,
+    **{gas.name: gas for gas in PURE_GASES},
+    **CARBON_DIOXIDES,
+}
+"""All, as a chamber may hold them; a plug-in adds its own."""

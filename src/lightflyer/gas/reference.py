@@ -3,10 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
+from lightflyer.array.memory import kept
 from lightflyer.array.namespace import Array, xp
 from lightflyer.array.records import AbstractClassVar, ShortRepr
 from lightflyer.core import constants
@@ -14,7 +15,99 @@ from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Temperature
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.chebyshev_fit import ChebyshevFit
+from lightflyer.numerics.horner import polynomial
+
+
+class ChebyshevFit(NamedTuple):
+    """Polynomial in T/(T + middle) that follows a formula."""
+
+    # The formulas have up to seven exponentials and powers; a heat balance, which evaluates them in
+    # every step, would take a quarter longer.
+
+    coefficients: tuple[float, ...]  # Lowest power first
+    coldest: float  # Range of the formula [K]
+    hottest: float  # Range of the formula [K]
+    middle: float  # [K]
+    slope: tuple[float, ...]  # Coefficients of the polynomial's derivative
+
+    @classmethod
+    def of(
+        cls,
+        formula: Callable[[np.ndarray], np.ndarray],
+        ends: tuple[float, float],
+        middle: float,
+        degree: int,
+    ) -> "ChebyshevFit":
+        """The polynomial through a formula at Chebyshev's points; ``formula``: of temperatures."""
+        domain = np.array(ends)
+        fit = np.polynomial.Chebyshev.interpolate(
+            lambda share: formula(middle * share / (1.0 - share)),
+            degree,
+            domain=domain / (domain + middle),
+        )
+        coefficients = fit.convert(kind=np.polynomial.Polynomial).coef
+        slope = np.polynomial.polynomial.polyder(coefficients)
+        return cls(tuple(coefficients.tolist()), *ends, middle, tuple(slope.tolist()))
+
+    @kept
+    def __call__(self, temperature: Temperature) -> Array:
+        """Value at temperatures [K]; beyond the range of the formula its value at the end."""
+        within = xp.clip(temperature, self.coldest, self.hottest)
+        return polynomial(self.coefficients, within / (within + self.middle))
+
+    def exponent(self, temperature: Temperature) -> Array:
+        """Local exponent, d ln(value)/d ln(temperature) [1]; zero beyond the range."""
+        share = temperature / (temperature + self.middle)
+        growth = polynomial(self.slope, share) / polynomial(self.coefficients, share)
+        inside = (temperature >= self.coldest) & (temperature <= self.hottest)
+        return xp.where(inside, share * (1.0 - share) * growth, 0.0)
+
+
+# [LemmonJacobsen2004] Eq. (2): viscosity in the limit of zero density, with the logarithm of the
+# collision integral in powers of ln(T/T_e).
+_VISCOSITY_SCALE = 0.0266958e-6  # [Pa s nm² (mol/(g K))^(1/2)]
+_COLLISION = (0.431, -0.4623, 0.08406, 0.005341, -0.00331)
+_MICROPASCAL_SECOND, _MILLIWATT = 1e-6, 1e-3
+
+
+class LemmonJacobsen(NamedTuple):
+    r"""Viscosity and thermal conductivity of a dilute gas.
+
+    .. math::
+        \mu &= \frac{0.0266958\sqrt{MT}}{\sigma^2\,\Omega(T^*)}, \qquad
+        \ln\Omega = \sum_i b_i \ln^i T^*, \qquad T^* = \frac{T}{\epsilon/k} \\
+        \kappa &= N_1 \mu + \sum_i N_i (T/T_c)^{n_i}
+
+    with μPa s, g/mol, nm and mW/(m K).
+
+
+    References
+    ----------
+    [LemmonJacobsen2004]_
+    """
+
+    molar_mass: float  #: :math:`M` [g/mol]
+    diameter: float  #: :math:`\sigma` [nm]
+    energy: float  #: :math:`\epsilon/k` [K]
+    critical_temperature: float  #: :math:`T_c` [K]
+    of_viscosity: float  #: :math:`N_1` [mW/(m K) per μPa s]
+    #: :math:`N_i` [mW/(m K)] and :math:`n_i` of the other terms
+    terms: tuple[tuple[float, float], ...]
+
+    def viscosity(self, temperature: np.ndarray) -> np.ndarray:
+        """Dynamic viscosity as published [Pa s]."""
+        logarithm = np.log(temperature / self.energy)
+        collision = np.exp(np.polynomial.polynomial.polyval(logarithm, _COLLISION))
+        root = np.sqrt(self.molar_mass * temperature)
+        return _VISCOSITY_SCALE * root / (self.diameter**2 * collision)
+
+    def conductivity(self, temperature: np.ndarray) -> np.ndarray:
+        """Thermal conductivity as published [W/(m K)]."""
+        total = self.of_viscosity * self.viscosity(temperature) / _MICROPASCAL_SECOND
+        for scale, exponent in self.terms:
+            total = total + scale * (temperature / self.critical_temperature) ** exponent
+        return _MILLIWATT * total
+
 
 GAS_CONSTANT: Final = 1e3 * constants.BOLTZMANN * constants.AVOGADRO
 """Molar gas constant [J/(kmol K)]."""

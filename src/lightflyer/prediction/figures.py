@@ -21,7 +21,7 @@ from lightflyer.files.drawing import (
     plain_decades,
 )
 from lightflyer.files.palette import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
-from lightflyer.flyer.bodies import AbstractThinFlyer
+from lightflyer.flyer.base import AbstractThinFlyer
 from lightflyer.prediction.evaluator import POINTS, Evaluator
 from lightflyer.structure.figures import draw_cross_section
 

@@ -1,4 +1,4 @@
-"""Round plates and membranes under loads: how far they bend."""
+"""Round plates, membranes and thin shells under loads, and what holds and hangs from them."""
 
 import math
 
@@ -207,3 +207,101 @@ def _largest_root(linear: Numeric, cubic: Numeric, load: Numeric) -> Array:
     lone = xp.cosh(xp.arccosh(xp.where(three, 2.0, steep)) / 3.0)
     buckled = xp.where(three, folded, lone)
     return width * xp.where(ratio >= 0.0, xp.sinh(xp.arcsinh(steep) / 3.0), buckled)
+
+
+SPHERE_KNOCK_DOWN = (
+    0.14  # share of the classical pressure that built spheres withstand [NASA-SP-8032]
+)
+CYLINDER_KNOCK_DOWN = 0.75  # and cylinders under lateral pressure [NASA-SP-8007]
+_RING = 3.0  # of a ring, or the free end of a tube: p = 3 D/R³ [TimoshenkoGere1961]
+_CYLINDER = math.pi * math.sqrt(6.0) / 9.0 * 12.0**0.75
+
+
+@entry_point
+def sphere_buckling_pressure(
+    radius: Numeric, stiffness: Stiffness, knock_down: Numeric = SPHERE_KNOCK_DOWN
+) -> Array:
+    r"""Pressure at which a thin sphere buckles [Pa]."""
+    # .. math:: p = \gamma\,\frac{4\sqrt{D\,Et}}{R^2}
+    #
+    # which is 2Et²/(R²√(3(1-ν²))) of one layer. Source: [NASA-SP-8032]_
+    rigid = xp.sqrt(stiffness.plate * stiffness.membrane)
+    return knock_down * 4.0 * rigid / xp.asarray(radius) ** 2
+
+
+@entry_point
+def cylinder_buckling_pressure(
+    radius: Numeric,
+    length: Numeric,
+    stiffness: Stiffness,
+    knock_down: Numeric = CYLINDER_KNOCK_DOWN,
+) -> Array:
+    r"""Lateral pressure at which a thin cylinder, held round at its ends, buckles [Pa]."""
+    # .. math:: p = \gamma\,5.51\,\frac{D^{3/4}(Et)^{1/4}}{L\,R^{3/2}}
+    #
+    # of moderate length. Source: [NASA-SP-8007]_
+    rigid = stiffness.plate**0.75 * stiffness.membrane**0.25
+    return knock_down * _CYLINDER * rigid / (length * xp.asarray(radius) ** 1.5)
+
+
+@entry_point
+def rim_buckling_pressure(radius: Numeric, opening: Numeric, plate: Numeric) -> Array:
+    """Pressure at which a shell buckles around an opening with a free rim [Pa]; an estimate.
+
+    ``radius``: of the shell, ``opening``: of the opening [m]; ``plate``: bending stiffness [N m].
+    """
+    # That of the free end of a long tube, whose opening is as wide as the tube; a shell bends over
+    # the opening's radius, and its tension by pressure goes with the shell's.
+    return _RING * plate / (radius * xp.asarray(opening) ** 2)
+
+
+_ROD = math.pi**2  # Euler's load of a rod between hinges: π² EI/L²
+
+
+@entry_point
+def fold_curvature(tension: Numeric, stiffness: Numeric) -> Array:
+    r"""Curvature of a strip beside a hold, pulled at a right angle [1/m].
+
+    ``tension`` [N/m], bending ``stiffness`` [N m].
+    """
+    # .. math:: \kappa = \sqrt{2N/D}
+    #
+    # Euler's elastica: ½Dκ² = N(1 - cos φ) between the hold and far away.
+    return xp.sqrt(2.0 * xp.asarray(tension) / stiffness)
+
+
+@entry_point
+def fold_tension(
+    margin: Numeric, per_tension: Numeric, per_curvature: Numeric, stiffness: Numeric
+) -> Array:
+    """Tension at which such a strip has a stress, by what one tension and curvature add [N/m].
+
+    ``margin``: that stress [Pa]; ``per_tension`` [1/m], ``per_curvature`` [Pa m].
+    """
+    bent = per_curvature * xp.sqrt(2.0 / xp.asarray(stiffness))
+    # of the quadratic equation of the tension's root, without cancellation
+    return (2.0 * margin / (bent + xp.sqrt(bent**2 + 4.0 * per_tension * margin))) ** 2
+
+
+@entry_point
+def tether_mass(
+    weight: Numeric, length: Numeric, density: Numeric, strength: Numeric, safety: Numeric = 2.0
+) -> Array:
+    """Mass of a tether that carries a weight [kg].
+
+    ``weight`` [N], ``length`` [m], ``density`` [kg/m³], ``strength`` [Pa], ``safety`` [1].
+    """
+    return safety * weight * length * density / xp.asarray(strength)
+
+
+@entry_point
+def rod_mass(
+    load: Numeric, length: Numeric, density: Numeric, modulus: Numeric, safety: Numeric = 2.0
+) -> Array:
+    r"""Mass of a round rod that does not buckle under a load at its ends [kg].
+
+    ``load`` [N], ``length`` [m], ``density`` [kg/m³], ``modulus`` [Pa], ``safety`` [1].
+    """
+    # .. math:: m = \rho A L, \qquad nP = \frac{\pi^2 E}{L^2}\,\frac{A^2}{4\pi}
+    area = 2.0 * length * xp.sqrt(math.pi * safety * load / (_ROD * xp.asarray(modulus)))
+    return density * area * length

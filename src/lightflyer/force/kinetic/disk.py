@@ -22,6 +22,7 @@ from lightflyer.force.kinetic.chamber import (
     Surroundings,
     chamber_fit,
     chamber_of,
+    push_of_floor,
     reservoir,
 )
 from lightflyer.force.kinetic.collisions import (
@@ -33,15 +34,17 @@ from lightflyer.force.kinetic.collisions import (
     heat_error,
     with_collisions,
 )
-from lightflyer.force.kinetic.local_balance import (
+from lightflyer.force.kinetic.ratios import (
     FILM_OF_DIATOMIC,
     FilmBalance,
+    KineticFit,
+    heating_of,
+    kinetic_fit,
     local_balance_fit,
+    tacs_of,
 )
-from lightflyer.force.kinetic.ratios import KineticFit, heating_of, kinetic_fit, tacs_of
 from lightflyer.force.kinetic.walls import AbstractWalled
-from lightflyer.force.kinetic.warm_floor import push_of_floor
-from lightflyer.force.membranes.schafer2025_table import internal_factors
+from lightflyer.force.schafer2025 import internal_factors
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.numerics.special import root_sum_square
 

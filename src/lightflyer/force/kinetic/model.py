@@ -16,15 +16,14 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.disk import Disk
 from lightflyer.flyer.sandwich import Sandwich
-from lightflyer.force.base import AbstractForceModel
+from lightflyer.force.base import AbstractForceModel, ForceSection
 from lightflyer.force.fitted import GASES
 from lightflyer.force.kinetic.collisions import Collisions
 from lightflyer.force.kinetic.disk import KineticDisk, Polyatomic
-from lightflyer.force.kinetic.local_balance import FilmBalance
+from lightflyer.force.kinetic.ratios import FilmBalance
 from lightflyer.force.kinetic.sandwich import KineticSandwich
 from lightflyer.force.kinetic.walls import Wall
-from lightflyer.force.laws.membrane_transmission import Transmission
-from lightflyer.force.section import ForceSection
+from lightflyer.force.laws.faces import Transmission
 from lightflyer.gas.base import AbstractGas
 
 _IDLE = {
@@ -97,7 +96,7 @@ class Kinetic(AbstractForceModel):
         [1]. The normal motion then accommodates so much that the TACs are those of the energy
         (:func:`~lightflyer.kinetic_theory.walls.normal_accommodation`). Without it tangential
         energy accommodates as the TACs say. What each kind of accommodation pushes is solved
-        (:mod:`lightflyer.force.kinetic.scattering`).
+        (:mod:`lightflyer.force.kinetic.walls`).
     rotational_accommodation : array or None
         That of rotational energy of a diatomic gas, likewise.
     collisions : {"vhs", "shakhov"}
@@ -106,7 +105,7 @@ class Kinetic(AbstractForceModel):
         have a wider error.
     film_balance : {"isothermal", "local"}
         Whether a disk has one temperature, or each spot of its film balances the heat that it
-        absorbs and loses (:mod:`lightflyer.force.kinetic.local_balance`); the temperature is then
+        absorbs and loses (:mod:`lightflyer.force.kinetic.ratios`); the temperature is then
         the mean.
 
     Notes
@@ -125,13 +124,13 @@ class Kinetic(AbstractForceModel):
     A sandwich is one thin disk with holes whose faces are at the temperatures of its membranes,
     with a table of its own (:mod:`lightflyer.force.kinetic.sandwich_table`) up to a rarefaction of
     100, Kn = 0.0044; without holes it is the disk. ``transmission`` says how its holes and its gap
-    let molecules pass, :func:`lightflyer.force.laws.membrane_transmission.passage`.
+    let molecules pass, :func:`lightflyer.force.laws.faces.passage`.
 
     Where the surroundings have a wall (:attr:`EnvironmentState.wall_distance`), force and heat
     are those in a chamber of that radius. With a floor or a lid the surfaces are solid, each at its
     own distance, and a disk of like faces is pushed too
     (:mod:`lightflyer.force.kinetic.chamber`); a floor of another temperature pushes any disk
-    (:mod:`lightflyer.force.kinetic.warm_floor`).
+    (:mod:`lightflyer.force.kinetic.chamber`).
 
     References
     ----------

@@ -23,18 +23,18 @@ from lightflyer.force.kinetic.disk import HELD, WALL, viscosity_exponent
 from lightflyer.force.kinetic.sandwich_table import (
     HIGHEST_OPEN_FRACTION,
     SandwichFit,
+    force_factors,
+    near_walls,
     sandwich_fit,
 )
-from lightflyer.force.kinetic.sandwich_walls import force_factors, near_walls
-from lightflyer.force.kinetic.scattering import ranges as scattering_ranges
-from lightflyer.force.kinetic.walls import AbstractWalled
-from lightflyer.force.laws.faces import free_molecular_conductance
-from lightflyer.force.laws.membrane_transmission import (
+from lightflyer.force.kinetic.walls import AbstractWalled, scattering_ranges
+from lightflyer.force.laws.faces import (
     MembraneTransmission,
     Transmission,
+    free_molecular_conductance,
     passage,
 )
-from lightflyer.force.membranes.sandwich import (
+from lightflyer.force.schafer2025 import (
     between_membranes,
     rarefaction_of,
     sandwich_ranges,

@@ -42,7 +42,7 @@ import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.files.table import shipped_table
-from lightflyer.gas.transmission_probability import coaxial_share, slot_transmission
+from lightflyer.gas.molecules import coaxial_share, slot_transmission
 from lightflyer.numerics.curves import Curves
 
 _ROOT_PI = math.sqrt(math.pi)

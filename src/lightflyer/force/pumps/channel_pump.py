@@ -23,7 +23,7 @@ from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.plate import Plate
-from lightflyer.force.base import AbstractForceModel, ModelResult
+from lightflyer.force.base import AbstractForceModel, ForceSection, ModelResult
 from lightflyer.force.laws.channels import (
     SLOT,
     channel_coefficients,
@@ -32,14 +32,22 @@ from lightflyer.force.laws.channels import (
     gas_at_faces,
     thermomolecular_pressure,
 )
-from lightflyer.force.laws.disk_gas import disk_surroundings, recoil_ratio
-from lightflyer.force.laws.faces import free_molecular_conductance, in_series
-from lightflyer.force.laws.gap import accommodation_between, gap_conductance
-from lightflyer.force.laws.outer_flow import FLOW_RANGE, pumped_velocity, through_flow_force
-from lightflyer.force.membranes.schafer2025_table import internal_factors
-from lightflyer.force.section import ForceSection
+from lightflyer.force.laws.disk_gas import (
+    FLOW_RANGE,
+    disk_surroundings,
+    pumped_velocity,
+    recoil_ratio,
+    through_flow_force,
+)
+from lightflyer.force.laws.faces import (
+    accommodation_between,
+    free_molecular_conductance,
+    gap_conductance,
+    in_series,
+)
+from lightflyer.force.schafer2025 import internal_factors
 from lightflyer.gas.base import AbstractGas
-from lightflyer.gas.transmission_probability import slot_transmission
+from lightflyer.gas.molecules import slot_transmission
 
 _PATH = 2.0 / np.sqrt(np.pi)  # length over the mean free path, per δ of the length
 _DISK_DRAG = 16.0 / np.pi  # Stokes' drag of a disk 16μau, over its area, times a/(μu)
@@ -122,7 +130,7 @@ def through_flow(
     r"""Velocity at which the pump of a wall and the gas outside are in balance."""
     # .. math:: R_w u + \frac{F(u)}{\pi a^2} = \Delta p_0
     #
-    # with the force :math:`F` of the flow around a disk (:mod:`lightflyer.force.laws.outer_flow`),
+    # with the force :math:`F` of the flow around a disk (:mod:`lightflyer.force.laws.disk_gas`),
     # whose creeping limit is that of the resistance outside.
     outside = {
         "radius": radius,

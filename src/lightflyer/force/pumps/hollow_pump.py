@@ -1,15 +1,229 @@
-"""Hollow bodies as pumps: the published model, corrected."""
+"""Hollow bodies as pumps: the heat that the gas takes, the published and the corrected model."""
 
-from typing import Literal
+import abc
+from collections.abc import Mapping
+from typing import ClassVar, Literal, NamedTuple
 
-from lightflyer.array.namespace import xp
+from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import field
+from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import StandardErrors
+from lightflyer.core.validity import Looks
+from lightflyer.environment.base import EnvironmentState
+from lightflyer.flyer.base import AbstractFlyer
+from lightflyer.flyer.hollow import HollowBody
+from lightflyer.force.base import AbstractForceModel, ForceSection, ModelResult
+from lightflyer.force.convection import sphere_conductance
+from lightflyer.force.laws.faces import accommodation_between, gap_conductance, in_series
+from lightflyer.force.pumps import celenza2023_laws as published
 from lightflyer.force.pumps.celenza2023_laws import require_air
-from lightflyer.force.pumps.hollow_flow import Corrections, Errors
-from lightflyer.force.pumps.hollow_model import AbstractHollowModel
-from lightflyer.force.section import ForceSection
+from lightflyer.force.pumps.hollow_flow import (
+    AS_PUBLISHED,
+    EXACT,
+    FLOW_RESULTS,
+    Corrections,
+    Errors,
+    PumpFlow,
+    free_molecular,
+    mean_temperature,
+    pump_flow,
+    pump_force,
+    pump_ranges,
+    pump_results,
+    radius,
+    share_at_wall,
+)
 from lightflyer.gas.base import AbstractGas
+from lightflyer.gas.molecules import slot_transmission
+
+_DISK_CONDUCTION = 4.0  # conductance of a disk's one face to a half-space, over κ and its radius
+_HELD = 1e9  # conductance that holds the outer film at the gas temperature, over the wall's
+
+
+class _WallHeat(NamedTuple):
+    """Conductances of the gas in the wall per relative excess [W]."""
+
+    closed: Array  # between the films
+    open: Array  # in the channels
+
+
+def _wall_heat(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+) -> _WallHeat:
+    closed = flyer.solid_fraction - flyer.sheet_fraction
+    thickness, temperature = flyer.wall_thickness, state.temperature
+    if not corrections.gas_properties:
+        conductivity = published.conductivity(thickness, state.pressure, temperature)
+        power = flyer.surface * conductivity * temperature
+        hollow = thickness - 2.0 * flyer.sheet_thickness
+        return _WallHeat(power * closed / hollow, power * flyer.open_fraction / thickness)
+    gas = state.gas
+    conductivity = gas.conductivity(mean_temperature(state, unknowns))
+
+    def conductance(share: Numeric, tac: Numeric) -> Array:
+        return gap_conductance(
+            share * flyer.surface,
+            thickness,
+            tac,
+            pressure=state.pressure,
+            temperature=temperature,
+            mean_speed=gas.mean_speed(temperature),
+            heat_capacity_ratio=gas.heat_capacity_ratio_at(temperature),
+            conductivity=conductivity,
+        )
+
+    facing = accommodation_between(flyer.outer.tac_bottom, flyer.inner.tac_top)
+    # the cells between the channels are as far apart as the channels take less than the wall
+    cell = flyer.channel_width * flyer.solid_fraction / flyer.open_fraction
+    return _WallHeat(
+        conductance(closed, accommodation_between(facing, _passing(thickness / cell))),
+        # molecules come to the mouths of the channels from the gas
+        conductance(flyer.open_fraction, _passing(thickness / flyer.channel_width)),
+    )
+
+
+def _passing(length: Numeric) -> Array:
+    """Share of free molecules that pass a slot with walls that keep no heat [1]."""
+    return slot_transmission(length).through
+
+
+def pump_heat(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    corrections: Corrections,
+    errors: Errors = EXACT,
+) -> tuple[Array, Array]:
+    """Heat that the gas takes from the inner and the outer film [W]."""
+    # The published model has neither radiation nor a direction of light. What is added here in its
+    # stead makes up for the flyer's own: the sum of the losses is that of the published balance,
+    # for the light that the flyer absorbs.
+    inner, outer = unknowns
+    wall = _wall_heat(flyer, state, unknowns, corrections)
+    if not corrections.energy_balance:
+        return _published_heat(flyer, state, unknowns, wall, corrections)
+    flow = pump_flow(flyer, state, unknowns, corrections, errors)
+    share = share_at_wall(flyer, state)
+    between = errors.heat * wall.closed * (inner - outer)
+    through = errors.heat * wall.open * (inner - share * outer)
+    carried = _heat_capacity(state) * flow.exchange
+    taken_inner = between + through + carried * (inner - outer)
+    taken_inner = taken_inner + _outlet_heat(flyer, state, inner, flow, errors)
+    around = sphere_conductance(
+        outer,
+        radius=radius(flyer),
+        tac=flyer.outer.tac_top * flyer.solid_fraction,
+        pressure=state.pressure,
+        temperature=state.temperature,
+        gravity=state.gravity,
+        gas=state.gas,
+        wall_distance=state.wall_distance,
+    )
+    taken_outer = errors.heat * around * outer - between - share * through
+    # what leaves is as warm as the outer film, and what comes in as the inner one
+    taken_outer = taken_outer + (carried * (2.0 * outer - inner))
+    if not corrections.projected_light:
+        own, _ = flyer.heat_losses(state, unknowns)
+        gained = own - flyer.heat_gains(state)[0]
+        taken_inner = (taken_inner + gained) / _light_on_wall(flyer, state) - gained
+    return taken_inner, taken_outer
+
+
+def _heat_capacity(state: EnvironmentState) -> Array:
+    """Of the gas, for a relative excess [J/kg]."""
+    return state.gas.heat_capacity(state.temperature) * state.temperature
+
+
+def _outlet_heat(
+    flyer: HollowBody, state: EnvironmentState, inner: Array, flow: PumpFlow, errors: Errors
+) -> Array:
+    r"""Heat that leaves with the gas at the outlet, by flow and by diffusion against it [W]."""
+    # .. math:: Q = \dot m c_p T_c\,\theta_i\,\left(1 - e^{-x}\right)^{-1},
+    #     \qquad x = \dot m c_p T_c/G
+    gas, temperature = state.gas, state.temperature
+    still = errors.heat * in_series(
+        free_molecular(state, flyer.outlet_area),
+        _DISK_CONDUCTION * flyer.outlet_radius * gas.conductivity(temperature) * temperature,
+    )
+    mass_flow = flow.jet_density * xp.abs(flow.jet_velocity) * flyer.outlet_area
+    ratio = mass_flow * _heat_capacity(state) / still
+    small = ratio < 1e-6  # below it the first term of the series has all digits that matter
+    safe = xp.where(small, 1.0, ratio)
+    return still * inner * xp.where(small, 1.0 + 0.5 * ratio, safe / -xp.expm1(-safe))
+
+
+def _published_heat(
+    flyer: HollowBody,
+    state: EnvironmentState,
+    unknowns: tuple[Array, ...],
+    wall: _WallHeat,
+    corrections: Corrections,
+) -> tuple[Array, Array]:
+    inner, outer = unknowns
+    sheets = flyer.sheet_fraction * flyer.sheet_conductivity / flyer.wall_thickness
+    conductance = wall.closed + wall.open + flyer.surface * sheets * state.temperature
+    passed = conductance * (inner - outer) / published.THROUGH_WALL
+    if not corrections.projected_light:
+        passed = passed / _light_on_wall(flyer, state)
+    own, gains = flyer.heat_losses(state, unknowns), flyer.heat_gains(state)
+    return (
+        passed - own[0] + gains[0],
+        _HELD * conductance * outer - own[1] + gains[1],
+    )
+
+
+def _light_on_wall(flyer: HollowBody, state: EnvironmentState) -> Array:
+    """Light that falls on the wall at normal incidence over what the inner film absorbs [1]."""
+    absorbed, _ = flyer.beam_areas(state)
+    dark = absorbed == 0.0
+    return xp.where(dark, 1.0, flyer.surface * flyer.solid_fraction / xp.where(dark, 1.0, absorbed))
+
+
+class AbstractHollowModel(AbstractForceModel):
+    """The published model with some corrections, or none."""
+
+    flyers: ClassVar[tuple[type[AbstractFlyer], ...]] = (HollowBody,)
+    results: ClassVar[Mapping[str, ModelResult]] = FLOW_RESULTS
+
+    @property
+    @abc.abstractmethod
+    def corrections(self) -> Corrections:
+        """What is on."""
+
+    @property
+    def errors(self) -> Errors:
+        """Factors of what the model may be off by."""
+        return EXACT
+
+    @entry_point
+    def heat_loss(
+        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> tuple[Array, ...]:
+        return pump_heat(flyer, state, unknowns, self.corrections, self.errors)
+
+    @entry_point
+    def force(
+        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> Array:
+        return pump_force(flyer, state, unknowns, self.corrections, self.errors)
+
+    @entry_point
+    def own_results(
+        self, flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]
+    ) -> dict[str, Array]:
+        return pump_results(flyer, state, unknowns, self.corrections, self.errors)
+
+    def ranges(
+        self,
+        flyer: HollowBody,
+        state: EnvironmentState,
+        temperature: Numeric,  # noqa: ARG002
+    ) -> Looks:
+        return pump_ranges(flyer, state, self.corrections)
+
 
 _SCATTER = Errors(wall=0.10, outlet=0.25, force=0.15, heat=0.10)
 """Standard errors, relative [1].
@@ -113,3 +327,49 @@ class HollowPumpSection(ForceSection, of=HollowPump):
     """``[force]``: hollow bodies as pumps, all corrections and own errors unless told otherwise."""
 
     model: Literal["hollow-pump"]
+
+
+class Celenza2023(AbstractHollowModel):
+    r"""Force of a hollow body as published, with the published code's constants.
+
+    .. math::
+        a v^2 + \frac{2A_oAB}{A_t\,\alpha\,\varphi}\,v - \frac{2\gamma\,\Delta T}{\rho\,\alpha} = 0,
+        \qquad
+        F = C_1\,8D\mu\,\frac{A_o}{A_t}v + C_2\,\rho A_o v^2
+
+    with the flows :math:`\alpha` and :math:`\gamma` through one long channel per pressure and per
+    temperature difference, and :math:`\Delta T = \tfrac12 I(1-\varphi)/G` across the wall.
+
+    Notes
+    -----
+    The light falls on the whole wall at normal incidence and is absorbed where the wall is solid,
+    whatever the films' absorptances; half of it passes the wall. The outer film is as warm as the
+    gas. Emittances, absorptances, TACs and heat radiation have no effect, as long as the inner film
+    absorbs any light. The gas is air. The warm gas within adds no buoyancy, as published.
+
+    For what is wrong with it see :class:`~lightflyer.HollowPump`, whose corrections can be switched
+    one by one.
+
+    References
+    ----------
+    [Celenza2023]_
+    """
+
+    feels_walls: ClassVar[bool] = False
+    molecules: ClassVar[tuple[str, ...]] = ("diatomic",)
+    adds_buoyancy: ClassVar[bool] = False
+
+    @property
+    def corrections(self) -> Corrections:
+        return AS_PUBLISHED
+
+    def require_gas(self, gas: AbstractGas) -> None:
+        """Refuses all but air."""
+        super().require_gas(gas)
+        require_air("Celenza2023", gas)
+
+
+class Celenza2023Section(ForceSection, of=Celenza2023):
+    """``[force]``: hollow bodies as published."""
+
+    model: Literal["celenza2023"]

@@ -220,7 +220,7 @@ def _about_flyer(
     if flyer is None:
         return []
     from lightflyer.config.reader import read_flyer_file
-    from lightflyer.gas.registry import AIRS
+    from lightflyer.gas.pure import AIRS
     from lightflyer.lab.tac import fit as tac_fits
     from lightflyer.lab.tac.problem import KINETIC
 

@@ -46,7 +46,7 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Checked, Distance, Length
 from lightflyer.design.diagnostics import diagnose
 from lightflyer.design.setup import Setup
-from lightflyer.drag.turning import TURNING_DIAGNOSTIC, turning_disk_torque
+from lightflyer.drag.disk import TURNING_DIAGNOSTIC, turning_disk_torque
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place, Wind
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.display_units import amount, number_text

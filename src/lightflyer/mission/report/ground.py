@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lightflyer.array.records import field
-from lightflyer.budget.link import RadioLink
-from lightflyer.budget.payload import Budget
+from lightflyer.budget.payload import Budget, RadioLink
 from lightflyer.core.clock import date_text, seconds_of
 from lightflyer.core.quantity import Altitude, Checked, Latitude, Longitude, Steepness
 from lightflyer.core.text import cell_text

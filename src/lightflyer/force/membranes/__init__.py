@@ -1,1 +1,0 @@
-"""Force models of sandwiches of perforated membranes."""

@@ -13,8 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM
-from lightflyer.kinetic_theory.disk.hot_moving import hot_disk_drag
+from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, hot_disk_drag
 from lightflyer.kinetic_theory.model_gases import gas_model
 
 POINTS = Path(__file__).parent / "hot_points.jsonl"

@@ -25,7 +25,7 @@ from lightflyer.force.kinetic.collisions import (
     HEATED_ERROR,
 )
 from lightflyer.kinetic_theory.collisions.brackets import Molecule
-from lightflyer.kinetic_theory.collisions.cases import solve_molecules
+from lightflyer.kinetic_theory.collisions.problem import solve_molecules
 from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, Case, solve_case
 from lightflyer.kinetic_theory.model_gases import gas_model
 

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.kinetic_theory.collisions.brackets import Molecule
-from lightflyer.kinetic_theory.collisions.cases import solve_molecules
 from lightflyer.kinetic_theory.collisions.operator import FEWER_MOMENTS, MOMENTS
+from lightflyer.kinetic_theory.collisions.problem import solve_molecules
 from lightflyer.kinetic_theory.disk.cases import COARSE, Case, Outcome, solve_case
 from lightflyer.kinetic_theory.disk.operators import assemble
 from lightflyer.kinetic_theory.model_gases import gas_model

@@ -11,9 +11,8 @@ import numpy as np
 from study import NORMAL, ROTATIONAL, TABLE, TANGENTIAL, mixed
 
 from lightflyer.kinetic_theory.disk.cases import MEDIUM, totals
-from lightflyer.kinetic_theory.disk.modes import modes_up_to
 from lightflyer.kinetic_theory.disk.operators import assemble
-from lightflyer.kinetic_theory.disk.scattering import ScatteringSystem, assemble_modes
+from lightflyer.kinetic_theory.disk.scattering import ScatteringSystem, assemble_modes, modes_up_to
 from lightflyer.kinetic_theory.model_gases import gas_model
 
 OUTPUT = TABLE.with_name("kinetic_sandwich_scattering.csv")

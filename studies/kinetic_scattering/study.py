@@ -14,9 +14,13 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.kinetic_theory.disk.cases import FINE, MEDIUM, Resolution, totals
-from lightflyer.kinetic_theory.disk.modes import modes_up_to
 from lightflyer.kinetic_theory.disk.operators import assemble
-from lightflyer.kinetic_theory.disk.scattering import Scattering, ScatteringSystem, assemble_modes
+from lightflyer.kinetic_theory.disk.scattering import (
+    Scattering,
+    ScatteringSystem,
+    assemble_modes,
+    modes_up_to,
+)
 from lightflyer.kinetic_theory.model_gases import gas_model
 
 TABLE = Path(__file__).parents[2] / "src" / "lightflyer" / "data" / "kinetic_scattering.csv"

@@ -20,8 +20,7 @@ from lightflyer.kinetic_theory.chamber.half_mesh_operator import assemble_halves
 from lightflyer.kinetic_theory.chamber.linear import ChamberSystem
 from lightflyer.kinetic_theory.disk.cases import Case, Resolution, solve_case
 from lightflyer.kinetic_theory.disk.operators import Quadrature
-from lightflyer.kinetic_theory.grid.mesh import build_chamber_meshes
-from lightflyer.kinetic_theory.grid.rim import Rim
+from lightflyer.kinetic_theory.grid.mesh import Rim, build_chamber_meshes
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC
 
 SKETCH = Resolution(3, 0.7, Quadrature(3, 3, 3))

@@ -9,8 +9,7 @@ pytest.importorskip("numba")
 
 from lightflyer.kinetic_theory import solve
 from lightflyer.kinetic_theory.collisions.brackets import Molecule
-from lightflyer.kinetic_theory.collisions.half_space import slip
-from lightflyer.kinetic_theory.collisions.operator import CollisionOperator, Moments
+from lightflyer.kinetic_theory.collisions.operator import CollisionOperator, Moments, slip
 from lightflyer.kinetic_theory.collisions.problem import MolecularProblem
 from lightflyer.kinetic_theory.disk.cases import Resolution
 from lightflyer.kinetic_theory.disk.linear import Walls

@@ -274,9 +274,7 @@ def _energy(molecules):
 
 
 def test_maxwells_walls_push_as_the_package_says(dsmc):
-    free = importlib.import_module(
-        "lightflyer.kinetic_theory.disk.free_molecular"
-    ).FreeMolecularDisk
+    free = importlib.import_module("lightflyer.kinetic_theory.walls").FreeMolecularDisk
     for freedoms in (0, 2):
         faces = dsmc["walls"].build_faces("maxwell", (0.4, 0.9), (1.5, 2.5), freedoms)
         force, heat = dsmc["walls"].free_molecular(faces)

@@ -12,12 +12,13 @@ from lightflyer.kinetic_theory.grid.interpolation import bases_at, nodes_in_eta
 from lightflyer.kinetic_theory.grid.mesh import build_mesh, gauss, panel_nodes
 from lightflyer.kinetic_theory.grid.rays import (
     MOST_CUTS,
+    NUMBER,
     cut_ray,
     exit_length,
     piece_integrals,
+    speed_integral,
     spheroidal,
 )
-from lightflyer.kinetic_theory.grid.speed_integrals import NUMBER, speed_integral
 
 
 @pytest.mark.parametrize("boundary", [np.inf, 4.0, 1.5])

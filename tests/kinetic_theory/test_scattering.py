@@ -17,15 +17,17 @@ from lightflyer.kinetic_theory.disk.cases import (
     totals,
 )
 from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
-from lightflyer.kinetic_theory.disk.modes import (
+from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
+from lightflyer.kinetic_theory.disk.scattering import (
     NORMAL_ENERGY,
     NUMBER,
     TANGENTIAL_ENERGY,
     Mode,
+    Scattering,
+    ScatteringSystem,
+    assemble_modes,
     modes_up_to,
 )
-from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
-from lightflyer.kinetic_theory.disk.scattering import Scattering, ScatteringSystem, assemble_modes
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC
 from lightflyer.kinetic_theory.moving import MovedDisk, moving_outcomes
 from lightflyer.kinetic_theory.walls import Accommodation

@@ -11,9 +11,15 @@ from scipy.special import i0, k0
 
 from lightflyer.core.errors import ConvergenceError, ParameterError
 from lightflyer.kinetic_theory import solve
-from lightflyer.kinetic_theory.disk import cases, fixed_point
-from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, Case, Resolution, solve_case
-from lightflyer.kinetic_theory.disk.flow import sample
+from lightflyer.kinetic_theory.disk import cases, nonlinear
+from lightflyer.kinetic_theory.disk.cases import (
+    COARSE,
+    MEDIUM,
+    Case,
+    Resolution,
+    sample,
+    solve_case,
+)
 from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
 from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC
@@ -343,6 +349,6 @@ def test_bad_input_is_named(change, names):
 
 
 def test_no_convergence_is_an_error_with_its_residual(sketched, monkeypatch):
-    monkeypatch.setattr(fixed_point, "_MOST_ITERATIONS", 2)
+    monkeypatch.setattr(nonlinear, "_MOST_ITERATIONS", 2)
     with pytest.raises(ConvergenceError, match="last residual"):
         solve(1.0, 0.8, 0.9, temperature_ratio=2.0)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from lightflyer.kinetic_theory.grid import speed_integrals
-from lightflyer.kinetic_theory.grid.speed_integrals import speed_integral, spline_table
+from lightflyer.kinetic_theory.grid import rays
+from lightflyer.kinetic_theory.grid.rays import speed_integral, spline_table
 
 
 @pytest.mark.parametrize("power", [1, 4, 8])
@@ -26,12 +26,12 @@ def test_recurrence_of_abramowitz_and_stegun():
 
 def test_spline_table_is_as_exact_between_its_nodes():
     table, per_unit = spline_table()
-    root = np.random.default_rng(3).uniform(0.0, np.sqrt(speed_integrals.LARGEST_DEPTH), 500)
+    root = np.random.default_rng(3).uniform(0.0, np.sqrt(rays.LARGEST_DEPTH), 500)
     root[:20] *= 1e-3  # the first cell, where a logarithm is worst
     cell = (root * per_unit).astype(int)
     t = (root - cell / per_unit)[:, None]
     rows = table[cell]
     values = ((rows[:, 0] * t + rows[:, 1]) * t + rows[:, 2]) * t + rows[:, 3]
-    for column in range(speed_integrals.NUMBER):
-        exact = speed_integral(column + speed_integrals.LOWEST_POWER, root**2)
+    for column in range(rays.NUMBER):
+        exact = speed_integral(column + rays.LOWEST_POWER, root**2)
         np.testing.assert_allclose(values[:, column], exact, atol=4e-10)

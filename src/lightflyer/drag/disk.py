@@ -8,8 +8,9 @@ Drag is written as that of thin gas, :math:`F = G\,p\,A\,s` with the speed ratio
         + \frac{b(\delta)}{G_\mathrm{d}}, \qquad
     G_\mathrm{d} = \frac{16}{\pi\,\delta}\,\Phi(\mathrm{Re})
 
-:math:`b` is what the kinetic equation says of a slow disk, one in dense gas. :math:`\Phi` is the inertia of dense gas (:mod:`lightflyer.drag.similarity`), and
-:math:`t` the share of the arriving molecules that pass holes of the disk. Both limits are exact.
+:math:`b` is what the kinetic equation says of a slow disk, one in dense gas. :math:`\Phi` is the
+inertia of dense gas (:mod:`lightflyer.drag.similarity`), and :math:`t` the share of the arriving
+molecules that pass holes of the disk. Both limits are exact.
 
 The warmth of a disk makes the resistance of free molecules smaller and leaves that of dense gas as
 it is: so says the kinetic equation (studies/drag/hot_disk.py). Edgewise, where it was not solved,

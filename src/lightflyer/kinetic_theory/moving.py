@@ -81,7 +81,7 @@ class MovingSolution(ShortRepr):
 
     def flow(self, radius: Any, height: Any) -> dict[str, np.ndarray]:
         """Fields of the gas at points, per speed ratio, far away at rest."""
-        from lightflyer.kinetic_theory.disk.flow import sample
+        from lightflyer.kinetic_theory.disk.cases import sample
 
         return sample(self._outcome, np.asarray(radius, float), np.asarray(height, float))
 

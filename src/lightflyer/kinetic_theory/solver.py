@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from lightflyer.kinetic_theory.collisions.brackets import Molecule
     from lightflyer.kinetic_theory.disk.cases import Case, Outcome
-    from lightflyer.kinetic_theory.disk.free_molecular import FreeMolecularDisk
+    from lightflyer.kinetic_theory.walls import FreeMolecularDisk
 
 KNUDSEN_RANGE = (0.03, 100.0)  # Knudsen numbers λ(T_c)/(2r) for which the meshes are made
 TEMPERATURE_RATIOS = (0.5, 3.5)  # T_h/T_c for which the non-linear solver is tested
@@ -140,7 +140,7 @@ class Solution(ShortRepr):
 
     def flow(self, radius: Any, height: Any) -> dict[str, np.ndarray]:
         """Fields of the gas at points [√(2RT_c)]; ``radius``, ``height`` [disk radii]."""
-        from lightflyer.kinetic_theory.disk.flow import sample
+        from lightflyer.kinetic_theory.disk.cases import sample
 
         return sample(self._outcome, np.asarray(radius, float), np.asarray(height, float))
 
@@ -257,7 +257,7 @@ def solve(
     if molecule is None:
         fine, coarse = (solve_case(case, mesh) for mesh in meshes(knudsen, linear=case.linear))
     else:
-        from lightflyer.kinetic_theory.collisions.cases import solve_at_two_levels
+        from lightflyer.kinetic_theory.collisions.problem import solve_at_two_levels
 
         case = replace(case, molecule=molecule)
         fine, coarse = solve_at_two_levels(case, molecule)

@@ -11,8 +11,7 @@ from lightflyer.kinetic_theory.disk.operators import (
     kernel_arguments,
     node_points,
 )
-from lightflyer.kinetic_theory.grid.mesh import Mesh
-from lightflyer.kinetic_theory.grid.rim import Rim
+from lightflyer.kinetic_theory.grid.mesh import Mesh, Rim
 
 _FINER = 2  # Gauss nodes in directions at walls, of which there are few, over those in the gas
 

@@ -13,7 +13,6 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.extras import extra
 from lightflyer.core.progress import report
 from lightflyer.kinetic_theory.chamber.enclosure import Chamber, Film
-from lightflyer.kinetic_theory.disk.free_molecular import FreeMolecularDisk
 from lightflyer.kinetic_theory.model_gases import gas_model
 from lightflyer.kinetic_theory.solver import (
     KNUDSEN_RANGE,
@@ -23,7 +22,7 @@ from lightflyer.kinetic_theory.solver import (
     furthest_boundary,
     ratios,
 )
-from lightflyer.kinetic_theory.walls import WALLS, walls_of
+from lightflyer.kinetic_theory.walls import WALLS, FreeMolecularDisk, walls_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -171,7 +170,7 @@ class ChamberSolution(ShortRepr):
 
     def flow(self, radius: Any, height: Any) -> dict[str, np.ndarray]:
         """Fields of the gas at points, as of :meth:`Solution.flow`; NaN outside the chamber."""
-        from lightflyer.kinetic_theory.disk.flow import sample_halves
+        from lightflyer.kinetic_theory.disk.cases import sample_halves
 
         outcome = self._outcome
         points = np.asarray(radius, float), np.asarray(height, float)

@@ -17,6 +17,7 @@ from lightflyer.kinetic_theory.grid.interpolation import (
 )
 from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
+    LARGEST_DEPTH,
     MOST_CUTS,
     REACH,
     SHORTEST,
@@ -24,7 +25,6 @@ from lightflyer.kinetic_theory.grid.rays import (
     spheroidal,
     trace_ray,
 )
-from lightflyer.kinetic_theory.grid.speed_integrals import LARGEST_DEPTH
 
 FLUXES = 4
 """Fluxes of arriving molecules at a face: number, normal momentum, energy, rotational energy."""

@@ -1,19 +1,34 @@
-"""The linear disk problem of real molecules: many moments, solved by GMRES without matrices."""
+r"""The linear disk problem of real molecules: many moments, solved by GMRES without matrices.
 
+Speed integrals along a ray of molecules whose collision frequency depends on their speed.
+
+.. math::
+    J_p(s) = \int_0^\infty c^p\,\nu^2\,e^{-c^2-\nu s/c}\,dc, \qquad
+    I_p(s) = \int_0^\infty c^p\,\nu\,e^{-c^2-\nu s/c}\,dc, \qquad
+    \frac{dI_{p+1}}{ds} = -J_p
+
+with ν(c) in units of p/μ and s in those of its mean free path. They are tabulated as cubic splines
+in :math:`\sqrt s`, as the integrals of the model equation are.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.linalg import lu_solve
 
 from lightflyer.kinetic_theory.collisions import arrival
-from lightflyer.kinetic_theory.collisions.brackets import maxwellian_nodes
-from lightflyer.kinetic_theory.collisions.components import (
-    Components,
-    harmonic_arguments,
-    highest_power,
+from lightflyer.kinetic_theory.collisions.brackets import Molecule, maxwellian_nodes
+from lightflyer.kinetic_theory.collisions.operator import (
+    FEWER_MOMENTS,
+    MOMENTS,
+    CollisionOperator,
+    Moments,
 )
-from lightflyer.kinetic_theory.collisions.operator import CollisionOperator
-from lightflyer.kinetic_theory.collisions.tables import ray_table
+from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, Case, Outcome, Resolution, totals
 from lightflyer.kinetic_theory.disk.linear import (
     FaceResult,
     LinearSystem,
@@ -30,8 +45,118 @@ from lightflyer.kinetic_theory.disk.operators import (
     node_points,
 )
 from lightflyer.kinetic_theory.grid.mesh import Mesh
+from lightflyer.kinetic_theory.grid.rays import LARGEST_DEPTH
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC
 from lightflyer.kinetic_theory.walls import Wall
+
+_INTERVALS = 1200
+_LOGARITHM_OF_SPEED = np.linspace(-14.0, 2.0, 700)
+
+
+def ray_table(operator: CollisionOperator, highest: int) -> tuple[np.ndarray, float]:
+    """Spline coefficients of both integrals; returns ``coefficients``, ``intervals_per_unit``."""
+    root = np.linspace(0.0, np.sqrt(LARGEST_DEPTH) * 1.001, _INTERVALS + 1)
+    speed = np.exp(_LOGARITHM_OF_SPEED)
+    frequency = operator.frequency(speed)
+    step = _LOGARITHM_OF_SPEED[1] - _LOGARITHM_OF_SPEED[0]
+    left = np.exp(-np.square(root)[:, None] * frequency / speed)
+    weight = step * frequency * np.exp(-np.square(speed))
+    powers = speed[:, None] ** (np.arange(highest + 1) + 1)
+    squared = left @ (powers * (weight * frequency)[:, None])
+    simple = left @ (powers * weight[:, None])
+    splines = CubicSpline(root, np.concatenate([squared, simple], axis=1))
+    # SciPy's order is power, interval, integral
+    table = np.ascontiguousarray(np.transpose(splines.c, (1, 0, 2)))
+    return table, float(_INTERVALS / root[-1])
+
+
+@dataclass(frozen=True)
+class Components:
+    """What is known of the gas at a node: harmonics times powers of the speed."""
+
+    operator: CollisionOperator
+
+    @cached_property
+    def translation(self) -> list[tuple[int, int, int]]:
+        """Degree l, order m and number a of the power of each component without rotation."""
+        sizes = self.operator.moments.translation
+        return [
+            (degree, order, a)
+            for degree, size in enumerate(sizes)
+            for order in range(degree + 1)
+            for a in range(size)
+        ]
+
+    @cached_property
+    def rotation(self) -> np.ndarray:
+        """Which of these rotational energy has too, by number."""
+        if not self.operator.molecule.rotates:
+            return np.empty(0, int)
+        sizes = self.operator.moments.rotation
+        kept = [degree < len(sizes) and a < sizes[degree] for degree, _, a in self.translation]
+        return np.flatnonzero(kept)
+
+    @property
+    def size(self) -> int:
+        """Number of components, rotational ones last."""
+        return len(self.translation) + self.rotation.size
+
+    @cached_property
+    def mixing(self) -> np.ndarray:
+        """From the moments at a node to the sources there, shape (size, size)."""
+        return self._spread(self.operator.mixing)
+
+    @cached_property
+    def orthonormal(self) -> np.ndarray:
+        """From powers to orthonormal functions, shape (size, size)."""
+        return self._spread(self.operator.orthonormal)
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """⟨ν φ φ⟩ of the powers, shape (size, size)."""
+        return self._spread(self.operator.weights)
+
+    @cached_property
+    def names(self) -> list[tuple[int, int, int, bool]]:
+        """Degree l, order m, number a of the power, and whether it is of rotation."""
+        moved = [(*which, False) for which in self.translation]
+        return moved + [(*self.translation[i], True) for i in self.rotation]
+
+    def _spread(self, of_degree: Callable[[int], np.ndarray]) -> np.ndarray:
+        """Matrix of all components from one block per degree, the same for all orders m."""
+        sizes = self.operator.moments.translation
+        blocks = [of_degree(degree) for degree in range(len(sizes))]
+        matrix = np.zeros((self.size, self.size))
+        for i, (degree, m, a, rotates) in enumerate(self.names):
+            for k, (other, order, b, turns) in enumerate(self.names):
+                if degree == other and m == order:
+                    offset = sizes[degree]
+                    matrix[i, k] = blocks[degree][a + offset * rotates, b + offset * turns]
+        return matrix
+
+
+def harmonic_arguments(components: Components) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Arguments of the kernels that say what the components are."""
+    degrees = components.operator.moments.degrees
+    odd = np.array([m % 2 == 1 for degree in range(degrees) for m in range(degree + 1)])
+    norms = np.zeros((degrees, degrees))
+    for degree in range(degrees):
+        for m in range(degree + 1):
+            ratio = math.factorial(degree - m) / math.factorial(degree + m)
+            norms[degree, m] = math.sqrt((2 * degree + 1) * (1 if m == 0 else 2) * ratio)
+    moments = components.operator.moments
+    numbers = [
+        (degree * (degree + 1) // 2 + order, moments.powers(degree)[a])
+        for degree, order, a, _ in components.names
+    ]
+    return norms, odd, np.array(numbers).T.copy()
+
+
+def highest_power(components: Components) -> int:
+    """Highest power of the speed in the integrals along rays."""
+    moments = components.operator.moments
+    return 2 * max(max(moments.powers(degree)) for degree in range(moments.degrees)) + 4
+
 
 _TOLERANCE = 1e-7  # of moments; the force is as good to 1e-5
 
@@ -178,3 +303,40 @@ class MolecularProblem:
         shares = np.array([diffuse, 1.0 - diffuse])
         moved = (4.0 - 2.0 * diffuse) * velocity
         return sources[face], sources[1 - face], shares, density, temperature, moved
+
+
+_COARSER = Resolution(3, 0.7, Quadrature(3, 3, 3))
+
+_THIN_DEPTH = 1.5  # Rarefaction δ below which the coarse mesh is right to 6·10⁻⁴ in force
+
+
+def solve_at_two_levels(case: Case, molecule: Molecule) -> tuple[Outcome, Outcome]:
+    """Solve a linear case, and once more with a coarser mesh and fewer moments for the error."""
+    fine, coarse = (COARSE, _COARSER) if case.rarefaction < _THIN_DEPTH else (MEDIUM, COARSE)
+    coarser = solve_molecules(case, coarse, molecule, moments=FEWER_MOMENTS)
+    return solve_molecules(case, fine, molecule), coarser
+
+
+def solve_molecules(
+    case: Case,
+    resolution: Resolution,
+    molecule: Molecule,
+    *,
+    moments: Moments = MOMENTS,
+    operators: Operators | None = None,
+) -> Outcome:
+    """Solve a linear case for molecules on one mesh."""
+    mesh = resolution.mesh(case.rarefaction, case.boundary)
+    problem = MolecularProblem(
+        mesh,
+        case.rarefaction,
+        resolution.quadrature,
+        CollisionOperator(molecule, moments),
+        0.5 * sum(case.tac),
+        case.wall,
+        operators,
+    )
+    walls = Walls(case.tac, case.perturbation)
+    fields, iterations = problem.solve(walls)
+    force, heat = totals(mesh, problem.face_results(walls, fields))
+    return Outcome(force, heat, problem.gas_fields(fields), iterations, mesh)

@@ -1,23 +1,40 @@
-"""Cases of the disk problem, and their solution on one mesh."""
+"""Cases of the disk problem and their solution on one mesh, the fields around it, and a moving one.
 
+Drag of a hot disk that moves slowly along its axis: the flow at rest, disturbed.
+
+The disk is at rest and the gas far away streams. What the stream changes is linear in its speed
+and, with faces that are alike, odd between the halves. It carries the warmth of the disk, so that
+the change of temperature does not vanish far away: it goes to the cosine to the axis times a number
+that follows from the heat of the disk. The rest vanishes.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.linalg import lu_solve
 
 from lightflyer.core.errors import ConvergenceError
-from lightflyer.kinetic_theory.disk.free_molecular import FreeMolecularDisk
 from lightflyer.kinetic_theory.disk.linear import FaceResult, LinearSystem, Walls, face_result
-from lightflyer.kinetic_theory.disk.nonlinear import HotDisk, NonlinearProblem
-from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
+from lightflyer.kinetic_theory.disk.nonlinear import HotDisk, NonlinearProblem, Problem, iterate
+from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble, kernel_arguments
 from lightflyer.kinetic_theory.disk.scattering import (
     Scattering,
     ScatteringSystem,
     assemble_modes,
 )
+from lightflyer.kinetic_theory.grid.interpolation import bases_at, interpolate, nodes_in_eta
+from lightflyer.kinetic_theory.grid.kernels import kernel
 from lightflyer.kinetic_theory.grid.mesh import Mesh, build_mesh
+from lightflyer.kinetic_theory.grid.rays import spheroidal
 from lightflyer.kinetic_theory.model_gases import GasModel
-from lightflyer.kinetic_theory.walls import CERCIGNANI_LAMPIS, Accommodation, Wall
+from lightflyer.kinetic_theory.walls import (
+    CERCIGNANI_LAMPIS,
+    Accommodation,
+    FreeMolecularDisk,
+    Wall,
+)
 
 if TYPE_CHECKING:
     from lightflyer.kinetic_theory.collisions.brackets import Molecule
@@ -156,3 +173,110 @@ def totals(mesh: Mesh, faces: list[FaceResult]) -> tuple[float, tuple[float, flo
     weights = mesh.face_weights
     force = float(weights @ (faces[1].pressure - faces[0].pressure))
     return force, (float(weights @ faces[0].heat), float(weights @ faces[1].heat))
+
+
+_NAMES = (
+    "pressure",
+    "velocity_radial",
+    "velocity_axial",
+    "temperature",
+    "heat_flux_radial",
+    "heat_flux_axial",
+    "rotational_temperature",
+)
+
+
+@kernel
+def _sample(points, halves, upper, lower, values):
+    order, eta_size = upper[3].shape[2], nodes_in_eta(upper)
+    xi_basis, eta_basis = np.empty(order), np.empty(order)
+    for p in range(points.shape[0]):
+        xi, eta = spheroidal(points[p, 0] ** 2, points[p, 1])
+        mesh, fields = (upper, halves[0]) if points[p, 1] >= 0.0 else (lower, halves[1])
+        i, j = bases_at(max(xi, 1e-12), eta, mesh, xi_basis, eta_basis)
+        interpolate(fields, i, j, eta_size, xi_basis, eta_basis, values[p])
+        scale = np.sqrt(max(0.0, 1.0 - eta * eta))
+        values[p, 1] *= scale
+        values[p, 4] *= scale
+        if points[p, 1] < 0.0:  # the lower half is kept mirrored
+            values[p, 2] *= -1.0
+            values[p, 5] *= -1.0
+
+
+def sample(outcome: Outcome, radius: Any, height: Any) -> dict[str, np.ndarray]:
+    """Fields at points, by the solver's own interpolation; ``radius``, ``height`` [disk radii]."""
+    meshes = outcome.mesh, outcome.mesh
+    return sample_halves(meshes, outcome.fields, np.asarray(radius), np.asarray(height))
+
+
+def sample_halves(
+    meshes: tuple[Mesh, Mesh], halves: np.ndarray, radius: np.ndarray, height: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Fields at points in halves that need not be alike; ``halves`` (2, n, 6 or 9)."""
+    radius, height = np.broadcast_arrays(radius, height)
+    points = np.stack([radius.ravel(), height.ravel()], axis=1)
+    upper, lower = (kernel_arguments(mesh, 1.0, COARSE.quadrature)[1] for mesh in meshes)
+    values = np.empty((points.shape[0], halves.shape[-1]))
+    _sample(points, halves, upper, lower, values)
+    beyond = (radius > meshes[0].boundary) | (height > meshes[0].ceiling)
+    beyond |= height < -meshes[1].ceiling
+    values[beyond.ravel()] = np.nan
+    names = _NAMES[: 7 if values.shape[1] > 6 else 6]
+    return {name: values[:, k].reshape(radius.shape) for k, name in enumerate(names)}
+
+
+_SPEED = 1e-4  # of the stream, in whose square its effect is not linear
+
+
+def hot_disk_drag(
+    rarefaction: float, gas: GasModel, tac: float, ratios: Sequence[float], resolution: Resolution
+) -> list[float]:
+    """Drag F/(pAs) of a disk in open space for each T_w/T of both its faces, at Maxwell walls."""
+    mesh = resolution.mesh(rarefaction, np.inf)
+    operators = assemble(mesh, rarefaction, resolution.quadrature)
+    system = LinearSystem(operators, gas, tac)
+    found = []
+    for ratio in ratios:
+        problem = NonlinearProblem(system, rarefaction, resolution.quadrature)
+        disk = HotDisk((tac, tac), (ratio, ratio))
+        start = system.solve(Walls(disk.tac, (ratio - 1.0, ratio - 1.0)))[0]
+        fields, _ = problem.solve(disk, start, _TOLERANCE)
+        problem.precondition_about(fields, disk)
+        found.append(_stream_drag(problem, disk, fields[0]))
+    return found
+
+
+def _stream_drag(problem: NonlinearProblem, disk: HotDisk, around: np.ndarray) -> float:
+    """Force per speed of a stream; ``around``: fields of a half without the stream."""
+    mesh, gas = problem.system.operators.mesh, problem.system.gas
+    at_rest = problem.face_result(np.stack([around, around]), 0, disk)
+    # conduction and advection balance: T − 1 = b/r far away, and its change b U/(2 a) cos θ with
+    # the diffusivity a
+    modes = 7.0 if gas.has_rotation else 5.0
+    eucken = 2.5 / gas.translational_rate
+    if gas.has_rotation:
+        eucken += 1.0 / gas.rotational_rate
+    far = float(mesh.face_weights @ at_rest.heat) * problem.rarefaction / eucken
+    warmth = 0.5 * modes * problem.rarefaction / eucken * far
+    streaming = HotDisk(disk.tac, disk.temperature, stream=(_SPEED, _SPEED * warmth))
+
+    def follows(fields: np.ndarray, of: HotDisk) -> np.ndarray:
+        emitted = problem.emission(problem.arriving_fluxes(fields, 0, of), 0, of)
+        return problem.half_fields(fields, 0, of, emitted)
+
+    before = follows(np.stack([around, around]), disk)
+
+    def halves(change: np.ndarray) -> np.ndarray:
+        return np.stack([around + _SPEED * change, around - _SPEED * change])
+
+    def missing(change: np.ndarray) -> np.ndarray:
+        return (follows(halves(change), streaming) - before) / _SPEED - change
+
+    def precondition(residual: np.ndarray) -> np.ndarray:
+        odd = lu_solve(problem.factors[1], residual.ravel(), check_finite=False)
+        return odd.reshape(residual.shape)
+
+    steps = Problem(missing, precondition, lambda _: None, lambda _, new: new)
+    change, step, _ = iterate(steps, np.zeros_like(around), _TOLERANCE, problem.rarefaction)
+    pressed = problem.face_result(halves(change + step), 0, streaming).pressure - at_rest.pressure
+    return float(-2.0 * mesh.face_weights @ pressed / _SPEED)

@@ -23,7 +23,9 @@ from lightflyer.kinetic_theory.grid.interpolation import (
 )
 from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
+    LARGEST_DEPTH,
     MOST_CUTS,
+    NUMBER,
     REACH,
     SHORTEST,
     maxwellian_integrals,
@@ -31,7 +33,6 @@ from lightflyer.kinetic_theory.grid.rays import (
     spheroidal,
     trace_between,
 )
-from lightflyer.kinetic_theory.grid.speed_integrals import LARGEST_DEPTH, NUMBER
 
 FIELDS = 6
 FLUXES = 3  # Fluxes of arriving molecules at a face: number, normal momentum, energy

@@ -15,13 +15,13 @@ from lightflyer.kinetic_theory.grid.interpolation import (
 )
 from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
+    LARGEST_DEPTH,
     MOST_CUTS,
     SHORTEST,
     integrals,
     spheroidal,
     trace_ray,
 )
-from lightflyer.kinetic_theory.grid.speed_integrals import LARGEST_DEPTH
 
 
 @kernel

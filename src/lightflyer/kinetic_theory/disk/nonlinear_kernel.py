@@ -26,7 +26,9 @@ from lightflyer.kinetic_theory.grid.interpolation import (
 )
 from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
+    LARGEST_DEPTH,
     MOST_CUTS,
+    NUMBER,
     REACH,
     SHORTEST,
     maxwellian_integrals,
@@ -34,7 +36,6 @@ from lightflyer.kinetic_theory.grid.rays import (
     spheroidal,
     trace_between,
 )
-from lightflyer.kinetic_theory.grid.speed_integrals import LARGEST_DEPTH, NUMBER
 
 _POWERS = 4  # of the speed, 2 to 5, in the integrals along a ray; two more for rotational energy
 _OF_TRANSLATION = 6  # Number of fields without rotation

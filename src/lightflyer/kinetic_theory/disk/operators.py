@@ -6,7 +6,7 @@ import numpy as np
 
 from lightflyer.kinetic_theory.disk import linear_kernel
 from lightflyer.kinetic_theory.grid.mesh import Mesh, gauss
-from lightflyer.kinetic_theory.grid.speed_integrals import spline_table
+from lightflyer.kinetic_theory.grid.rays import spline_table
 
 _LAYER = 0.1  # height of the panel of directions next to the horizon
 

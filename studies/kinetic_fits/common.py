@@ -11,8 +11,7 @@ import numpy as np
 
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
 from lightflyer.files.table import shipped_table
-from lightflyer.numerics.horner import as_tuples
-from lightflyer.numerics.polynomials import place_between
+from lightflyer.numerics.polynomials import as_tuples, place_between
 
 DATA = Path(__file__).parents[2] / "src" / "lightflyer" / "data"
 ERROR_POWERS = [(0,), (1,), (2,)]

@@ -21,7 +21,7 @@ from lightflyer.force.kinetic.ratios import (
     width,
 )
 from lightflyer.kinetic_theory.model_gases import GasModel, gas_model
-from lightflyer.numerics.horner import as_tuples, polynomial, trim_zeros
+from lightflyer.numerics.polynomials import as_tuples, polynomial, trim_zeros
 
 SMALL = 0.1  # Differences of TACs up to this stand for the limit of small ones
 

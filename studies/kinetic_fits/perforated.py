@@ -8,7 +8,7 @@ import numpy as np
 from kinetic_fits.common import table_of
 
 from lightflyer.force.schafer2025 import FREE_FORCE, PerforatedDiskFit
-from lightflyer.numerics.curves import Curves
+from lightflyer.numerics.interpolation import Curves
 
 _BEYOND = 2.0  # factor of δ within which the coefficients level off below and above the table
 _NOISE = 0.005  # relative scatter of the table, which weighs it against ridges of one

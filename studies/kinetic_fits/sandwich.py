@@ -17,7 +17,7 @@ from lightflyer.force.kinetic import sandwich_table
 from lightflyer.force.kinetic.ratios import KineticFit
 from lightflyer.force.kinetic.sandwich_table import Resistance, SandwichFit, SandwichWallsFit, flow
 from lightflyer.force.kinetic.walls import Accommodations, kinds_of
-from lightflyer.numerics.horner import as_tuples
+from lightflyer.numerics.polynomials import as_tuples
 
 _MOST = 8  # power of the rarefaction
 _POWERS = [

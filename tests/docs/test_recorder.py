@@ -17,12 +17,10 @@ from lightflyer.array.transformations import (
     stop_gradient,
     with_slopes,
 )
-from lightflyer.numerics.cubic_grid import Axis, interpolate
-from lightflyer.numerics.horner import polynomial
-from lightflyer.numerics.power_spline import Sums, spline
+from lightflyer.numerics.interpolation import Axis, Spline, Sums, interpolate, spline
+from lightflyer.numerics.polynomials import polynomial
 from lightflyer.numerics.rootfind import find_power_root, implicit_root
 from lightflyer.numerics.special import erf, xlogy
-from lightflyer.numerics.spline import Spline
 from lightflyer.numerics.system import solve_system
 
 pytest.importorskip("calculator.recorder")

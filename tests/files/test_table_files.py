@@ -9,8 +9,8 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.core.quantity import Fraction, Pressure, Quantity, Temperature
-from lightflyer.files.encoding import plain_text, split_lines
 from lightflyer.files.table import read_table
+from lightflyer.files.table_file import plain_text, split_lines
 from lightflyer.files.table_layout import Column
 
 COLUMNS = (

@@ -10,7 +10,7 @@ from lightflyer.compute import scheduler, store
 from lightflyer.core import progress
 from lightflyer.core.progress import report, report_to, reported_as_part
 from lightflyer.mission import fleet
-from lightflyer.mission.kept import forget_flights, keeps_flights
+from lightflyer.mission.fleet import forget_flights, keeps_flights
 from lightflyer.mission.path import integration
 from lightflyer.mission.path.integration import TerminationReason
 from lightflyer.mission.report.summary import summarise

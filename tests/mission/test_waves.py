@@ -13,7 +13,7 @@ from lightflyer.mission.path import air
 from lightflyer.mission.path.air import Tides, Waves, draw_waves
 from lightflyer.mission.report.assumptions import assumptions_of
 from lightflyer.mission.swarms import spreading
-from lightflyer.numerics.spline import Spline
+from lightflyer.numerics.interpolation import Spline
 
 PLACE = Place(0.8, 0.2, 8e8)
 FREQUENCY, LENGTH = 2.0 * np.pi / 7200.0, 15e3

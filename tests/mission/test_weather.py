@@ -10,7 +10,7 @@ import lightflyer as lf
 from lightflyer.config.designs import as_design
 from lightflyer.environment import GriddedWind, UniformWind, WindBeyondData
 from lightflyer.environment.wind import store
-from lightflyer.mission.kept import describe_work
+from lightflyer.mission.fleet import describe_work
 from lightflyer.mission.report.events import Event, at_event, read_events
 from lightflyer.mission.report.summary import summarise
 

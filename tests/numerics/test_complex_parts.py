@@ -6,7 +6,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.core.entry_point import entry_point
-from lightflyer.numerics.complex_parts import imaginary, magnitude, quotient, real
+from lightflyer.numerics.special import imaginary, magnitude, quotient, real
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import pytest
 from numpy.polynomial.polynomial import polyval, polyval2d, polyval3d
 
 from lightflyer.array.transformations import compiled
-from lightflyer.numerics.horner import as_tuples, polynomial
+from lightflyer.numerics.polynomials import as_tuples, polynomial
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from lightflyer.array.transformations import compiled
-from lightflyer.numerics.power_spline import Sums, spline
+from lightflyer.numerics.interpolation import Sums, spline
 
 
 def test_a_spline_is_scipys(rng):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from lightflyer.prediction.edges_and_optima import find_edges_and_optima, find_usable
+from lightflyer.prediction.evaluator import find_edges_and_optima, find_usable
 from lightflyer.statics.grid_refinement import (
     band_brackets,
     band_count,

@@ -8,8 +8,7 @@ import pytest
 from scipy import stats
 
 import lightflyer as lf
-from lightflyer.study.axes import Axis, read_entry
-from lightflyer.study.distributions import LogUniform, Normal, Uniform, draw_samples
+from lightflyer.study.axes import Axis, LogUniform, Normal, Uniform, draw_samples, read_entry
 from lightflyer.study.study import make_study, read_study
 
 STUDY = """\

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.array.records import ShortRepr
-from lightflyer.core.arguments import reads_units
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, Doubt, ParameterError
 from lightflyer.core.quantity import Pressure, Quantity

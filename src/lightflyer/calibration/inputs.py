@@ -19,7 +19,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from lightflyer.calibration.points import Points
-from lightflyer.core.arguments import reads_units
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.errors import ConfigurationError, ParameterError, ParameterWarning
 from lightflyer.core.quantity import Fraction, Quantity

@@ -1,6 +1,12 @@
-"""The flyer file: its sections, and the design that it describes."""
+"""The flyer file: its sections, and the design that it describes.
 
+Alternatives of its sections are found by importing the modules that declare them: a new flyer,
+environment or force model is one new module in its room, or one of a plug-in.
+"""
+
+import importlib
 import json
+import pkgutil
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from itertools import combinations
@@ -12,9 +18,9 @@ import pydantic
 from lightflyer.array import tree
 from lightflyer.array.namespace import Numeric, by_numpy
 from lightflyer.budget.payload import PayloadSection
-from lightflyer.config.discovery import discover
 from lightflyer.config.searched_films import SurrogateFilms, part_at
 from lightflyer.core.errors import ConfigurationError, ParameterError
+from lightflyer.core.extras import load_plugins
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import Measured
 from lightflyer.design.design import AbstractDesign, AbstractStacks, digest
@@ -25,7 +31,20 @@ from lightflyer.film.properties import FilmSection
 from lightflyer.flyer.base import FlyerSection
 from lightflyer.force.base import ForceSection
 
-discover()
+_FIGURES = "figures"  # how names of modules end that draw on demand, and import matplotlib
+
+
+def _discover() -> None:
+    """Import every module that may declare an alternative of a section."""
+    for room in ("film", "environment", "flyer", "force"):
+        package = importlib.import_module(f"lightflyer.{room}")
+        for module in pkgutil.walk_packages(package.__path__, f"lightflyer.{room}."):
+            if not module.name.endswith(_FIGURES):
+                importlib.import_module(module.name)
+    load_plugins()
+
+
+_discover()
 
 PARTS = ("flyer", "film", "environment", "force", "payload")
 """Sections whose numbers describe a design."""

@@ -14,8 +14,7 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Quantity
 from lightflyer.design.design import AbstractDesign, AbstractStacks
 from lightflyer.design.setup import Setup
-from lightflyer.files.toml_file import FOLDER
-from lightflyer.files.validation_messages import format_error
+from lightflyer.files.toml_file import FOLDER, format_error
 from lightflyer.film.computed import surrogate_properties
 from lightflyer.film.layer_section import OF_NO_MEDIUM, LayerSection
 from lightflyer.film.optics.stack import Film

@@ -60,7 +60,7 @@ from lightflyer.drag.similarity import (
 )
 from lightflyer.files.table import shipped_table
 from lightflyer.gas.base import AbstractGas, mean_free_path
-from lightflyer.numerics.curves import Curves
+from lightflyer.numerics.interpolation import Curves
 
 _OFFSET = 1.5  # any of the size of the rarefaction at which both resistances are alike
 

@@ -10,8 +10,7 @@ from typing import Any, Final
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import field
 from lightflyer.core import constants
-from lightflyer.core.arguments import reads_units
-from lightflyer.core.entry_point import entry_point
+from lightflyer.core.entry_point import entry_point, reads_units
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
     Acceleration,

@@ -45,7 +45,7 @@ from lightflyer.film.optics.spectra import Spectrum
 from lightflyer.film.optics.sphere import read_absorbed_powers, sphere_absorption
 from lightflyer.film.properties import excess_of_growth
 from lightflyer.flyer.base import AbstractClosedFlyer, FlyerSection
-from lightflyer.numerics.spline import Spline
+from lightflyer.numerics.interpolation import Spline
 
 Upright = Literal["nothing", "gravity", "dipole"]
 """What keeps the lower half of a sphere below."""

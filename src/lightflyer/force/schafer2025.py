@@ -53,7 +53,7 @@ from lightflyer.force.laws.faces import (
     passage,
 )
 from lightflyer.gas.base import AbstractGas, mean_free_path
-from lightflyer.numerics.curves import Curves
+from lightflyer.numerics.interpolation import Curves
 
 TEMPERATURE_EXCESS = 1.0 / 3.0
 """Relative temperature excess of the hot face in the table: 400 K in gas at 300 K."""

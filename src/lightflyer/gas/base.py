@@ -12,9 +12,8 @@ import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import AbstractClassVar, AbstractVar, Module
-from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive
-from lightflyer.core.entry_point import entry_point
+from lightflyer.core.entry_point import entry_point, reads_units
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Length, Pressure, Temperature
 from lightflyer.core.validity import Looks, describe

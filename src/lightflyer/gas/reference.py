@@ -15,7 +15,7 @@ from lightflyer.core.entry_point import entry_point
 from lightflyer.core.quantity import Temperature
 from lightflyer.core.validity import Looks, Validity
 from lightflyer.gas.base import AbstractGas
-from lightflyer.numerics.horner import polynomial
+from lightflyer.numerics.polynomials import polynomial
 
 
 class ChebyshevFit(NamedTuple):

@@ -11,9 +11,9 @@ from lightflyer.array.namespace import xp
 from lightflyer.array.records import ShortRepr
 from lightflyer.calibration.gauge import Gauge
 from lightflyer.calibration.points import copies
-from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.constants import STANDARD_GRAVITY
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Fraction, Quantity
 from lightflyer.core.units import Measured, parse

@@ -26,8 +26,7 @@ from lightflyer.environment.wind.gridded import with_end_of_data
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import Circle, geographic
-from lightflyer.mission.fleet import BATCH, Ensemble, flights_of
-from lightflyer.mission.kept import WorkFolder, describe_work
+from lightflyer.mission.fleet import BATCH, Ensemble, WorkFolder, describe_work, flights_of
 from lightflyer.mission.path.attitude import AbstractAttitudeRule, Own
 from lightflyer.mission.path.dynamics import Inertia, follow
 from lightflyer.mission.path.integration import (

@@ -18,8 +18,7 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report
 from lightflyer.environment.base import Place
 from lightflyer.mission.areas import distances_between, geographic
-from lightflyer.mission.fleet import Flights, flight_of, fly_all, note, unflown
-from lightflyer.mission.kept import WorkFolder
+from lightflyer.mission.fleet import Flights, WorkFolder, flight_of, fly_all, note, unflown
 from lightflyer.mission.path.dynamics import Inertia, Moving, follow
 from lightflyer.mission.path.integration import (
     Plan,

@@ -16,7 +16,7 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.units import file_unit, number_or_text, parse
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.files.display_units import amount, suitable, unit_of
-from lightflyer.study.distributions import SAMPLE
+from lightflyer.study.axes import SAMPLE
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -36,7 +36,7 @@ from lightflyer.parametric.explore import (
     margin_of_most,
     over_samples,
 )
-from lightflyer.study.distributions import SAMPLE
+from lightflyer.study.axes import SAMPLE
 
 if TYPE_CHECKING:
     import xarray as xr

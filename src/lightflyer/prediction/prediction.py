@@ -37,8 +37,14 @@ from lightflyer.files.result_text import (
     warning_lines,
     wrap,
 )
-from lightflyer.prediction.edges_and_optima import find_edges_and_optima
-from lightflyer.prediction.evaluator import POINTS, Evaluator, Place, Rows, Table
+from lightflyer.prediction.evaluator import (
+    POINTS,
+    Evaluator,
+    Place,
+    Rows,
+    Table,
+    find_edges_and_optima,
+)
 from lightflyer.prediction.verdict import Verdict, verdict_of
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from lightflyer.array.records import ShortRepr
 from lightflyer.design.diagnostics import shape_failures
 from lightflyer.design.operating_point import sinks_at_night
 from lightflyer.design.tables import NIGHT_SPEED
-from lightflyer.prediction.edges_and_optima import find_usable
-from lightflyer.prediction.evaluator import Evaluator, Place, Rows
+from lightflyer.prediction.evaluator import Evaluator, Place, Rows, find_usable
 from lightflyer.statics.grid_refinement import crossing, rows_around
 from lightflyer.statics.sinking import night_length, night_places
 

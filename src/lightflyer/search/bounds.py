@@ -12,8 +12,7 @@ from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Quantity
 from lightflyer.design.design import Field
-from lightflyer.study.axes import read_ends
-from lightflyer.study.distributions import Distribution, Normal
+from lightflyer.study.axes import Distribution, Normal, read_ends
 
 _KEYS = ("from", "to", "scale", "uncertainty")
 _PERCENT = re.compile(r"\s*([-+.\deE]+)\s*%\s*")

@@ -17,8 +17,7 @@ from lightflyer.design.outputs import check_outputs, outputs_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.search.bounds import Bounds, Tolerance, errors_of, read_bounds
-from lightflyer.study.axes import read_entry
-from lightflyer.study.distributions import Distribution, draw_samples, stated_distributions
+from lightflyer.study.axes import Distribution, draw_samples, read_entry, stated_distributions
 from lightflyer.study.sections import OptimiseSection, SamplingSection, from_arguments
 from lightflyer.study.study import Source, errors_at, read_study_file, require_compatible
 

@@ -38,7 +38,7 @@ from lightflyer.search.sobol_estimates import (
     measured_differences,
 )
 from lightflyer.study.axes import Axis, read_entry
-from lightflyer.study.distributions import SAMPLE, Distribution, stated_distributions
+from lightflyer.study.axes import SAMPLE, Distribution, stated_distributions
 from lightflyer.study.sections import SensitivitySection, from_arguments
 from lightflyer.study.study import (
     Dimension,

@@ -8,9 +8,8 @@ import numpy as np
 from lightflyer.array import tree
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import Module
-from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import is_concrete
-from lightflyer.core.entry_point import elementwise_entry_point
+from lightflyer.core.entry_point import elementwise_entry_point, reads_units
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Altitude, require_record
 from lightflyer.environment.base import AbstractEnvironment, EnvironmentState, Place

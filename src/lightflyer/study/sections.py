@@ -7,9 +7,8 @@ import pydantic
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Duration
 from lightflyer.files.section import Section
-from lightflyer.files.toml_file import FileKind
-from lightflyer.files.validation_messages import format_error
-from lightflyer.study.distributions import METHODS, MOST_SAMPLES, SAMPLES
+from lightflyer.files.toml_file import FileKind, format_error
+from lightflyer.study.axes import METHODS, MOST_SAMPLES, SAMPLES
 
 _Count = Annotated[int, pydantic.Field(strict=True, ge=1, le=MOST_SAMPLES)]
 _Base = Annotated[int, pydantic.Field(strict=True, ge=1, le=2**18)]  # times the inputs, in memory

@@ -13,8 +13,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.design.design import AbstractDesign, Field, digest
 from lightflyer.design.outputs import Output, check_outputs, outputs_of
 from lightflyer.files.toml_file import place_of, read_file
-from lightflyer.study.axes import Axis, read_entry
-from lightflyer.study.distributions import SAMPLE, Distribution, draw_samples
+from lightflyer.study.axes import SAMPLE, Axis, Distribution, draw_samples, read_entry
 from lightflyer.study.sections import STUDY_FILE, SamplingSection, StudyFile
 
 _LISTED = 6  # values of a number that are shown one by one
@@ -63,7 +62,7 @@ def read_study_file(path: str | Path) -> tuple[StudyFile, AbstractDesign, Source
 class Dimension:
     """A dimension of a study."""
 
-    name: str  # Dotted name of its field, or :data:`~lightflyer.study.distributions.SAMPLE`
+    name: str  # Dotted name of its field, or :data:`~lightflyer.study.axes.SAMPLE`
     values: dict[str, np.ndarray]  # shape (n,); values of each field along it, by dotted name
 
     @property

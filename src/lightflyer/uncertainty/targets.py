@@ -19,7 +19,7 @@ from lightflyer.design.operating_point import sinks_at_night
 from lightflyer.design.outputs import outputs_of
 from lightflyer.design.tables import NIGHT_SPEED, predicted_names, table_of, tabulate
 from lightflyer.environment.base import Coordinate
-from lightflyer.prediction.edges_and_optima import (
+from lightflyer.prediction.evaluator import (
     Found,
     Names,
     Tabulate,

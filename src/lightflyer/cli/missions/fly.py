@@ -40,7 +40,7 @@ def fly_command(
     """
     asked, out = out, figures.folder(out)
     from lightflyer.core.progress import asked_to_end, ends_early, report
-    from lightflyer.mission.kept import forget_flights, keeps_flights
+    from lightflyer.mission.fleet import forget_flights, keeps_flights
     from lightflyer.mission.mission import fly
     from lightflyer.mission.mission_file import read_mission_file
     from lightflyer.mission.report.summary import summarise

@@ -16,8 +16,8 @@ from lightflyer.core.quantity import Altitude
 from lightflyer.environment.base import AbstractAtmosphere, Place
 from lightflyer.files.table import shipped_table
 from lightflyer.gas.air import US1976_AIR
-from lightflyer.numerics.horner import polynomial
-from lightflyer.numerics.spline import Spline
+from lightflyer.numerics.interpolation import Spline
+from lightflyer.numerics.polynomials import polynomial
 
 # [USSA1976] table 4: bases of the layers below 86 km in geopotential altitude [m'], and the
 # gradients of molecular-scale temperature above them [K/m'].

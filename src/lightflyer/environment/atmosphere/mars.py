@@ -21,7 +21,7 @@ from lightflyer.core.text import span
 from lightflyer.environment.base import AbstractAtmosphere, Place
 from lightflyer.environment.planet import MARS_PLANET
 from lightflyer.files.table import shipped_table
-from lightflyer.numerics.spline import Spline
+from lightflyer.numerics.interpolation import Spline
 
 SURFACE_PRESSURE = 636.0
 """At the areoid, mean of the northern summer [Pa]; [Seiff1982]_ as in [Pitts1990]_ table XI.

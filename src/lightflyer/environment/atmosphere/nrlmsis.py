@@ -28,8 +28,7 @@ from lightflyer.core.quantity import (
     quantity_of,
 )
 from lightflyer.environment.base import AbstractAtmosphere, Place
-from lightflyer.numerics.cubic_grid import Axis, interpolate
-from lightflyer.numerics.spline import Spline
+from lightflyer.numerics.interpolation import Axis, Spline, interpolate
 
 _VERSION = 2.1
 _TOP_OF_PROFILE = 200e3

@@ -16,7 +16,7 @@ from lightflyer.core.quantity import RADIANS_PER_DEGREE, Checked, Fraction, Infr
 from lightflyer.core.text import span
 from lightflyer.environment.base import Place
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
-from lightflyer.numerics.cubic_grid import Axis, interpolate
+from lightflyer.numerics.interpolation import Axis, interpolate
 
 
 class AbstractGround(Checked):

@@ -13,7 +13,7 @@ from lightflyer.environment.atmosphere.nrlmsis import TROPICAL_YEAR, GlobalNRLMS
 from lightflyer.environment.base import Place, Wind
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.environment.wind.base import AbstractWind
-from lightflyer.numerics.cubic_grid import Axis, interpolate
+from lightflyer.numerics.interpolation import Axis, interpolate
 
 HIGHEST = 100e3
 """Altitude above which tides, waves and ions drive more of the wind than the balance holds [m]."""

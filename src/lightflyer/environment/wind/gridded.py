@@ -19,7 +19,7 @@ from lightflyer.environment.base import AbstractAtmosphere, Place, Wind
 from lightflyer.environment.wind.base import AbstractWind, Air, near_poles, next_to
 from lightflyer.environment.wind.dataset import WindGrid, read_grid
 from lightflyer.environment.wind.store import Store, open_wind
-from lightflyer.numerics.cubic_grid import Axis, interpolate
+from lightflyer.numerics.interpolation import Axis, interpolate
 
 _TURN = 2.0 * np.pi
 _SPACING_OF_TIDES = 21_600.0  # seconds between entries that still tell half a day's tide

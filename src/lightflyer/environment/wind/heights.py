@@ -12,7 +12,7 @@ from lightflyer.environment.atmosphere.earth import US1976
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.environment.wind.gradient import CENTRIFUGAL, normal_gravity
 from lightflyer.environment.wind.layouts import called, unit_of
-from lightflyer.numerics.cubic_grid import MOST_UNEVEN, share_of_next
+from lightflyer.numerics.interpolation import MOST_UNEVEN, share_of_next
 
 GAS_CONSTANT = constants.GAS_CONSTANT_US1976 / constants.MOLAR_MASS_AIR  # of dry air [J/(kg K)]
 _RADIUS = 6.356766e6  # of the Earth in the standard atmosphere [m]; [USSA1976]_

@@ -36,7 +36,7 @@ from lightflyer.environment.wind.layouts import (
     open_parts,
     weather_files,
 )
-from lightflyer.numerics.cubic_grid import Axis
+from lightflyer.numerics.interpolation import Axis
 
 KEPT = 2_500_000  # Most points of a variable of files that are in memory as a whole
 LARGEST_WINDOW = 40_000_000

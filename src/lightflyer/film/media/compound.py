@@ -20,7 +20,7 @@ from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.film.media.materials import Material
 from lightflyer.film.media.medium import GIVEN, Extrapolation, Medium, common_range
-from lightflyer.numerics.complex_parts import imaginary, real
+from lightflyer.numerics.special import imaginary, real
 
 SPHERES = 1.0 / 3.0  # Depolarisation factor of spheres
 

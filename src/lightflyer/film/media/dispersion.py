@@ -30,8 +30,7 @@ from lightflyer.core.quantity import (
     Quantity,
 )
 from lightflyer.film.media.medium import MICROMETRE, DataMedium, Extrapolation
-from lightflyer.numerics.complex_parts import imaginary, real
-from lightflyer.numerics.special import dawson
+from lightflyer.numerics.special import dawson, imaginary, real
 
 _NODES = [0.5 * (1.0 + np.polynomial.legendre.leggauss(80)[0]),
           0.5 * np.polynomial.legendre.leggauss(80)[1]]  # fmt: skip

@@ -8,8 +8,8 @@ import numpy as np
 
 from lightflyer.array.records import ShortRepr
 from lightflyer.core import constants
-from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Length, Temperature
 from lightflyer.files.table import shipped_table

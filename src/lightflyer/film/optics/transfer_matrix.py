@@ -22,7 +22,7 @@ from lightflyer.film.optics.waves import (
     net_power,
     respond,
 )
-from lightflyer.numerics.complex_parts import imaginary, magnitude, real
+from lightflyer.numerics.special import imaginary, magnitude, real
 
 
 class StackOptics(Module):

@@ -40,7 +40,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lightflyer.array.namespace import Array, Numeric, xp
-from lightflyer.numerics.complex_parts import imaginary, magnitude, quotient, real
+from lightflyer.numerics.special import imaginary, magnitude, quotient, real
 
 LARGEST_DEFICIT = 0.05
 """Share that may be missing from what falls on a hole before it is worth a warning [1]."""

@@ -42,8 +42,7 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force.fitted import fitted
 from lightflyer.force.kinetic.collisions import HEATED_RANGE
 from lightflyer.force.kinetic.ratios import denseness, heating_of, thinness
-from lightflyer.numerics.horner import polynomial
-from lightflyer.numerics.polynomials import hold_within
+from lightflyer.numerics.polynomials import hold_within, polynomial
 
 # powers of floor, lid and side wall: floor and lid may be exchanged, with the same or the
 # opposite result

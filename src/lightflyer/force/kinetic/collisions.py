@@ -24,8 +24,7 @@ from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.force.fitted import fitted
 from lightflyer.force.kinetic.ratios import heating_of, thinness
 from lightflyer.gas.base import AbstractGas
-from lightflyer.numerics.horner import polynomial
-from lightflyer.numerics.polynomials import hold_within
+from lightflyer.numerics.polynomials import hold_within, polynomial
 from lightflyer.numerics.special import root_sum_square
 
 REFERENCE_TAC = 0.9

@@ -43,8 +43,7 @@ from lightflyer.film.properties import FilmProperties
 from lightflyer.flyer.disk import Disk
 from lightflyer.force.fitted import fitted
 from lightflyer.force.free_molecular import disk_conductance
-from lightflyer.numerics.horner import polynomial, polynomial_once
-from lightflyer.numerics.polynomials import hold_within, place_between
+from lightflyer.numerics.polynomials import hold_within, place_between, polynomial, polynomial_once
 
 BOUNDARY_TAC = 0.85  # Mean TAC in the table of walls
 

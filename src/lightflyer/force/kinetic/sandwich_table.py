@@ -68,8 +68,7 @@ from lightflyer.force.kinetic.walls import (
     uncertain,
     wall_fit,
 )
-from lightflyer.numerics.horner import polynomial, polynomial_once
-from lightflyer.numerics.polynomials import place_between
+from lightflyer.numerics.polynomials import place_between, polynomial, polynomial_once
 from lightflyer.numerics.special import root_sum_square
 
 HIGHEST_OPEN_FRACTION = 0.99  # Where the table ends [1]

@@ -60,8 +60,7 @@ from lightflyer.force.fitted import fitted
 from lightflyer.force.kinetic.ratios import heating_of, tacs_of
 from lightflyer.force.laws.faces import accommodated_force, maxwell_force
 from lightflyer.kinetic_theory.walls import normal_accommodation
-from lightflyer.numerics.horner import polynomial, polynomial_once
-from lightflyer.numerics.polynomials import hold_within, place_between
+from lightflyer.numerics.polynomials import hold_within, place_between, polynomial, polynomial_once
 
 _KNUDSEN_0 = 0.25  # where thin gas gives way to dense, for what is fitted only
 _NO_WALL = (

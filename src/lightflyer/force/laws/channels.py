@@ -43,7 +43,7 @@ import numpy as np
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.files.table import shipped_table
 from lightflyer.gas.molecules import coaxial_share, slot_transmission
-from lightflyer.numerics.curves import Curves
+from lightflyer.numerics.interpolation import Curves
 
 _ROOT_PI = math.sqrt(math.pi)
 _SLIP = 1.018  # viscous slip σ_P of the Shakhov equation, diffuse walls, [SharipovSeleznev1998]

@@ -17,8 +17,8 @@ import numpy as np
 from scipy.special import ndtri
 
 from lightflyer.array.records import ShortRepr
-from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import Doubt, ParameterError
 from lightflyer.core.quantity import Temperature
 from lightflyer.files.result_text import Parts, table_of

@@ -18,7 +18,7 @@ from lightflyer.calibration.points import (
     SAMPLE_PROPERTIES,
     read_points,
 )
-from lightflyer.core.arguments import reads_units
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.files.table import Table
 

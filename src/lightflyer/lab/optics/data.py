@@ -11,8 +11,8 @@ from pydantic import Field
 
 from lightflyer.array.namespace import Numeric
 from lightflyer.array.records import ShortRepr
-from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Incidence, Quantity
 from lightflyer.core.units import Measured

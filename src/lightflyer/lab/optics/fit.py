@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from lightflyer.core.arguments import reads_units
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import Doubt, ParameterError
 from lightflyer.core.text import correlation_text
 from lightflyer.files.result_text import Parts, listed, table_of

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from lightflyer.array.records import ShortRepr
-from lightflyer.core.arguments import reads_units
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length
 from lightflyer.core.units import parse, scale_and_offset

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lightflyer.core.arguments import reads_units
 from lightflyer.core.constants import PLANCK, SPEED_OF_LIGHT
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, MissingExtraError
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.files.table import read_table

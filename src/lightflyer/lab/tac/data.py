@@ -10,8 +10,8 @@ from lightflyer.array.records import ShortRepr
 from lightflyer.calibration.gauge import Gauge, end_text, rows_at_the_end
 from lightflyer.calibration.inputs import assumed_accuracies
 from lightflyer.calibration.points import copies
-from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_positive, require_range
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import (
     Distance,

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Fraction, Length
 from lightflyer.core.units import Measured

@@ -13,8 +13,8 @@ import numpy as np
 from PIL import Image, UnidentifiedImageError
 
 from lightflyer.array.records import ShortRepr
-from lightflyer.core.arguments import reads_units
 from lightflyer.core.checks import require_range
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Temperature
 from lightflyer.core.text import read_content

@@ -41,7 +41,7 @@ from lightflyer.array.records import Module
 from lightflyer.environment.base import EnvironmentState, Place, Wind
 from lightflyer.environment.planet import EARTH_PLANET
 from lightflyer.mission.areas import directions, unit_vector
-from lightflyer.numerics.spline import Spline
+from lightflyer.numerics.interpolation import Spline
 
 _LOWEST, _HIGHEST = (20e3, 0.5), (100e3, 8.0)  # Altitude [m] and temperature by gravity waves [K]
 _WAVELENGTHS = 10e3, 20e3  # Vertical, of gravity waves [m]

@@ -39,9 +39,8 @@ import numpy as np
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import Module, field
 from lightflyer.config.designs import as_design
-from lightflyer.core.arguments import reads_units, strip_labels
 from lightflyer.core.checks import is_concrete
-from lightflyer.core.entry_point import entry_point
+from lightflyer.core.entry_point import entry_point, reads_units, strip_labels
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Checked, Distance, Length
 from lightflyer.design.diagnostics import diagnose

@@ -20,8 +20,7 @@ from lightflyer.design.design import AbstractDesign
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
 from lightflyer.mission.areas import AbstractArea, describe_all, unit_vectors
-from lightflyer.mission.fleet import BATCH, Ensemble, flights_of
-from lightflyer.mission.kept import WorkFolder, describe_work
+from lightflyer.mission.fleet import BATCH, Ensemble, WorkFolder, describe_work, flights_of
 from lightflyer.mission.mission import Mission, times_of
 from lightflyer.mission.path.integration import (
     Accuracy,

@@ -1,6 +1,6 @@
 """Large numbers as people say them."""
 
-from lightflyer.cli.amounts import duration, in_words, with_prefix
+from lightflyer.cli.output import duration, in_words, with_prefix
 
 
 def test_large_numbers():

@@ -8,7 +8,7 @@ import pytest
 
 import lightflyer as lf
 import lightflyer.cli.commands
-from lightflyer.cli.lab import measure
+from lightflyer.cli import lab
 from lightflyer.cli.options import only_with
 from lightflyer.lab.commands import measurements
 
@@ -21,7 +21,7 @@ def dependent_options():
     ]
     for module, commands in [
         *modules,
-        *((name, [getattr(measure, name)]) for name in measurements()),
+        *((name, [getattr(lab, name)]) for name in measurements()),
     ]:
         for command in commands:
             for name, other in getattr(command, "needs", {}).items():

@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 
 import lightflyer as lf
 from lightflyer.array.namespace import float64
-from lightflyer.cli.commands.optimise import _write_flyer
+from lightflyer.cli.commands.studies import _write_flyer
 from lightflyer.film.optics.thickness_surrogate import ThicknessSurrogate
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import as_problem

@@ -68,18 +68,15 @@ _COMMANDS = {
     "kinetic": "Solve the kinetic equation around a hot thin disk.",
     "doctor": "Say what is installed: extras, devices, libraries, plug-ins, caches.",
 }
-_ELSEWHERE = {  # than in commands.NAME:NAME_command
-    "init": "commands.init:init",
-    "fly": "missions.fly:fly_command",
-    "spread": "missions.spread:spread_command",
-    "drift": "missions.steering:drift_command",
-    "stability": "missions.steering:stability_command",
-    "swarm": "missions.steering:swarm_command",
-    "lab": "lab:app",
+_MODULES = {  # of commands.NAME:NAME_command, where it has another name
+    "compare": "predict",
+    **dict.fromkeys(("fly", "spread", "drift", "stability", "swarm"), "missions"),
+    **dict.fromkeys(("sweep", "map", "optimise", "sensitivity"), "studies"),
 }
+_ELSEWHERE = {"init": "commands.init:init", "lab": "lab:app"}
 for _name, _help in _COMMANDS.items():
-    _where = _ELSEWHERE.get(_name, f"commands.{_name}:{_name}_command")
-    app.command(f"lightflyer.cli.{_where}", name=_name, help=_help)
+    _where = f"commands.{_MODULES.get(_name, _name)}:{_name}_command"
+    app.command(f"lightflyer.cli.{_ELSEWHERE.get(_name, _where)}", name=_name, help=_help)
 
 
 def _add_plugins(asked: str) -> None:

@@ -16,8 +16,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
-from lightflyer.cli.amounts import in_words
-from lightflyer.cli.output import printer
+from lightflyer.cli.output import in_words, printer
 
 
 class _Counted(ProgressColumn):

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import lightflyer as lf
-from lightflyer.cli.lab.measure import command_of
+from lightflyer.cli.lab import command_of
 from lightflyer.core.errors import Doubt
 from lightflyer.core.quantity import Quantity, Temperature
 from lightflyer.files.table import read_table

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.options import Json, Samples, Seed, only_with
+from lightflyer.cli.options import AS_USUAL, Json, ResultOptions, Samples, Seed, only_with
 from lightflyer.cli.output import print_json, printer, say, show
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import cell_text

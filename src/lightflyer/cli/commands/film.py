@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
-from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.options import Json
+from lightflyer.cli.options import AS_USUAL, Json, ResultOptions
 from lightflyer.cli.output import print_json, printer, show
 from lightflyer.core.atomic_files import write_netcdf
 from lightflyer.core.errors import ConfigurationError

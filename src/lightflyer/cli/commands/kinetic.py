@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.options import Json, only_with
+from lightflyer.cli.options import AS_USUAL, Json, ResultOptions, only_with
 from lightflyer.cli.output import print_json, printer, write_json
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.progress import report

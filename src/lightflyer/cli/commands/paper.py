@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from lightflyer.cli.figure_files import AS_USUAL, FigureOptions
+from lightflyer.cli.options import AS_USUAL, FigureOptions
 from lightflyer.cli.output import printer
 from lightflyer.files.result_text import table_of
 

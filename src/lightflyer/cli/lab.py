@@ -1,25 +1,27 @@
-"""Commands of the lab bench, each made from the function of a measurement.
+"""``lightflyer lab``: commands of the lab bench, each made from the function of a measurement.
 
-``from lightflyer.cli.lab.measure import ftir`` makes the command of
+``from lightflyer.cli.lab import ftir`` makes the command of
 :mod:`lightflyer.lab.commands.lab_ftir`. The function's parameters are its options, with what the
 function's docstring says of them; options of all commands are added here.
 """
 
 import inspect
+import math
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import is_dataclass
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
 
+import cyclopts
 from cyclopts import Parameter
 
-from lightflyer.cli.figure_files import AS_USUAL, ResultOptions
-from lightflyer.cli.options import Json, Seed, Whole, only_with
+from lightflyer.cli.options import AS_USUAL, Json, ResultOptions, Seed, Whole, only_with
 from lightflyer.cli.output import print_json, printer, show, write_json
 from lightflyer.files.result_text import wrap
+from lightflyer.lab.commands import measurements
 
 if TYPE_CHECKING:
     from lightflyer.lab.result import Listing, Outcome
@@ -159,3 +161,123 @@ def _update(name: str, found: "Outcome", flyer: Path, *, insist: bool) -> Sequen
 def _narrow(part: Any) -> Any:
     """A line of text in lines of a narrow terminal; tables as they are."""
     return "\n".join(map(wrap, part.splitlines())) if isinstance(part, str) else part
+
+
+_MOST_LINES = 30  # unless --quantity asks for more
+
+
+def summary_command(
+    folders: Files,
+    /,
+    *,
+    quantity: str | None = None,
+    out: Path | None = None,
+    json_output: Json = False,
+) -> None:
+    """Collect the numbers of records that other commands wrote with --out.
+
+    Parameters
+    ----------
+    folders
+        Folders of records, and of folders of them.
+    quantity
+        Quantities whose name contains this, such as "tac"; "" for all. Default: what each
+        measurement was made for.
+    out
+        Table to write, such as runs.csv.
+    json_output
+        Print one JSON object instead of a table.
+    """
+    from lightflyer.core.atomic_files import output_directory
+    from lightflyer.core.errors import ConfigurationError
+    from lightflyer.files.result_text import table_of
+    from lightflyer.lab.collection import collect_records, table_text
+    from lightflyer.lab.optics.fit import in_display_unit
+
+    def interval(one: Any) -> str:
+        low, high = one.interval
+        if math.isinf(low) and math.isinf(high):
+            return "unknown"
+        return one.interval_text() if math.isfinite(low) else f"below {high:.4g}"
+
+    entries = collect_records(folders)
+    names = sorted({one.quantity for one in entries})
+    found = len(entries)
+    entries = [
+        one
+        for one in entries
+        if (one.is_headline or out is not None or json_output if quantity is None
+            else quantity in one.quantity or quantity in one.name)
+    ]  # fmt: skip
+    if not entries:
+        raise ConfigurationError(f"no quantity contains {quantity}; found: {'; '.join(names)}")
+    if out is not None and out.is_dir():
+        raise ConfigurationError(f"{out}: is a folder; name a table, such as {out / 'runs.csv'}")
+    if out is not None:
+        with output_directory(out.parent, shared=True) as stage:
+            stage(out.name).write_text(table_text(entries), encoding="utf-8")
+    if json_output:
+        print_json({"records": [
+            {"folder": one.folder, "command": one.command, "quantity": one.quantity}
+            | one.estimate.to_json()
+            | {"warnings": one.warnings}
+            for one in entries
+        ]})  # fmt: skip
+        return
+    shown = entries if quantity is not None else entries[:_MOST_LINES]
+    headings = ("folder", "command", "quantity", "value", "95 % interval", "unit", "warnings")
+    rows = (
+        (
+            one.folder, one.command, one.name, f"{number.value:.4g}",
+            interval(number), number.unit or "1", str(one.warnings),
+        )
+        for one, number in ((one, in_display_unit(one.estimate)) for one in shown)
+    )  # fmt: skip
+    console = printer()
+    console.print(table_of(headings, rows, left=(0, 1, 2, 4, 5)))
+    if len(shown) < found and quantity is None:
+        console.print(f'and {found - len(shown)} more numbers, with --quantity ""')
+    if out is not None:
+        console.print(f"wrote {out}", markup=False, soft_wrap=True)
+
+
+def example_command(name: str, /, *, out: Path = Path("."), seed: Seed = 0) -> None:
+    """Write synthetic raw files to try a command with, each labelled as synthetic.
+
+    Parameters
+    ----------
+    name
+        Measurement.
+    out
+        Folder to write into.
+    seed
+        Seed of the noise.
+    """
+    from lightflyer.core.atomic_files import output_directory
+    from lightflyer.lab.synthetic import example_files
+
+    files = example_files(name, seed)
+    with output_directory(out) as stage:
+        for file, content in files.files.items():
+            if isinstance(content, bytes):
+                stage(file).write_bytes(content)
+            else:
+                stage(file).write_text(content, encoding="utf-8")
+    console = printer()
+    for file in files.files:
+        console.print(f"wrote {out / file}", soft_wrap=True)
+    for command in files.commands:
+        console.print(f"next: lightflyer lab {command}", soft_wrap=True)
+
+
+example_command.__annotations__["name"] = Literal[*measurements()]
+
+app = cyclopts.App(
+    name="lab", help="Reduce raw measurements to numbers with intervals, figures and records."
+)
+for _name, _about in measurements().items():
+    app.command(f"lightflyer.cli.lab:{_name}", name=_name, help=_about)
+app.command(summary_command, name="summary", help="The numbers of many records in one table.")
+app.command(
+    example_command, name="example", help="Write synthetic raw files to try a command with."
+)

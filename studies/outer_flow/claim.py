@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.force.laws.disk_gas import CREEPING, through_flow_force
-from lightflyer.force.schafer2025 import rarefaction
+from lightflyer.force.perforated import rarefaction
 from lightflyer.gas import mean_free_path
 
 ALTITUDE = 25e3  # [m]

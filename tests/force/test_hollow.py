@@ -240,7 +240,7 @@ def test_own_errors_of_the_model(name, scatter):
             name
         ]
         assert lowest < force - 1.0 < highest
-    assert lf.force.pumps.hollow_pump._SCATTER._asdict()[name] == scatter
+    assert lf.force.pumps.celenza2023._SCATTER._asdict()[name] == scatter
 
 
 def test_published_force_has_no_buoyancy():

@@ -10,7 +10,7 @@ from scipy.optimize import fsolve
 import lightflyer as lf
 from lightflyer.array import tree
 from lightflyer.force.laws.faces import accommodation_between, gap_conductance
-from lightflyer.force.schafer2025 import internal_factors, perforated_disk_fit, rarefaction
+from lightflyer.force.perforated import internal_factors, perforated_disk_fit, rarefaction
 from lightflyer.statics.equations import FlightEquations
 
 MODEL, WIDE = lf.Schafer2025(), lf.Schafer2025(transmission="wide")

@@ -34,7 +34,7 @@ from lightflyer.force.laws.faces import (
     free_molecular_conductance,
     passage,
 )
-from lightflyer.force.schafer2025 import (
+from lightflyer.force.perforated import (
     between_membranes,
     rarefaction_of,
     sandwich_ranges,

@@ -45,7 +45,7 @@ from lightflyer.force.laws.faces import (
     gap_conductance,
     in_series,
 )
-from lightflyer.force.schafer2025 import internal_factors
+from lightflyer.force.perforated import internal_factors
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.molecules import slot_transmission
 

@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from lightflyer.array.records import ShortRepr
-from lightflyer.core.entry_point import reads_units
 from lightflyer.core.checks import require_range
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, Doubt, ParameterError
 from lightflyer.core.quantity import Pressure, Quantity
 from lightflyer.files.table import read_table

@@ -19,8 +19,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from lightflyer.calibration.points import Points
-from lightflyer.core.entry_point import reads_units
 from lightflyer.core.checks import require_range
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError, ParameterWarning
 from lightflyer.core.quantity import Fraction, Quantity
 from lightflyer.design.design import AbstractDesign, ObjectDesign

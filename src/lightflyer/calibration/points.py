@@ -16,8 +16,8 @@ import numpy as np
 
 from lightflyer.array.records import ShortRepr
 from lightflyer.calibration.gauge import CENTRE, UNIFORM_SPREAD, Gauge, require_step
-from lightflyer.core.entry_point import reads_units
 from lightflyer.core.checks import require_positive
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, Doubt, ParameterError
 from lightflyer.core.quantity import (
     AccommodationCoefficient,

@@ -22,8 +22,7 @@ from lightflyer.drag.disk import (
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import Alternative
-from lightflyer.film.properties import FilmProperties, lowest_limit
-from lightflyer.film.section import FilmSection
+from lightflyer.film.properties import FilmProperties, FilmSection, lowest_limit
 from lightflyer.flyer.hanging import THREE_POINTS, Hanging, Held
 from lightflyer.flyer.shape import Bent, Shape
 

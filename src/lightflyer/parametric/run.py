@@ -27,8 +27,7 @@ from lightflyer.design.design import AbstractDesign, Field
 from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.study.axes import Axis, require
-from lightflyer.study.axes import SAMPLES
+from lightflyer.study.axes import SAMPLES, Axis, require
 from lightflyer.study.sections import SamplingSection, from_arguments
 from lightflyer.study.study import Dimension, Study, assemble_study, read_entries
 

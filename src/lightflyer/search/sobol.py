@@ -37,8 +37,7 @@ from lightflyer.search.sobol_estimates import (
     indices_with_intervals,
     measured_differences,
 )
-from lightflyer.study.axes import Axis, read_entry
-from lightflyer.study.axes import SAMPLE, Distribution, stated_distributions
+from lightflyer.study.axes import SAMPLE, Axis, Distribution, read_entry, stated_distributions
 from lightflyer.study.sections import SensitivitySection, from_arguments
 from lightflyer.study.study import (
     Dimension,

@@ -15,7 +15,7 @@ from lightflyer.core.units import Measured
 from lightflyer.design.design import AbstractDesign, Field
 from lightflyer.environment.section import warn_of_kilometres
 from lightflyer.numerics.correlation import Correlations
-from lightflyer.uncertainty.correlation import correlate
+from lightflyer.uncertainty.inputs import correlate
 
 SAMPLE = "sample"  # Dimension along which all distributions are drawn together
 

@@ -22,13 +22,14 @@ from lightflyer.environment.base import Coordinate
 from lightflyer.prediction.evaluator import (
     Found,
     Names,
+    Place,
+    Table,
     Tabulate,
     coolness,
     find_edges_and_optima,
     find_usable,
     widest_of,
 )
-from lightflyer.prediction.evaluator import Place, Table
 from lightflyer.prediction.prediction import Prediction
 from lightflyer.statics.grid_refinement import crossing, rows_around
 from lightflyer.statics.sinking import night_change, night_length, night_places

@@ -206,7 +206,7 @@ def compare_command(
     """
     out = figures.folder(out)
     from lightflyer.comparison.comparison import compare
-    from lightflyer.comparison.tables import to_dataset, write_csv
+    from lightflyer.comparison.text import to_dataset, write_csv
     from lightflyer.config.reader import read_flyer_file
 
     for path in flyer_files:

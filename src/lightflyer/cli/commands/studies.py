@@ -57,7 +57,7 @@ def sweep_command(
     json_output
         Print one JSON object instead of tables.
     """
-    from lightflyer.compute.chunks import CHUNK
+    from lightflyer.compute.evaluation import CHUNK
     from lightflyer.parametric.run import open_sweep, sweep_into
     from lightflyer.study.study import read_study
 
@@ -214,8 +214,8 @@ def map_command(
     figures.folder(out)
     from lightflyer.files.display_units import amount
     from lightflyer.parametric.explore import choose_slice, find_name
+    from lightflyer.parametric.figures import map_parts
     from lightflyer.parametric.run import open_sweep
-    from lightflyer.parametric.text import map_parts
 
     dataset = open_sweep(results)
     output = find_name(dataset, value, among="outputs")

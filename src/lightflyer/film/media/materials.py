@@ -16,17 +16,16 @@ from numpy.typing import ArrayLike
 
 from lightflyer.array.namespace import Numeric
 from lightflyer.array.records import field
-from lightflyer.core.entry_point import reads_units
 from lightflyer.core.checks import require_range
 from lightflyer.core.constants import PLANCK, SPEED_OF_LIGHT
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.extras import extra
 from lightflyer.core.quantity import Density, Length, Quantity
 from lightflyer.core.text import read_content
 from lightflyer.core.units import Measured
-from lightflyer.files.table_file import plain_text
 from lightflyer.files.table import Table, read_columns, read_table
-from lightflyer.files.table_file import Lines, read_lines
+from lightflyer.files.table_file import Lines, plain_text, read_lines
 from lightflyer.files.table_layout import Column
 from lightflyer.film.media.medium import GIVEN, MICROMETRE, DataMedium, Extrapolation
 

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from lightflyer.array.namespace import Numeric
 from lightflyer.array.records import Module, field, short_repr
-from lightflyer.core.entry_point import reads_units
 from lightflyer.core.checks import is_traced, require_positive, require_range
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.files.table import Table, read_table

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 
 from lightflyer.array.records import ShortRepr
-from lightflyer.core.entry_point import reads_units
 from lightflyer.core.checks import require_positive, require_range
 from lightflyer.core.constants import STEFAN_BOLTZMANN
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.core.units import Measured

@@ -10,7 +10,6 @@ from cyclopts import Parameter
 
 from lightflyer.cli.options import AS_USUAL, Json, ResultOptions, coordinate_range
 from lightflyer.cli.output import print_json, printer, say, show
-from lightflyer.core.atomic_files import write_netcdf
 from lightflyer.core.errors import named
 from lightflyer.files.quantities import exact
 
@@ -143,6 +142,7 @@ def spread_command(
         How figures are written.
     """
     asked, out = out, figures.folder(out)
+    from lightflyer.core.atomic_files import write_netcdf
     from lightflyer.mission.mission_file import read_mission_file
     from lightflyer.mission.report.figures import plot_spread
     from lightflyer.mission.report.summary import summarise
@@ -197,6 +197,7 @@ class AltitudeOptions(ResultOptions):
         name = told.partition(" ")[0]
         out = self.folder(self.out)
         from lightflyer.config.reader import read_design
+        from lightflyer.core.atomic_files import write_netcdf
         from lightflyer.mission.report.figures import plot_over_altitude
         from lightflyer.mission.swarms.over_altitude import summary_of, table_parts, write_csv
 

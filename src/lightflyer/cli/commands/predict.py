@@ -17,7 +17,6 @@ from lightflyer.cli.options import (
     coordinate_range,
 )
 from lightflyer.cli.output import print_json, printer, say, show, write_json
-from lightflyer.core.atomic_files import write_netcdf
 from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -208,6 +207,7 @@ def compare_command(
     from lightflyer.comparison.comparison import compare
     from lightflyer.comparison.text import to_dataset, write_csv
     from lightflyer.config.reader import read_flyer_file
+    from lightflyer.core.atomic_files import write_netcdf
 
     for path in flyer_files:
         read_flyer_file(path)  # every mistake in a file is told before anything is computed

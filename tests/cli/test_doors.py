@@ -159,8 +159,8 @@ def test_netcdf_is_written_by_nothing_else():
     sources = Path(lf.__file__).parent.rglob("*.py")
     texts = {path.name: path.read_text(encoding="utf-8") for path in sources}
     written = [name for name, text in texts.items() if ".to_netcdf(" in text]
-    assert sorted(written) == ["atomic_files.py", "downloads.py", "layouts.py"]  # the last advises
-    assert '.to_netcdf(engine="h5netcdf")' in texts["downloads.py"]  # into memory
+    assert sorted(written) == ["atomic_files.py", "editing.py", "layouts.py"]  # the last advises
+    assert '.to_netcdf(engine="h5netcdf")' in texts["editing.py"]  # into memory
 
 
 def test_a_report_that_cannot_be_written_is_told_first(refuses, flyer_file, tmp_path, monkeypatch):

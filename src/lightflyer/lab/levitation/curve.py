@@ -20,8 +20,8 @@ from lightflyer.calibration.gauge import CENTRE, found_step, require_step
 from lightflyer.calibration.inputs import INSTRUMENTS, instruments, target_of
 from lightflyer.calibration.points import LEAST_PROBABILITY, Points, doubts, log_uncertainty
 from lightflyer.config.designs import as_design
-from lightflyer.core.entry_point import reads_units
 from lightflyer.core.checks import require_range
+from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, Doubt
 from lightflyer.core.quantity import Fraction, Irradiance
 from lightflyer.design.setup import Setup

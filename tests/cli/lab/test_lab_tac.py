@@ -191,14 +191,14 @@ def test_another_gas_of_the_flyer_file_is_told(examples, lab_prints, lab_refuses
 HEADER = "pressure [Pa],heater_power [W],heater_temperature [K],ambient_temperature [K]\n"
 
 
-def rows(lowest, highest, count=20, noise=0.02, heater=323.0, ambient=295.0, factor=1.0):
+def rows(lowest, highest, count=20, noise=0.02):
     """Text of a run by the kinetic reading."""
     pressure = np.geomspace(lowest, highest, count)
     same = np.full(count, 323.0), np.full(count, 295.0)
-    power = factor * heater_power(pressure, *same, 0.75, 1.22, 4.09)
+    power = heater_power(pressure, *same, 0.75, 1.22, 4.09)
     power *= 1.0 + noise * np.random.default_rng(3).normal(size=count)
     return HEADER + "".join(
-        f"{p:.6g},{w:.6g},{heater},{ambient}\n" for p, w in zip(pressure, power, strict=True)
+        f"{p:.6g},{w:.6g},323.0,295.0\n" for p, w in zip(pressure, power, strict=True)
     )
 
 
@@ -260,8 +260,6 @@ def test_repeated_fragment_is_left_out_and_named(folder, lab_prints):
         (HEADER + "1,1,320,295\n", ["--power-accuracy=-1 %"], "--power-accuracy = -0.01 is not"),
         (HEADER + "1,1,320,295\n", ["--wall", "0 cm"], "--wall"),
         (HEADER + "1,1,320,295\n", ["--wall", "9 cm", "--reading", "printed"], "--wall is for"),
-        (rows(1e-3, 200.0, heater=50, ambient=20), [], "raw.csv:2: heater_temperature = 50 K"),
-        (rows(1e-3, 200.0, factor=1e3), [], "raw.csv: area ratio 1"),
     ],
 )
 def test_bad_input(folder, lab, text, arguments, says):

@@ -10,7 +10,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from lightflyer.files import drawing
 from lightflyer.files.palette import GREY, PALETTE
 from lightflyer.film.media.medium import MICROMETRE
-from lightflyer.lab.optics.ellipsometry import ORDINATES
+from lightflyer.lab.optics.data import ORDINATES
 
 if TYPE_CHECKING:
     from lightflyer.lab.optics.fit import FittedSpectrum, OpticsFit

@@ -18,8 +18,7 @@ from lightflyer.array.namespace import Numeric, by_numpy
 from lightflyer.core.errors import ParameterError
 from lightflyer.film.optics.stack import Film
 from lightflyer.lab.estimate import point_noise
-from lightflyer.lab.optics.data import FilmSpectrum, FreeNumber, OpticsSample
-from lightflyer.lab.optics.ellipsometry import ORDINATES
+from lightflyer.lab.optics.data import ORDINATES, FilmSpectrum, FreeNumber, OpticsSample
 
 LEAST_ERROR = 1e-4  # Least standard error of a point [1]: no photometer is better
 

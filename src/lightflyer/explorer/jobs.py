@@ -5,7 +5,7 @@ its figure with what a reader must know.
 """
 
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -34,7 +34,6 @@ from lightflyer.mission.areas import describe_place
 from lightflyer.mission.report.figures import MOST_LINES, map_view, shores
 from lightflyer.mission.report.summary import day_and_night
 from lightflyer.prediction.evaluator import Evaluator
-from lightflyer.prediction.prediction import Prediction
 
 STEP = 1e-3
 """Relative change of a number in central differences; their error is of the order of its square."""
@@ -264,12 +263,6 @@ def sensitivity(workplace: Workplace, document: Document, choices: Choices) -> d
         low, high = (float(Evaluator(design.build({name: end}))(at)[output][0]) for end in ends)
         if low > 0.0 and high > 0.0 and np.isfinite(low * high):
             found[name] = float(np.log(high / low) / np.log(ends[1] / ends[0]))
-    return _bars(found, prediction, place.coordinate, output)
-
-
-def _bars(
-    found: Mapping[str, float], prediction: Prediction, place: float, output: str
-) -> dict[str, Any]:
     where = prediction.coordinate
     felt = {name: value for name, value in found.items() if abs(value) > _SMALL}
     names = sorted(felt, key=lambda name: abs(felt[name]))[-_MOST_BARS:]
@@ -277,7 +270,7 @@ def _bars(
     reach = float(np.abs(values).max(initial=0.1)) * 1.1
     labels = [words_of(name) for name in names]
     texts = [f"{value:+.3g} % for +1 %" for value in values]
-    at = f"{place * coordinate_factor(where):.4g} {where.shown_unit}"
+    best = f"{place.coordinate * coordinate_factor(where):.4g} {where.shown_unit}"
     largest = ", ".join(
         f"{label} {text}" for label, text in list(zip(labels, texts, strict=True))[:-4:-1]
     )
@@ -294,10 +287,10 @@ def _bars(
         y=(0.0, 1.0),
         labels=(f"change of the {SENSITIVE[output]} [%] for +1 % of", ""),
         legend=(view.Line("grows with it", MORE, "area"), view.Line("falls", LESS, "area")),
-        words=f"Sensitivity of the {SENSITIVE[output]} at {at}: {largest}. By central differences "
-        f"of {100.0 * STEP:g} %.",
+        words=f"Sensitivity of the {SENSITIVE[output]} at {best}: {largest}. By central "
+        f"differences of {100.0 * STEP:g} %.",
         factors=labels,
-        elasticities=dict(found),
+        elasticities=found,
         outputs=SENSITIVE,
         output=output,
     )

@@ -1,6 +1,6 @@
 """The map of payload over a number of the design and altitude, with its optimum."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -75,7 +75,60 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
         columns.append(_usable_payload(moved, coordinates))
     payload = np.stack(columns)
     best = _refine(design, over, values, coordinates, payload)
-    return _map_data(design, over, known, values, coordinates, payload, best, (below, above))
+    where = design.setup.environment.coordinate
+    unit = _shown_unit(known[over].unit, values)
+    across = scale_and_offset(known[over].unit, unit)[0]
+    scales = _Scales(
+        across, unit, coordinate_factor(where), *OUTPUTS["payload"].display_unit_for(best[2])
+    )
+    cells = _cells(values, coordinates, payload, scales, logarithmic=where.logarithmic)
+    own = float(design.number(over) or 0.0), prediction_of(design).best.coordinate
+    places = {
+        name: {"x": np.array([place[0] * across]), "y": np.array([place[1] * scales.up])}
+        for name, place in (("best", best), ("here", own))
+    }
+    # what the optimum's reader must know; elsewhere on the map nobody has looked
+    optimum, at_best = design.build({over: best[0]}), np.array([best[1]])
+    table = Evaluator(optimum)(at_best)
+    found = (
+        *diagnose_force(optimum.flyer, table),
+        *diagnose_at(optimum, at_best, table["temperature"]),
+    )
+    return view.figure_data(
+        {"cells": cells, **places},
+        x=(float(cells["left"][0]), float(cells["right"][-1])),
+        y=(float(cells["bottom"][0]), float(cells["top"][-1])),
+        labels=(f"{words_of(over)}{f' [{pretty_unit(unit)}]' if unit else ''}",
+                view.axis_label(where)),
+        colours={"low": 0.0, "high": max(best[2] * scales.payload, _LEAST)},
+        words=_words_of_optimum(best, values, (below, above), scales, where),
+        warnings=[
+            *(f"at the optimum: {text}" for text in found),
+            "whether models are within their range is checked at the optimum only",
+            *(f"the map ends where no flyer can be built: {text}"
+              for text in (below, above) if text),
+        ],
+        numbers=list(known),
+        over=over,
+        shown=scales.payload_unit,
+        unit=unit,
+        place_unit=where.shown_unit,
+        logarithmic=where.logarithmic,
+        best=list(best),
+        across=across,
+        up=scales.up,
+        legend=(
+            view.Line(f"colour: largest payload that the film survives [{scales.payload_unit}]",
+                      BLUE, "area"),
+            view.Line("star: optimum", ORANGE, "star"),
+            view.Line("cross: this design", VERMILION, "cross"),
+        ),
+        tips=[
+            (words_of(over), f"@x{{0.0000}} {unit}"),
+            (where.name, f"@y{{0.00}} {where.shown_unit}"),
+            ("payload", f"@value{{0.0000}} {scales.payload_unit}"),
+        ],
+    )  # fmt: skip
 
 
 def _usable_payload(setup: Setup, coordinates: np.ndarray) -> np.ndarray:
@@ -160,53 +213,6 @@ class _Scales(NamedTuple):
     payload_unit: str
 
 
-def _map_data(
-    design: FileDesign,
-    over: str,
-    known: Mapping[str, Quantity],
-    values: np.ndarray,
-    coordinates: np.ndarray,
-    payload: np.ndarray,
-    best: tuple[float, float, float],
-    limits: tuple[str, str],
-) -> dict[str, Any]:
-    where = design.setup.environment.coordinate
-    unit = _shown_unit(known[over].unit, values)
-    across = scale_and_offset(known[over].unit, unit)[0]
-    scales = _Scales(
-        across, unit, coordinate_factor(where), *OUTPUTS["payload"].display_unit_for(best[2])
-    )
-    cells = _cells(values, coordinates, payload, scales, logarithmic=where.logarithmic)
-    own = float(design.number(over) or 0.0), prediction_of(design).best.coordinate
-    marked = {"best": best, "here": own}
-    places = {
-        name: {"x": np.array([place[0] * across]), "y": np.array([place[1] * scales.up])}
-        for name, place in marked.items()
-    }
-    return view.figure_data(
-        {"cells": cells, **places},
-        x=(float(cells["left"][0]), float(cells["right"][-1])),
-        y=(float(cells["bottom"][0]), float(cells["top"][-1])),
-        labels=(f"{words_of(over)}{_bracket(unit)}", view.axis_label(where)),
-        colours={"low": 0.0, "high": max(best[2] * scales.payload, _LEAST)},
-        words=_words_of_optimum(best, values, limits, scales, where),
-        warnings=[
-            *_warnings_at(design.build({over: best[0]}), best[1]),
-            *(f"the map ends where no flyer can be built: {text}" for text in limits if text),
-        ],
-        numbers=list(known),
-        over=over,
-        shown=scales.payload_unit,
-        unit=unit,
-        place_unit=where.shown_unit,
-        logarithmic=where.logarithmic,
-        best=list(best),
-        across=across,
-        up=scales.up,
-        **_explain(over, scales, where),
-    )
-
-
 def _cells(
     values: np.ndarray,
     coordinates: np.ndarray,
@@ -254,39 +260,6 @@ def _words_of_optimum(
     return words
 
 
-def _warnings_at(setup: Setup, place: float) -> list[str]:
-    """What the optimum's reader must know; elsewhere on the map nobody has looked."""
-    table = Evaluator(setup)(np.array([place]))
-    found = (
-        *diagnose_force(setup.flyer, table),
-        *diagnose_at(setup, np.array([place]), table["temperature"]),
-    )
-    return [
-        *(f"at the optimum: {text}" for text in found),
-        "whether models are within their range is checked at the optimum only",
-    ]
-
-
-def _explain(over: str, scales: _Scales, where: Coordinate) -> dict[str, Any]:
-    """Legend, and what stands below the pointer."""
-    return {
-        "legend": (
-            view.Line(
-                f"colour: largest payload that the film survives [{scales.payload_unit}]",
-                BLUE,
-                "area",
-            ),
-            view.Line("star: optimum", ORANGE, "star"),
-            view.Line("cross: this design", VERMILION, "cross"),
-        ),
-        "tips": [
-            (words_of(over), f"@x{{0.0000}} {scales.unit}"),
-            (where.name, f"@y{{0.00}} {where.shown_unit}"),
-            ("payload", f"@value{{0.0000}} {scales.payload_unit}"),
-        ],
-    }
-
-
 def _edges(centres: np.ndarray) -> np.ndarray:
     """Edges of cells around evenly spaced centres."""
     half = 0.5 * (centres[1] - centres[0])
@@ -307,7 +280,3 @@ def _shown_unit(unit: str, values: np.ndarray) -> str:
 def words_of(name: str) -> str:
     """Name of a number in words."""
     return name.replace(".", " ").replace("_", " ")
-
-
-def _bracket(unit: str) -> str:
-    return f" [{pretty_unit(unit)}]" if unit else ""

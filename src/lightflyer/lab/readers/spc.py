@@ -140,25 +140,17 @@ def _curves(source: Source, header: _Header) -> Iterator[tuple[np.ndarray, np.nd
         at += _SUB_SIZE
         if with_x:
             x, at = _take(source, at, order + "f4", points)
-        y, at = _values(source, header, at, exponent, points)
-        yield x.astype(float), y, at
-
-
-def _values(
-    source: Source, header: _Header, at: int, exponent: int, points: int
-) -> tuple[np.ndarray, int]:
-    order = "<" if header.order == "old" else header.order
-    if exponent == _FLOATS:
-        y, at = _take(source, at, order + "f4", points)
-        return y.astype(float), at
-    bits = 16 if header.flags & _SHORT else 32
-    if header.order == "old" and bits == 32:  # the words of an integer are exchanged
-        pairs, at = _take(source, at, "<u2", 2 * points)
-        words = pairs.astype(np.uint32).reshape(-1, 2)
-        y = ((words[:, 0] << 16) | words[:, 1]).astype(np.int32)
-    else:
-        y, at = _take(source, at, f"{order}i{bits // 8}", points)
-    return np.ldexp(y.astype(float), exponent - bits), at
+        bits = 16 if header.flags & _SHORT else 32
+        if exponent == _FLOATS:
+            y, at = _take(source, at, order + "f4", points)
+        elif header.order == "old" and bits == 32:  # the words of an integer are exchanged
+            pairs, at = _take(source, at, "<u2", 2 * points)
+            words = pairs.astype(np.uint32).reshape(-1, 2)
+            y = ((words[:, 0] << 16) | words[:, 1]).astype(np.int32)
+        else:
+            y, at = _take(source, at, f"{order}i{bits // 8}", points)
+        y = y.astype(float)
+        yield x.astype(float), y if exponent == _FLOATS else np.ldexp(y, exponent - bits), at
 
 
 def _take(source: Source, at: int, kind: str, count: int) -> tuple[np.ndarray, int]:
